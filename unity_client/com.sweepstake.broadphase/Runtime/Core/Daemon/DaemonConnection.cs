@@ -1,0 +1,256 @@
+#nullable enable
+using System;
+using System.Threading;
+using System.Threading.Tasks;
+using Sweepstake.LowLevel;
+
+namespace Sweepstake
+{
+    /// <summary>
+    /// Connects a session to a daemon: moves the bytes of the native link over a transport on a thread of its own. Batches, sending again,
+    /// back-off, resuming and the orders to the frame path are the link's. The frame thread never meets it: without a daemon, with a slow or
+    /// a killed one, the game plays on, and it connects again by itself. Make and dispose of it while no frame runs.
+    /// </summary>
+    public sealed unsafe class DaemonConnection : SessionWork
+    {
+        private const int TickMs = 5;
+        private const uint Never = uint.MaxValue;
+        private const uint MinBufferBytes = 8 * 1024;
+
+        private readonly ITelemetryTransport transport;
+        private readonly LinkMirror mirror = new LinkMirror();
+        private readonly Action<Task> wakeAfter;
+        private IntPtr link;
+        private byte[] buffer;
+        private volatile ConnectionStatus status = ConnectionStatus.Initial;
+
+        /// <param name="transport">Disposed of when the connection has ended.</param>
+        /// <param name="options">Null: the defaults.</param>
+        /// <exception cref="SweepstakeException">The session has a decider or a connection, or a value is out of its range.</exception>
+        public DaemonConnection(BroadPhaseSession session, ITelemetryTransport transport, LinkOptions? options = null)
+            : base(session)
+        {
+            this.transport = transport ?? throw new ArgumentNullException(nameof(transport));
+            wakeAfter = _ => Wake();
+            using (var memory = new CallMemory())
+            {
+                NativeLinkOptions native = (options ?? new LinkOptions()).With(memory);
+                IntPtr made;
+                Native.Check(NativeMethods.swp_link_create(session.Pointer, &native, &made));
+                link = made;
+                buffer = new byte[Math.Max(native.BatchBytes, MinBufferBytes)];
+            }
+            Start("sweepstake link");
+        }
+
+        /// <summary>
+        /// The latest status, which is another object whenever something has changed. Any thread; a game may read it each frame.
+        /// </summary>
+        public ConnectionStatus Status => status;
+
+        private protected override void Serve()
+        {
+            try
+            {
+                uint delayMs = 0;
+                while (WaitForStream(delayMs))
+                    delayMs = ServeStream();
+            }
+            finally
+            {
+                transport.Dispose();
+            }
+        }
+
+        private protected override void BeginNativeStop(ulong endNs)
+        {
+            // The stream is cancelled at the deadline, and the thread has a fifth of the time to see it.
+            ulong nowNs = SteadyClock.NowNs;
+            NativeMethods.swp_link_goodbye(link, nowNs + (endNs > nowNs ? (endNs - nowNs) / 5 * 4 : 0));
+        }
+
+        private protected override void CloseNative()
+        {
+            PublishLast();
+            NativeMethods.swp_link_destroy(link);
+            link = IntPtr.Zero;
+        }
+
+        /// <summary>Passes the time until the next stream; false: there is none.</summary>
+        private bool WaitForStream(uint delayMs)
+        {
+            ulong dueNs = delayMs == Never ? 0 : SteadyClock.NowNs + delayMs * 1_000_000UL;
+            while (delayMs != Never && !IsOver(NextAction(false, out _)))
+            {
+                ulong nowNs = SteadyClock.NowNs;
+                if (nowNs >= dueNs)
+                    return true;
+                Sleep((int)Math.Min(TickMs, (dueNs - nowNs) / 1_000_000 + 1));
+            }
+            return false;
+        }
+
+        private bool IsOver(LinkAction action) => action == LinkAction.Cancel || status.State == LinkState.Closed;
+
+        /// <summary>Opens a stream and serves it to its end; returns the delay before the next one.</summary>
+        private uint ServeStream()
+        {
+            ITelemetryStream stream;
+            try
+            {
+                stream = transport.Open();
+            }
+            catch (Exception refused)
+            {
+                return Disconnected(new StreamEnd(StreamEnd.InvalidArgument, refused.Message));
+            }
+            using (stream)
+            {
+                Connected();
+                return Disconnected(MoveBytes(stream));
+            }
+        }
+
+        private StreamEnd MoveBytes(ITelemetryStream stream)
+        {
+            Task<byte[]?> read = Watched(stream.ReadAsync());
+            Task write = Task.CompletedTask;
+            bool isFinishing = false;
+            while (true)
+            {
+                for (; read.IsCompleted; read = Watched(stream.ReadAsync()))
+                {
+                    byte[]? message = ResultOf(read);
+                    if (message == null)
+                        return stream.End;
+                    OnMessage(message);
+                }
+                LinkAction action = NextAction(write.IsCompleted && !write.IsFaulted, out int size);
+                if (action == LinkAction.Cancel)
+                    return new StreamEnd(StreamEnd.Cancelled, "");
+                if (action == LinkAction.Send)
+                    write = Watched(stream.WriteAsync(new ArraySegment<byte>(buffer, 0, size)));
+                isFinishing |= action == LinkAction.Finish;
+                if (isFinishing && write.IsCompletedSuccessfully)
+                {
+                    write = Watched(stream.FinishAsync());
+                    isFinishing = false;
+                }
+                if (action != LinkAction.Send)
+                    Sleep(TickMs);
+            }
+        }
+
+        private static byte[]? ResultOf(Task<byte[]?> read) => read.IsCompletedSuccessfully ? read.Result : null;
+
+        private TTask Watched<TTask>(TTask task)
+            where TTask : Task
+        {
+            if (!task.IsCompleted)
+                task.ContinueWith(wakeAfter, CancellationToken.None, TaskContinuationOptions.ExecuteSynchronously, TaskScheduler.Default);
+            return task;
+        }
+
+        /// <summary>What to do; with Send the message is in the buffer. Cancel once this is closed.</summary>
+        private LinkAction NextAction(bool canWrite, out int size)
+        {
+            lock (Gate)
+            {
+                size = 0;
+                if (IsClosed)
+                    return LinkAction.Cancel;
+                LinkAction action = canWrite ? NextMessage(out size) : PeekAction();
+                Publish(false);
+                return action;
+            }
+        }
+
+        private LinkAction PeekAction()
+        {
+            ulong bytes;
+            LinkAction action = LinkAction.None;
+            ResultCode result = NativeMethods.swp_link_next_message(link, SteadyClock.NowNs, null, 0, &bytes, &action);
+            if (result != ResultCode.ResourceExhausted)
+                Native.Check(result);
+            return action == LinkAction.Send ? LinkAction.None : action;
+        }
+
+        private LinkAction NextMessage(out int size)
+        {
+            ulong bytes;
+            LinkAction action = LinkAction.None;
+            ulong nowNs = SteadyClock.NowNs;
+            ResultCode result;
+            fixed (byte* start = buffer)
+                result = NativeMethods.swp_link_next_message(link, nowNs, start, (ulong)buffer.Length, &bytes, &action);
+            if (result == ResultCode.ResourceExhausted)
+            {
+                buffer = new byte[checked((int)bytes)];
+                return NextMessage(out size);
+            }
+            Native.Check(result);
+            size = (int)bytes;
+            return action;
+        }
+
+        private void Connected()
+        {
+            lock (Gate)
+            {
+                if (IsClosed)
+                    return;
+                Native.Check(NativeMethods.swp_link_connected(link, SteadyClock.NowNs));
+                Publish(true);
+            }
+        }
+
+        private void OnMessage(byte[] message)
+        {
+            lock (Gate)
+            {
+                if (IsClosed)
+                    return;
+                ResultCode result;
+                fixed (byte* start = message)
+                    result = NativeMethods.swp_link_on_message(link, start, (ulong)message.Length, SteadyClock.NowNs);
+                // What is no message ends the stream by the next action.
+                if (result != ResultCode.DataLoss)
+                    Native.Check(result);
+                Publish(true);
+            }
+        }
+
+        private uint Disconnected(StreamEnd end)
+        {
+            lock (Gate)
+            {
+                if (IsClosed)
+                    return Never;
+                uint delayMs;
+                using var memory = new CallMemory();
+                Native.Check(NativeMethods.swp_link_disconnected(
+                    link, end.Code, memory.Text(end.Message), memory.Pin(end.Details), (ulong)(end.Details?.Length ?? 0), SteadyClock.NowNs, &delayMs));
+                Publish(true);
+                return delayMs;
+            }
+        }
+
+        private void Publish(bool hasNews)
+        {
+            status = mirror.Read(link, status, hasNews);
+        }
+
+        private void PublishLast()
+        {
+            try
+            {
+                Publish(true);
+            }
+            catch (SweepstakeException)
+            {
+                // Shut down beside it; the link says nothing any more.
+            }
+            status = LinkMirror.Closed(status);
+        }
+    }
+}

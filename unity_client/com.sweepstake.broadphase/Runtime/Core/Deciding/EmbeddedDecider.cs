@@ -1,0 +1,135 @@
+#nullable enable
+using System;
+using Sweepstake.LowLevel;
+
+namespace Sweepstake
+{
+    /// <summary>
+    /// "AI Decides" without a daemon: decides in this process, on a thread of its own that polls every 100 ms, or where the game polls.
+    /// Nothing leaves the machine. Make and dispose of it while no frame runs.
+    /// </summary>
+    public sealed unsafe class EmbeddedDecider : SessionWork
+    {
+        private const int PollIntervalMs = 100;
+
+        /// <param name="options">Null: the defaults.</param>
+        /// <param name="ownThread">False: the game calls <see cref="Poll"/> every 250 ms or more often, from wherever it has time.</param>
+        /// <exception cref="SweepstakeException">
+        /// The session has a decider or a connection; a value is out of its range; the priors are missing or broken, which names the record.
+        /// </exception>
+        public EmbeddedDecider(BroadPhaseSession session, DeciderOptions? options = null, bool ownThread = true)
+            : base(session)
+        {
+            using (var memory = new CallMemory())
+            {
+                NativeDeciderOptions native = (options ?? new DeciderOptions()).With(memory);
+                Native.Check(NativeMethods.swp_session_attach_decider(session.Pointer, &native, SteadyClock.NowNs));
+            }
+            Start(ownThread ? "sweepstake decider" : null);
+        }
+
+        /// <summary>The number of decisions since it was made; 0 once it has ended.</summary>
+        public ulong DecisionCount
+        {
+            get
+            {
+                ulong count = 0;
+                lock (Gate)
+                {
+                    if (!IsClosed)
+                        Native.Check(NativeMethods.swp_session_decision_count(Session.Pointer, &count));
+                }
+                return count;
+            }
+        }
+
+        /// <summary>The number of sources in the priors it started from; 0: Beta(1,1).</summary>
+        public ulong PriorSourceCount
+        {
+            get
+            {
+                ulong count = 0;
+                lock (Gate)
+                {
+                    if (!IsClosed)
+                        Native.Check(NativeMethods.swp_session_prior_source_count(Session.Pointer, &count));
+                }
+                return count;
+            }
+        }
+
+        /// <summary>
+        /// Takes the costs of the frames since the last poll, and decides if a decision is due. It allocates native memory, and waits for a
+        /// poll that is under way.
+        /// </summary>
+        /// <param name="nowNs">Of <see cref="SteadyClock"/>, or of a steady clock of the game's own if it is the only one that polls.</param>
+        /// <returns>Whether a switch was commanded.</returns>
+        public bool Poll(ulong nowNs)
+        {
+            uint commanded = 0;
+            lock (Gate)
+            {
+                if (!IsClosed)
+                    Native.Check(NativeMethods.swp_session_poll_decider(Session.Pointer, nowNs, null, &commanded));
+            }
+            return commanded != 0;
+        }
+
+        /// <summary>Writes the posteriors in the order of arms.</summary>
+        /// <param name="beliefs">As long as <see cref="BroadPhaseSession.Arms"/> or longer.</param>
+        /// <returns>The number of arms; 0 once it has ended.</returns>
+        public int CopyBeliefs(Span<Belief> beliefs)
+        {
+            uint count = 0;
+            lock (Gate)
+            {
+                if (IsClosed)
+                    return 0;
+                fixed (Belief* start = beliefs)
+                    Native.Check(NativeMethods.swp_session_beliefs(Session.Pointer, start, (uint)beliefs.Length, &count));
+            }
+            return (int)count;
+        }
+
+        /// <summary>
+        /// All records that it was given and what it has learnt since, for the next run's <see cref="DeciderOptions.PriorsData"/> or for
+        /// `sweepstake priors import`. Ask before it is disposed of, which ends what it knows.
+        /// </summary>
+        /// <exception cref="SweepstakeException">It has ended.</exception>
+        public byte[] ExportPriors()
+        {
+            lock (Gate)
+            {
+                if (IsClosed)
+                    throw new SweepstakeException(ResultCode.FailedPrecondition, "The decider has ended; export its priors before.");
+                ulong bytes;
+                ResultCode result = NativeMethods.swp_session_export_priors(Session.Pointer, null, 0, &bytes);
+                if (result != ResultCode.ResourceExhausted)
+                    Native.Check(result);
+                var priors = new byte[checked((int)bytes)];
+                fixed (byte* start = priors)
+                    Native.Check(NativeMethods.swp_session_export_priors(Session.Pointer, start, bytes, &bytes));
+                return priors;
+            }
+        }
+
+        private protected override void Serve()
+        {
+            while (!IsStopping)
+            {
+                Poll(SteadyClock.NowNs);
+                Sleep(PollIntervalMs);
+            }
+        }
+
+        private protected override void BeginNativeStop(ulong endNs)
+        {
+        }
+
+        private protected override void CloseNative()
+        {
+            if (!Session.IsDisposed)
+                NativeMethods.swp_session_detach_decider(Session.Pointer);
+        }
+    }
+}

@@ -1,0 +1,29 @@
+#nullable enable
+using System.Collections.Generic;
+
+namespace Sweepstake.LowLevel
+{
+    /// <summary>Collects where this runtime, the headers and the loaded library put things at different places.</summary>
+    internal sealed class LayoutProblems
+    {
+        private readonly List<string> found = new List<string>();
+
+        internal bool IsEmpty => found.Count == 0;
+
+        /// <summary>A struct that grows may be larger in a later library, and only there.</summary>
+        internal void Size(string name, uint number, int here, int inHeaders, bool grows)
+        {
+            uint inLibrary = NativeMethods.swp_struct_size(number);
+            if (here != inHeaders || inLibrary < here || (inLibrary > here && !grows))
+                found.Add($"{name} takes {here} bytes here, {inHeaders} in the headers and {inLibrary} in the library");
+        }
+
+        internal void Field(string name, long here, int inHeaders)
+        {
+            if (here != inHeaders)
+                found.Add($"{name} is at {here} here and at {inHeaders} in the headers");
+        }
+
+        public override string ToString() => string.Join("; ", found);
+    }
+}

@@ -1,0 +1,417 @@
+// Written by unity_client/tools/make_bindings.py from the headers of the C ABI.
+#nullable enable
+using System;
+using System.Runtime.InteropServices;
+
+namespace Sweepstake.LowLevel
+{
+    /// <summary>
+    /// The functions of the C ABI under their own names, for jobs and Burst; the C headers in Native~/include say what each of them does.
+    /// Pointers and scalars only: nothing is marshalled, nothing allocates. Everything else takes the classes of
+    /// <see cref="Sweepstake"/>, which check results and own what they make.
+    /// </summary>
+    public static unsafe class NativeMethods
+    {
+#if (UNITY_IOS || UNITY_TVOS || UNITY_VISIONOS) && !UNITY_EDITOR
+        private const string Library = "__Internal";
+#else
+        private const string Library = "sweepstake";
+#endif
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern byte* swp_last_error();
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_last_error_of(void* @object, byte* text, uint capacity);
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern uint swp_live_count(ObjectKind kind);
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_shutdown_all(uint deadlineMs);
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern uint swp_abi_version();
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern uint swp_abi_revision();
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_version(uint* major, uint* minor, uint* patch);
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern uint swp_struct_size(uint which);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_decider_options_init(NativeDeciderOptions* options);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_attach_decider(IntPtr session, NativeDeciderOptions* options, ulong nowNs);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_detach_decider(IntPtr session);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_poll_decider(IntPtr session, ulong nowNs, SwitchCommand* command, uint* commanded);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_beliefs(IntPtr session, Belief* beliefs, uint capacity, uint* count);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_decision_count(IntPtr session, ulong* count);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_prior_source_count(IntPtr session, ulong* count);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_export_priors(IntPtr session, byte* data, ulong capacity, ulong* bytes);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_options_init(NativeLinkOptions* options);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_create(IntPtr session, NativeLinkOptions* options, IntPtr* link);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern void swp_link_destroy(IntPtr link);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_connected(IntPtr link, ulong nowNs);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_next_message(IntPtr link, ulong nowNs, void* buffer, ulong capacity, ulong* size, LinkAction* action);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_on_message(IntPtr link, void* bytes, ulong size, ulong nowNs);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_disconnected(IntPtr link, uint grpcStatusCode, byte* message, void* details, ulong detailsSize, ulong nowNs, uint* delayMs);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_goodbye(IntPtr link, ulong deadlineNs);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_status(IntPtr link, LinkStats* stats);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_copy_text(IntPtr link, LinkText which, byte* text, ulong capacity, ulong* size);
+
+        /// <summary>See c_link.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_link_beliefs(IntPtr link, Belief* beliefs, uint capacity, uint* count);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_options_init(ProxySetOptions* options);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_create(ProxySetOptions* options, IntPtr* proxies);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern void swp_proxies_destroy(IntPtr proxies);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_add_many(IntPtr proxies, Aabb* boxes, ProxyOptions* options, uint count, ProxyHandle* added);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_remove_many(IntPtr proxies, ProxyHandle* removed, uint count);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_set_boxes(IntPtr proxies, ProxyHandle* moved, Aabb* boxes, uint count);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_set_filter(IntPtr proxies, ulong proxy, ProxyFilter* filter);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_set_user(IntPtr proxies, ulong proxy, ulong user);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_set_static(IntPtr proxies, ulong proxy, uint isStatic);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_set_sleeping(IntPtr proxies, ulong proxy, uint isSleeping);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_shift_origin(IntPtr proxies, float* offset);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_compact(IntPtr proxies);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_snapshot_bytes(IntPtr proxies, ulong* bytes);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_save(IntPtr proxies, void* snapshot, ulong capacity);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_restore(IntPtr proxies, void* snapshot, ulong bytes);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_get(IntPtr proxies, ulong proxy, Aabb* box, ProxyOptions* options);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_handle(IntPtr proxies, uint id, ProxyHandle* proxy);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_counts(IntPtr proxies, uint* movingCount, uint* staticCount, ulong* nativeBytes);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_moving_boxes(IntPtr proxies, Aabb** boxes, uint* count);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_resolve(IntPtr proxies, OverlapPair* movingPairs, ulong movingPairCount);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_pairs(IntPtr proxies, OverlapPair** pairs, ulong* count);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_added(IntPtr proxies, ProxyPair** added, ulong* count);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_removed(IntPtr proxies, ProxyPair** removed, ulong* count);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_prepare_queries(IntPtr proxies);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_query_boxes(IntPtr proxies, Aabb* boxes, uint boxCount, ProxyFilter* filter, ProxyHandle* found, ulong capacity, ulong* ends);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_query_spheres(IntPtr proxies, SphereQuery* spheres, uint sphereCount, ProxyFilter* filter, ProxyHandle* found, ulong capacity, ulong* ends);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_cast_rays(IntPtr proxies, RayQuery* rays, uint rayCount, ProxyFilter* filter, QueryHit* hits);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_sweep_boxes(IntPtr proxies, BoxSweepQuery* sweeps, uint sweepCount, ProxyFilter* filter, QueryHit* hits);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_proxies_cast_ray(IntPtr proxies, RayQuery* ray, ProxyFilter* filter, QueryHit* hits, ulong capacity, ulong* count);
+
+        /// <summary>See c_proxies.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_round_outward(double* min, double* max, Aabb* box);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern uint swp_scene_count();
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern byte* swp_scene_name(uint index);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_scene_options_init(SceneOptions* options);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_scene_create(byte* scene, SceneOptions* options, IntPtr* @out);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern void swp_scene_destroy(IntPtr scene);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_scene_step(IntPtr scene);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_scene_boxes(IntPtr scene, Aabb** boxes, uint* count);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_scene_world(IntPtr scene, Aabb* world);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_scene_frame_index(IntPtr scene, ulong* frameIndex);
+
+        /// <summary>See c_scenes.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_scene_hash(IntPtr scene, ulong* hash);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_options_init(NativeSessionOptions* options);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_create(NativeSessionOptions* options, IntPtr* session);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern void swp_session_destroy(IntPtr session);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_begin_frame(IntPtr session);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_find_pairs(IntPtr session, Aabb* boxes, uint boxCount);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_pairs(IntPtr session, OverlapPair** pairs, ulong* count);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_end_frame(IntPtr session, ulong frameTimeNs, uint flags);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_trim(IntPtr session);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_select_arm(IntPtr session, byte* arm);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_set_mode(IntPtr session, SessionMode mode);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_mode(IntPtr session, SessionMode* mode);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_active_arm(IntPtr session, uint* arm);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_switch_epoch(IntPtr session, uint* switchEpoch);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_last_sample(IntPtr session, FrameSample* sample);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_arm_count(IntPtr session, uint* count);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_arm_name(IntPtr session, uint arm, byte** name);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_arm_version(IntPtr session, uint arm, uint* backendVersion);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_verdict(IntPtr session, Verdict* verdict);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_last_decision(IntPtr session, Decision* decision);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_last_outcome(IntPtr session, SwitchOutcome* outcome);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_dropped(IntPtr session, ulong* sampleCount, ulong* noteCount);
+
+        /// <summary>See c_sessions.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_shadow_stats(IntPtr session, ShadowStats* stats);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern uint swp_backend_count();
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern byte* swp_backend_name(uint index);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_world_options_init(WorldOptions* options);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_world_create(byte* backend, WorldOptions* options, IntPtr* world);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern void swp_world_destroy(IntPtr world);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_world_build(IntPtr world, Aabb* boxes, uint count);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_world_update(IntPtr world, Aabb* boxes, uint count);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_world_find_pairs(IntPtr world);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_world_pairs(IntPtr world, OverlapPair** pairs, ulong* count);
+
+        /// <summary>See c_worlds.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_world_counters(IntPtr world, WorldCounters* counters);
+    }
+}

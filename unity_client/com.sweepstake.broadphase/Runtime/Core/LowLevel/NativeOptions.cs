@@ -1,0 +1,72 @@
+#nullable enable
+using System;
+using System.Runtime.InteropServices;
+
+namespace Sweepstake.LowLevel
+{
+    /// <summary>Behind <see cref="SessionOptions"/>. Texts are UTF-8 and end with 0.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe struct NativeSessionOptions
+    {
+        public uint StructSize;
+        public SessionMode Mode;
+        public byte* Arms;
+        public byte* InitialArm;
+        public ulong BailOutNs;
+        public ulong SettlingNs;
+        public IntPtr Executor;
+        public uint ThreadCount;
+        public uint QueueFrames;
+        public ShadowMode Shadow;
+        public uint SortedPairs;
+        public double ShadowDutyRatio;
+        public ulong ShadowMemoryBytes;
+        public ulong MemoryBudgetBytes;
+    }
+
+    /// <summary>Behind <see cref="DeciderOptions"/>. Texts are UTF-8 and end with 0, but PriorsData.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe struct NativeDeciderOptions
+    {
+        public uint StructSize;
+        internal uint Reserved;
+        public byte* Policy;
+        public byte* Project;
+        public byte* Scene;
+        public byte* MachineClass;
+        public byte* SourceId;
+        public byte* PriorsFile;
+        public byte* PriorsData;
+        public ulong PriorsDataBytes;
+        public ulong Seed;
+        public double TimeScale;
+        public ulong DecisionIntervalNs;
+        public ulong CooldownNs;
+        public double FpsFloor;
+    }
+
+    /// <summary>Behind <see cref="LinkOptions"/>. Texts are UTF-8 and end with 0.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe struct NativeLinkOptions
+    {
+        public uint StructSize;
+        public uint AllowOperatorOrders;
+        public byte* Daemon;
+        public byte* Project;
+        public byte* Scene;
+        public byte* Build;
+        public byte* MachineClass;
+        public byte* Policy;
+        public ulong Seed;
+        public double TimeScale;
+        public ulong JitterSeed;
+        public uint IgnorePriors;
+        public uint BatchIntervalMs;
+        public uint BatchFrames;
+        public uint BatchBytes;
+        public uint UnacknowledgedMessages;
+        public uint BackoffMinMs;
+        public uint BackoffMaxMs;
+        internal uint Reserved;
+    }
+}

@@ -1,0 +1,237 @@
+#nullable enable
+using System;
+using System.Collections.Generic;
+using Sweepstake.LowLevel;
+
+namespace Sweepstake
+{
+    /// <summary>
+    /// The frame path, which switches between backends. A frame is <see cref="BeginFrame"/>, <see cref="FindPairs(ReadOnlySpan{Aabb})"/> any
+    /// number of times, <see cref="Pairs"/>, <see cref="EndFrame"/>, by one caller at a time, on any thread. None of them waits, takes a lock,
+    /// or in steady state allocates. Decisions come from an <see cref="EmbeddedDecider"/> or a <see cref="DaemonConnection"/>; Dispose ends
+    /// that one first.
+    /// </summary>
+    public sealed unsafe class BroadPhaseSession : NativeObject
+    {
+        private readonly byte[][] armNames;
+
+        public BroadPhaseSession()
+            : this(new SessionOptions())
+        {
+        }
+
+        /// <exception cref="SweepstakeException">A value is out of its range, there is no such backend (the message lists them), or no thread is left.</exception>
+        public BroadPhaseSession(SessionOptions options)
+            : base(Create(options), NativeMethods.swp_session_destroy)
+        {
+            uint count;
+            Check(NativeMethods.swp_session_arm_count(Pointer, &count));
+            Arms = Native.Texts(count, NameOf);
+            armNames = new byte[count][];
+            for (int arm = 0; arm < armNames.Length; ++arm)
+                armNames[arm] = System.Text.Encoding.UTF8.GetBytes(Arms[arm] + "\0");
+        }
+
+        /// <summary>The names of the backends, in the order that arms are numbered by.</summary>
+        public IReadOnlyList<string> Arms { get; }
+
+        /// <summary>The decider or connection that is attached; null: none.</summary>
+        internal SessionWork? Work { get; set; }
+
+        /// <summary>Executes a pending switch, if there is one.</summary>
+        public void BeginFrame()
+        {
+            Check(NativeMethods.swp_session_begin_frame(Pointer));
+        }
+
+        /// <summary>
+        /// The active backend takes these boxes, whose count may change as in <see cref="BroadPhaseWorld.Update(ReadOnlySpan{Aabb})"/>, and
+        /// searches. A frame with several fixed updates calls it for each; together they are one sample.
+        /// </summary>
+        public void FindPairs(ReadOnlySpan<Aabb> boxes)
+        {
+            fixed (Aabb* start = boxes)
+                FindPairs(start, boxes.Length);
+        }
+
+        public void FindPairs(Aabb* boxes, int count)
+        {
+            Check(NativeMethods.swp_session_find_pairs(Pointer, boxes, checked((uint)count)));
+        }
+
+        /// <summary>The pairs of the latest search, in the library's memory: valid until the next search or frame.</summary>
+        public ReadOnlySpan<OverlapPair> Pairs
+        {
+            get
+            {
+                OverlapPair* pairs;
+                ulong count;
+                Check(NativeMethods.swp_session_pairs(Pointer, &pairs, &count));
+                return new ReadOnlySpan<OverlapPair>(pairs, checked((int)count));
+            }
+        }
+
+        /// <param name="frameTimeNs">The unscaled time since the previous end of a frame, in nanoseconds.</param>
+        /// <param name="flags"><see cref="FrameFlags.Paused"/> and <see cref="FrameFlags.Loading"/>; the library sets the others.</param>
+        public void EndFrame(ulong frameTimeNs, FrameFlags flags = FrameFlags.None)
+        {
+            Check(NativeMethods.swp_session_end_frame(Pointer, frameTimeNs, (uint)flags));
+        }
+
+        /// <summary>Frees what the next frame does not need; for the end of a level. Not within a frame.</summary>
+        public void Trim()
+        {
+            Check(NativeMethods.swp_session_trim(Pointer));
+        }
+
+        /// <summary>Chooses an arm by hand, from the next frame on; the mode stays. Allocates nothing.</summary>
+        /// <exception cref="ArgumentOutOfRangeException">There is no such arm.</exception>
+        public void SelectArm(int arm)
+        {
+            if (arm < 0 || arm >= armNames.Length)
+                throw new ArgumentOutOfRangeException(nameof(arm));
+            fixed (byte* name = armNames[arm])
+                Check(NativeMethods.swp_session_select_arm(Pointer, name));
+        }
+
+        /// <summary>Chooses an arm by hand, from the next frame on; the mode stays.</summary>
+        /// <exception cref="SweepstakeException">There is no such arm; the message lists them.</exception>
+        public void SelectArm(string arm)
+        {
+            using var memory = new CallMemory();
+            Check(NativeMethods.swp_session_select_arm(Pointer, memory.Text(arm)));
+        }
+
+        /// <summary>In <see cref="SessionMode.Manual"/> only the game's own choice counts. A function of the frame thread.</summary>
+        public SessionMode Mode
+        {
+            get
+            {
+                SessionMode mode;
+                Check(NativeMethods.swp_session_mode(Pointer, &mode));
+                return mode;
+            }
+            set => Check(NativeMethods.swp_session_set_mode(Pointer, value));
+        }
+
+        /// <summary>Index in <see cref="Arms"/>. A function of the frame thread, as the next two.</summary>
+        public int ActiveArm
+        {
+            get
+            {
+                uint arm;
+                Check(NativeMethods.swp_session_active_arm(Pointer, &arm));
+                return (int)arm;
+            }
+        }
+
+        /// <summary>The number of switches executed.</summary>
+        public uint SwitchEpoch
+        {
+            get
+            {
+                uint epoch;
+                Check(NativeMethods.swp_session_switch_epoch(Pointer, &epoch));
+                return epoch;
+            }
+        }
+
+        /// <summary>The sample of the latest <see cref="EndFrame"/>; zeros before it.</summary>
+        public FrameSample LastSample
+        {
+            get
+            {
+                FrameSample sample;
+                Check(NativeMethods.swp_session_last_sample(Pointer, &sample));
+                return sample;
+            }
+        }
+
+        /// <summary>What the beliefs say about the scene, for the game to react to. Any thread, and cheap enough for each frame.</summary>
+        public Verdict Verdict
+        {
+            get
+            {
+                Verdict verdict;
+                Check(NativeMethods.swp_session_verdict(Pointer, &verdict));
+                return verdict;
+            }
+        }
+
+        /// <summary>The latest decision with its reasons; it stays when the decider has gone. Any thread, as all that follow.</summary>
+        public Decision LastDecision
+        {
+            get
+            {
+                var decision = new Decision { StructSize = (uint)sizeof(Decision) };
+                Check(NativeMethods.swp_session_last_decision(Pointer, &decision));
+                return decision;
+            }
+        }
+
+        /// <summary>The latest switch that has settled or was refused, whoever asked for it; zeros before the first.</summary>
+        public SwitchOutcome LastOutcome
+        {
+            get
+            {
+                SwitchOutcome outcome;
+                Check(NativeMethods.swp_session_last_outcome(Pointer, &outcome));
+                return outcome;
+            }
+        }
+
+        /// <summary>Samples that the full queue dropped since the session began.</summary>
+        public ulong DroppedSampleCount
+        {
+            get
+            {
+                ulong samples;
+                Check(NativeMethods.swp_session_dropped(Pointer, &samples, null));
+                return samples;
+            }
+        }
+
+        /// <summary>What the shadow lane has done, and why it runs or does not.</summary>
+        public ShadowStats ShadowStats
+        {
+            get
+            {
+                var stats = new ShadowStats { StructSize = (uint)sizeof(ShadowStats) };
+                Check(NativeMethods.swp_session_shadow_stats(Pointer, &stats));
+                return stats;
+            }
+        }
+
+        /// <summary>The version of an arm's code; evidence of different versions is kept apart.</summary>
+        public uint VersionOf(int arm)
+        {
+            uint version;
+            Check(NativeMethods.swp_session_arm_version(Pointer, checked((uint)arm), &version));
+            return version;
+        }
+
+        public override void Dispose()
+        {
+            Work?.Dispose();
+            base.Dispose();
+        }
+
+        private string NameOf(uint arm)
+        {
+            byte* name;
+            Check(NativeMethods.swp_session_arm_name(Pointer, arm, &name));
+            return Native.Text(name);
+        }
+
+        private static IntPtr Create(SessionOptions options)
+        {
+            if (options == null)
+                throw new ArgumentNullException(nameof(options));
+            using var memory = new CallMemory();
+            NativeSessionOptions native = options.With(memory);
+            IntPtr session;
+            Native.Check(NativeMethods.swp_session_create(&native, &session));
+            return session;
+        }
+    }
+}

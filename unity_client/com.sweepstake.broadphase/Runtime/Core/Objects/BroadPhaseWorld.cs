@@ -1,0 +1,90 @@
+#nullable enable
+using System;
+using Sweepstake.LowLevel;
+
+namespace Sweepstake
+{
+    /// <summary>
+    /// One backend, driven by hand. A frame is <see cref="Update(ReadOnlySpan{Aabb})"/> (the first time <see cref="Build(ReadOnlySpan{Aabb})"/>),
+    /// <see cref="FindPairs"/>, <see cref="Pairs"/>. In steady state nothing allocates.
+    /// </summary>
+    public sealed unsafe class BroadPhaseWorld : NativeObject
+    {
+        /// <param name="backend">One of <see cref="SweepstakeLibrary.Backends"/>.</param>
+        /// <exception cref="SweepstakeException">There is no such backend (the message lists them), or no thread is left.</exception>
+        public BroadPhaseWorld(string backend)
+            : this(backend, WorldOptions.Default)
+        {
+        }
+
+        public BroadPhaseWorld(string backend, WorldOptions options)
+            : base(Create(backend, options), NativeMethods.swp_world_destroy)
+        {
+        }
+
+        /// <summary>The pairs of the search, each once, in the library's memory: valid until the next build or update.</summary>
+        public ReadOnlySpan<OverlapPair> Pairs
+        {
+            get
+            {
+                OverlapPair* pairs;
+                ulong count;
+                Check(NativeMethods.swp_world_pairs(Pointer, &pairs, &count));
+                return new ReadOnlySpan<OverlapPair>(pairs, checked((int)count));
+            }
+        }
+
+        /// <summary>What the latest build or update and search took, and what the world holds.</summary>
+        public WorldCounters Counters
+        {
+            get
+            {
+                var counters = new WorldCounters { StructSize = (uint)sizeof(WorldCounters) };
+                Check(NativeMethods.swp_world_counters(Pointer, &counters));
+                return counters;
+            }
+        }
+
+        /// <summary>Discards all state and takes these boxes, read during the call only.</summary>
+        public void Build(ReadOnlySpan<Aabb> boxes)
+        {
+            fixed (Aabb* start = boxes)
+                Build(start, boxes.Length);
+        }
+
+        public void Build(Aabb* boxes, int count)
+        {
+            Check(NativeMethods.swp_world_build(Pointer, boxes, checked((uint)count)));
+        }
+
+        /// <summary>
+        /// Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller one removes the last ones; the
+        /// others keep their ids.
+        /// </summary>
+        public void Update(ReadOnlySpan<Aabb> boxes)
+        {
+            fixed (Aabb* start = boxes)
+                Update(start, boxes.Length);
+        }
+
+        public void Update(Aabb* boxes, int count)
+        {
+            Check(NativeMethods.swp_world_update(Pointer, boxes, checked((uint)count)));
+        }
+
+        /// <summary>Searches for each overlapping pair, once per build or update; a further call does nothing.</summary>
+        public void FindPairs()
+        {
+            Check(NativeMethods.swp_world_find_pairs(Pointer));
+        }
+
+        private static IntPtr Create(string backend, WorldOptions options)
+        {
+            SweepstakeLibrary.EnsureLoaded();
+            using var memory = new CallMemory();
+            IntPtr world;
+            Native.Check(NativeMethods.swp_world_create(memory.Text(backend ?? throw new ArgumentNullException(nameof(backend))), &options, &world));
+            return world;
+        }
+    }
+}

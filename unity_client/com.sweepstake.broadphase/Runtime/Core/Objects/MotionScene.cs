@@ -1,0 +1,90 @@
+#nullable enable
+using System;
+using Sweepstake.LowLevel;
+
+namespace Sweepstake
+{
+    /// <summary>
+    /// Moving boxes to try a broad phase on: a scenario by name, or a recorded .aabbs file. One seed gives the same boxes bit for bit on
+    /// every platform, whatever the frame rate. A step costs O(objects) and allocates nothing.
+    /// </summary>
+    public sealed unsafe class MotionScene : NativeObject
+    {
+        /// <param name="scene">One of <see cref="SweepstakeLibrary.Scenes"/>, or the path of a .aabbs file.</param>
+        /// <exception cref="SweepstakeException">No such scene (the message lists them), a value out of its range, or a broken file.</exception>
+        public MotionScene(string scene)
+            : this(scene, SceneOptions.Default)
+        {
+        }
+
+        public MotionScene(string scene, SceneOptions options)
+            : base(Create(scene, options), NativeMethods.swp_scene_destroy)
+        {
+            Name = scene;
+            Options = options;
+        }
+
+        public string Name { get; }
+        public SceneOptions Options { get; }
+
+        /// <summary>The boxes of this frame, in the library's memory: valid until the next step.</summary>
+        public ReadOnlySpan<Aabb> Boxes
+        {
+            get
+            {
+                Aabb* boxes;
+                uint count;
+                Check(NativeMethods.swp_scene_boxes(Pointer, &boxes, &count));
+                return new ReadOnlySpan<Aabb>(boxes, checked((int)count));
+            }
+        }
+
+        /// <summary>The bounds of the motion; boxes may extend beyond them by their size.</summary>
+        public Aabb World
+        {
+            get
+            {
+                Aabb world;
+                Check(NativeMethods.swp_scene_world(Pointer, &world));
+                return world;
+            }
+        }
+
+        /// <summary>The number of steps taken.</summary>
+        public ulong FrameIndex
+        {
+            get
+            {
+                ulong index;
+                Check(NativeMethods.swp_scene_frame_index(Pointer, &index));
+                return index;
+            }
+        }
+
+        /// <summary>FNV-1a over this frame's boxes: equal on every platform for one seed and step.</summary>
+        public ulong Hash
+        {
+            get
+            {
+                ulong hash;
+                Check(NativeMethods.swp_scene_hash(Pointer, &hash));
+                return hash;
+            }
+        }
+
+        /// <summary>Moves the scene on by one fixed step.</summary>
+        public void Step()
+        {
+            Check(NativeMethods.swp_scene_step(Pointer));
+        }
+
+        private static IntPtr Create(string scene, SceneOptions options)
+        {
+            SweepstakeLibrary.EnsureLoaded();
+            using var memory = new CallMemory();
+            IntPtr made;
+            Native.Check(NativeMethods.swp_scene_create(memory.Text(scene ?? throw new ArgumentNullException(nameof(scene))), &options, &made));
+            return made;
+        }
+    }
+}

@@ -1,0 +1,69 @@
+#nullable enable
+using System;
+using System.Runtime.InteropServices;
+
+namespace Sweepstake
+{
+    /// <summary>
+    /// Owns one object of the native library. One caller at a time may use it; distinct objects are independent. Dispose ends it; so does
+    /// <see cref="SweepstakeLibrary.Shutdown"/>, after which each call throws.
+    /// </summary>
+    public abstract class NativeObject : IDisposable
+    {
+        private readonly NativeHandle handle;
+
+        private protected NativeObject(IntPtr pointer, Action<IntPtr> destroy)
+        {
+            handle = new NativeHandle(pointer, destroy);
+        }
+
+        /// <summary>
+        /// For <see cref="LowLevel.NativeMethods"/> in jobs; keep this object alive meanwhile.
+        /// </summary>
+        /// <exception cref="ObjectDisposedException">It was disposed of.</exception>
+        public IntPtr Pointer
+        {
+            get
+            {
+                if (handle.IsClosed)
+                    throw new ObjectDisposedException(GetType().Name);
+                return handle.DangerousGetHandle();
+            }
+        }
+
+        public bool IsDisposed => handle.IsClosed;
+
+        public virtual void Dispose()
+        {
+            handle.Dispose();
+        }
+
+        /// <summary>Throws if the call failed. Takes this object too, so that no finalizer ends it while the call runs.</summary>
+        private protected void Check(ResultCode result)
+        {
+            GC.KeepAlive(this);
+            if (result != ResultCode.Ok)
+                Native.Check(result);
+        }
+
+        private sealed class NativeHandle : SafeHandle
+        {
+            private readonly Action<IntPtr> destroy;
+
+            internal NativeHandle(IntPtr pointer, Action<IntPtr> destroy)
+                : base(IntPtr.Zero, true)
+            {
+                this.destroy = destroy;
+                SetHandle(pointer);
+            }
+
+            public override bool IsInvalid => handle == IntPtr.Zero;
+
+            protected override bool ReleaseHandle()
+            {
+                destroy(handle);
+                return true;
+            }
+        }
+    }
+}

@@ -1,0 +1,239 @@
+#nullable enable
+using System;
+using Sweepstake.LowLevel;
+
+namespace Sweepstake
+{
+    /// <summary>
+    /// Objects by handle, with filters, static and sleeping objects and pair events, around a world or a session. A frame is
+    /// <see cref="SetBoxes"/>, <see cref="FindPairs(BroadPhaseSession)"/>, then <see cref="Pairs"/>, <see cref="Added"/> and
+    /// <see cref="Removed"/>. One caller at a time. Queries are in <see cref="ProxyQueries"/>.
+    /// </summary>
+    /// <exception cref="SweepstakeException">Of each function that takes handles: one names no proxy; nothing has changed.</exception>
+    public sealed unsafe class ProxySet : NativeObject
+    {
+        public ProxySet()
+            : this(ProxySetOptions.Default)
+        {
+        }
+
+        public ProxySet(ProxySetOptions options)
+            : base(Create(options), NativeMethods.swp_proxies_destroy)
+        {
+            Queries = new ProxyQueries(this);
+        }
+
+        public ProxyQueries Queries { get; }
+
+        /// <summary>Adds a proxy for each box. A moving one costs O(1), static ones a sort of what was added at the next use.</summary>
+        /// <param name="options">One for each box; empty: moving, category 1, all bits in the mask, user 0.</param>
+        /// <param name="added">Takes the handles; as long as the boxes.</param>
+        public void Add(ReadOnlySpan<Aabb> boxes, ReadOnlySpan<ProxyOptions> options, Span<ProxyHandle> added)
+        {
+            if (added.Length != boxes.Length || (options.Length != boxes.Length && options.Length != 0))
+                throw new ArgumentException("There is one handle and one of the options, if any, for each box.");
+            fixed (Aabb* box = boxes)
+            fixed (ProxyOptions* option = options)
+            fixed (ProxyHandle* handle = added)
+                Check(NativeMethods.swp_proxies_add_many(Pointer, box, option, (uint)boxes.Length, handle));
+        }
+
+        public ProxyHandle Add(in Aabb box, in ProxyOptions options)
+        {
+            ProxyHandle added;
+            fixed (Aabb* start = &box)
+            fixed (ProxyOptions* option = &options)
+                Check(NativeMethods.swp_proxies_add_many(Pointer, start, option, 1, &added));
+            return added;
+        }
+
+        /// <summary>Removes all of them, or none if one names no proxy.</summary>
+        public void Remove(ReadOnlySpan<ProxyHandle> removed)
+        {
+            fixed (ProxyHandle* start = removed)
+                Check(NativeMethods.swp_proxies_remove_many(Pointer, start, (uint)removed.Length));
+        }
+
+        public void Remove(ProxyHandle removed)
+        {
+            Check(NativeMethods.swp_proxies_remove_many(Pointer, &removed, 1));
+        }
+
+        /// <summary>Gives boxes[k] to moved[k]: all, or none if one names no proxy.</summary>
+        public void SetBoxes(ReadOnlySpan<ProxyHandle> moved, ReadOnlySpan<Aabb> boxes)
+        {
+            if (moved.Length != boxes.Length)
+                throw new ArgumentException("There is one box for each proxy.");
+            fixed (ProxyHandle* handle = moved)
+            fixed (Aabb* box = boxes)
+                Check(NativeMethods.swp_proxies_set_boxes(Pointer, handle, box, (uint)boxes.Length));
+        }
+
+        /// <summary>The next search and the next query see the new filter.</summary>
+        public void SetFilter(ProxyHandle proxy, ProxyFilter filter)
+        {
+            Check(NativeMethods.swp_proxies_set_filter(Pointer, proxy.Value, &filter));
+        }
+
+        public void SetUser(ProxyHandle proxy, ulong user)
+        {
+            Check(NativeMethods.swp_proxies_set_user(Pointer, proxy.Value, user));
+        }
+
+        public void SetStatic(ProxyHandle proxy, bool isStatic)
+        {
+            Check(NativeMethods.swp_proxies_set_static(Pointer, proxy.Value, isStatic ? 1u : 0u));
+        }
+
+        /// <summary>True promises that the proxy does not move; another box wakes it. Pairs and events do not depend on it.</summary>
+        public void SetSleeping(ProxyHandle proxy, bool isSleeping)
+        {
+            Check(NativeMethods.swp_proxies_set_sleeping(Pointer, proxy.Value, isSleeping ? 1u : 0u));
+        }
+
+        /// <summary>Subtracts an offset from all coordinates; no pair ends.</summary>
+        public void ShiftOrigin(float x, float y, float z)
+        {
+            float* offset = stackalloc float[3] { x, y, z };
+            Check(NativeMethods.swp_proxies_shift_origin(Pointer, offset));
+        }
+
+        /// <summary>Frees what former proxies held.</summary>
+        public void Compact()
+        {
+            Check(NativeMethods.swp_proxies_compact(Pointer));
+        }
+
+        /// <summary>The box and the options as they are now.</summary>
+        public Aabb Get(ProxyHandle proxy, out ProxyOptions options)
+        {
+            Aabb box;
+            fixed (ProxyOptions* option = &options)
+                Check(NativeMethods.swp_proxies_get(Pointer, proxy.Value, &box, option));
+            return box;
+        }
+
+        /// <summary>The proxy that has this id, of a pair, now.</summary>
+        public ProxyHandle HandleOf(uint id)
+        {
+            ProxyHandle proxy;
+            Check(NativeMethods.swp_proxies_handle(Pointer, id, &proxy));
+            return proxy;
+        }
+
+        public int MovingCount
+        {
+            get
+            {
+                uint count;
+                Check(NativeMethods.swp_proxies_counts(Pointer, &count, null, null));
+                return (int)count;
+            }
+        }
+
+        public int StaticCount
+        {
+            get
+            {
+                uint count;
+                Check(NativeMethods.swp_proxies_counts(Pointer, null, &count, null));
+                return (int)count;
+            }
+        }
+
+        /// <summary>Searches with a session, within its frame, and resolves the pairs.</summary>
+        public void FindPairs(BroadPhaseSession session)
+        {
+            Aabb* boxes;
+            uint count;
+            Check(NativeMethods.swp_proxies_moving_boxes(Pointer, &boxes, &count));
+            session.FindPairs(boxes, (int)count);
+            Resolve(session.Pairs);
+        }
+
+        /// <summary>Searches with a world, which needs no build of its own, and resolves the pairs.</summary>
+        public void FindPairs(BroadPhaseWorld world)
+        {
+            Aabb* boxes;
+            uint count;
+            Check(NativeMethods.swp_proxies_moving_boxes(Pointer, &boxes, &count));
+            if (NativeMethods.swp_world_update(world.Pointer, boxes, count) == ResultCode.FailedPrecondition)
+                world.Build(boxes, (int)count);
+            world.FindPairs();
+            Resolve(world.Pairs);
+        }
+
+        /// <summary>The pairs of the latest search, by id, until the next one.</summary>
+        public ReadOnlySpan<OverlapPair> Pairs
+        {
+            get
+            {
+                OverlapPair* pairs;
+                ulong count;
+                Check(NativeMethods.swp_proxies_pairs(Pointer, &pairs, &count));
+                return new ReadOnlySpan<OverlapPair>(pairs, checked((int)count));
+            }
+        }
+
+        /// <summary>The pairs that began with the latest search, ascending; none without <see cref="ProxySetOptions.HasPairEvents"/>.</summary>
+        public ReadOnlySpan<ProxyPair> Added
+        {
+            get
+            {
+                ProxyPair* pairs;
+                ulong count;
+                Check(NativeMethods.swp_proxies_added(Pointer, &pairs, &count));
+                return new ReadOnlySpan<ProxyPair>(pairs, checked((int)count));
+            }
+        }
+
+        /// <summary>The pairs that ended with the latest search, those of removed proxies included.</summary>
+        public ReadOnlySpan<ProxyPair> Removed
+        {
+            get
+            {
+                ProxyPair* pairs;
+                ulong count;
+                Check(NativeMethods.swp_proxies_removed(Pointer, &pairs, &count));
+                return new ReadOnlySpan<ProxyPair>(pairs, checked((int)count));
+            }
+        }
+
+        /// <summary>The whole state without pointers, for a game that rolls back.</summary>
+        public byte[] Save()
+        {
+            ulong bytes;
+            Check(NativeMethods.swp_proxies_snapshot_bytes(Pointer, &bytes));
+            var snapshot = new byte[checked((int)bytes)];
+            fixed (byte* start = snapshot)
+                Check(NativeMethods.swp_proxies_save(Pointer, start, bytes));
+            return snapshot;
+        }
+
+        /// <summary>Makes the set what it was. Do not restore what others may have made.</summary>
+        public void Restore(ReadOnlySpan<byte> snapshot)
+        {
+            fixed (byte* start = snapshot)
+                Check(NativeMethods.swp_proxies_restore(Pointer, start, (ulong)snapshot.Length));
+        }
+
+        internal void CheckCall(ResultCode result)
+        {
+            Check(result);
+        }
+
+        private void Resolve(ReadOnlySpan<OverlapPair> found)
+        {
+            fixed (OverlapPair* start = found)
+                Check(NativeMethods.swp_proxies_resolve(Pointer, start, (ulong)found.Length));
+        }
+
+        private static IntPtr Create(ProxySetOptions options)
+        {
+            SweepstakeLibrary.EnsureLoaded();
+            IntPtr proxies;
+            Native.Check(NativeMethods.swp_proxies_create(&options, &proxies));
+            return proxies;
+        }
+    }
+}

@@ -1,0 +1,129 @@
+#nullable enable
+using System;
+using System.Runtime.InteropServices;
+
+namespace Sweepstake
+{
+    /// <summary>Names a proxy of a <see cref="ProxySet"/>. A handle of a removed proxy is refused, also after its id has a new owner.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct ProxyHandle : IEquatable<ProxyHandle>
+    {
+        /// <summary>As the C ABI has it; 0 is no proxy.</summary>
+        public ulong Value;
+
+        public ProxyHandle(ulong value)
+        {
+            Value = value;
+        }
+
+        public static ProxyHandle None => default;
+        /// <summary>Its id in pairs while it lives.</summary>
+        public readonly uint Id => (uint)Value;
+        public readonly bool IsNone => Value == 0;
+        /// <summary>Whether it was added as static.</summary>
+        public readonly bool WasAddedStatic => (Value & 0x80000000u) != 0;
+
+        public readonly bool Equals(ProxyHandle other) => Value == other.Value;
+        public override readonly bool Equals(object? other) => other is ProxyHandle handle && Equals(handle);
+        public override readonly int GetHashCode() => Value.GetHashCode();
+        public static bool operator ==(ProxyHandle a, ProxyHandle b) => a.Value == b.Value;
+        public static bool operator !=(ProxyHandle a, ProxyHandle b) => a.Value != b.Value;
+    }
+
+    /// <summary>Two proxies may form a pair when the category of each shares a bit with the mask of the other.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct ProxyFilter
+    {
+        public uint Category;
+        public uint Mask;
+
+        public ProxyFilter(uint category, uint mask)
+        {
+            Category = category;
+            Mask = mask;
+        }
+
+        /// <summary>Passes with everything but a proxy without a category or a mask.</summary>
+        public static ProxyFilter All => new ProxyFilter(uint.MaxValue, uint.MaxValue);
+    }
+
+    [Flags]
+    public enum ProxyFlags : uint
+    {
+        None = 0,
+        /// <summary>Paired with moving and sleeping proxies only.</summary>
+        Static = 1,
+        /// <summary>Only read: see <see cref="ProxySet.SetSleeping"/>.</summary>
+        Sleeping = 2,
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct ProxyOptions
+    {
+        /// <summary>One of zeros passes with nothing.</summary>
+        public ProxyFilter Filter;
+        public ProxyFlags Flags;
+        internal uint Reserved;
+        /// <summary>Any value of the game's own, such as an instance id.</summary>
+        public ulong User;
+
+        public ProxyOptions(ProxyFilter filter, ProxyFlags flags = ProxyFlags.None, ulong user = 0)
+        {
+            Filter = filter;
+            Flags = flags;
+            Reserved = 0;
+            User = user;
+        }
+    }
+
+    /// <summary>Two proxies; the id of A is below that of B.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct ProxyPair
+    {
+        public ProxyHandle A;
+        public ProxyHandle B;
+    }
+
+    /// <summary>The points origin + t · direction, t from 0 to MaxDistance; all values are finite.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct RayQuery
+    {
+        public float OriginX;
+        public float OriginY;
+        public float OriginZ;
+        public float DirectionX;
+        public float DirectionY;
+        public float DirectionZ;
+        public float MaxDistance;
+    }
+
+    /// <summary>The points up to Radius (0 to 1e19) from the center; all values are finite.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct SphereQuery
+    {
+        public float CenterX;
+        public float CenterY;
+        public float CenterZ;
+        public float Radius;
+    }
+
+    /// <summary>A valid box at all places from where it is to where the translation takes it.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct BoxSweepQuery
+    {
+        public Aabb Box;
+        public float TranslationX;
+        public float TranslationY;
+        public float TranslationZ;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct QueryHit
+    {
+        /// <summary><see cref="ProxyHandle.None"/>: nothing was hit.</summary>
+        public ProxyHandle Proxy;
+        /// <summary>The t at which the ray enters the box, or the part of its way after which a swept box touches it; 0 if it starts inside.</summary>
+        public float Distance;
+        internal uint Reserved;
+    }
+}

@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Writes the C# imports of the C ABI, and the table that a layout is checked by, from the C headers and their golden layouts.
+
+    make_bindings.py ROOT           writes Runtime/Core/LowLevel/NativeMethods.cs and NativeLayouts.cs of the package
+    make_bindings.py ROOT --check   fails when they are not what this would write
+
+The structs are written by hand, with their documentation, and named in STRUCTS; a field has the C name in PascalCase, an array of three
+floats becomes three fields with X, Y and Z at their ends. Callbacks of the library into managed code are left out on purpose: a domain
+reload leaves them behind, so executors and hooks stay native.
+"""
+
+import pathlib
+import re
+import sys
+
+HEADERS = "engine_client/include/sweepstake"
+GOLDEN = "tests/engine_client/c_api/golden"
+OUTPUT = "unity_client/com.sweepstake.broadphase/Runtime/Core/LowLevel"
+
+# swp_struct's name of each C struct and the C# struct that stands for it.
+STRUCTS = {
+    "swp_aabb": "Aabb", "swp_pair": "OverlapPair", "swp_world_options": "WorldOptions", "swp_counters": "WorldCounters",
+    "swp_session_options": "NativeSessionOptions", "swp_frame_sample": "FrameSample", "swp_switch_command": "SwitchCommand",
+    "swp_switch_outcome": "SwitchOutcome", "swp_shadow_stats": "ShadowStats", "swp_verdict": "Verdict",
+    "swp_decider_options": "NativeDeciderOptions", "swp_belief": "Belief", "swp_proxies_options": "ProxySetOptions",
+    "swp_filter": "ProxyFilter", "swp_proxy_options": "ProxyOptions", "swp_proxy_pair": "ProxyPair", "swp_ray": "RayQuery",
+    "swp_ray_hit": "QueryHit", "swp_scene_options": "SceneOptions", "swp_link_options": "NativeLinkOptions",
+    "swp_link_stats": "LinkStats", "swp_decision": "Decision", "swp_sphere": "SphereQuery", "swp_box_sweep": "BoxSweepQuery",
+}
+# Native code that calls managed code.
+LEFT_OUT = {"swp_executor", "swp_hooks"}
+HANDLES = {"swp_world", "swp_session", "swp_proxies", "swp_scene", "swp_link"}
+SCALARS = {
+    "void": "void", "char": "byte", "int32_t": "int", "uint32_t": "uint", "uint64_t": "ulong", "float": "float", "double": "double",
+    "swp_result": "ResultCode", "swp_kind": "ObjectKind", "swp_struct": "uint", "swp_mode": "SessionMode",
+    "swp_link_action": "LinkAction", "swp_link_text": "LinkText",
+}
+
+COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+FUNCTION = re.compile(r"SWP_API ([\w ]+?\**) ?(swp_\w+)\(([^;]*?)\);", re.DOTALL)
+PARAMETER = re.compile(r"^(?:const )?(\w+)( const)?(\**) ?(\w+)$")
+SIZE = re.compile(r"^SIZE\((\w+), (\d+)\)")
+FIELD = re.compile(r"^FIELD\((\w+), (\w+), (\d+), (.+)\)$")
+STRUCT_NUMBER = re.compile(r"^VALUE\(SWP_STRUCT_(\w+), (\d+)\)")
+ABI = re.compile(r"^VALUE\(SWP_ABI_VERSION, (\d+)\)")
+KEYWORDS = {"struct", "which", "object", "params", "ref", "in", "out"} - {"which"}
+
+HEAD = """\
+// Written by unity_client/tools/make_bindings.py from the headers of the C ABI.
+#nullable enable
+"""
+
+
+def pascal(name):
+    return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+
+
+def camel(name):
+    name = pascal(name)
+    name = name[:1].lower() + name[1:]
+    return "@" + name if name in KEYWORDS else name
+
+
+def managed_type(kind, stars):
+    if kind in HANDLES:
+        return "IntPtr" + stars[1:]
+    if kind == "swp_proxy":
+        return "ProxyHandle" + stars if stars else "ulong"
+    if kind in STRUCTS:
+        return STRUCTS[kind] + stars
+    return SCALARS[kind] + stars
+
+
+def parameters(text):
+    text = " ".join(text.split())
+    if text == "void":
+        return ""
+    result = []
+    for part in text.split(","):
+        kind, _, stars, name = PARAMETER.match(part.strip().replace("const ", "")).groups()
+        result.append(f"{managed_type(kind, stars)} {camel(name)}")
+    return ", ".join(result)
+
+
+def functions(root):
+    """(header, return type, name, parameters) of each function, callbacks left out."""
+    for header in sorted((root / HEADERS).glob("c_*.h")):
+        text = COMMENT.sub(" ", header.read_text(encoding="utf-8"))
+        for returned, name, arguments in FUNCTION.findall(text):
+            if any(left_out in arguments for left_out in LEFT_OUT):
+                continue
+            kind, stars = re.match(r"(?:const )?(\w+) ?(\**)", returned).groups()
+            yield header.name, managed_type(kind, stars), name, parameters(arguments)
+
+
+def methods_file(root):
+    lines = [HEAD + """\
+using System;
+using System.Runtime.InteropServices;
+
+namespace Sweepstake.LowLevel
+{
+    /// <summary>
+    /// The functions of the C ABI under their own names, for jobs and Burst; the C headers in Native~/include say what each of them does.
+    /// Pointers and scalars only: nothing is marshalled, nothing allocates. Everything else takes the classes of
+    /// <see cref="Sweepstake"/>, which check results and own what they make.
+    /// </summary>
+    public static unsafe class NativeMethods
+    {
+#if (UNITY_IOS || UNITY_TVOS || UNITY_VISIONOS) && !UNITY_EDITOR
+        private const string Library = "__Internal";
+#else
+        private const string Library = "sweepstake";
+#endif
+"""]
+    for header, returned, name, arguments in functions(root):
+        lines.append(f"""
+        /// <summary>See {header}.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern {returned} {name}({arguments});
+""")
+    return "".join(lines) + "    }\n}\n"
+
+
+class Layouts:
+    def __init__(self, root):
+        self.sizes, self.fields, self.numbers, self.abi = {}, {}, {}, None
+        for golden in sorted((root / GOLDEN).glob("*.c")):
+            for line in golden.read_text(encoding="utf-8").splitlines():
+                self.read(line)
+
+    def read(self, line):
+        if match := SIZE.match(line):
+            self.sizes[match[1]] = int(match[2])
+        elif match := FIELD.match(line):
+            self.fields.setdefault(match[1], []).append((match[2], int(match[3]), match[4]))
+        elif match := STRUCT_NUMBER.match(line):
+            self.numbers["swp_" + match[1].lower()] = int(match[2])
+        elif match := ABI.match(line):
+            self.abi = int(match[1])
+
+    def grows(self, struct):
+        return self.fields[struct][0][0] == "struct_size"
+
+
+def struct_check(layouts, struct):
+    name = STRUCTS[struct]
+    yield f"            var {camel(name)} = default({name});\n"
+    yield f"            start = (byte*)&{camel(name)};\n"
+    yield (f"            problems.Size(\"{name}\", {layouts.numbers[struct]}, sizeof({name}), {layouts.sizes[struct]}, "
+           f"{'true' if layouts.grows(struct) else 'false'});\n")
+    for field, offset, kind in layouts.fields[struct]:
+        member, take = pascal(field), "&"
+        if kind == "float[3]":
+            member += "X"
+        elif kind.endswith("]"):
+            take = ""
+        yield f"            problems.Field(\"{name}.{member}\", (byte*){take}{camel(name)}.{member} - start, {offset});\n"
+
+
+def layouts_file(root):
+    layouts = Layouts(root)
+    unknown = set(layouts.sizes) - set(STRUCTS) - LEFT_OUT
+    if unknown:
+        raise SystemExit(f"make_bindings.py: name the C# structs of {', '.join(sorted(unknown))} in STRUCTS")
+    structs = [struct for struct in sorted(layouts.sizes, key=layouts.numbers.get) if struct in STRUCTS]
+    text = HEAD + f"""\
+namespace Sweepstake.LowLevel
+{{
+    /// <summary>Where the C compilers put each field, to compare with what this runtime does and with the library that is loaded.</summary>
+    internal static unsafe class NativeLayouts
+    {{
+        /// <summary>SWP_ABI_VERSION of the headers.</summary>
+        internal const uint AbiVersion = {layouts.abi};
+
+        internal static void Check(LayoutProblems problems)
+        {{
+"""
+    text += "".join(f"            Check{STRUCTS[struct]}(problems);\n" for struct in structs) + "        }\n"
+    for struct in structs:
+        text += f"\n        private static void Check{STRUCTS[struct]}(LayoutProblems problems)\n        {{\n            byte* start;\n"
+        text += "".join(struct_check(layouts, struct)) + "        }\n"
+    return text + "    }\n}\n"
+
+
+def main(arguments):
+    if not 1 <= len(arguments) <= 2 or arguments[1:] not in ([], ["--check"]):
+        print(__doc__, file=sys.stderr)
+        return 2
+    root, check = pathlib.Path(arguments[0]), len(arguments) == 2
+    stale = 0
+    for name, text in (("NativeMethods.cs", methods_file(root)), ("NativeLayouts.cs", layouts_file(root))):
+        path = root / OUTPUT / name
+        if not check:
+            path.write_text(text, encoding="utf-8")
+        elif not path.is_file() or path.read_text(encoding="utf-8") != text:
+            print(f"{path} is not what the C headers say; run unity_client/tools/make_bindings.py {root}")
+            stale = 1
+    return stale
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
