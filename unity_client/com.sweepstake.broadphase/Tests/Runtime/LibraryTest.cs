@@ -1,0 +1,63 @@
+#nullable enable
+using System;
+using System.Diagnostics;
+using NUnit.Framework;
+
+namespace Sweepstake.Tests
+{
+    public sealed class LibraryTest
+    {
+        [Test]
+        public void TheLibraryIsThereAndEachStructFits()
+        {
+            Assert.That(SweepstakeLibrary.FindProblem(), Is.Null);
+            var problems = new LowLevel.LayoutProblems();
+            LowLevel.NativeLayouts.Check(problems);
+            Assert.That(problems.ToString(), Is.Empty);
+            Assert.That(SweepstakeLibrary.Version.Major, Is.GreaterThanOrEqualTo(0));
+        }
+
+        [Test]
+        public void AMisplacedFieldAndAnotherSizeAreFound()
+        {
+            var problems = new LowLevel.LayoutProblems();
+            problems.Field("FrameSample.Arm", 44, 48);
+            problems.Size("FrameSample", 7, 60, 64, false);
+            problems.Size("Belief", 13, 16, 16, false);
+            Assert.That(problems.ToString(), Does.Contain("FrameSample.Arm is at 44 here and at 48"));
+            Assert.That(problems.ToString(), Does.Contain("FrameSample takes 60 bytes here"));
+            Assert.That(problems.ToString(), Does.Not.Contain("Belief"));
+        }
+
+        [Test]
+        public void ShutdownEndsEverythingIsBoundedAndMayBeCalledAgain()
+        {
+            var world = new BroadPhaseWorld("SAP");
+            var session = new BroadPhaseSession();
+            var decider = new EmbeddedDecider(session);
+            var proxies = new ProxySet();
+            var scene = new MotionScene("brownian");
+            Assert.That(SweepstakeLibrary.LiveCount(), Is.GreaterThanOrEqualTo(4));
+            Assert.That(SweepstakeLibrary.Shutdown(), Is.True);
+            Assert.That(SweepstakeLibrary.Shutdown(0), Is.True);
+            Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0));
+            Assert.That(SessionWork.RunningCount, Is.EqualTo(0));
+            Assert.That(Assert.Throws<SweepstakeException>(() => scene.Step())!.Code, Is.EqualTo(ResultCode.FailedPrecondition));
+            Assert.Throws<SweepstakeException>(() => session.BeginFrame());
+            foreach (IDisposable left in new IDisposable[] { decider, world, session, proxies, scene })
+                left.Dispose();
+            using var after = new MotionScene("brownian");
+            Assert.That(SweepstakeLibrary.LiveCount(ObjectKind.Scene), Is.EqualTo(1), "what is made afterwards lives");
+        }
+
+        [Test]
+        public void TheClockIsSteadyAndInNanoseconds()
+        {
+            ulong first = SteadyClock.NowNs;
+            long ticks = Stopwatch.GetTimestamp();
+            ulong second = SteadyClock.NowNs;
+            Assert.That(second, Is.GreaterThanOrEqualTo(first));
+            Assert.That(second / 1e9, Is.EqualTo(ticks / (double)Stopwatch.Frequency).Within(1));
+        }
+    }
+}

@@ -1,0 +1,41 @@
+#nullable enable
+using System;
+using System.Collections.Generic;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>What the pairs have to be.</summary>
+    internal static class Oracle
+    {
+        internal static List<OverlapPair> Pairs(ReadOnlySpan<Aabb> boxes)
+        {
+            var pairs = new List<OverlapPair>();
+            for (int a = 0; a < boxes.Length; ++a)
+            {
+                for (int b = a + 1; b < boxes.Length; ++b)
+                {
+                    if (boxes[a].Overlaps(boxes[b]))
+                        pairs.Add(new OverlapPair((uint)a, (uint)b));
+                }
+            }
+            return pairs;
+        }
+
+        /// <summary>Ascending by A and then B.</summary>
+        internal static List<OverlapPair> Sorted(ReadOnlySpan<OverlapPair> found)
+        {
+            var pairs = new List<OverlapPair>(found.ToArray());
+            pairs.Sort((left, right) => left.A != right.A ? left.A.CompareTo(right.A) : left.B.CompareTo(right.B));
+            return pairs;
+        }
+
+        /// <summary>A scene that has pairs and moves, of few enough objects for an oracle.</summary>
+        internal static MotionScene CrowdedScene(string name, uint objects = 300)
+        {
+            SceneOptions options = SceneOptions.Default;
+            options.ObjectCount = objects;
+            options.WorldHalfExtent = 12;
+            return new MotionScene(name, options);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+#nullable enable
+using System;
+using NUnit.Framework;
+
+namespace Sweepstake.Tests
+{
+    public sealed class SessionsTest
+    {
+        private const ulong FrameNs = 16_666_667;
+
+        [Test]
+        public void EachArmCanBeSelectedWhileTheGameRunsAndFindsTheSamePairs()
+        {
+            using var session = new BroadPhaseSession(new SessionOptions { Mode = SessionMode.Manual });
+            using var scene = Oracle.CrowdedScene("hurricane");
+            Assert.That(session.Arms, Is.EqualTo(SweepstakeLibrary.Backends));
+            for (int arm = session.Arms.Count - 1; arm >= 0; --arm)
+            {
+                session.SelectArm(arm);
+                for (int frame = 0; frame < 5; ++frame)
+                {
+                    scene.Step();
+                    Play(session, scene);
+                    Assert.That(Oracle.Sorted(session.Pairs), Is.EqualTo(Oracle.Pairs(scene.Boxes)));
+                    Assert.That(session.ActiveArm, Is.EqualTo(arm));
+                    Assert.That(session.LastSample.Arm, Is.EqualTo(arm));
+                    Assert.That(session.LastSample.ObjectCount, Is.EqualTo(300));
+                    Assert.That(session.LastSample.FrameTimeNs, Is.EqualTo(FrameNs));
+                }
+            }
+            Assert.That(session.SwitchEpoch, Is.EqualTo((uint)session.Arms.Count), "from the first to the last, and down to the first");
+        }
+
+        [Test]
+        public void ArmsModeAndShadowAreAsAskedFor()
+        {
+            var options = new SessionOptions { Arms = "DBVT,SAP", InitialArm = "SAP", Mode = SessionMode.Manual };
+            Assert.That(options.BailOutNs, Is.EqualTo(5_000_000_000));
+            Assert.That(options.SettlingNs, Is.EqualTo(2_000_000_000));
+            Assert.That(options.QueueFrames, Is.EqualTo(4096));
+            using var session = new BroadPhaseSession(options);
+            Assert.That(session.Arms, Is.EqualTo(new[] { "DBVT", "SAP" }));
+            Assert.That(session.ActiveArm, Is.EqualTo(1));
+            Assert.That(session.Mode, Is.EqualTo(SessionMode.Manual));
+            session.Mode = SessionMode.Ai;
+            Assert.That(session.Mode, Is.EqualTo(SessionMode.Ai));
+            Assert.That(session.ShadowStats.State, Is.EqualTo(ShadowState.Off));
+            Assert.That(session.VersionOf(0), Is.GreaterThan(0));
+            Assert.Throws<ArgumentOutOfRangeException>(() => session.SelectArm(2));
+            Assert.That(Assert.Throws<SweepstakeException>(() => session.SelectArm("KDTree"))!.Message, Does.Contain("DBVT"));
+        }
+
+        [Test]
+        public void WrongOptionsAreRefusedWithTheReason()
+        {
+            Assert.Throws<SweepstakeException>(() => new BroadPhaseSession(new SessionOptions { Arms = "SAP,Quadtree" }));
+            var refused = Assert.Throws<SweepstakeException>(() => new BroadPhaseSession(new SessionOptions { QueueFrames = 3 }));
+            Assert.That(refused!.Code, Is.EqualTo(ResultCode.InvalidArgument));
+            Assert.That(refused.Message, Is.Not.Empty);
+        }
+
+        [Test]
+        public void ManualIsNeverOverruledByTheDecider()
+        {
+            using var session = new BroadPhaseSession(new SessionOptions { Mode = SessionMode.Manual, InitialArm = "BruteForce" });
+            using var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100 }, ownThread: false);
+            using var scene = Oracle.CrowdedScene("hurricane");
+            PlayAndPoll(session, decider, scene, 600);
+            Assert.That(decider.DecisionCount, Is.GreaterThan(0));
+            Assert.That(session.SwitchEpoch, Is.EqualTo(0));
+            Assert.That(session.Arms[session.ActiveArm], Is.EqualTo("BruteForce"));
+            Assert.That(session.LastDecision.Outcome, Is.EqualTo(DecisionOutcome.Manual));
+        }
+
+        [Test]
+        public void AiDecidesAndSaysWhy()
+        {
+            using var session = new BroadPhaseSession(new SessionOptions { SettlingNs = 1 });
+            using var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100 }, ownThread: false);
+            using var scene = Oracle.CrowdedScene("hurricane");
+            PlayAndPoll(session, decider, scene, 1200);
+            Assert.That(session.SwitchEpoch, Is.GreaterThan(0));
+            Assert.That(decider.DecisionCount, Is.GreaterThan(10));
+            Decision decision = session.LastDecision;
+            Assert.That(decision.Outcome, Is.Not.EqualTo(DecisionOutcome.None));
+            Assert.That(decision.DecisionId, Is.EqualTo(decider.DecisionCount));
+            Assert.That(session.LastOutcome.IsExecuted, Is.True);
+            double sum = 0;
+            for (int arm = 0; arm < session.Arms.Count; ++arm)
+                sum += decision.ProbabilityOf(arm);
+            Assert.That(sum, Is.EqualTo(1).Within(1e-6));
+            var beliefs = new Belief[session.Arms.Count];
+            Assert.That(decider.CopyBeliefs(beliefs), Is.EqualTo(beliefs.Length));
+            foreach (Belief belief in beliefs)
+                Assert.That(belief.Mean, Is.InRange(0, 1));
+        }
+
+        [Test]
+        public void WhatIsLearntGoesOnInTheNextRun()
+        {
+            using var scene = Oracle.CrowdedScene("hurricane");
+            byte[] priors;
+            using (var session = new BroadPhaseSession(new SessionOptions { SettlingNs = 1 }))
+            using (var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100, SourceId = "a" }, ownThread: false))
+            {
+                Assert.That(decider.PriorSourceCount, Is.EqualTo(0));
+                PlayAndPoll(session, decider, scene, 1200);
+                priors = decider.ExportPriors();
+            }
+            Assert.That(priors, Is.Not.Empty);
+            using var next = new BroadPhaseSession();
+            using var started = new EmbeddedDecider(next, new DeciderOptions { PriorsData = priors }, ownThread: false);
+            Assert.That(started.PriorSourceCount, Is.EqualTo(1));
+            using var third = new BroadPhaseSession();
+            priors[priors.Length / 2] = 0;
+            Assert.That(
+                Assert.Throws<SweepstakeException>(() => new EmbeddedDecider(third, new DeciderOptions { PriorsData = priors }))!.Code,
+                Is.EqualTo(ResultCode.DataLoss));
+        }
+
+        [Test]
+        public void TheDecidersThreadEndsWithItsSession()
+        {
+            var session = new BroadPhaseSession();
+            var decider = new EmbeddedDecider(session);
+            Assert.That(SessionWork.RunningCount, Is.EqualTo(1));
+            Assert.Throws<SweepstakeException>(() => new EmbeddedDecider(session));
+            session.Dispose();
+            Assert.That(SessionWork.RunningCount, Is.EqualTo(0));
+            Assert.That(decider.Failure, Is.Null);
+            Assert.That(decider.DecisionCount, Is.EqualTo(0));
+            Assert.Throws<SweepstakeException>(() => decider.ExportPriors());
+            decider.Dispose();
+        }
+
+        private static void PlayAndPoll(BroadPhaseSession session, EmbeddedDecider decider, MotionScene scene, int frames)
+        {
+            ulong nowNs = SteadyClock.NowNs;
+            for (int frame = 0; frame < frames; ++frame)
+            {
+                scene.Step();
+                Play(session, scene);
+                nowNs += FrameNs;
+                decider.Poll(nowNs);
+            }
+        }
+
+        private static void Play(BroadPhaseSession session, MotionScene scene)
+        {
+            session.BeginFrame();
+            session.FindPairs(scene.Boxes);
+            session.EndFrame(FrameNs);
+        }
+    }
+}

@@ -1,0 +1,102 @@
+#nullable disable
+using System;
+using System.IO;
+using System.Reflection;
+using System.Runtime.CompilerServices;
+using System.Runtime.Loader;
+using NUnit.Framework;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>
+    /// What Unity does at each change of a script: the managed code is loaded anew into the same process, its statics are as on the first day,
+    /// and nobody disposes of what the former code held. The native library stays.
+    /// </summary>
+    public sealed class DomainReloadTest
+    {
+        // To load code anew takes long, so each domain ends ten times.
+        private const int Domains = 100;
+        private const int EndsOfEach = 10;
+        private static BroadPhaseSession played;
+        private static EmbeddedDecider decider;
+
+        [Test]
+        public void AThousandReloadsLeaveNoNativeObjectAndNoThread()
+        {
+            SweepstakeLibrary.Shutdown();
+            int threadsBefore = ThreadCount();
+            for (int domain = 0; domain < Domains; ++domain)
+            {
+                PlayInANewDomain();
+                Assert.That(SweepstakeLibrary.LiveCount(), Is.GreaterThan(0), "the last end of each is without a word");
+            }
+            Assert.That(SweepstakeLibrary.Shutdown(), Is.True);
+            Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0));
+            Collect();
+            Assert.That(ThreadCount(), Is.LessThanOrEqualTo(threadsBefore + 4), "the runtime's own threads come and go");
+        }
+
+        /// <summary>Runs in a domain of its own. The last end is without a word, as after an error; the next domain begins by ending what was left.</summary>
+        public static void PlayAndEnd()
+        {
+            if (!SweepstakeLibrary.Shutdown())
+                throw new InvalidOperationException("Shutdown did not end what a former domain left.");
+            for (int end = 0; end < EndsOfEach; ++end)
+            {
+                Play();
+                if (end == EndsOfEach - 1)
+                    return;
+                if (!SweepstakeLibrary.Shutdown() || SweepstakeLibrary.LiveCount() != 0 || SessionWork.RunningCount != 0)
+                    throw new InvalidOperationException("Shutdown did not end everything.");
+            }
+        }
+
+        private static void Play()
+        {
+            var scene = new MotionScene("brownian");
+            played = new BroadPhaseSession(new SessionOptions { Arms = "SAP,DBVT" });
+            decider = new EmbeddedDecider(played);
+            for (int frame = 0; frame < 3; ++frame)
+            {
+                scene.Step();
+                played.BeginFrame();
+                played.FindPairs(scene.Boxes);
+                played.EndFrame(1_000_000);
+            }
+        }
+
+        [MethodImpl(MethodImplOptions.NoInlining)]
+        private static void PlayInANewDomain()
+        {
+            var domain = new Domain();
+            Assembly tests = domain.LoadFromAssemblyPath(typeof(DomainReloadTest).Assembly.Location);
+            tests.GetType(typeof(DomainReloadTest).FullName)!.GetMethod(nameof(PlayAndEnd))!.Invoke(null, null);
+            domain.Unload();
+        }
+
+        private static void Collect()
+        {
+            for (int pass = 0; pass < 3; ++pass)
+            {
+                GC.Collect();
+                GC.WaitForPendingFinalizers();
+            }
+        }
+
+        private static int ThreadCount() => System.Diagnostics.Process.GetCurrentProcess().Threads.Count;
+
+        private sealed class Domain : AssemblyLoadContext
+        {
+            internal Domain()
+                : base(isCollectible: true)
+            {
+            }
+
+            protected override Assembly Load(AssemblyName name)
+            {
+                string path = Path.Combine(AppContext.BaseDirectory, name.Name + ".dll");
+                return name.Name == "Sweepstake.Core" ? LoadFromAssemblyPath(path) : null;
+            }
+        }
+    }
+}
