@@ -31,7 +31,12 @@ namespace Sweepstake
             : base(session)
         {
             this.transport = transport ?? throw new ArgumentNullException(nameof(transport));
-            wakeAfter = _ => Wake();
+            wakeAfter = task =>
+            {
+                // A write that failed is seen by the read that ends.
+                _ = task.Exception;
+                Wake();
+            };
             using (var memory = new CallMemory())
             {
                 NativeLinkOptions native = (options ?? new LinkOptions()).With(memory);
@@ -125,7 +130,7 @@ namespace Sweepstake
                         return stream.End;
                     OnMessage(message);
                 }
-                LinkAction action = NextAction(write.IsCompleted && !write.IsFaulted, out int size);
+                LinkAction action = NextAction(write.IsCompletedSuccessfully, out int size);
                 if (action == LinkAction.Cancel)
                     return new StreamEnd(StreamEnd.Cancelled, "");
                 if (action == LinkAction.Send)

@@ -1,0 +1,194 @@
+using System;
+using System.Diagnostics;
+using System.IO;
+using System.Linq;
+using System.Threading;
+using System.Threading.Tasks;
+using Grpc.Core;
+using NUnit.Framework;
+using Sweepstake.GrpcNet;
+using Sweepstake.Protocol.V1;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>Games and a real daemon, over real gRPC.</summary>
+    public sealed class ConnectionTest
+    {
+        [Test]
+        public void AGameIsWelcomedLearnsAndIsAcknowledged()
+        {
+            using var daemon = new DaemonProcess();
+            using Game game = Game.At(daemon.Address, endpoint => endpoint.Handler = Game.Sockets, ExploresFast);
+            game.PlayUntilOnline();
+            Assert.That(game.Status.SessionId, Is.Not.Empty);
+            Assert.That(game.Status.DaemonVersion, Is.EqualTo(SweepstakeLibrary.Version.ToString(3)));
+            Assert.That(game.Status.Policy, Is.EqualTo("paper"));
+            game.PlayUntil(() => game.Session.SwitchEpoch > 0, "switched by the daemon");
+            Assert.That(game.Status.Stats.CommandCount, Is.GreaterThan(0));
+            game.PlayUntil(() => game.Status.Beliefs.Length == 3, "told the posteriors");
+            game.WaitForAcknowledgement();
+            Assert.That(game.Session.LastDecision.CommandId, Is.GreaterThan(0));
+            Assert.That(game.Connection.Stop(5000), Is.True);
+            Assert.That(game.Status.State, Is.EqualTo(LinkState.Closed));
+            Assert.That(game.Status.Stats.SentFrameCount, Is.EqualTo(game.FrameCount), "each frame was sent once, and none was lost");
+        }
+
+        [Test]
+        public void ADaemonThatComesLaterIsFound()
+        {
+            string address;
+            using (var probe = new DaemonProcess())
+                address = probe.Address;
+            using Game game = Game.At(address);
+            game.PlayUntil(() => game.Status.LastError.Length > 0, "told that nobody is there");
+            Assert.That(game.Status.State, Is.Not.EqualTo(LinkState.Online));
+            using var daemon = new DaemonProcess(null, Array.Empty<string>(), address);
+            game.PlayUntilOnline();
+            game.WaitForAcknowledgement();
+        }
+
+        [Test]
+        public void ADaemonThatIsKilledComesBackAndNothingIsCountedTwice()
+        {
+            using var daemon = new DaemonProcess();
+            using Game game = Game.At(daemon.Address);
+            game.PlayUntilOnline();
+            game.WaitForAcknowledgement();
+            daemon.Kill();
+            game.PlayUntil(() => game.Status.State != LinkState.Online, "offline");
+            game.Play(500);
+            daemon.Restart();
+            game.PlayUntilOnline();
+            Assert.That(game.Status.Stats.ConnectionCount, Is.EqualTo(2));
+            game.WaitForAcknowledgement();
+            Assert.That(game.Connection.Stop(5000), Is.True);
+            Assert.That(game.Session.DroppedSampleCount, Is.EqualTo(0));
+        }
+
+        [Test]
+        public void ADaemonThatStandsStillNeverHoldsAFrame()
+        {
+            using var daemon = new DaemonProcess();
+            using var game = new Game(
+                new GrpcTelemetryTransport(new DaemonEndpoint { Address = daemon.Address }),
+                options => options.UnacknowledgedMessages = 4,
+                options => options.QueueFrames = 64);
+            game.PlayUntilOnline();
+            game.WaitForAcknowledgement();
+            daemon.Pause();
+            game.PlayUntil(() => game.Session.DroppedSampleCount > 1000, "dropping what the daemon does not take");
+            Assert.That(game.Session.LastSample.FrameIndex, Is.EqualTo(game.FrameCount - 1), "each frame was played to its end");
+            daemon.Continue();
+            game.WaitForAcknowledgement();
+        }
+
+        [Test]
+        public void FiftyConnectionsLeaveNoThreadAndNoDescriptor()
+        {
+            using var daemon = new DaemonProcess();
+            for (int cycle = 0; cycle < 5; ++cycle)
+                ConnectOnce(daemon);
+            int threads = Process.GetCurrentProcess().Threads.Count;
+            int descriptors = Descriptors();
+            for (int cycle = 0; cycle < 50; ++cycle)
+                ConnectOnce(daemon);
+            GC.Collect();
+            GC.WaitForPendingFinalizers();
+            Assert.That(SessionWork.RunningCount, Is.EqualTo(0));
+            Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0));
+            Assert.That(Process.GetCurrentProcess().Threads.Count, Is.LessThanOrEqualTo(threads + 4), "the runtime's own pool comes and goes");
+            Assert.That(Descriptors(), Is.LessThanOrEqualTo(descriptors + 4));
+        }
+
+        [Test]
+        public void AFrameAllocatesNothingWhileTheConnectionSends()
+        {
+            using var daemon = new DaemonProcess();
+            using Game game = Game.At(daemon.Address);
+            game.PlayUntilOnline();
+            AllocatedWhileSending(game);
+            Assert.That(AllocatedWhileSending(game), Is.EqualTo(0));
+        }
+
+        private static long AllocatedWhileSending(Game game)
+        {
+            ulong sentBefore = game.Status.Stats.SentSequence;
+            long before = GC.GetAllocatedBytesForCurrentThread();
+            while (game.Status.Stats.SentSequence < sentBefore + 3)
+                game.Play(10);
+            return GC.GetAllocatedBytesForCurrentThread() - before;
+        }
+
+        [Test]
+        public async Task TheEditorWatchesPosteriorsLiveAndCarriesPriors()
+        {
+            using var daemon = new DaemonProcess();
+            using var other = new DaemonProcess();
+            using Game game = Game.At(daemon.Address, null, ExploresFast);
+            using var client = new DaemonClient(new DaemonEndpoint { Address = daemon.Address });
+            ListPosteriorsResponse listed = null;
+            game.PlayUntil(() => HasScenes(client, out listed), "learnt");
+            Assert.That(listed.Scenes.Single().Scene, Is.EqualTo("hurricane"));
+            Assert.That(listed.Scenes.Single().Arms.Select(arm => arm.Arm), Is.Not.Empty.And.SubsetOf(game.Session.Arms));
+
+            using (var end = new CancellationTokenSource())
+            using (AsyncServerStreamingCall<WatchPosteriorsResponse> watch = client.Posteriors.WatchPosteriors(new WatchPosteriorsRequest { Project = "unity" }))
+            {
+                Task<DecisionEvent> decided = FirstDecision(watch.ResponseStream, end.Token);
+                game.PlayUntil(() => decided.IsCompleted, "decided before the watcher's eyes");
+                Assert.That((await decided).SessionId, Is.EqualTo(game.Status.SessionId));
+            }
+
+            using var taker = new DaemonClient(new DaemonEndpoint { Address = other.Address });
+            Assert.That(await CarryPriors(client, taker), Is.GreaterThan(0));
+            var missing = Assert.Throws<RpcException>(
+                () => client.Posteriors.GetPosterior(new GetPosteriorRequest { Project = "unity", Scene = "nowhere" }));
+            Assert.That(missing.StatusCode, Is.EqualTo(StatusCode.NotFound));
+        }
+
+        /// <summary>The policy of the paper tries each arm in turn at first.</summary>
+        private static void ExploresFast(LinkOptions options)
+        {
+            options.Policy = "paper";
+            options.TimeScale = 100;
+        }
+
+        private static bool HasScenes(DaemonClient client, out ListPosteriorsResponse listed)
+        {
+            listed = client.Posteriors.ListPosteriors(new ListPosteriorsRequest { Project = "unity" });
+            return listed.Scenes.Count > 0;
+        }
+
+        private static async Task<DecisionEvent> FirstDecision(IAsyncStreamReader<WatchPosteriorsResponse> stream, CancellationToken token)
+        {
+            while (await stream.MoveNext(token))
+            {
+                if (stream.Current.Decisions.Count > 0)
+                    return stream.Current.Decisions[0];
+            }
+            return null;
+        }
+
+        private static async Task<ulong> CarryPriors(DaemonClient from, DaemonClient to)
+        {
+            using AsyncServerStreamingCall<ExportPriorsResponse> exported = from.Priors.ExportPriors(new ExportPriorsRequest { Project = "unity" });
+            using AsyncClientStreamingCall<ImportPriorsRequest, ImportPriorsResponse> imported = to.Priors.ImportPriors();
+            while (await exported.ResponseStream.MoveNext(CancellationToken.None))
+            {
+                var part = new ImportPriorsRequest();
+                part.Records.AddRange(exported.ResponseStream.Current.Records);
+                await imported.RequestStream.WriteAsync(part);
+            }
+            await imported.RequestStream.CompleteAsync();
+            return (await imported.ResponseAsync).AppliedCount;
+        }
+
+        private static void ConnectOnce(DaemonProcess daemon)
+        {
+            using Game game = Game.At(daemon.Address);
+            game.PlayUntilOnline();
+        }
+
+        private static int Descriptors() => Directory.GetFileSystemEntries("/proc/self/fd").Length;
+    }
+}

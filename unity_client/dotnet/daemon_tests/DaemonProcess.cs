@@ -1,0 +1,95 @@
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.IO;
+using System.Threading;
+using NUnit.Framework;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>A real sweepstaked in a folder of its own, which a restart keeps.</summary>
+    internal sealed class DaemonProcess : IDisposable
+    {
+        private readonly string[] moreArguments;
+        private Process process;
+
+        internal DaemonProcess(params string[] moreArguments)
+            : this(null, moreArguments)
+        {
+        }
+
+        /// <param name="prepare">What is done to the data folder before the first start, such as to make a token.</param>
+        internal DaemonProcess(Action<DaemonProcess> prepare, string[] moreArguments, string listen = "127.0.0.1:0")
+        {
+            this.moreArguments = moreArguments;
+            Folder = Directory.CreateTempSubdirectory("sweepstaked").FullName;
+            prepare?.Invoke(this);
+            Start(listen);
+        }
+
+        internal string Folder { get; }
+        internal string Address { get; private set; }
+
+        /// <summary>The build tree whose programs are tested.</summary>
+        internal static string Program(string name)
+        {
+            string build = Environment.GetEnvironmentVariable("UNITY_CLIENT_BUILD") ??
+                throw new InvalidOperationException("Set UNITY_CLIENT_BUILD to the build folder, such as build/dev.");
+            return Path.Combine(build, "bin", name);
+        }
+
+        internal string Run(params string[] arguments)
+        {
+            var all = new List<string>(arguments) { "--data", Folder };
+            using Process command = Process.Start(new ProcessStartInfo(Program("sweepstaked"), all) { RedirectStandardOutput = true });
+            string output = command.StandardOutput.ReadToEnd();
+            command.WaitForExit();
+            Assert.That(command.ExitCode, Is.EqualTo(0), string.Join(' ', all));
+            return output.Trim();
+        }
+
+        internal void Kill()
+        {
+            process.Kill();
+            process.WaitForExit();
+        }
+
+        internal void Restart() => Start(Address);
+
+        internal void Pause() => Signal("-STOP");
+
+        internal void Continue() => Signal("-CONT");
+
+        public void Dispose()
+        {
+            if (!process.HasExited)
+                Kill();
+            Directory.Delete(Folder, true);
+        }
+
+        private void Signal(string signal)
+        {
+            using Process kill = Process.Start("kill", new[] { signal, process.Id.ToString() });
+            kill.WaitForExit();
+            Assert.That(kill.ExitCode, Is.EqualTo(0));
+        }
+
+        private void Start(string listen)
+        {
+            string portFile = Path.Combine(Folder, "port");
+            File.Delete(portFile);
+            var arguments = new List<string>
+            {
+                "--listen", listen, "--data", Folder, "--port-file", portFile, "--max-time-scale", "1000", "--log-level", "off",
+            };
+            arguments.AddRange(moreArguments);
+            process = Process.Start(new ProcessStartInfo(Program("sweepstaked"), arguments));
+            while (!File.Exists(portFile))
+            {
+                Assert.That(process.HasExited, Is.False, "the daemon ended at once");
+                Thread.Sleep(5);
+            }
+            Address = "127.0.0.1:" + File.ReadAllLines(portFile)[0];
+        }
+    }
+}

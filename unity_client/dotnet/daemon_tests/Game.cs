@@ -1,0 +1,89 @@
+using System;
+using System.Diagnostics;
+using System.Net.Http;
+using System.Threading;
+using NUnit.Framework;
+using Sweepstake.GrpcNet;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>A small game with a connection.</summary>
+    internal sealed class Game : IDisposable
+    {
+        private const ulong FrameNs = 16_666_667;
+        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(60);
+        private readonly MotionScene scene;
+
+        internal Game(ITelemetryTransport transport, Action<LinkOptions> change = null, Action<SessionOptions> changeSession = null)
+        {
+            var sessionOptions = new SessionOptions { Arms = "SAP,DBVT,KDTree" };
+            changeSession?.Invoke(sessionOptions);
+            Session = new BroadPhaseSession(sessionOptions);
+            SceneOptions sceneOptions = SceneOptions.Default;
+            sceneOptions.ObjectCount = 100;
+            scene = new MotionScene("hurricane", sceneOptions);
+            var options = new LinkOptions { Project = "unity", Scene = "hurricane", BatchIntervalMs = 20, BackoffMinMs = 5, BackoffMaxMs = 50 };
+            change?.Invoke(options);
+            Connection = new DaemonConnection(Session, transport, options);
+        }
+
+        internal BroadPhaseSession Session { get; }
+        internal DaemonConnection Connection { get; }
+        internal ConnectionStatus Status => Connection.Status;
+        internal ulong FrameCount { get; private set; }
+
+        internal static Game At(string address, Action<DaemonEndpoint> changeEndpoint = null, Action<LinkOptions> change = null)
+        {
+            var endpoint = new DaemonEndpoint { Address = address };
+            changeEndpoint?.Invoke(endpoint);
+            return new Game(new GrpcTelemetryTransport(endpoint), change);
+        }
+
+        /// <summary>As a game on .NET would: with pings, and without a proxy.</summary>
+        internal static HttpMessageHandler Sockets() => new SocketsHttpHandler
+        {
+            UseProxy = false,
+            KeepAlivePingDelay = TimeSpan.FromSeconds(20),
+            KeepAlivePingTimeout = TimeSpan.FromSeconds(10),
+        };
+
+        internal void Play(int frames)
+        {
+            for (int frame = 0; frame < frames; ++frame)
+            {
+                scene.Step();
+                Session.BeginFrame();
+                Session.FindPairs(scene.Boxes);
+                Session.EndFrame(FrameNs);
+                ++FrameCount;
+            }
+        }
+
+        /// <summary>Plays on until it is so; fails only where it never will be.</summary>
+        internal void PlayUntil(Func<bool> isSo, string what)
+        {
+            for (Stopwatch watch = Stopwatch.StartNew(); !isSo();)
+            {
+                Assert.That(watch.Elapsed, Is.LessThan(Patience), () => $"never {what}; {Status.State}, {Status.LastError}, {Connection.Failure}");
+                Play(1);
+                Thread.Sleep(1);
+            }
+        }
+
+        internal void PlayUntilOnline() => PlayUntil(() => Status.State == LinkState.Online, "online");
+
+        /// <summary>All that has been sent is on the daemon's disk.</summary>
+        internal void WaitForAcknowledgement()
+        {
+            PlayUntil(() => Status.Stats.SentSequence > 0, "sending");
+            ulong sent = Status.Stats.SentSequence;
+            PlayUntil(() => Status.Stats.AcknowledgedSequence >= sent, "acknowledged");
+        }
+
+        public void Dispose()
+        {
+            Session.Dispose();
+            scene.Dispose();
+        }
+    }
+}

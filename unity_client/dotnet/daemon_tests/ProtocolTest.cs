@@ -1,0 +1,156 @@
+using System;
+using System.Diagnostics;
+using System.Linq;
+using System.Threading.Tasks;
+using NUnit.Framework;
+using Sweepstake.Protocol.V1;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>What a connection makes of a daemon that a test scripts.</summary>
+    public sealed class ProtocolTest
+    {
+        [Test]
+        public void AHelloSaysWhoTheGameIs()
+        {
+            var stream = new ScriptedStream().Saying(new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome() });
+            using var game = new Game(new ScriptedDaemon(() => stream), options =>
+            {
+                options.Build = "42";
+                options.MachineClass = "desk";
+                options.Seed = 7;
+                options.AllowsOperatorOrders = true;
+            });
+            game.PlayUntilOnline();
+            Hello hello = stream.Sent(request => request.Hello).Single();
+            Assert.That(hello.Project, Is.EqualTo("unity"));
+            Assert.That(hello.Build, Is.EqualTo("42"));
+            Assert.That(hello.MachineClass, Is.EqualTo("desk"));
+            Assert.That(hello.Seed, Is.EqualTo(7));
+            Assert.That(hello.Capabilities, Is.EqualTo(new[] { Capability.OperatorOrders }));
+            Assert.That(hello.Arms.Select(arm => arm.Name), Is.EqualTo(game.Session.Arms));
+            Assert.That(game.Status.DaemonVersion, Is.EqualTo("9.9.9"));
+            Assert.That(game.Status.SessionId, Is.EqualTo("scripted"));
+        }
+
+        [Test]
+        public void ADaemonOfAnotherProtocolIsLeftWithTheReason()
+        {
+            var stream = new ScriptedStream().Saying(new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome(99) });
+            using var game = new Game(new ScriptedDaemon(() => stream));
+            game.PlayUntil(() => stream.IsDisposed, "left");
+            game.PlayUntil(() => game.Status.LastError.Contains("99"), "told the version");
+            Assert.That(game.Status.State, Is.Not.EqualTo(LinkState.Online));
+        }
+
+        [Test]
+        public void ADecisionForABackendThatIsUnknownIsRefused()
+        {
+            var stream = new ScriptedStream().Saying(
+                new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome() },
+                new StreamTelemetryResponse { SwitchCommand = new Protocol.V1.SwitchCommand { CommandId = 1, Arm = 77, Reason = Protocol.V1.SwitchReason.Policy } });
+            using var game = new Game(new ScriptedDaemon(() => stream));
+            game.PlayUntil(() => stream.Sent(request => request.SwitchOutcome).Any(), "answered");
+            Protocol.V1.SwitchOutcome outcome = stream.Sent(request => request.SwitchOutcome).First();
+            Assert.That(outcome.CommandId, Is.EqualTo(1));
+            Assert.That(outcome.Executed, Is.False);
+            Assert.That(game.Session.SwitchEpoch, Is.EqualTo(0));
+        }
+
+        [Test]
+        public void ManualIsNeverOverruledByADaemon()
+        {
+            var stream = new ScriptedStream().Saying(
+                new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome() },
+                new StreamTelemetryResponse { SwitchCommand = new Protocol.V1.SwitchCommand { CommandId = 1, Arm = 2, Reason = Protocol.V1.SwitchReason.Policy } });
+            using var game = new Game(new ScriptedDaemon(() => stream), null, session => session.Mode = SessionMode.Manual);
+            game.PlayUntil(() => stream.Sent(request => request.SwitchOutcome).Any(), "answered");
+            Assert.That(stream.Sent(request => request.SwitchOutcome).First().Executed, Is.False);
+            Assert.That(game.Session.ActiveArm, Is.EqualTo(0));
+        }
+
+        [Test]
+        public void BytesThatAreNoMessageEndTheStreamAndNotTheGame()
+        {
+            var broken = new ScriptedStream().Saying(new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome() });
+            broken.Say(new byte[] { 0xff, 0xff, 0xff });
+            var good = new ScriptedStream().Saying(new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome() });
+            int opened = 0;
+            using var game = new Game(new ScriptedDaemon(() => opened++ == 0 ? broken : good));
+            game.PlayUntil(() => game.Status.Stats.ConnectionCount == 2, "connected again");
+            Assert.That(broken.IsDisposed, Is.True);
+            Assert.That(game.Connection.Failure, Is.Null);
+        }
+
+        [Test]
+        public void AWriteThatNeverEndsHoldsNeitherAFrameNorTheEnd()
+        {
+            var stream = new ScriptedStream { Writing = new TaskCompletionSource<bool>().Task };
+            stream.Saying(new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome() });
+            var daemon = new ScriptedDaemon(() => stream);
+            using var game = new Game(daemon, null, session => session.QueueFrames = 64);
+            game.PlayUntil(() => stream.Requests.Count > 0, "writing");
+            game.Play(20_000);
+            Assert.That(stream.Requests.Count, Is.EqualTo(1), "the write is under way");
+            game.PlayUntil(() => game.Session.DroppedSampleCount > 0, "dropping the oldest");
+            var watch = Stopwatch.StartNew();
+            Assert.That(game.Connection.Stop(300), Is.True, "cancelled in the midst of a write");
+            Assert.That(watch.Elapsed, Is.LessThan(TimeSpan.FromSeconds(30)));
+            Assert.That(stream.IsDisposed, Is.True);
+            Assert.That(daemon.IsDisposed, Is.True);
+            Assert.That(game.Status.State, Is.EqualTo(LinkState.Closed));
+        }
+
+        [Test]
+        public void AnOrderlyEndSendsWhatIsLeftAndSaysGoodbye()
+        {
+            var stream = new ScriptedStream().Saying(new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome() });
+            using var game = new Game(new ScriptedDaemon(() => stream));
+            game.PlayUntilOnline();
+            game.Play(100);
+            Task<bool> stopping = Task.Run(() => game.Connection.Stop(20_000));
+            while (!stream.IsFinished)
+            {
+                ulong last = stream.Requests.Select(request => request.Sequence).DefaultIfEmpty().Max();
+                stream.Saying(new StreamTelemetryResponse { Acknowledgement = new Acknowledgement { Sequence = last } });
+                Task.Delay(5).Wait();
+            }
+            stream.EndWith(default);
+            Assert.That(stopping.Result, Is.True);
+            Assert.That(stream.Requests.Last().Goodbye, Is.Not.Null);
+            Assert.That(stream.Sent(request => request.FrameBatch).Sum(batch => batch.FrameTimeNs.Count), Is.EqualTo((int)game.FrameCount));
+        }
+
+        [Test]
+        public void ATransportThatCannotBeginSaysWhyAndIsTriedAgain()
+        {
+            var daemon = new ScriptedDaemon(() => throw new InvalidOperationException("there is no token"));
+            using var game = new Game(daemon);
+            game.PlayUntil(() => daemon.OpenCount > 1, "tried again");
+            Assert.That(game.Status.LastError, Does.Contain("there is no token"));
+        }
+
+        [Test]
+        public void OneSessionHasOneDecider()
+        {
+            var stream = new ScriptedStream();
+            using var game = new Game(new ScriptedDaemon(() => stream));
+            Assert.Throws<SweepstakeException>(() => new EmbeddedDecider(game.Session));
+            game.Connection.Dispose();
+            using var decider = new EmbeddedDecider(game.Session);
+            game.Play(10);
+        }
+
+        [Test]
+        public void ShutdownEndsAConnectionThatIsStuck()
+        {
+            var stream = new ScriptedStream { Writing = new TaskCompletionSource<bool>().Task };
+            var game = new Game(new ScriptedDaemon(() => stream));
+            game.PlayUntil(() => stream.Requests.Count > 0, "writing");
+            Assert.That(SweepstakeLibrary.Shutdown(), Is.True);
+            Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0));
+            Assert.That(SessionWork.RunningCount, Is.EqualTo(0));
+            game.Dispose();
+        }
+    }
+}

@@ -1,0 +1,125 @@
+using System;
+using System.Collections.Concurrent;
+using System.Collections.Generic;
+using System.Linq;
+using System.Threading.Tasks;
+using Google.Protobuf;
+using Sweepstake.Protocol.V1;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>A transport whose daemon says what a test wants, in the messages of the generated protocol.</summary>
+    internal sealed class ScriptedDaemon : ITelemetryTransport
+    {
+        private readonly Func<ITelemetryStream> open;
+
+        internal ScriptedDaemon(Func<ITelemetryStream> open)
+        {
+            this.open = open;
+        }
+
+        internal int OpenCount { get; private set; }
+        internal bool IsDisposed { get; private set; }
+
+        public ITelemetryStream Open()
+        {
+            ++OpenCount;
+            return open();
+        }
+
+        public void Dispose()
+        {
+            IsDisposed = true;
+        }
+
+        internal static Welcome Welcome(uint protocolVersion = 2) =>
+            new Welcome { SessionId = "scripted", ProtocolVersion = protocolVersion, DaemonVersion = "9.9.9", Policy = "scripted" };
+    }
+
+    /// <summary>One stream of it. As a daemon does, it says nothing before the game's first message.</summary>
+    internal sealed class ScriptedStream : ITelemetryStream
+    {
+        private readonly ConcurrentQueue<StreamTelemetryRequest> requests = new ConcurrentQueue<StreamTelemetryRequest>();
+        private readonly object gate = new object();
+        private readonly Queue<byte[]> answers = new Queue<byte[]>();
+        private TaskCompletionSource<byte[]> waiting;
+        private bool hasEnded;
+
+        /// <summary>What a write waits for; null: nothing.</summary>
+        internal Task Writing { get; set; } = Task.CompletedTask;
+        internal bool IsDisposed { get; private set; }
+        internal bool IsFinished { get; private set; }
+        internal IReadOnlyList<StreamTelemetryRequest> Requests => requests.ToArray();
+
+        public StreamEnd End { get; private set; }
+
+        public Task WriteAsync(ArraySegment<byte> message)
+        {
+            requests.Enqueue(StreamTelemetryRequest.Parser.ParseFrom(message.Array, message.Offset, message.Count));
+            Answer();
+            return Writing;
+        }
+
+        public Task FinishAsync()
+        {
+            IsFinished = true;
+            return Task.CompletedTask;
+        }
+
+        public Task<byte[]> ReadAsync()
+        {
+            lock (gate)
+            {
+                waiting = new TaskCompletionSource<byte[]>(TaskCreationOptions.RunContinuationsAsynchronously);
+                Task<byte[]> read = waiting.Task;
+                Answer();
+                return read;
+            }
+        }
+
+        public void Dispose()
+        {
+            IsDisposed = true;
+            EndWith(new StreamEnd(StreamEnd.Cancelled, ""));
+        }
+
+        internal ScriptedStream Saying(params StreamTelemetryResponse[] responses)
+        {
+            foreach (StreamTelemetryResponse response in responses)
+                Say(response.ToByteArray());
+            return this;
+        }
+
+        internal void Say(byte[] answer)
+        {
+            lock (gate)
+                answers.Enqueue(answer);
+            Answer();
+        }
+
+        internal void EndWith(StreamEnd end)
+        {
+            lock (gate)
+            {
+                if (!hasEnded)
+                    End = end;
+                hasEnded = true;
+            }
+            Answer();
+        }
+
+        private void Answer()
+        {
+            lock (gate)
+            {
+                if (waiting == null || (requests.IsEmpty && !hasEnded) || (answers.Count == 0 && !hasEnded))
+                    return;
+                waiting.TrySetResult(answers.Count > 0 ? answers.Dequeue() : null);
+                waiting = null;
+            }
+        }
+
+        internal IEnumerable<T> Sent<T>(Func<StreamTelemetryRequest, T> part)
+            where T : class => Requests.Select(part).Where(found => found != null);
+    }
+}
