@@ -61,6 +61,9 @@ for preset in "${presets[@]}"; do
   cmake --preset "$preset" -DSWEEPSTAKE_WERROR=ON
   cmake --build --preset "$preset" -j "$jobs"
 done
+if ! command -v dotnet >/dev/null; then
+  echo "******** LEFT OUT: the C# tests of the Unity package, for want of the .NET SDK 10 (tests/unity_client/dotnet_test.sh says how to get it) ********"
+fi
 # All builds come first, so that what a reader sees last is ctest's summary.
 for preset in "${presets[@]}"; do
   ctest --preset "$preset" -j "$jobs" "$@"

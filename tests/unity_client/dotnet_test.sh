@@ -30,8 +30,7 @@ dotnet-sdk-10.0 of Microsoft's repository for this system, or unpack the SDK and
 export UNITY_CLIENT_BUILD=$build LD_LIBRARY_PATH=$build/plugin${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 settings=(--configuration Release --nologo -p:BuildFolder="$build/dotnet/" -nodeReuse:false)
 
-tests=(core_tests)
-if [[ -x $build/bin/sweepstaked ]]; then tests+=(daemon_tests); fi
+tests=(core_tests daemon_tests)
 for project in "${tests[@]}"; do
   dotnet restore "$projects/$project" -p:BuildFolder="$build/dotnet/" -nodeReuse:false --verbosity quiet ||
     left_out "the C# tests of the Unity package ($project). NuGet could not restore the packages that unity_client/dotnet names; \
@@ -40,6 +39,4 @@ done
 
 python3 "$repository/unity_client/tools/make_protocol.py" "$repository" --check
 for project in "${tests[@]}"; do dotnet build "$projects/$project" --no-restore --verbosity quiet "${settings[@]}"; done
-for project in "${tests[@]}"; do
-  [[ $project != *_tests ]] || dotnet test "$projects/$project" --no-build --no-restore --verbosity quiet "${settings[@]}" "$@"
-done
+for project in "${tests[@]}"; do dotnet test "$projects/$project" --no-build --no-restore --verbosity quiet "${settings[@]}" "$@"; done

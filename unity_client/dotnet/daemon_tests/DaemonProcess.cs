@@ -29,6 +29,8 @@ namespace Sweepstake.Tests
 
         internal string Folder { get; }
         internal string Address { get; private set; }
+        /// <summary>With --http.</summary>
+        internal string HttpAddress { get; private set; }
 
         /// <summary>The build tree whose programs are tested.</summary>
         internal static string Program(string name)
@@ -89,7 +91,9 @@ namespace Sweepstake.Tests
                 Assert.That(process.HasExited, Is.False, "the daemon ended at once");
                 Thread.Sleep(5);
             }
-            Address = "127.0.0.1:" + File.ReadAllLines(portFile)[0];
+            string[] ports = File.ReadAllLines(portFile);
+            Address = "127.0.0.1:" + ports[0];
+            HttpAddress = ports.Length > 1 ? "127.0.0.1:" + ports[1] : null;
         }
     }
 }

@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""Fails when the Unity package breaks a rule that Unity's own validation has, or when its documents are not true.
+
+    package.json    name, version (that of the CMake project), Unity 2022.3; samples exist
+    .meta           each asset has one, each belongs to an asset, no GUID is there twice; plug-ins are for one platform each
+    .asmdef         named as its file, references what exists, gRPC behind SWEEPSTAKE_GRPC, no engine below Runtime/Unity
+    CHANGELOG.md    Keep a Changelog, newest first, the version of the package unless it is unreleased
+    paths           at most 140 characters; no link.xml, which Unity ignores in packages; no library of .NET
+    privacy.md      names each field of what a game sends, and no other
+    links           of the documents lead somewhere
+
+    package_test.py ROOT          checks the tree at ROOT
+    package_test.py --self-test   shows that each rule can fail
+"""
+
+import json
+import pathlib
+import re
+import shutil
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "unity_client" / "tools"))
+import make_metas  # noqa: E402
+
+PACKAGE = "unity_client/com.sweepstake.broadphase"
+MAX_PATH = 140
+ENGINE_FREE = ("Runtime/Core", "Runtime/Protocol", "Runtime/GrpcNet")
+GRPC = ("Runtime/Protocol", "Runtime/GrpcNet")
+KNOWN_REFERENCES = {"UnityEngine.TestRunner", "UnityEditor.TestRunner", "Unity.Burst", "Unity.Collections", "Unity.Mathematics", "Unity.InputSystem"}
+VERSION_HEADING = re.compile(r"^## \[(Unreleased|\d+\.\d+\.\d+)\](?: - \d{4}-\d\d-\d\d)?$")
+LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
+PROTO_MESSAGE = re.compile(r"^message (\w+) \{(.*?)^\}", re.MULTILINE | re.DOTALL)
+PROTO_FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+;", re.MULTILINE)
+PRIVACY_FIELD = re.compile(r"^\| `(\w+\.\w+)` \|", re.MULTILINE)
+
+
+def json_of(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def manifest_errors(root, package):
+    manifest = json_of(package / "package.json")
+    version = re.search(r"project\(sweepstake VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+    if manifest.get("name") != package.name:
+        yield f"package.json: the name is not {package.name}"
+    if manifest.get("version") != version:
+        yield f"package.json: the version is not {version}, the project's"
+    if manifest.get("unity") != "2022.3":
+        yield "package.json: the lowest Unity is 2022.3"
+    for key in ("displayName", "description", "author", "license"):
+        if not manifest.get(key):
+            yield f"package.json: '{key}' is missing"
+    for sample in manifest.get("samples", []):
+        if not (package / sample["path"]).is_dir():
+            yield f"package.json: the sample {sample['path']} does not exist"
+
+
+def changelog_errors(package):
+    text = (package / "CHANGELOG.md").read_text(encoding="utf-8")
+    if not text.startswith("# Changelog\n"):
+        yield "CHANGELOG.md: the first line is '# Changelog'"
+    headings = [line for line in text.splitlines() if line.startswith("## ")]
+    if not headings:
+        yield "CHANGELOG.md: there is no version"
+    for heading in headings:
+        if not VERSION_HEADING.match(heading):
+            yield f"CHANGELOG.md: '{heading}' is not '## [1.2.3] - 2026-01-31' or '## [Unreleased]'"
+    versions = [tuple(map(int, match[1].split("."))) for heading in headings if (match := VERSION_HEADING.match(heading)) and match[1] != "Unreleased"]
+    if versions != sorted(versions, reverse=True):
+        yield "CHANGELOG.md: the newest version comes first"
+
+
+def asmdef_errors(package):
+    paths = sorted(package.rglob("*.asmdef"))
+    names = {path.stem for path in paths}
+    for path in paths:
+        name, asmdef = path.relative_to(package).as_posix(), json_of(path)
+        if asmdef["name"] != path.stem:
+            yield f"{name}: is called '{asmdef['name']}'"
+        if asmdef["includePlatforms"] and asmdef["excludePlatforms"]:
+            yield f"{name}: either includes platforms or excludes some"
+        for reference in asmdef["references"]:
+            if reference not in names | KNOWN_REFERENCES:
+                yield f"{name}: '{reference}' is no assembly"
+        if name.startswith(ENGINE_FREE) and not asmdef["noEngineReferences"]:
+            yield f"{name}: knows UnityEngine"
+        if name.startswith(GRPC) and asmdef["defineConstraints"] != ["SWEEPSTAKE_GRPC"]:
+            yield f"{name}: would not compile without the libraries of gRPC; its constraint is SWEEPSTAKE_GRPC"
+
+
+def path_errors(package):
+    for path in sorted(package.rglob("*")):
+        name = path.relative_to(package).as_posix()
+        if len(f"{package.name}/{name}") > MAX_PATH:
+            yield f"{name}: the path has more than {MAX_PATH} characters"
+        if path.name == "link.xml":
+            yield f"{name}: Unity ignores it in a package"
+        if path.suffix == ".dll" and name not in make_metas.PLUGINS:
+            yield f"{name}: a library of .NET would meet another copy of itself in the project"
+
+
+def document_errors(package):
+    for name in ("LICENSE.md", "Third Party Notices.md", "README.md", "Documentation~/index.md"):
+        if not (package / name).is_file():
+            yield f"{name} is missing"
+    for path in sorted(package.rglob("*.md")):
+        for link in LINK.findall(path.read_text(encoding="utf-8")):
+            if "://" not in link and not (path.parent / link).exists():
+                yield f"{path.relative_to(package).as_posix()}: the link to {link} leads nowhere"
+
+
+def sent_fields(proto):
+    """Message.field of all that a request may hold."""
+    messages = {name: PROTO_FIELD.findall(body) for name, body in PROTO_MESSAGE.findall(proto)}
+    due, seen, fields = ["StreamTelemetryRequest"], set(), set()
+    while due:
+        message = due.pop()
+        if message in seen:
+            continue
+        seen.add(message)
+        for kind, name in messages[message]:
+            due += [kind] if kind in messages else []
+            fields.add(f"{message}.{name}")
+    return {field for field in fields if not field.startswith("StreamTelemetryRequest.") or field.endswith(".sequence")}
+
+
+def privacy_errors(root, package):
+    told = set(PRIVACY_FIELD.findall((package / "Documentation~/privacy.md").read_text(encoding="utf-8")))
+    sent = sent_fields((root / "proto/sweepstake/v1/telemetry.proto").read_text(encoding="utf-8"))
+    for field in sorted(sent - told):
+        yield f"Documentation~/privacy.md: `{field}` is sent, and not told"
+    for field in sorted(told - sent):
+        yield f"Documentation~/privacy.md: `{field}` is told, and not sent"
+
+
+def check(root):
+    package = root / PACKAGE
+    return [*manifest_errors(root, package), *make_metas.errors(package), *changelog_errors(package), *asmdef_errors(package),
+            *path_errors(package), *document_errors(package), *privacy_errors(root, package)]
+
+
+def edit(package, name, old, new):
+    path = package / name
+    text = path.read_text(encoding="utf-8")
+    assert old in text, f"{name} has no '{old}'"
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+# What is done to a copy of the package, and what must be said then.
+BAD = [
+    (lambda p: edit(p, "package.json", '"version": "', '"version": "9'), "the version is not"),
+    (lambda p: edit(p, "package.json", '"2022.3"', '"2019.4"'), "the lowest Unity"),
+    (lambda p: edit(p, "package.json", '"dependencies"', '"samples": [{"path": "Samples~/None"}], "dependencies"'), "Samples~/None does not exist"),
+    (lambda p: (p / "README.md.meta").unlink(), "README.md.meta is missing"),
+    (lambda p: (p / "Gone.md.meta").write_text("guid: " + "0" * 32 + "\n"), "Gone.md.meta belongs to nothing"),
+    (lambda p: shutil.copy(p / "README.md.meta", p / "LICENSE.md.meta"), "has the GUID of"),
+    (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## Unreleased"), "is not '## [1.2.3]"),
+    (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## [0.1.0] - 2026-01-01\n\n## [0.2.0] - 2026-01-01"), "the newest version comes first"),
+    (lambda p: edit(p, "Runtime/Core/Sweepstake.Core.asmdef", '"Sweepstake.Core"', '"Core"'), "is called 'Core'"),
+    (lambda p: edit(p, "Runtime/Core/Sweepstake.Core.asmdef", '"noEngineReferences": true', '"noEngineReferences": false'), "knows UnityEngine"),
+    (lambda p: edit(p, "Runtime/GrpcNet/Sweepstake.GrpcNet.asmdef", '"SWEEPSTAKE_GRPC"', ""), "without the libraries of gRPC"),
+    (lambda p: edit(p, "Runtime/GrpcNet/Sweepstake.GrpcNet.asmdef", '"Sweepstake.Core"', '"Sweepstake.Kern"'), "'Sweepstake.Kern' is no assembly"),
+    (lambda p: (p / "Documentation~" / ("x" * MAX_PATH)).write_text(""), "more than 140 characters"),
+    (lambda p: (p / "Documentation~/link.xml").write_text(""), "Unity ignores it"),
+    (lambda p: (p / "Documentation~/Google.Protobuf.dll").write_text(""), "another copy of itself"),
+    (lambda p: (p / "Documentation~/privacy.md").write_text("| `Hello.shoe_size` | |\n"), "`Hello.shoe_size` is told, and not sent"),
+    (lambda p: edit(p, "Documentation~/privacy.md", "| `Hello.machine_class` |", "| |"), "`Hello.machine_class` is sent, and not told"),
+    (lambda p: edit(p, "README.md", "index.md", "gone.md"), "the link to Documentation~/gone.md leads nowhere"),
+]
+
+
+def self_test(root):
+    missed = []
+    for change, error in BAD:
+        with tempfile.TemporaryDirectory() as folder:
+            copy = pathlib.Path(folder)
+            shutil.copytree(root / PACKAGE, copy / PACKAGE)
+            shutil.copytree(root / "proto", copy / "proto", ignore=shutil.ignore_patterns("node_modules"))
+            shutil.copy(root / "CMakeLists.txt", copy)
+            change(copy / PACKAGE)
+            errors = check(copy)
+            if not any(error in found for found in errors):
+                missed.append(f"'{error}' was not said, but: {errors}")
+    return missed
+
+
+def main(arguments):
+    if arguments == ["--self-test"]:
+        errors = self_test(pathlib.Path(__file__).resolve().parents[2])
+        print("\n".join(errors) or f"{len(BAD)} broken rules were each found")
+    elif len(arguments) == 1:
+        errors = check(pathlib.Path(arguments[0]))
+        print("\n".join(errors) or "the package keeps the rules")
+    else:
+        print(__doc__, file=sys.stderr)
+        return 2
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
