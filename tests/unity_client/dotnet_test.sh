@@ -4,7 +4,7 @@
 #   tests/unity_client/dotnet_test.sh build/dev                       all tests
 #   tests/unity_client/dotnet_test.sh build/dev --filter Name~Reload  arguments after the folder go to `dotnet test`
 #
-# Exit status: 0 all is well, 1 something failed, 77 nothing could be run, and why: the .NET SDK is missing, or its packages.
+# Exit status: 0 all is well, 1 something failed, 77 some or all tests were left out, and the last line says which and why.
 set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 projects=$repository/unity_client/dotnet
@@ -30,13 +30,15 @@ dotnet-sdk-10.0 of Microsoft's repository for this system, or unpack the SDK and
 export UNITY_CLIENT_BUILD=$build LD_LIBRARY_PATH=$build/plugin${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 settings=(--configuration Release --nologo -p:BuildFolder="$build/dotnet/" -nodeReuse:false)
 
-tests=(core_tests daemon_tests)
-for project in "${tests[@]}"; do
-  dotnet restore "$projects/$project" -p:BuildFolder="$build/dotnet/" -nodeReuse:false --verbosity quiet ||
-    left_out "the C# tests of the Unity package ($project). NuGet could not restore the packages that unity_client/dotnet names; \
-add a source that has them to your NuGet configuration"
-done
+restore() { dotnet restore "$projects/$1" -p:BuildFolder="$build/dotnet/" -nodeReuse:false --verbosity quiet; }
+run() {
+  dotnet build "$projects/$1" --no-restore --verbosity quiet "${settings[@]}"
+  dotnet test "$projects/$1" --no-build --no-restore --verbosity quiet "${settings[@]}" "${@:2}"
+}
+readonly advice="NuGet could not restore the packages that unity_client/dotnet names; add a source that has them to your NuGet configuration"
 
+restore core_tests || left_out "the C# tests of the Unity package. $advice"
+run core_tests "$@"
+restore daemon_tests || left_out "the C# tests of the Unity package that speak gRPC; those of its core have passed. $advice"
 python3 "$repository/unity_client/tools/make_protocol.py" "$repository" --check
-for project in "${tests[@]}"; do dotnet build "$projects/$project" --no-restore --verbosity quiet "${settings[@]}"; done
-for project in "${tests[@]}"; do dotnet test "$projects/$project" --no-build --no-restore --verbosity quiet "${settings[@]}" "$@"; done
+run daemon_tests "$@"

@@ -17,7 +17,7 @@ namespace Sweepstake
     }
 
     /// <summary>
-    /// The native library: whether it is there and fits, what it holds, and its end. Any thread may call any of this at any time.
+    /// The native library: whether it is there and fits, what it holds, and its end. Any thread may call any of this at any time, but Shutdown.
     /// </summary>
     public static unsafe class SweepstakeLibrary
     {
@@ -115,19 +115,23 @@ namespace Sweepstake
 
         /// <summary>
         /// Ends all connections and deciders, then every native object of the process with its threads and memory, in about the given time
-        /// at most: before a domain reload, at the end of play mode and of the game. What is made afterwards lives; wrappers that are left
-        /// over throw. May be called more than once, and where the library was never loaded.
+        /// at most: before a domain reload, at the end of play mode and of the game. No frame, job or query may be under way. What is made
+        /// afterwards lives; wrappers that are left over throw. May be called more than once, and where the library was never loaded.
         /// </summary>
         /// <returns>Whether all has ended; false: some call had not returned in time, and a later Shutdown goes on.</returns>
         public static bool Shutdown(int timeoutMs = 500)
         {
             ulong endNs = SteadyClock.NowNs + (ulong)Math.Max(0, timeoutMs) * 1_000_000;
-            SessionWork.StopAll(endNs);
+            SessionWork[] stopped = SessionWork.StopAll(endNs);
             if (!isChecked)
                 return true;
             ulong nowNs = SteadyClock.NowNs;
             uint leftMs = nowNs < endNs ? (uint)((endNs - nowNs) / 1_000_000) : 0;
-            return NativeMethods.swp_shutdown_all(leftMs) == ResultCode.Ok;
+            if (NativeMethods.swp_shutdown_all(leftMs) != ResultCode.Ok)
+                return false;
+            foreach (SessionWork work in stopped)
+                work.Release();
+            return true;
         }
 
         private static NativeLibraryException? CompareAbi()

@@ -66,7 +66,7 @@ namespace Sweepstake.Tests
             using var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100 }, ownThread: false);
             using var scene = Oracle.CrowdedScene("hurricane");
             PlayAndPoll(session, decider, scene, 600);
-            Assert.That(decider.DecisionCount, Is.GreaterThan(0));
+            Assert.That(decider.Status.DecisionCount, Is.GreaterThan(0));
             Assert.That(session.SwitchEpoch, Is.EqualTo(0));
             Assert.That(session.Arms[session.ActiveArm], Is.EqualTo("BruteForce"));
             Assert.That(session.LastDecision.Outcome, Is.EqualTo(DecisionOutcome.Manual));
@@ -80,18 +80,17 @@ namespace Sweepstake.Tests
             using var scene = Oracle.CrowdedScene("hurricane");
             PlayAndPoll(session, decider, scene, 1200);
             Assert.That(session.SwitchEpoch, Is.GreaterThan(0));
-            Assert.That(decider.DecisionCount, Is.GreaterThan(10));
+            Assert.That(decider.Status.DecisionCount, Is.GreaterThan(10));
             Decision decision = session.LastDecision;
             Assert.That(decision.Outcome, Is.Not.EqualTo(DecisionOutcome.None));
-            Assert.That(decision.DecisionId, Is.EqualTo(decider.DecisionCount));
+            Assert.That(decision.DecisionId, Is.EqualTo(decider.Status.DecisionCount));
             Assert.That(session.LastOutcome.IsExecuted, Is.True);
             double sum = 0;
             for (int arm = 0; arm < session.Arms.Count; ++arm)
                 sum += decision.ProbabilityOf(arm);
             Assert.That(sum, Is.EqualTo(1).Within(1e-6));
-            var beliefs = new Belief[session.Arms.Count];
-            Assert.That(decider.CopyBeliefs(beliefs), Is.EqualTo(beliefs.Length));
-            foreach (Belief belief in beliefs)
+            Assert.That(decider.Status.Beliefs.Length, Is.EqualTo(session.Arms.Count));
+            foreach (Belief belief in decider.Status.Beliefs.ToArray())
                 Assert.That(belief.Mean, Is.InRange(0, 1));
         }
 
@@ -103,14 +102,14 @@ namespace Sweepstake.Tests
             using (var session = new BroadPhaseSession(new SessionOptions { SettlingNs = 1 }))
             using (var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100, SourceId = "a" }, ownThread: false))
             {
-                Assert.That(decider.PriorSourceCount, Is.EqualTo(0));
+                Assert.That(decider.Status.PriorSourceCount, Is.EqualTo(0));
                 PlayAndPoll(session, decider, scene, 1200);
                 priors = decider.ExportPriors();
             }
             Assert.That(priors, Is.Not.Empty);
             using var next = new BroadPhaseSession();
             using var started = new EmbeddedDecider(next, new DeciderOptions { PriorsData = priors }, ownThread: false);
-            Assert.That(started.PriorSourceCount, Is.EqualTo(1));
+            Assert.That(started.Status.PriorSourceCount, Is.EqualTo(1));
             using var third = new BroadPhaseSession();
             priors[priors.Length / 2] = 0;
             Assert.That(
@@ -128,7 +127,7 @@ namespace Sweepstake.Tests
             session.Dispose();
             Assert.That(SessionWork.RunningCount, Is.EqualTo(0));
             Assert.That(decider.Failure, Is.Null);
-            Assert.That(decider.DecisionCount, Is.EqualTo(0));
+            Assert.That(decider.Poll(SteadyClock.NowNs), Is.False);
             Assert.Throws<SweepstakeException>(() => decider.ExportPriors());
             decider.Dispose();
         }

@@ -64,6 +64,7 @@ namespace Sweepstake
             finally
             {
                 transport.Dispose();
+                status = LinkMirror.Closed(status);
             }
         }
 
@@ -76,9 +77,9 @@ namespace Sweepstake
 
         private protected override void CloseNative()
         {
-            PublishLast();
             NativeMethods.swp_link_destroy(link);
             link = IntPtr.Zero;
+            status = LinkMirror.Closed(status);
         }
 
         /// <summary>Passes the time until the next stream; false: there is none.</summary>
@@ -243,19 +244,6 @@ namespace Sweepstake
         private void Publish(bool hasNews)
         {
             status = mirror.Read(link, status, hasNews);
-        }
-
-        private void PublishLast()
-        {
-            try
-            {
-                Publish(true);
-            }
-            catch (SweepstakeException)
-            {
-                // Shut down beside it; the link says nothing any more.
-            }
-            status = LinkMirror.Closed(status);
         }
     }
 }

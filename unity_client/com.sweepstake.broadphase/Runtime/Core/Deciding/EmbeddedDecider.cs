@@ -4,6 +4,24 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
+    /// <summary>What an <see cref="EmbeddedDecider"/> knew at one moment; it never changes, so that any thread may keep it.</summary>
+    public sealed class DeciderStatus
+    {
+        internal DeciderStatus(ulong decisionCount, ulong priorSourceCount, ReadOnlyMemory<Belief> beliefs)
+        {
+            DecisionCount = decisionCount;
+            PriorSourceCount = priorSourceCount;
+            Beliefs = beliefs;
+        }
+
+        /// <summary>Since it was made.</summary>
+        public ulong DecisionCount { get; }
+        /// <summary>Sources in the priors it started from; 0: Beta(1,1).</summary>
+        public ulong PriorSourceCount { get; }
+        /// <summary>The posteriors in the order of arms.</summary>
+        public ReadOnlyMemory<Belief> Beliefs { get; }
+    }
+
     /// <summary>
     /// "AI Decides" without a daemon: decides in this process, on a thread of its own that polls every 100 ms, or where the game polls.
     /// Nothing leaves the machine. Make and dispose of it while no frame runs.
@@ -11,6 +29,7 @@ namespace Sweepstake
     public sealed unsafe class EmbeddedDecider : SessionWork
     {
         private const int PollIntervalMs = 100;
+        private volatile DeciderStatus status = new DeciderStatus(0, 0, default);
 
         /// <param name="options">Null: the defaults.</param>
         /// <param name="ownThread">False: the game calls <see cref="Poll"/> every 250 ms or more often, from wherever it has time.</param>
@@ -25,38 +44,12 @@ namespace Sweepstake
                 NativeDeciderOptions native = (options ?? new DeciderOptions()).With(memory);
                 Native.Check(NativeMethods.swp_session_attach_decider(session.Pointer, &native, SteadyClock.NowNs));
             }
+            Publish();
             Start(ownThread ? "sweepstake decider" : null);
         }
 
-        /// <summary>The number of decisions since it was made; 0 once it has ended.</summary>
-        public ulong DecisionCount
-        {
-            get
-            {
-                ulong count = 0;
-                lock (Gate)
-                {
-                    if (!IsClosed)
-                        Native.Check(NativeMethods.swp_session_decision_count(Session.Pointer, &count));
-                }
-                return count;
-            }
-        }
-
-        /// <summary>The number of sources in the priors it started from; 0: Beta(1,1).</summary>
-        public ulong PriorSourceCount
-        {
-            get
-            {
-                ulong count = 0;
-                lock (Gate)
-                {
-                    if (!IsClosed)
-                        Native.Check(NativeMethods.swp_session_prior_source_count(Session.Pointer, &count));
-                }
-                return count;
-            }
-        }
+        /// <summary>What it knew after its latest decision: another object with each. Any thread; a game may read it each frame.</summary>
+        public DeciderStatus Status => status;
 
         /// <summary>
         /// Takes the costs of the frames since the last poll, and decides if a decision is due. It allocates native memory, and waits for a
@@ -69,26 +62,12 @@ namespace Sweepstake
             uint commanded = 0;
             lock (Gate)
             {
-                if (!IsClosed)
-                    Native.Check(NativeMethods.swp_session_poll_decider(Session.Pointer, nowNs, null, &commanded));
+                if (IsClosed)
+                    return false;
+                Native.Check(NativeMethods.swp_session_poll_decider(Session.Pointer, nowNs, null, &commanded));
+                Publish();
             }
             return commanded != 0;
-        }
-
-        /// <summary>Writes the posteriors in the order of arms.</summary>
-        /// <param name="beliefs">As long as <see cref="BroadPhaseSession.Arms"/> or longer.</param>
-        /// <returns>The number of arms; 0 once it has ended.</returns>
-        public int CopyBeliefs(Span<Belief> beliefs)
-        {
-            uint count = 0;
-            lock (Gate)
-            {
-                if (IsClosed)
-                    return 0;
-                fixed (Belief* start = beliefs)
-                    Native.Check(NativeMethods.swp_session_beliefs(Session.Pointer, start, (uint)beliefs.Length, &count));
-            }
-            return (int)count;
         }
 
         /// <summary>
@@ -111,6 +90,20 @@ namespace Sweepstake
                     Native.Check(NativeMethods.swp_session_export_priors(Session.Pointer, start, bytes, &bytes));
                 return priors;
             }
+        }
+
+        private void Publish()
+        {
+            ulong decisions, sources;
+            uint count;
+            Native.Check(NativeMethods.swp_session_decision_count(Session.Pointer, &decisions));
+            if (decisions == status.DecisionCount && status.Beliefs.Length > 0)
+                return;
+            var beliefs = new Belief[Session.Arms.Count];
+            fixed (Belief* start = beliefs)
+                Native.Check(NativeMethods.swp_session_beliefs(Session.Pointer, start, (uint)beliefs.Length, &count));
+            Native.Check(NativeMethods.swp_session_prior_source_count(Session.Pointer, &sources));
+            status = new DeciderStatus(decisions, sources, beliefs);
         }
 
         private protected override void Serve()

@@ -6,8 +6,9 @@ using System.Threading;
 namespace Sweepstake
 {
     /// <summary>
-    /// What decides for a session from a thread of its own: its native calls are made under a gate, and none after it was closed, so that the
-    /// session may end at any time. All running work is known, for <see cref="SweepstakeLibrary.Shutdown"/>. Thread-safe.
+    /// What decides for a session from a thread of its own: its native calls are made under a gate, and none after it was closed. What is
+    /// native is given back by whoever stops it, since no frame may run then. All that was not stopped is known, for
+    /// <see cref="SweepstakeLibrary.Shutdown"/>. Thread-safe.
     /// </summary>
     public abstract class SessionWork : IDisposable
     {
@@ -19,6 +20,7 @@ namespace Sweepstake
 
         private readonly object wakeGate = new object();
         private bool isWoken;
+        private bool isReleased;
         private Thread? thread;
 
         private protected SessionWork(BroadPhaseSession session)
@@ -38,7 +40,7 @@ namespace Sweepstake
         private protected bool IsClosed { get; private set; }
         private protected bool IsStopping { get; private set; }
 
-        /// <summary>The threads of sessions that run in this process.</summary>
+        /// <summary>The deciders and connections of this process that were not stopped.</summary>
         public static int RunningCount
         {
             get
@@ -54,7 +56,9 @@ namespace Sweepstake
         {
             ulong endNs = SteadyClock.NowNs + (ulong)Math.Max(0, timeoutMs) * 1_000_000;
             BeginStop(endNs);
-            return EndStop(endNs);
+            bool hasEnded = EndStop(endNs);
+            Release();
+            return hasEnded;
         }
 
         public void Dispose()
@@ -62,8 +66,8 @@ namespace Sweepstake
             Stop(DisposeTimeoutMs);
         }
 
-        /// <summary>Asks all to end at once, then waits for each until then.</summary>
-        internal static bool StopAll(ulong endNs)
+        /// <summary>Asks all to end at once, then waits for each until then. Returns them, for <see cref="Release"/>.</summary>
+        internal static SessionWork[] StopAll(ulong endNs)
         {
             SessionWork[] stopping;
             lock (RunningGate)
@@ -73,10 +77,24 @@ namespace Sweepstake
             }
             foreach (SessionWork work in stopping)
                 work.BeginStop(endNs);
-            bool haveEnded = true;
             foreach (SessionWork work in stopping)
-                haveEnded &= work.EndStop(endNs);
-            return haveEnded;
+                work.EndStop(endNs);
+            return stopping;
+        }
+
+        /// <summary>Gives back what is native, once, after its end.</summary>
+        internal void Release()
+        {
+            lock (Gate)
+            {
+                if (isReleased)
+                    return;
+                isReleased = true;
+                CloseNative();
+            }
+            Session.Work = null;
+            lock (RunningGate)
+                Running.Remove(this);
         }
 
         /// <summary>To be called last by the constructor. Without a thread the game polls.</summary>
@@ -95,7 +113,7 @@ namespace Sweepstake
         private protected abstract void Serve();
         /// <summary>Under the gate: begins an orderly end that is over by then.</summary>
         private protected abstract void BeginNativeStop(ulong endNs);
-        /// <summary>Under the gate, once: gives back what is native.</summary>
+        /// <summary>Under the gate, once, while no frame runs: gives back what is native.</summary>
         private protected abstract void CloseNative();
 
         private protected void Wake()
@@ -164,16 +182,7 @@ namespace Sweepstake
         private void Close()
         {
             lock (Gate)
-            {
-                if (IsClosed)
-                    return;
                 IsClosed = true;
-                CloseNative();
-            }
-            if (ReferenceEquals(Session.Work, this))
-                Session.Work = null;
-            lock (RunningGate)
-                Running.Remove(this);
         }
     }
 }
