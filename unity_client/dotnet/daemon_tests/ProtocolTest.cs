@@ -109,12 +109,13 @@ namespace Sweepstake.Tests
             game.PlayUntilOnline();
             game.Play(100);
             Task<bool> stopping = Task.Run(() => game.Connection.Stop(20_000));
-            while (!stream.IsFinished)
+            while (!stream.IsFinished && !stopping.IsCompleted)
             {
                 ulong last = stream.Requests.Select(request => request.Sequence).DefaultIfEmpty().Max();
                 stream.Saying(new StreamTelemetryResponse { Acknowledgement = new Acknowledgement { Sequence = last } });
                 Task.Delay(5).Wait();
             }
+            Assert.That(stream.IsFinished, Is.True, "the writing was ended, not cut off");
             stream.EndWith(default);
             Assert.That(stopping.Result, Is.True);
             Assert.That(stream.Requests.Last().Goodbye, Is.Not.Null);
