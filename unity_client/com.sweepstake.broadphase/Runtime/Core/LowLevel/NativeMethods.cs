@@ -64,6 +64,10 @@ namespace Sweepstake.LowLevel
 
         /// <summary>See c_deciders.h.</summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern ResultCode swp_session_freeze(IntPtr session, NativeDeciderOptions* options);
+
+        /// <summary>See c_deciders.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern ResultCode swp_session_poll_decider(IntPtr session, ulong nowNs, SwitchCommand* command, uint* commanded);
 
         /// <summary>See c_deciders.h.</summary>

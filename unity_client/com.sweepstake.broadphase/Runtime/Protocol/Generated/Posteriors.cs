@@ -43,43 +43,45 @@ namespace Sweepstake.Protocol.V1 {
             "Eg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkSFgoOcmV3",
             "YXJkX3ZlcnNpb24YBCABKA0SKQoEYXJtcxgFIAMoCzIbLnN3ZWVwc3Rha2Uu",
             "djEuQXJtUG9zdGVyaW9yEhwKFGFjdGl2ZV9zZXNzaW9uX2NvdW50GAYgASgN",
-            "EhQKDHNvdXJjZV9jb3VudBgHIAEoBCKTAQoMQXJtUG9zdGVyaW9yEgsKA2Fy",
+            "EhQKDHNvdXJjZV9jb3VudBgHIAEoBCKoAQoMQXJtUG9zdGVyaW9yEgsKA2Fy",
             "bRgBIAEoCRIXCg9iYWNrZW5kX3ZlcnNpb24YAiABKA0SLwoJcG9zdGVyaW9y",
             "GAMgASgLMhwuc3dlZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEhQKDHdpbmRv",
-            "d19jb3VudBgEIAEoBBIWCg5iYWlsX291dF9jb3VudBgFIAEoBCLYAwoNRGVj",
-            "aXNpb25FdmVudBISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiAB",
-            "KAkSDQoFc2NlbmUYAyABKAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0",
-            "aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNv",
-            "bWUYByABKA4yHi5zd2VlcHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29tZRIrCgZy",
-            "ZWFzb24YCCABKA4yGy5zd2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNvbhITCgZy",
-            "ZXdhcmQYCSABKAFIAIgBARIVCg1tYWNoaW5lX2NsYXNzGAogASgJEhgKEGJl",
-            "c3RfcHJvYmFiaWxpdHkYCyADKAESGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgM",
-            "IAEoARInCgd2ZXJkaWN0GA0gASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0",
-            "EhYKDmNvbnRleHRfYnVja2V0GA4gASgJEg4KBnBvbGljeRgPIAEoCRI2Cgxt",
-            "ZWFzdXJlbWVudHMYECABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1lTWVhc3Vy",
-            "ZW1lbnRzQgkKB19yZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZy",
-            "YW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3Jh",
-            "bRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEu",
-            "TG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rh",
-            "a2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRf",
-            "c3RlcHMYASADKA0SDgoGY291bnRzGAIgAygNKrcDCg9EZWNpc2lvbk91dGNv",
-            "bWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lT",
-            "SU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENI",
-            "RUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5E",
-            "RUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9P",
-            "VVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFM",
-            "EAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lP",
-            "Tl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxE",
-            "X0dBVEUQCRIdChlERUNJU0lPTl9PVVRDT01FX0hFTERfVElFEAwiBAgKEAoi",
-            "BAgLEAsqG0RFQ0lTSU9OX09VVENPTUVfSEVMRF9HVUFSRCocREVDSVNJT05f",
-            "T1VUQ09NRV9IRUxEX1VOU0FGRTKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoO",
-            "TGlzdFBvc3RlcmlvcnMSJC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3Jz",
-            "UmVxdWVzdBolLnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25z",
-            "ZRJXCgxHZXRQb3N0ZXJpb3ISIi5zd2VlcHN0YWtlLnYxLkdldFBvc3Rlcmlv",
-            "clJlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNl",
-            "EmIKD1dhdGNoUG9zdGVyaW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0",
-            "ZXJpb3JzUmVxdWVzdBomLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3Jz",
-            "UmVzcG9uc2UwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "d19jb3VudBgEIAEoBBIWCg5iYWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNp",
+            "dF9jb3VudBgGIAEoBCKTBAoNRGVjaXNpb25FdmVudBISCgpzZXNzaW9uX2lk",
+            "GAEgASgJEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyABKAkSEwoLZGVj",
+            "aXNpb25faWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRh",
+            "dGVfYXJtGAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2VlcHN0YWtlLnYx",
+            "LkRlY2lzaW9uT3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5zd2VlcHN0YWtl",
+            "LnYxLlN3aXRjaFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgBARIVCg1tYWNo",
+            "aW5lX2NsYXNzGAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkYCyADKAESGwoT",
+            "ZXhwZWN0ZWRfbG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0GA0gASgOMhYu",
+            "c3dlZXBzdGFrZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgPIAEoCRI2CgxtZWFz",
+            "dXJlbWVudHMYECABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1l",
+            "bnRzEgwKBGFybXMYESADKAkSLQoJc3RhbmRpbmdzGBIgAygLMhouc3dlZXBz",
+            "dGFrZS52MS5Bcm1TdGFuZGluZ0IJCgdfcmV3YXJkSgQIDhAPUg5jb250ZXh0",
+            "X2J1Y2tldCKyAQoRRnJhbWVNZWFzdXJlbWVudHMSMgoNZnJhbWVfdGltZV9u",
+            "cxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjYKEWRldGVj",
+            "dGlvbl90aW1lX25zGAIgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dy",
+            "YW0SMQoMbmF0aXZlX2J5dGVzGAMgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dI",
+            "aXN0b2dyYW0iNAoMTG9nSGlzdG9ncmFtEhQKDGJ1Y2tldF9zdGVwcxgBIAMo",
+            "DRIOCgZjb3VudHMYAiADKA0qtwMKD0RlY2lzaW9uT3V0Y29tZRIgChxERUNJ",
+            "U0lPTl9PVVRDT01FX1VOU1BFQ0lGSUVEEAASGQoVREVDSVNJT05fT1VUQ09N",
+            "RV9LRVBUEAESHQoZREVDSVNJT05fT1VUQ09NRV9TV0lUQ0hFRBACEiIKHkRF",
+            "Q0lTSU9OX09VVENPTUVfSEVMRF9DT09MRE9XThADEiIKHkRFQ0lTSU9OX09V",
+            "VENPTUVfSEVMRF9TRVRUTElORxAEEh4KGkRFQ0lTSU9OX09VVENPTUVfTk9f",
+            "RlJBTUVTEAUSGwoXREVDSVNJT05fT1VUQ09NRV9NQU5VQUwQBhIeChpERUNJ",
+            "U0lPTl9PVVRDT01FX0VYUExPUklORxAHEh0KGURFQ0lTSU9OX09VVENPTUVf",
+            "UkVKRUNURUQQCBIeChpERUNJU0lPTl9PVVRDT01FX0hFTERfR0FURRAJEh0K",
+            "GURFQ0lTSU9OX09VVENPTUVfSEVMRF9USUUQDCIECAoQCiIECAsQCyobREVD",
+            "SVNJT05fT1VUQ09NRV9IRUxEX0dVQVJEKhxERUNJU0lPTl9PVVRDT01FX0hF",
+            "TERfVU5TQUZFMq8CChFQb3N0ZXJpb3JzU2VydmljZRJdCg5MaXN0UG9zdGVy",
+            "aW9ycxIkLnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXF1ZXN0GiUu",
+            "c3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1Jlc3BvbnNlElcKDEdldFBv",
+            "c3RlcmlvchIiLnN3ZWVwc3Rha2UudjEuR2V0UG9zdGVyaW9yUmVxdWVzdBoj",
+            "LnN3ZWVwc3Rha2UudjEuR2V0UG9zdGVyaW9yUmVzcG9uc2USYgoPV2F0Y2hQ",
+            "b3N0ZXJpb3JzEiUuc3dlZXBzdGFrZS52MS5XYXRjaFBvc3RlcmlvcnNSZXF1",
+            "ZXN0GiYuc3dlZXBzdGFrZS52MS5XYXRjaFBvc3RlcmlvcnNSZXNwb25zZTAB",
+            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -90,8 +92,8 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "ContextBucket", "Policy", "Measurements" }, new[]{ "Reward" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings" }, new[]{ "Reward" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameMeasurements), global::Sweepstake.Protocol.V1.FrameMeasurements.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "NativeBytes" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LogHistogram), global::Sweepstake.Protocol.V1.LogHistogram.Parser, new[]{ "BucketSteps", "Counts" }, null, null, null, null)
           }));
@@ -2219,6 +2221,7 @@ namespace Sweepstake.Protocol.V1 {
       posterior_ = other.posterior_ != null ? other.posterior_.Clone() : null;
       windowCount_ = other.windowCount_;
       bailOutCount_ = other.bailOutCount_;
+      visitCount_ = other.visitCount_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2262,7 +2265,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PosteriorFieldNumber = 3;
     private global::Sweepstake.Protocol.V1.BetaPosterior posterior_;
     /// <summary>
-    /// The posterior. Always set.
+    /// The posterior, of windows and visits together. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2277,7 +2280,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WindowCountFieldNumber = 4;
     private ulong windowCount_;
     /// <summary>
-    /// Decision windows observed. Absent: 0.
+    /// Decision windows in which the arm was live. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2303,6 +2306,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "visit_count" field.</summary>
+    public const int VisitCountFieldNumber = 6;
+    private ulong visitCount_;
+    /// <summary>
+    /// Visits of the shadow lane. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong VisitCount {
+      get { return visitCount_; }
+      set {
+        visitCount_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2323,6 +2341,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(Posterior, other.Posterior)) return false;
       if (WindowCount != other.WindowCount) return false;
       if (BailOutCount != other.BailOutCount) return false;
+      if (VisitCount != other.VisitCount) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2335,6 +2354,7 @@ namespace Sweepstake.Protocol.V1 {
       if (posterior_ != null) hash ^= Posterior.GetHashCode();
       if (WindowCount != 0UL) hash ^= WindowCount.GetHashCode();
       if (BailOutCount != 0UL) hash ^= BailOutCount.GetHashCode();
+      if (VisitCount != 0UL) hash ^= VisitCount.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2373,6 +2393,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(40);
         output.WriteUInt64(BailOutCount);
       }
+      if (VisitCount != 0UL) {
+        output.WriteRawTag(48);
+        output.WriteUInt64(VisitCount);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2403,6 +2427,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(40);
         output.WriteUInt64(BailOutCount);
       }
+      if (VisitCount != 0UL) {
+        output.WriteRawTag(48);
+        output.WriteUInt64(VisitCount);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2427,6 +2455,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (BailOutCount != 0UL) {
         size += 1 + pb::CodedOutputStream.ComputeUInt64Size(BailOutCount);
+      }
+      if (VisitCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(VisitCount);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2457,6 +2488,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.BailOutCount != 0UL) {
         BailOutCount = other.BailOutCount;
+      }
+      if (other.VisitCount != 0UL) {
+        VisitCount = other.VisitCount;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2500,6 +2534,10 @@ namespace Sweepstake.Protocol.V1 {
             BailOutCount = input.ReadUInt64();
             break;
           }
+          case 48: {
+            VisitCount = input.ReadUInt64();
+            break;
+          }
         }
       }
     #endif
@@ -2540,6 +2578,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 40: {
             BailOutCount = input.ReadUInt64();
+            break;
+          }
+          case 48: {
+            VisitCount = input.ReadUInt64();
             break;
           }
         }
@@ -2602,9 +2644,10 @@ namespace Sweepstake.Protocol.V1 {
       bestProbability_ = other.bestProbability_.Clone();
       expectedLossRatio_ = other.expectedLossRatio_;
       verdict_ = other.verdict_;
-      contextBucket_ = other.contextBucket_;
       policy_ = other.policy_;
       measurements_ = other.measurements_ != null ? other.measurements_.Clone() : null;
+      arms_ = other.arms_.Clone();
+      standings_ = other.standings_.Clone();
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2824,21 +2867,6 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "context_bucket" field.</summary>
-    public const int ContextBucketFieldNumber = 14;
-    private string contextBucket_ = "";
-    /// <summary>
-    /// Bucket of the scene's descriptors that the beliefs are about. Absent: the only one.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public string ContextBucket {
-      get { return contextBucket_; }
-      set {
-        contextBucket_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
-      }
-    }
-
     /// <summary>Field number for the "policy" field.</summary>
     public const int PolicyFieldNumber = 15;
     private string policy_ = "";
@@ -2869,6 +2897,35 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "arms" field.</summary>
+    public const int ArmsFieldNumber = 17;
+    private static readonly pb::FieldCodec<string> _repeated_arms_codec
+        = pb::FieldCodec.ForString(138);
+    private readonly pbc::RepeatedField<string> arms_ = new pbc::RepeatedField<string>();
+    /// <summary>
+    /// The session's arms, in the order of best_probability and standings. Absent: nothing is learnt, or not told, as by older
+    /// daemons.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<string> Arms {
+      get { return arms_; }
+    }
+
+    /// <summary>Field number for the "standings" field.</summary>
+    public const int StandingsFieldNumber = 18;
+    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.ArmStanding> _repeated_standings_codec
+        = pb::FieldCodec.ForMessage(146, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
+    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> standings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding>();
+    /// <summary>
+    /// What each of the arms was measured by in this session, and what follows. Absent: as arms.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> Standings {
+      get { return standings_; }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2897,9 +2954,10 @@ namespace Sweepstake.Protocol.V1 {
       if(!bestProbability_.Equals(other.bestProbability_)) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(ExpectedLossRatio, other.ExpectedLossRatio)) return false;
       if (Verdict != other.Verdict) return false;
-      if (ContextBucket != other.ContextBucket) return false;
       if (Policy != other.Policy) return false;
       if (!object.Equals(Measurements, other.Measurements)) return false;
+      if(!arms_.Equals(other.arms_)) return false;
+      if(!standings_.Equals(other.standings_)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2920,9 +2978,10 @@ namespace Sweepstake.Protocol.V1 {
       hash ^= bestProbability_.GetHashCode();
       if (ExpectedLossRatio != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(ExpectedLossRatio);
       if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) hash ^= Verdict.GetHashCode();
-      if (ContextBucket.Length != 0) hash ^= ContextBucket.GetHashCode();
       if (Policy.Length != 0) hash ^= Policy.GetHashCode();
       if (measurements_ != null) hash ^= Measurements.GetHashCode();
+      hash ^= arms_.GetHashCode();
+      hash ^= standings_.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2990,10 +3049,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(104);
         output.WriteEnum((int) Verdict);
       }
-      if (ContextBucket.Length != 0) {
-        output.WriteRawTag(114);
-        output.WriteString(ContextBucket);
-      }
       if (Policy.Length != 0) {
         output.WriteRawTag(122);
         output.WriteString(Policy);
@@ -3002,6 +3057,8 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(130, 1);
         output.WriteMessage(Measurements);
       }
+      arms_.WriteTo(output, _repeated_arms_codec);
+      standings_.WriteTo(output, _repeated_standings_codec);
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3061,10 +3118,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(104);
         output.WriteEnum((int) Verdict);
       }
-      if (ContextBucket.Length != 0) {
-        output.WriteRawTag(114);
-        output.WriteString(ContextBucket);
-      }
       if (Policy.Length != 0) {
         output.WriteRawTag(122);
         output.WriteString(Policy);
@@ -3073,6 +3126,8 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(130, 1);
         output.WriteMessage(Measurements);
       }
+      arms_.WriteTo(ref output, _repeated_arms_codec);
+      standings_.WriteTo(ref output, _repeated_standings_codec);
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -3120,15 +3175,14 @@ namespace Sweepstake.Protocol.V1 {
       if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) {
         size += 1 + pb::CodedOutputStream.ComputeEnumSize((int) Verdict);
       }
-      if (ContextBucket.Length != 0) {
-        size += 1 + pb::CodedOutputStream.ComputeStringSize(ContextBucket);
-      }
       if (Policy.Length != 0) {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(Policy);
       }
       if (measurements_ != null) {
         size += 2 + pb::CodedOutputStream.ComputeMessageSize(Measurements);
       }
+      size += arms_.CalculateSize(_repeated_arms_codec);
+      size += standings_.CalculateSize(_repeated_standings_codec);
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -3178,9 +3232,6 @@ namespace Sweepstake.Protocol.V1 {
       if (other.Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) {
         Verdict = other.Verdict;
       }
-      if (other.ContextBucket.Length != 0) {
-        ContextBucket = other.ContextBucket;
-      }
       if (other.Policy.Length != 0) {
         Policy = other.Policy;
       }
@@ -3190,6 +3241,8 @@ namespace Sweepstake.Protocol.V1 {
         }
         Measurements.MergeFrom(other.Measurements);
       }
+      arms_.Add(other.arms_);
+      standings_.Add(other.standings_);
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -3262,10 +3315,6 @@ namespace Sweepstake.Protocol.V1 {
             Verdict = (global::Sweepstake.Protocol.V1.Verdict) input.ReadEnum();
             break;
           }
-          case 114: {
-            ContextBucket = input.ReadString();
-            break;
-          }
           case 122: {
             Policy = input.ReadString();
             break;
@@ -3275,6 +3324,14 @@ namespace Sweepstake.Protocol.V1 {
               Measurements = new global::Sweepstake.Protocol.V1.FrameMeasurements();
             }
             input.ReadMessage(Measurements);
+            break;
+          }
+          case 138: {
+            arms_.AddEntriesFrom(input, _repeated_arms_codec);
+            break;
+          }
+          case 146: {
+            standings_.AddEntriesFrom(input, _repeated_standings_codec);
             break;
           }
         }
@@ -3349,10 +3406,6 @@ namespace Sweepstake.Protocol.V1 {
             Verdict = (global::Sweepstake.Protocol.V1.Verdict) input.ReadEnum();
             break;
           }
-          case 114: {
-            ContextBucket = input.ReadString();
-            break;
-          }
           case 122: {
             Policy = input.ReadString();
             break;
@@ -3362,6 +3415,14 @@ namespace Sweepstake.Protocol.V1 {
               Measurements = new global::Sweepstake.Protocol.V1.FrameMeasurements();
             }
             input.ReadMessage(Measurements);
+            break;
+          }
+          case 138: {
+            arms_.AddEntriesFrom(ref input, _repeated_arms_codec);
+            break;
+          }
+          case 146: {
+            standings_.AddEntriesFrom(ref input, _repeated_standings_codec);
             break;
           }
         }

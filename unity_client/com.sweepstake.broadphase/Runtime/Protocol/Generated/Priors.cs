@@ -32,18 +32,18 @@ namespace Sweepstake.Protocol.V1 {
             "IkIKE0ltcG9ydFByaW9yc1JlcXVlc3QSKwoHcmVjb3JkcxgBIAMoCzIaLnN3",
             "ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQiRgoUSW1wb3J0UHJpb3JzUmVzcG9u",
             "c2USFQoNYXBwbGllZF9jb3VudBgBIAEoBBIXCg91bmNoYW5nZWRfY291bnQY",
-            "AiABKAQipQIKC1ByaW9yUmVjb3JkEg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
-            "bmUYAiABKAkSFgoOY29udGV4dF9idWNrZXQYAyABKAkSCwoDYXJtGAQgASgJ",
-            "EhcKD2JhY2tlbmRfdmVyc2lvbhgFIAEoDRIVCg1tYWNoaW5lX2NsYXNzGAYg",
-            "ASgJEhYKDnJld2FyZF92ZXJzaW9uGAcgASgNEhEKCXNvdXJjZV9pZBgIIAEo",
-            "CRIXCg9zb3VyY2Vfc2VxdWVuY2UYCSABKAQSFwoPYWxwaGFfaW5jcmVtZW50",
-            "GAogASgBEhYKDmJldGFfaW5jcmVtZW50GAsgASgBEhQKDHdpbmRvd19jb3Vu",
-            "dBgMIAEoBBIWCg5iYWlsX291dF9jb3VudBgNIAEoBDLFAQoNUHJpb3JzU2Vy",
-            "dmljZRJZCgxFeHBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFBy",
-            "aW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3Bv",
-            "bnNlMAESWQoMSW1wb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQ",
-            "cmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNw",
-            "b25zZSgBQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "AiABKAQiogIKC1ByaW9yUmVjb3JkEg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
+            "bmUYAiABKAkSEwoLbWVhc3VyZWRfYnkYAyABKAkSCwoDYXJtGAQgASgJEhcK",
+            "D2JhY2tlbmRfdmVyc2lvbhgFIAEoDRIVCg1tYWNoaW5lX2NsYXNzGAYgASgJ",
+            "EhYKDnJld2FyZF92ZXJzaW9uGAcgASgNEhEKCXNvdXJjZV9pZBgIIAEoCRIX",
+            "Cg9zb3VyY2Vfc2VxdWVuY2UYCSABKAQSFwoPYWxwaGFfaW5jcmVtZW50GAog",
+            "ASgBEhYKDmJldGFfaW5jcmVtZW50GAsgASgBEhQKDHdpbmRvd19jb3VudBgM",
+            "IAEoBBIWCg5iYWlsX291dF9jb3VudBgNIAEoBDLFAQoNUHJpb3JzU2Vydmlj",
+            "ZRJZCgxFeHBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9y",
+            "c1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3BvbnNl",
+            "MAESWQoMSW1wb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlv",
+            "cnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNwb25z",
+            "ZSgBQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
@@ -51,7 +51,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records", "FoldedRecordCount", "FoldedWindowCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "ContextBucket", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount" }, null, null, null, null)
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount" }, null, null, null, null)
           }));
     }
     #endregion
@@ -1053,7 +1053,7 @@ namespace Sweepstake.Protocol.V1 {
     public PriorRecord(PriorRecord other) : this() {
       project_ = other.project_;
       scene_ = other.scene_;
-      contextBucket_ = other.contextBucket_;
+      measuredBy_ = other.measuredBy_;
       arm_ = other.arm_;
       backendVersion_ = other.backendVersion_;
       machineClass_ = other.machineClass_;
@@ -1103,18 +1103,18 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "context_bucket" field.</summary>
-    public const int ContextBucketFieldNumber = 3;
-    private string contextBucket_ = "";
+    /// <summary>Field number for the "measured_by" field.</summary>
+    public const int MeasuredByFieldNumber = 3;
+    private string measuredBy_ = "";
     /// <summary>
-    /// Bucket of scene descriptors. Absent: the only bucket.
+    /// What measured it: "lane" is the shadow lane, with visits in place of windows. Absent: the frame thread.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public string ContextBucket {
-      get { return contextBucket_; }
+    public string MeasuredBy {
+      get { return measuredBy_; }
       set {
-        contextBucket_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+        measuredBy_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
       }
     }
 
@@ -1285,7 +1285,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Project != other.Project) return false;
       if (Scene != other.Scene) return false;
-      if (ContextBucket != other.ContextBucket) return false;
+      if (MeasuredBy != other.MeasuredBy) return false;
       if (Arm != other.Arm) return false;
       if (BackendVersion != other.BackendVersion) return false;
       if (MachineClass != other.MachineClass) return false;
@@ -1305,7 +1305,7 @@ namespace Sweepstake.Protocol.V1 {
       int hash = 1;
       if (Project.Length != 0) hash ^= Project.GetHashCode();
       if (Scene.Length != 0) hash ^= Scene.GetHashCode();
-      if (ContextBucket.Length != 0) hash ^= ContextBucket.GetHashCode();
+      if (MeasuredBy.Length != 0) hash ^= MeasuredBy.GetHashCode();
       if (Arm.Length != 0) hash ^= Arm.GetHashCode();
       if (BackendVersion != 0) hash ^= BackendVersion.GetHashCode();
       if (MachineClass.Length != 0) hash ^= MachineClass.GetHashCode();
@@ -1342,9 +1342,9 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(18);
         output.WriteString(Scene);
       }
-      if (ContextBucket.Length != 0) {
+      if (MeasuredBy.Length != 0) {
         output.WriteRawTag(26);
-        output.WriteString(ContextBucket);
+        output.WriteString(MeasuredBy);
       }
       if (Arm.Length != 0) {
         output.WriteRawTag(34);
@@ -1404,9 +1404,9 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(18);
         output.WriteString(Scene);
       }
-      if (ContextBucket.Length != 0) {
+      if (MeasuredBy.Length != 0) {
         output.WriteRawTag(26);
-        output.WriteString(ContextBucket);
+        output.WriteString(MeasuredBy);
       }
       if (Arm.Length != 0) {
         output.WriteRawTag(34);
@@ -1464,8 +1464,8 @@ namespace Sweepstake.Protocol.V1 {
       if (Scene.Length != 0) {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
       }
-      if (ContextBucket.Length != 0) {
-        size += 1 + pb::CodedOutputStream.ComputeStringSize(ContextBucket);
+      if (MeasuredBy.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(MeasuredBy);
       }
       if (Arm.Length != 0) {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(Arm);
@@ -1515,8 +1515,8 @@ namespace Sweepstake.Protocol.V1 {
       if (other.Scene.Length != 0) {
         Scene = other.Scene;
       }
-      if (other.ContextBucket.Length != 0) {
-        ContextBucket = other.ContextBucket;
+      if (other.MeasuredBy.Length != 0) {
+        MeasuredBy = other.MeasuredBy;
       }
       if (other.Arm.Length != 0) {
         Arm = other.Arm;
@@ -1576,7 +1576,7 @@ namespace Sweepstake.Protocol.V1 {
             break;
           }
           case 26: {
-            ContextBucket = input.ReadString();
+            MeasuredBy = input.ReadString();
             break;
           }
           case 34: {
@@ -1647,7 +1647,7 @@ namespace Sweepstake.Protocol.V1 {
             break;
           }
           case 26: {
-            ContextBucket = input.ReadString();
+            MeasuredBy = input.ReadString();
             break;
           }
           case 34: {

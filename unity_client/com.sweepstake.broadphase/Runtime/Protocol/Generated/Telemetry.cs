@@ -100,35 +100,41 @@ namespace Sweepstake.Protocol.V1 {
             "CgRiZXRhGAIgASgBIl0KDVN3aXRjaENvbW1hbmQSEgoKY29tbWFuZF9pZBgB",
             "IAEoBBILCgNhcm0YAiABKA0SKwoGcmVhc29uGAMgASgOMhsuc3dlZXBzdGFr",
             "ZS52MS5Td2l0Y2hSZWFzb24iPgoPQWNrbm93bGVkZ2VtZW50EhAKCHNlcXVl",
-            "bmNlGAEgASgEEhkKEWJhdGNoX2ludGVydmFsX21zGAIgASgNIpgBChFQb3N0",
+            "bmNlGAEgASgEEhkKEWJhdGNoX2ludGVydmFsX21zGAIgASgNIscBChFQb3N0",
             "ZXJpb3JTbmFwc2hvdBIqCgRhcm1zGAEgAygLMhwuc3dlZXBzdGFrZS52MS5C",
             "ZXRhUG9zdGVyaW9yEicKB3ZlcmRpY3QYAiABKA4yFi5zd2VlcHN0YWtlLnYx",
             "LlZlcmRpY3QSEgoKbGVhZGVyX2FybRgDIAEoDRIaChJsZWFkZXJfcHJvYmFi",
-            "aWxpdHkYBCABKAEiLAoJUmVjb25uZWN0EhAKCGRlbGF5X21zGAIgASgNSgQI",
-            "ARACUgdhZGRyZXNzIl4KDU9wZXJhdG9yT3JkZXISEAoIb3JkZXJfaWQYASAB",
-            "KAQSIQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQCgNhcm0Y",
-            "AyABKA1IAIgBAUIGCgRfYXJtKjoKBE1vZGUSFAoQTU9ERV9VTlNQRUNJRklF",
-            "RBAAEg8KC01PREVfTUFOVUFMEAESCwoHTU9ERV9BSRACKpwBCgxTd2l0Y2hS",
-            "ZWFzb24SHQoZU1dJVENIX1JFQVNPTl9VTlNQRUNJRklFRBAAEhgKFFNXSVRD",
-            "SF9SRUFTT05fUE9MSUNZEAESHQoZU1dJVENIX1JFQVNPTl9FWFBMT1JBVElP",
-            "ThACEhoKFlNXSVRDSF9SRUFTT05fQkFJTF9PVVQQAxIYChRTV0lUQ0hfUkVB",
-            "U09OX01BTlVBTBAEKkgKCkNhcGFiaWxpdHkSGgoWQ0FQQUJJTElUWV9VTlNQ",
-            "RUNJRklFRBAAEh4KGkNBUEFCSUxJVFlfT1BFUkFUT1JfT1JERVJTEAEqWQoK",
-            "U2hhZG93RmxhZxIbChdTSEFET1dfRkxBR19VTlNQRUNJRklFRBAAEhYKElNI",
-            "QURPV19GTEFHX0FDVElWRRABEhYKElNIQURPV19GTEFHX0NBUFBFRBACKocB",
-            "CglGcmFtZUZsYWcSGgoWRlJBTUVfRkxBR19VTlNQRUNJRklFRBAAEhYKEkZS",
-            "QU1FX0ZMQUdfUkVCVUlMRBABEhUKEUZSQU1FX0ZMQUdfUEFVU0VEEAISFgoS",
-            "RlJBTUVfRkxBR19MT0FESU5HEAQSFwoTRlJBTUVfRkxBR19CQUlMX09VVBAI",
-            "KoIBChJPcmRlclJlZnVzYWxSZWFzb24SJAogT1JERVJfUkVGVVNBTF9SRUFT",
-            "T05fVU5TUEVDSUZJRUQQABIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9OT1Rf",
-            "QUxMT1dFRBABEiAKHE9SREVSX1JFRlVTQUxfUkVBU09OX1VOS05PV04QAip0",
-            "CgdWZXJkaWN0EhcKE1ZFUkRJQ1RfVU5TUEVDSUZJRUQQABISCg5WRVJESUNU",
-            "X1NUQUJMRRABEg8KC1ZFUkRJQ1RfVElFEAISFQoRVkVSRElDVF9BTUJJR1VP",
-            "VVMQAxIUChBWRVJESUNUX0RFR1JBREVEEAQyeAoQVGVsZW1ldHJ5U2Vydmlj",
-            "ZRJkCg9TdHJlYW1UZWxlbWV0cnkSJS5zd2VlcHN0YWtlLnYxLlN0cmVhbVRl",
-            "bGVtZXRyeVJlcXVlc3QaJi5zd2VlcHN0YWtlLnYxLlN0cmVhbVRlbGVtZXRy",
-            "eVJlc3BvbnNlKAEwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJv",
-            "dG8z"));
+            "aWxpdHkYBCABKAESLQoJc3RhbmRpbmdzGAUgAygLMhouc3dlZXBzdGFrZS52",
+            "MS5Bcm1TdGFuZGluZyKqAQoLQXJtU3RhbmRpbmcSGQoRbGl2ZV93aW5kb3df",
+            "Y291bnQYASABKAQSGAoQbGFuZV92aXNpdF9jb3VudBgCIAEoBBIeChZlZmZl",
+            "Y3RpdmVfd2luZG93X2NvdW50GAMgASgBEhgKEGJlc3RfcHJvYmFiaWxpdHkY",
+            "BCABKAESLAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3ZWVwc3Rha2UudjEuQ29z",
+            "dFJhdGlvIjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4YASABKAESCwoDbG93GAIg",
+            "ASgBEgwKBGhpZ2gYAyABKAEiLAoJUmVjb25uZWN0EhAKCGRlbGF5X21zGAIg",
+            "ASgNSgQIARACUgdhZGRyZXNzIl4KDU9wZXJhdG9yT3JkZXISEAoIb3JkZXJf",
+            "aWQYASABKAQSIQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQ",
+            "CgNhcm0YAyABKA1IAIgBAUIGCgRfYXJtKjoKBE1vZGUSFAoQTU9ERV9VTlNQ",
+            "RUNJRklFRBAAEg8KC01PREVfTUFOVUFMEAESCwoHTU9ERV9BSRACKpwBCgxT",
+            "d2l0Y2hSZWFzb24SHQoZU1dJVENIX1JFQVNPTl9VTlNQRUNJRklFRBAAEhgK",
+            "FFNXSVRDSF9SRUFTT05fUE9MSUNZEAESHQoZU1dJVENIX1JFQVNPTl9FWFBM",
+            "T1JBVElPThACEhoKFlNXSVRDSF9SRUFTT05fQkFJTF9PVVQQAxIYChRTV0lU",
+            "Q0hfUkVBU09OX01BTlVBTBAEKkgKCkNhcGFiaWxpdHkSGgoWQ0FQQUJJTElU",
+            "WV9VTlNQRUNJRklFRBAAEh4KGkNBUEFCSUxJVFlfT1BFUkFUT1JfT1JERVJT",
+            "EAEqWQoKU2hhZG93RmxhZxIbChdTSEFET1dfRkxBR19VTlNQRUNJRklFRBAA",
+            "EhYKElNIQURPV19GTEFHX0FDVElWRRABEhYKElNIQURPV19GTEFHX0NBUFBF",
+            "RBACKocBCglGcmFtZUZsYWcSGgoWRlJBTUVfRkxBR19VTlNQRUNJRklFRBAA",
+            "EhYKEkZSQU1FX0ZMQUdfUkVCVUlMRBABEhUKEUZSQU1FX0ZMQUdfUEFVU0VE",
+            "EAISFgoSRlJBTUVfRkxBR19MT0FESU5HEAQSFwoTRlJBTUVfRkxBR19CQUlM",
+            "X09VVBAIKoIBChJPcmRlclJlZnVzYWxSZWFzb24SJAogT1JERVJfUkVGVVNB",
+            "TF9SRUFTT05fVU5TUEVDSUZJRUQQABIkCiBPUkRFUl9SRUZVU0FMX1JFQVNP",
+            "Tl9OT1RfQUxMT1dFRBABEiAKHE9SREVSX1JFRlVTQUxfUkVBU09OX1VOS05P",
+            "V04QAip0CgdWZXJkaWN0EhcKE1ZFUkRJQ1RfVU5TUEVDSUZJRUQQABISCg5W",
+            "RVJESUNUX1NUQUJMRRABEg8KC1ZFUkRJQ1RfVElFEAISFQoRVkVSRElDVF9B",
+            "TUJJR1VPVVMQAxIUChBWRVJESUNUX0RFR1JBREVEEAQyeAoQVGVsZW1ldHJ5",
+            "U2VydmljZRJkCg9TdHJlYW1UZWxlbWV0cnkSJS5zd2VlcHN0YWtlLnYxLlN0",
+            "cmVhbVRlbGVtZXRyeVJlcXVlc3QaJi5zd2VlcHN0YWtlLnYxLlN0cmVhbVRl",
+            "bGVtZXRyeVJlc3BvbnNlKAEwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5W",
+            "MWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -148,7 +154,9 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BetaPosterior), global::Sweepstake.Protocol.V1.BetaPosterior.Parser, new[]{ "Alpha", "Beta" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchCommand), global::Sweepstake.Protocol.V1.SwitchCommand.Parser, new[]{ "CommandId", "Arm", "Reason" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Acknowledgement), global::Sweepstake.Protocol.V1.Acknowledgement.Parser, new[]{ "Sequence", "BatchIntervalMs" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PosteriorSnapshot), global::Sweepstake.Protocol.V1.PosteriorSnapshot.Parser, new[]{ "Arms", "Verdict", "LeaderArm", "LeaderProbability" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PosteriorSnapshot), global::Sweepstake.Protocol.V1.PosteriorSnapshot.Parser, new[]{ "Arms", "Verdict", "LeaderArm", "LeaderProbability", "Standings" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmStanding), global::Sweepstake.Protocol.V1.ArmStanding.Parser, new[]{ "LiveWindowCount", "LaneVisitCount", "EffectiveWindowCount", "BestProbability", "CostRatio" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CostRatio), global::Sweepstake.Protocol.V1.CostRatio.Parser, new[]{ "Median", "Low", "High" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Reconnect), global::Sweepstake.Protocol.V1.Reconnect.Parser, new[]{ "DelayMs" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.OperatorOrder), global::Sweepstake.Protocol.V1.OperatorOrder.Parser, new[]{ "OrderId", "Mode", "Arm" }, new[]{ "Arm" }, null, null, null)
           }));
@@ -4632,7 +4640,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DetectionTimeNsFieldNumber = 5;
     private ulong detectionTimeNs_;
     /// <summary>
-    /// Its broad-phase time; under half of the frame time the arm is not blamed. Absent: 0.
+    /// Its broad-phase time; under half of the frame time no policy but `paper` blames the arm. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7291,6 +7299,7 @@ namespace Sweepstake.Protocol.V1 {
       verdict_ = other.verdict_;
       leaderArm_ = other.leaderArm_;
       leaderProbability_ = other.leaderProbability_;
+      standings_ = other.standings_.Clone();
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -7359,6 +7368,20 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "standings" field.</summary>
+    public const int StandingsFieldNumber = 5;
+    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.ArmStanding> _repeated_standings_codec
+        = pb::FieldCodec.ForMessage(42, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
+    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> standings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding>();
+    /// <summary>
+    /// What each of the arms was measured by, and what follows. Absent: nothing is learnt, or it is not told, as by older daemons.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> Standings {
+      get { return standings_; }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -7378,6 +7401,7 @@ namespace Sweepstake.Protocol.V1 {
       if (Verdict != other.Verdict) return false;
       if (LeaderArm != other.LeaderArm) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(LeaderProbability, other.LeaderProbability)) return false;
+      if(!standings_.Equals(other.standings_)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -7389,6 +7413,7 @@ namespace Sweepstake.Protocol.V1 {
       if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) hash ^= Verdict.GetHashCode();
       if (LeaderArm != 0) hash ^= LeaderArm.GetHashCode();
       if (LeaderProbability != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(LeaderProbability);
+      hash ^= standings_.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -7420,6 +7445,7 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(33);
         output.WriteDouble(LeaderProbability);
       }
+      standings_.WriteTo(output, _repeated_standings_codec);
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -7443,6 +7469,7 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(33);
         output.WriteDouble(LeaderProbability);
       }
+      standings_.WriteTo(ref output, _repeated_standings_codec);
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -7463,6 +7490,7 @@ namespace Sweepstake.Protocol.V1 {
       if (LeaderProbability != 0D) {
         size += 1 + 8;
       }
+      size += standings_.CalculateSize(_repeated_standings_codec);
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -7485,6 +7513,7 @@ namespace Sweepstake.Protocol.V1 {
       if (other.LeaderProbability != 0D) {
         LeaderProbability = other.LeaderProbability;
       }
+      standings_.Add(other.standings_);
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -7518,6 +7547,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 33: {
             LeaderProbability = input.ReadDouble();
+            break;
+          }
+          case 42: {
+            standings_.AddEntriesFrom(input, _repeated_standings_codec);
             break;
           }
         }
@@ -7555,6 +7588,669 @@ namespace Sweepstake.Protocol.V1 {
             LeaderProbability = input.ReadDouble();
             break;
           }
+          case 42: {
+            standings_.AddEntriesFrom(ref input, _repeated_standings_codec);
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// What a session has measured of an arm since the daemon has known it, and what follows from it in units that people read.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class ArmStanding : pb::IMessage<ArmStanding>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<ArmStanding> _parser = new pb::MessageParser<ArmStanding>(() => new ArmStanding());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<ArmStanding> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[17]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmStanding() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmStanding(ArmStanding other) : this() {
+      liveWindowCount_ = other.liveWindowCount_;
+      laneVisitCount_ = other.laneVisitCount_;
+      effectiveWindowCount_ = other.effectiveWindowCount_;
+      bestProbability_ = other.bestProbability_;
+      costRatio_ = other.costRatio_ != null ? other.costRatio_.Clone() : null;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmStanding Clone() {
+      return new ArmStanding(this);
+    }
+
+    /// <summary>Field number for the "live_window_count" field.</summary>
+    public const int LiveWindowCountFieldNumber = 1;
+    private ulong liveWindowCount_;
+    /// <summary>
+    /// Decision windows in which the arm was active and learnt from. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong LiveWindowCount {
+      get { return liveWindowCount_; }
+      set {
+        liveWindowCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "lane_visit_count" field.</summary>
+    public const int LaneVisitCountFieldNumber = 2;
+    private ulong laneVisitCount_;
+    /// <summary>
+    /// Visits of the shadow lane that were learnt from. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong LaneVisitCount {
+      get { return laneVisitCount_; }
+      set {
+        laneVisitCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "effective_window_count" field.</summary>
+    public const int EffectiveWindowCountFieldNumber = 3;
+    private double effectiveWindowCount_;
+    /// <summary>
+    /// The width of the posterior as a number: so many live windows of an arm that does not change would leave it; finite,
+    /// >= 0. What priors and the lane tell is included. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double EffectiveWindowCount {
+      get { return effectiveWindowCount_; }
+      set {
+        effectiveWindowCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "best_probability" field.</summary>
+    public const int BestProbabilityFieldNumber = 4;
+    private double bestProbability_;
+    /// <summary>
+    /// Probability that the arm is the best, 0–1. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double BestProbability {
+      get { return bestProbability_; }
+      set {
+        bestProbability_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "cost_ratio" field.</summary>
+    public const int CostRatioFieldNumber = 5;
+    private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
+    /// <summary>
+    /// Its cost ÷ that of the arm that is the best most probably. Absent: unknown, as where the policy's reward is not of the
+    /// cost alone.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.CostRatio CostRatio {
+      get { return costRatio_; }
+      set {
+        costRatio_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as ArmStanding);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(ArmStanding other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (LiveWindowCount != other.LiveWindowCount) return false;
+      if (LaneVisitCount != other.LaneVisitCount) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(EffectiveWindowCount, other.EffectiveWindowCount)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(BestProbability, other.BestProbability)) return false;
+      if (!object.Equals(CostRatio, other.CostRatio)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (LiveWindowCount != 0UL) hash ^= LiveWindowCount.GetHashCode();
+      if (LaneVisitCount != 0UL) hash ^= LaneVisitCount.GetHashCode();
+      if (EffectiveWindowCount != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(EffectiveWindowCount);
+      if (BestProbability != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(BestProbability);
+      if (costRatio_ != null) hash ^= CostRatio.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (LiveWindowCount != 0UL) {
+        output.WriteRawTag(8);
+        output.WriteUInt64(LiveWindowCount);
+      }
+      if (LaneVisitCount != 0UL) {
+        output.WriteRawTag(16);
+        output.WriteUInt64(LaneVisitCount);
+      }
+      if (EffectiveWindowCount != 0D) {
+        output.WriteRawTag(25);
+        output.WriteDouble(EffectiveWindowCount);
+      }
+      if (BestProbability != 0D) {
+        output.WriteRawTag(33);
+        output.WriteDouble(BestProbability);
+      }
+      if (costRatio_ != null) {
+        output.WriteRawTag(42);
+        output.WriteMessage(CostRatio);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (LiveWindowCount != 0UL) {
+        output.WriteRawTag(8);
+        output.WriteUInt64(LiveWindowCount);
+      }
+      if (LaneVisitCount != 0UL) {
+        output.WriteRawTag(16);
+        output.WriteUInt64(LaneVisitCount);
+      }
+      if (EffectiveWindowCount != 0D) {
+        output.WriteRawTag(25);
+        output.WriteDouble(EffectiveWindowCount);
+      }
+      if (BestProbability != 0D) {
+        output.WriteRawTag(33);
+        output.WriteDouble(BestProbability);
+      }
+      if (costRatio_ != null) {
+        output.WriteRawTag(42);
+        output.WriteMessage(CostRatio);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (LiveWindowCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(LiveWindowCount);
+      }
+      if (LaneVisitCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(LaneVisitCount);
+      }
+      if (EffectiveWindowCount != 0D) {
+        size += 1 + 8;
+      }
+      if (BestProbability != 0D) {
+        size += 1 + 8;
+      }
+      if (costRatio_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(CostRatio);
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(ArmStanding other) {
+      if (other == null) {
+        return;
+      }
+      if (other.LiveWindowCount != 0UL) {
+        LiveWindowCount = other.LiveWindowCount;
+      }
+      if (other.LaneVisitCount != 0UL) {
+        LaneVisitCount = other.LaneVisitCount;
+      }
+      if (other.EffectiveWindowCount != 0D) {
+        EffectiveWindowCount = other.EffectiveWindowCount;
+      }
+      if (other.BestProbability != 0D) {
+        BestProbability = other.BestProbability;
+      }
+      if (other.costRatio_ != null) {
+        if (costRatio_ == null) {
+          CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+        }
+        CostRatio.MergeFrom(other.CostRatio);
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 8: {
+            LiveWindowCount = input.ReadUInt64();
+            break;
+          }
+          case 16: {
+            LaneVisitCount = input.ReadUInt64();
+            break;
+          }
+          case 25: {
+            EffectiveWindowCount = input.ReadDouble();
+            break;
+          }
+          case 33: {
+            BestProbability = input.ReadDouble();
+            break;
+          }
+          case 42: {
+            if (costRatio_ == null) {
+              CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+            }
+            input.ReadMessage(CostRatio);
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 8: {
+            LiveWindowCount = input.ReadUInt64();
+            break;
+          }
+          case 16: {
+            LaneVisitCount = input.ReadUInt64();
+            break;
+          }
+          case 25: {
+            EffectiveWindowCount = input.ReadDouble();
+            break;
+          }
+          case 33: {
+            BestProbability = input.ReadDouble();
+            break;
+          }
+          case 42: {
+            if (costRatio_ == null) {
+              CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+            }
+            input.ReadMessage(CostRatio);
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// A ratio of two costs that are not known for certain; finite, 0 &lt;= low &lt;= median &lt;= high.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class CostRatio : pb::IMessage<CostRatio>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<CostRatio> _parser = new pb::MessageParser<CostRatio>(() => new CostRatio());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<CostRatio> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[18]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CostRatio() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CostRatio(CostRatio other) : this() {
+      median_ = other.median_;
+      low_ = other.low_;
+      high_ = other.high_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CostRatio Clone() {
+      return new CostRatio(this);
+    }
+
+    /// <summary>Field number for the "median" field.</summary>
+    public const int MedianFieldNumber = 1;
+    private double median_;
+    /// <summary>
+    /// It is below as probably as above. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Median {
+      get { return median_; }
+      set {
+        median_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "low" field.</summary>
+    public const int LowFieldNumber = 2;
+    private double low_;
+    /// <summary>
+    /// With a probability of 95 % the ratio is not below, and not above high. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Low {
+      get { return low_; }
+      set {
+        low_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "high" field.</summary>
+    public const int HighFieldNumber = 3;
+    private double high_;
+    /// <summary>
+    /// Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double High {
+      get { return high_; }
+      set {
+        high_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as CostRatio);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(CostRatio other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Median, other.Median)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Low, other.Low)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(High, other.High)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (Median != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Median);
+      if (Low != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Low);
+      if (High != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(High);
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (Median != 0D) {
+        output.WriteRawTag(9);
+        output.WriteDouble(Median);
+      }
+      if (Low != 0D) {
+        output.WriteRawTag(17);
+        output.WriteDouble(Low);
+      }
+      if (High != 0D) {
+        output.WriteRawTag(25);
+        output.WriteDouble(High);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (Median != 0D) {
+        output.WriteRawTag(9);
+        output.WriteDouble(Median);
+      }
+      if (Low != 0D) {
+        output.WriteRawTag(17);
+        output.WriteDouble(Low);
+      }
+      if (High != 0D) {
+        output.WriteRawTag(25);
+        output.WriteDouble(High);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (Median != 0D) {
+        size += 1 + 8;
+      }
+      if (Low != 0D) {
+        size += 1 + 8;
+      }
+      if (High != 0D) {
+        size += 1 + 8;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(CostRatio other) {
+      if (other == null) {
+        return;
+      }
+      if (other.Median != 0D) {
+        Median = other.Median;
+      }
+      if (other.Low != 0D) {
+        Low = other.Low;
+      }
+      if (other.High != 0D) {
+        High = other.High;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 9: {
+            Median = input.ReadDouble();
+            break;
+          }
+          case 17: {
+            Low = input.ReadDouble();
+            break;
+          }
+          case 25: {
+            High = input.ReadDouble();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 9: {
+            Median = input.ReadDouble();
+            break;
+          }
+          case 17: {
+            Low = input.ReadDouble();
+            break;
+          }
+          case 25: {
+            High = input.ReadDouble();
+            break;
+          }
         }
       }
     }
@@ -7580,7 +8276,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[17]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[19]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -7787,7 +8483,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[18]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[20]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
