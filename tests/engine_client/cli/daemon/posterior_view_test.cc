@@ -86,6 +86,18 @@ TEST(PosteriorText, TellsCostsWhereTheRewardsDo) {
   EXPECT_TRUE(PosteriorJson(scene)["arms"][1]["cost_ratio"].is_null());
 }
 
+// Two equal arms: the expected loss is 0.4 standard deviations of the difference of their
+// log-costs.
+TEST(PosteriorJson, TheExpectedLossIsAShareOfTheCost) {
+  v1::ScenePosterior scene;
+  scene.set_reward_version(3);
+  AddArm("SAP", 1, 60'000, 40'000, scene);
+  AddArm("Grid", 1, 60'000, 40'000, scene);
+  const double deviation = std::sqrt(2 * 0.6 * 0.4 / 100'001) * std::log(5e9);
+  const double pi = std::acos(-1.0);
+  EXPECT_NEAR(PosteriorJson(scene)["expected_loss_ratio"], deviation / std::sqrt(2 * pi), 1e-3);
+}
+
 v1::DecisionEvent EventWithStandings() {
   v1::DecisionEvent event;
   event.set_session_id("0af3");
