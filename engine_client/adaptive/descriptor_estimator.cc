@@ -150,19 +150,27 @@ double DescriptorEstimator::ClusteringRatio(const Aabb& bounds) const {
 }
 
 SceneDescriptor DescriptorEstimator::Take() {
-  SceneDescriptor descriptor;
+  if (++period_count_ == kShapePeriods || !shape_complete_) DescribeShape();
+  SceneDescriptor descriptor = shape_;
   descriptor.object_count = static_cast<float>(object_count_);
-  descriptor.density_ratio = Measured(DensityRatio(bounds_));
-  descriptor.size_spread = Measured(log_size_.Spread());
   descriptor.speed_mean = Measured(speed_.Mean());
   descriptor.speed_spread = Measured(speed_.Spread());
-  descriptor.clustering_ratio = Measured(ClusteringRatio(bounds_));
   if (speed_.count > 0) {
     descriptor.static_ratio = Measured(static_cast<double>(static_count_) / speed_.count);
   }
-  frame_count_ = step_object_count_ = centre_count_ = static_count_ = 0;
-  volume_ = log_size_ = speed_ = Moments{};
+  frame_count_ = step_object_count_ = static_count_ = 0;
+  speed_ = Moments{};
   return descriptor;
+}
+
+void DescriptorEstimator::DescribeShape() {
+  shape_.density_ratio = Measured(DensityRatio(bounds_));
+  shape_.size_spread = Measured(log_size_.Spread());
+  shape_.clustering_ratio = Measured(ClusteringRatio(bounds_));
+  if (period_count_ < kShapePeriods) return;
+  shape_complete_ = true;
+  period_count_ = centre_count_ = 0;
+  volume_ = log_size_ = Moments{};
 }
 
 }  // namespace sweepstake

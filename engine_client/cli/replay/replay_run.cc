@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "server/decision/study/ablations.h"
@@ -12,10 +13,9 @@
 namespace sweepstake::cli {
 namespace {
 
-// The real client (engine_client/telemetry) sends its frames and descriptors in these portions.
+// The real client (engine_client/telemetry) sends its frames in these portions.
 constexpr int64_t kBatchNs = 250'000'000;
 constexpr size_t kBatchFrames = 30;
-constexpr uint32_t kDescriptorPeriodFrames = 256;
 
 decision::SessionSetup SetupOf(const ReplayScene& scene, const ReplaySetup& setup) {
   return {.options = setup.options,
@@ -237,7 +237,7 @@ void Game::Report(const SwitchOutcome& outcome) {
 }
 
 void Game::ObserveScene() {
-  if (game_frame_ % kDescriptorPeriodFrames == kDescriptorPeriodFrames - 1) {
+  if (game_frame_ % DescriptorEstimator::kPeriodFrames == DescriptorEstimator::kPeriodFrames - 1) {
     if (const auto* descriptor = scene_.descriptor(trace_frame_)) {
       session_.ObserveDescriptor(*descriptor);
     }

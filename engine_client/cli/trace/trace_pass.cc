@@ -1,10 +1,12 @@
 #include "engine_client/cli/trace/trace_pass.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <span>
 
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/cli/game/frame_block.h"
@@ -131,8 +133,17 @@ class TracePass {
       const uint32_t frame = done_ + static_cast<uint32_t>(step);
       trace_.object_count[frame] = static_cast<uint32_t>(block_.BoxesOf(step).size());
       trace_.step_ns[frame] = block_.step_ns(step);
-      estimator_.Observe(block_.BoxesOf(step));
-      if (estimator_.ready()) trace_.descriptors.push_back({frame + 1, estimator_.Take()});
+      Describe(frame, block_.BoxesOf(step));
+    }
+  }
+
+  // In a replay a period may end with any frame.
+  void Describe(uint32_t frame, std::span<const Aabb> boxes) {
+    constexpr uint32_t kStep = DescriptorEstimator::kPeriodFrames / kEstimators;
+    for (uint32_t i = 0; i < kEstimators; ++i) {
+      if (frame < i * kStep) continue;
+      estimators_[i].Observe(boxes);
+      if (estimators_[i].ready()) trace_.descriptors.push_back({frame + 1, estimators_[i].Take()});
     }
   }
 
@@ -254,7 +265,9 @@ class TracePass {
   Bench bench_;
   FrameBlock block_;
   std::vector<std::vector<FrameCost>> costs_;  // per contestant, the block's measured frames
-  DescriptorEstimator estimator_;
+  // They begin one after the other, so that a descriptor of the latest frames is always at hand.
+  static constexpr uint32_t kEstimators = 8;
+  std::array<DescriptorEstimator, kEstimators> estimators_;
   CostTrace trace_;
   uint32_t done_ = 0;  // frames in the blocks before this one
   uint32_t block_index_ = 0;

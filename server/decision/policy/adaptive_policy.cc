@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/decision/math/normal_distribution.h"
 #include "server/decision/math/portable_math.h"
@@ -18,6 +19,7 @@ constexpr double kFlatEvidence = 2.5;              // a prior below it says noth
 constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
 constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost
 constexpr double kFlatShare = 0.2;         // weight of the belief that ignores the prior
+constexpr double kRegimeVariance = SquareOf(0.3);  // by which a new regime widens the beliefs
 constexpr double kContradiction = 0.3;  // log-cost by which the expected best arm is too expensive
 // These constants define the safety limit.
 constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit
@@ -52,7 +54,7 @@ bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidenc
 AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components)
     : options_(setup.options),
       components_(components),
-      filter_(static_cast<uint32_t>(setup.arms.size()), components.filter),
+      filters_(1, RelativeCostFilter(static_cast<uint32_t>(setup.arms.size()), components.filter)),
       has_prior_(setup.arms.size(), false),
       observed_(setup.arms.size(), false),
       bans_(setup.arms.size()),
@@ -79,9 +81,9 @@ void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
     NormalBelief belief{sum / count, SquareOf(kUnknownDeviation)};
     if (has_prior_[arm]) belief = BeliefOf(priors[arm]);
     belief.variance = std::max(belief.variance, kPriorVariance);
-    filter_.SetPrior(arm, belief);
+    filter().SetPrior(arm, belief);
     if (!has_prior_[arm]) continue;
-    if (!expected_arm_ || belief.mean < filter_.LogCost(*expected_arm_).mean) expected_arm_ = arm;
+    if (!expected_arm_ || belief.mean < filter().LogCost(*expected_arm_).mean) expected_arm_ = arm;
   }
 }
 
@@ -101,9 +103,10 @@ void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> sample
         return visit && expected->log_cost - visit->log_cost >= kContradiction;
       });
   if (!contradicted) return;
-  filter_ = RelativeCostFilter(filter_.arm_count(), components_.filter);
+  std::fill(filters_.begin(), filters_.end(),
+            RelativeCostFilter(filter().arm_count(), components_.filter));
   for (uint32_t arm = 0; arm < earlier.size(); ++arm) {
-    if (earlier[arm]) filter_.ObserveShadow(arm, earlier[arm]->sweep, earlier[arm]->log_cost);
+    if (earlier[arm]) filter().ObserveShadow(arm, earlier[arm]->sweep, earlier[arm]->log_cost);
   }
   std::fill(has_prior_.begin(), has_prior_.end(), false);
   expected_arm_.reset();
@@ -115,13 +118,33 @@ void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> sample
 Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
   double bias = 0;
   double count = 0;
-  for (uint32_t other = 0; other < filter_.arm_count(); ++other) {
+  for (uint32_t other = 0; other < filter().arm_count(); ++other) {
     if (!was_live_[other] || (was_live_[arm] && other != arm)) continue;
-    bias += filter_.LaneBias(other);
+    bias += filter().LaneBias(other);
     ++count;
   }
   if (count > 0) log_cost -= bias / count;
-  return LogCostIncrement(arm, RewardOf(log_cost), filter_.shadow_noise());
+  return LogCostIncrement(arm, RewardOf(log_cost), filter().shadow_noise());
+}
+
+void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) {
+  if (!components_.regimes) return;
+  AdvanceTo(now_ns);
+  const auto [regime, is_new] = memory_.Observe(descriptor);
+  if (regime == regime_) return;
+  if (is_new) {
+    RelativeCostFilter beliefs = filter();
+    beliefs.Widen(kRegimeVariance);
+    if (regime == filters_.size()) filters_.push_back(beliefs);
+    filters_[regime] = std::move(beliefs);
+  }
+  regime_ = regime;
+  UpdatePosteriors();
+}
+
+// Of every regime: what an arm that bailed out may do does not depend on it.
+void AdaptivePolicy::Assume(uint32_t arm, double log_cost) {
+  for (RelativeCostFilter& filter : filters_) filter.Assume(arm, log_cost);
 }
 
 void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
@@ -129,7 +152,7 @@ void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
     const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(*last_advance_ns_);
     const double intervals = passed_ns / static_cast<double>(options_.decision_interval_ns);
     const double advance = std::min(intervals, kMaxAdvance);
-    filter_.Advance(advance);
+    for (RelativeCostFilter& filter : filters_) filter.Advance(advance);
     AdvanceBans(advance);
   }
   last_advance_ns_ = now_ns;
@@ -140,7 +163,7 @@ void AdaptivePolicy::AdvanceBans(double intervals) {
     double& left = bans_[arm].intervals_left;
     if (left <= 0) continue;
     left -= intervals;
-    if (left <= 0 && !last_shadow_ns_) filter_.Assume(arm, bans_[arm].log_cost);
+    if (left <= 0 && !last_shadow_ns_) Assume(arm, bans_[arm].log_cost);
   }
 }
 
@@ -156,8 +179,8 @@ std::vector<Increment> AdaptivePolicy::LearnShadow(std::span<const ShadowSample>
     observed_[sample.arm] = true;
     // A visit that a cap has ended says that the arm costs at least so much.
     const bool is_bound = (sample.flags & kShadowCapped) != 0;
-    if (is_bound && log_cost <= filter_.LogCost(sample.arm).mean) continue;
-    filter_.ObserveShadow(sample.arm, sample.first_frame_index, log_cost);
+    if (is_bound && log_cost <= filter().LogCost(sample.arm).mean) continue;
+    filter().ObserveShadow(sample.arm, sample.first_frame_index, log_cost);
     increments.push_back(VisitIncrement(sample.arm, log_cost));
   }
   UpdatePosteriors();
@@ -169,7 +192,7 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   if (!metrics.IsFinite()) return std::nullopt;
   AdvanceTo(observation.now_ns);
   const double log_cost = LogCostOf(metrics.calm_detection_ms * 1e3);
-  filter_.ObserveLive(observation.arm, log_cost);
+  filter().ObserveLive(observation.arm, log_cost);
   observed_[observation.arm] = true;
   was_live_[observation.arm] = true;
   ++window_count_;
@@ -178,12 +201,12 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   detection_share_ += (share - detection_share_) / windows;
   UpdatePosteriors();
   const double reward = RewardOf(log_cost);
-  return WindowUpdate{.increment = LogCostIncrement(observation.arm, reward, filter_.live_noise()),
+  return WindowUpdate{.increment = LogCostIncrement(observation.arm, reward, filter().live_noise()),
                       .reward = reward};
 }
 
 double AdaptivePolicy::WindowEvidence(uint32_t arm) const {
-  return EvidenceOf(posteriors_[arm].mean(), filter_.live_noise());
+  return EvidenceOf(posteriors_[arm].mean(), filter().live_noise());
 }
 
 // The penalty is that number of windows of reward 0: a window is worth thousands of observations,
@@ -191,10 +214,10 @@ double AdaptivePolicy::WindowEvidence(uint32_t arm) const {
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
   const double window_evidence = WindowEvidence(arm);
   Ban& ban = bans_[arm];
-  if (ban.intervals_left <= 0) ban.log_cost = filter_.LogCost(arm).mean;
+  if (ban.intervals_left <= 0) ban.log_cost = filter().LogCost(arm).mean;
   ban.intervals_left = ban.next_intervals;
   ban.next_intervals *= kBanGrowth;
-  filter_.Assume(arm, LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns)));
+  Assume(arm, LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns)));
   observed_[arm] = true;
   UpdatePosteriors();
   return BailOutIncrement(arm, options_.bail_out_penalty * window_evidence);
@@ -231,16 +254,16 @@ bool AdaptivePolicy::IsKnownEnough(uint32_t arm, int64_t now_ns) const {
 // as safe if it is believed to cost no more than the active one; otherwise the width of its belief
 // alone would keep the game on a slow arm for ever.
 bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
-  const NormalBelief cost = filter_.LiveCost(arm);
+  const NormalBelief cost = filter().LiveCost(arm);
   const bool unseen = !observed_[arm] && !LaneReports(input.now_ns);
-  if (unseen && cost.mean <= filter_.LiveCost(input.active_arm).mean) return true;
+  if (unseen && cost.mean <= filter().LiveCost(input.active_arm).mean) return true;
   const double limit_us = kUnsafeShare * static_cast<double>(options_.bail_out_ns) * 1e-3;
   return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
 }
 
 AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t candidate) const {
   // Expected gain and loss of the switch.
-  const NormalBelief difference = filter_.Difference(active, candidate);
+  const NormalBelief difference = filter().Difference(active, candidate);
   const double deviation = std::sqrt(difference.variance);
   Assessment result{.arm = candidate};
   GateTerms& terms = result.terms;
@@ -267,7 +290,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
 // bias for this arm; after that, what is uncertain about it must not lead back and forth.
 bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
-  const NormalBelief difference = filter_.Difference(input.active_arm, arm);
+  const NormalBelief difference = filter().Difference(input.active_arm, arm);
   const double deviations = input.bailed_out ? 0 : kReturnDeviations;
   if (was_live_[arm]) return difference.mean > deviations * std::sqrt(difference.variance);
   return detection_share_ * (math::Exp(-difference.mean) - 1) < kMaxTrialLoss;
@@ -276,7 +299,7 @@ bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
 std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
     const ChoiceInput& input) const {
   std::optional<Assessment> best;
-  for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
+  for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
     if (arm == input.active_arm) continue;
     if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
     if (!IsContender(input, arm)) continue;
@@ -304,10 +327,10 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
 Diagnosis AdaptivePolicy::Diagnose() const {
   std::vector<double> means;
   std::vector<double> covariance;
-  for (uint32_t a = 0; a < filter_.arm_count(); ++a) {
-    means.push_back(filter_.LogCost(a).mean);
-    for (uint32_t b = 0; b < filter_.arm_count(); ++b)
-      covariance.push_back(filter_.Covariance(a, b));
+  for (uint32_t a = 0; a < filter().arm_count(); ++a) {
+    means.push_back(filter().LogCost(a).mean);
+    for (uint32_t b = 0; b < filter().arm_count(); ++b)
+      covariance.push_back(filter().Covariance(a, b));
   }
   return DiagnoseCorrelatedLogCosts(means, covariance);
 }
@@ -315,18 +338,18 @@ Diagnosis AdaptivePolicy::Diagnose() const {
 // Shows the filter's beliefs as Beta posteriors.
 void AdaptivePolicy::UpdatePosteriors() {
   uint32_t leader = 0;
-  for (uint32_t arm = 1; arm < filter_.arm_count(); ++arm) {
-    if (filter_.LogCost(arm).mean < filter_.LogCost(leader).mean) leader = arm;
+  for (uint32_t arm = 1; arm < filter().arm_count(); ++arm) {
+    if (filter().LogCost(arm).mean < filter().LogCost(leader).mean) leader = arm;
   }
   // Half of the smallest difference's variance is shown as the leader's.
   double smallest = SquareOf(kUnknownDeviation);
-  for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
-    if (arm != leader) smallest = std::min(smallest, filter_.Difference(arm, leader).variance);
+  for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
+    if (arm != leader) smallest = std::min(smallest, filter().Difference(arm, leader).variance);
   }
-  for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
+  for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
     const double variance =
-        arm == leader ? smallest / 2 : filter_.Difference(arm, leader).variance - smallest / 2;
-    posteriors_[arm] = BetaOf({filter_.LogCost(arm).mean, variance});
+        arm == leader ? smallest / 2 : filter().Difference(arm, leader).variance - smallest / 2;
+    posteriors_[arm] = BetaOf({filter().LogCost(arm).mean, variance});
   }
 }
 

@@ -21,6 +21,9 @@
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
 // - A visit of the lane that a cap has ended is a lower bound of the arm's cost.
+// - Each regime of the scene (regime_memory.h) has beliefs of its own, which return with it. Those
+// of
+//   a new one are the present ones, and wider, since every cost may have changed.
 //
 // Nothing is drawn: the same observations give the same choices for every seed. All constants that
 // are times are multiples of the options' intervals, so that a time scale changes nothing.
@@ -33,6 +36,7 @@
 
 #include "server/decision/policy/log_cost.h"
 #include "server/decision/policy/policy.h"
+#include "server/decision/policy/regime_memory.h"
 #include "server/decision/policy/relative_cost_filter.h"
 
 namespace sweepstake::decision {
@@ -43,6 +47,7 @@ struct AdaptiveComponents {
   bool shadow = true;          // learns from the shadow lane
   bool gate = true;            // false: any expected gain is enough
   bool short_cooldown = true;  // false: the cooldown is that of the options
+  bool regimes = true;         // the beliefs of a regime return with it
 };
 
 class AdaptivePolicy : public Policy {
@@ -63,6 +68,7 @@ class AdaptivePolicy : public Policy {
   std::vector<Increment> LearnShadow(std::span<const ShadowSample> samples,
                                      int64_t now_ns) override;
   void LearnSwitchCost(uint32_t arm, const SwitchCost& cost) override;
+  void LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) override;
 
   Choice Choose(const ChoiceInput& input) const override;
   std::optional<int64_t> cooldown_ns() const override;
@@ -88,6 +94,9 @@ class AdaptivePolicy : public Policy {
   void SetPriors(const std::vector<BetaPosterior>& priors);
   void DropContradictedPriors(std::span<const ShadowSample> samples);
   Increment VisitIncrement(uint32_t arm, double log_cost) const;
+  RelativeCostFilter& filter() { return filters_[regime_]; }
+  const RelativeCostFilter& filter() const { return filters_[regime_]; }
+  void Assume(uint32_t arm, double log_cost);
   void AdvanceTo(int64_t now_ns);
   void AdvanceBans(double intervals);
   void UpdatePosteriors();
@@ -100,7 +109,9 @@ class AdaptivePolicy : public Policy {
 
   DecisionOptions options_;
   AdaptiveComponents components_;
-  RelativeCostFilter filter_;
+  RegimeMemory memory_;
+  std::vector<RelativeCostFilter> filters_;  // of each regime
+  uint32_t regime_ = 0;
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<Ban> bans_;

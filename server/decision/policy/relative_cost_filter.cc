@@ -90,6 +90,8 @@ void RelativeCostFilter::Advance(double intervals) {
   has_lane() ? AddVariance(biases(), lane, own) : AddVariance(first_biases_, lane, own);
 }
 
+void RelativeCostFilter::Widen(double variance) { AddVariance(costs(), variance, variance); }
+
 void RelativeCostFilter::AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double common,
                                      double own) const {
   if (components_.common_mode) {

@@ -48,6 +48,8 @@ class RelativeCostFilter {
 
   // Lets time pass. REQUIRES: intervals >= 0.
   void Advance(double intervals);
+  // Every arm's cost may have changed.
+  void Widen(double variance);
   void ObserveLive(uint32_t arm, double log_cost);
   // Successive visits with the same `sweep` share that sweep's offset.
   void ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost);

@@ -25,6 +25,7 @@ constexpr std::array kAblations = {
         "adaptive-without-common-mode"),
     AdaptiveWith<AdaptiveComponents{.gate = false}>("adaptive-without-gate"),
     AdaptiveWith<AdaptiveComponents{.short_cooldown = false}>("adaptive-without-short-cooldown"),
+    AdaptiveWith<AdaptiveComponents{.regimes = false}>("adaptive-without-regimes"),
 };
 
 }  // namespace

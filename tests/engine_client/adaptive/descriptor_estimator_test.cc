@@ -28,14 +28,17 @@ std::vector<Aabb> Uniform(size_t count, float world, uint64_t seed) {
 
 SceneDescriptor Describe(std::vector<Aabb> boxes, float step = 0, size_t moving_count = 0) {
   DescriptorEstimator estimator;
-  while (!estimator.ready()) {
-    estimator.Observe(boxes);
-    for (size_t i = 0; i < moving_count; ++i) {
-      boxes[i].min[0] += step;
-      boxes[i].max[0] += step;
+  for (uint32_t period = 1;; ++period) {
+    while (!estimator.ready()) {
+      estimator.Observe(boxes);
+      for (size_t i = 0; i < moving_count; ++i) {
+        boxes[i].min[0] += step;
+        boxes[i].max[0] += step;
+      }
     }
+    const SceneDescriptor descriptor = estimator.Take();
+    if (period == DescriptorEstimator::kShapePeriods) return descriptor;
   }
-  return estimator.Take();
 }
 
 TEST(DescriptorEstimator, IsReadyOncePerPeriod) {
@@ -84,6 +87,35 @@ TEST(DescriptorEstimator, FindsSpeedAndTheStaticShare) {
   const SceneDescriptor half = Describe(Uniform(1000, 20, 4), 0.25F, 500);
   EXPECT_NEAR(half.static_ratio, 0.5, 0.05);
   EXPECT_NEAR(half.speed_mean, 0.125, 0.02);
+}
+
+TEST(DescriptorEstimator, MeasuresTheMotionOfEachPeriodAndTheShapeOfSeveral) {
+  DescriptorEstimator estimator;
+  const auto describe = [&](std::vector<Aabb> boxes, float step) {
+    while (!estimator.ready()) {
+      estimator.Observe(boxes);
+      for (Aabb& box : boxes) {
+        box.min[0] += step;
+        box.max[0] += step;
+      }
+    }
+    return estimator.Take();
+  };
+  const std::vector<Aabb> boxes = Uniform(1000, 20, 9);
+  const SceneDescriptor first = describe(boxes, 0.25F);
+  EXPECT_NEAR(first.speed_mean, 0.25, 1e-4);
+  EXPECT_GT(first.density_ratio, 0);
+  for (uint32_t i = 1; i < DescriptorEstimator::kShapePeriods; ++i) describe(boxes, 0);
+  const SceneDescriptor resting = describe(Uniform(1000, 40, 9), 0);
+  EXPECT_EQ(resting.speed_mean, 0);
+  EXPECT_EQ(resting.static_ratio, 1);
+  EXPECT_NEAR(resting.density_ratio, 1000.0 / (20 * 20 * 20), 0.06);
+  for (uint32_t i = 1; i < DescriptorEstimator::kShapePeriods; ++i) {
+    const float density = describe(Uniform(1000, 40, 9), 0).density_ratio;
+    if (i + 1 == DescriptorEstimator::kShapePeriods) {
+      EXPECT_NEAR(density, 1000.0 / (40 * 40 * 40), 0.01);
+    }
+  }
 }
 
 TEST(DescriptorEstimator, TellsAClusteredSceneFromAUniformOne) {

@@ -51,11 +51,11 @@ TEST(Options, AnAblationIsUnknownOutsideTheLaboratory) {
     EXPECT_THAT(*Validate(options), HasSubstr("unknown policy"));
     EXPECT_EQ(Validate(options, StudyPolicies()), std::nullopt);
   }
-  EXPECT_EQ(ablation_count, 5u);
+  EXPECT_EQ(ablation_count, 6u);
 }
 
 TEST(Options, TheLaboratoryKnowsEveryShippedPolicy) {
-  EXPECT_EQ(PolicyNames(StudyPolicies()).size(), PolicyNames().size() + 5);
+  EXPECT_EQ(PolicyNames(StudyPolicies()).size(), PolicyNames().size() + 6);
   for (const std::string_view name : PolicyNames())
     EXPECT_NE(FindPolicy(name, StudyPolicies()), nullptr) << name;
 }

@@ -31,6 +31,12 @@ std::vector<BetaPosterior> PriorsOf(const std::vector<double>& cost_us) {
   return priors;
 }
 
+SceneDescriptor MovingAt(double speed) {
+  SceneDescriptor descriptor;
+  descriptor.speed_mean = speed;
+  return descriptor;
+}
+
 // A game all of whose frame time is detection, unless it is given other work.
 class Game {
  public:
@@ -240,6 +246,25 @@ TEST(AdaptivePolicy, FollowsASceneThatMakesAnotherArmCheaper) {
   game.cost_us = {14'000, 11'000, 30'000};
   game.RunTicks(6);
   EXPECT_EQ(game.client.arm, 1u);
+}
+
+// A scene that moves where the first arm is the best, and rests where the second one is; the lane
+// reports in the first two minutes alone, so that only beliefs can tell.
+TEST(AdaptivePolicy, ARegimeThatReturnsBringsItsBeliefs) {
+  Game game({10'000, 14'000});
+  const auto run_regime = [&](bool rests) {
+    game.cost_us = rests ? std::vector<double>{15'000, 9'000} : std::vector<double>{10'000, 14'000};
+    for (int tick = 0; tick < 15; ++tick) {
+      game.client.session.ObserveDescriptor(MovingAt(rests ? 0.001 : 0.1));
+      game.RunToTick();
+      if (tick == 2 && !game.lane_on) {
+        EXPECT_EQ(game.client.arm, rests ? 1u : 0u);
+      }
+    }
+  };
+  for (const bool rests : {false, true, false, true}) run_regime(rests);
+  game.lane_on = false;
+  for (const bool rests : {false, true, false, true}) run_regime(rests);
 }
 
 TEST(AdaptivePolicy, SaysHowSureItIs) {
