@@ -112,7 +112,7 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
   KeepBudgetOfGrowing();
   if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
   const std::optional<OperatorOrder> order = orders.Take();
-  if (order && !frozen_) TakeOrder(*order);
+  if (order && !frozen()) TakeOrder(*order);
   if (const auto local = std::exchange(local_command_, std::nullopt)) {
     Execute(*local);
     if (pending_) Refuse(pending_->command);
@@ -166,7 +166,7 @@ void AdaptiveBroadPhase::Impl::ExecutePending() {
 bool AdaptiveBroadPhase::Impl::IsAllowed(const SwitchCommand& command) const {
   const bool may_choose =
       mode.load(std::memory_order_relaxed) == Mode::kAi || command.reason == SwitchReason::kManual;
-  return may_choose && !frozen_ && command.arm < arms.size() && command.arm != arm();
+  return may_choose && !frozen() && command.arm < arms.size() && command.arm != arm();
 }
 
 // Returns whether the pending switch waits for the lane. A bail-out does not, whether the command's
@@ -182,7 +182,8 @@ void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
   const uint32_t next_epoch = epoch() + 1;
   active_.store(PackActive(command.arm, next_epoch), std::memory_order_relaxed);
   last_switch_reason = command.reason;
-  built_ = lane_ != nullptr && lane_->TakeOver(command.arm, backends_[command.arm], pairs_);
+  built_ =
+      !frozen() && lane_ != nullptr && lane_->TakeOver(command.arm, backends_[command.arm], pairs_);
   (built_ ? warm_switch_count_ : cold_switch_count_).fetch_add(1, std::memory_order_relaxed);
   KeepBudget();
   Report(switch_cost.Begin(command, next_epoch, /*warm=*/built_));
@@ -240,7 +241,7 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
 
 // Step 3, with its measurement (step 4).
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
-  ShadowLane* const lane = frozen_ ? nullptr : lane_.get();
+  ShadowLane* const lane = frozen() ? nullptr : lane_.get();
   const uint32_t work = lane == nullptr ? 0 : lane->cost().Begin();
   const bool is_steady = built_;
   const uint64_t start_ns = NowNs();
@@ -265,7 +266,7 @@ void AdaptiveBroadPhase::Impl::Search() {
 // search to the next, objects move as far as they do in a frame.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
-  if (lane_ == nullptr || frozen_) return;
+  if (lane_ == nullptr || frozen()) return;
   lane_->OnFrame(boxes, {.frame_index = sample_.frame_index,
                          .frame_time_ns = last_sample.frame_time_ns,
                          .arm = sample_.arm});
@@ -348,12 +349,13 @@ void AdaptiveBroadPhase::Impl::ReportMode(uint64_t order_id) {
 void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
   mode.store(chosen, std::memory_order_relaxed);
   manual_by_order_ = false;
-  frozen_ = false;
+  frozen_.store(false, std::memory_order_relaxed);
 }
 
 void AdaptiveBroadPhase::Impl::Freeze() {
   SetMode(Mode::kManual);
-  frozen_ = true;
+  frozen_.store(true, std::memory_order_relaxed);
+  if (local_command_ && local_command_->reason == SwitchReason::kBailOut) local_command_.reset();
 }
 
 Status AdaptiveBroadPhase::Impl::SelectArm(std::string_view name) {
@@ -389,7 +391,11 @@ uint64_t AdaptiveBroadPhase::memory_bytes() const { return impl_->memory_bytes()
 Status AdaptiveBroadPhase::SelectArm(std::string_view arm) { return impl_->SelectArm(arm); }
 void AdaptiveBroadPhase::SetMode(Mode mode) { impl_->SetMode(mode); }
 void AdaptiveBroadPhase::Freeze() { impl_->Freeze(); }
-void AdaptiveBroadPhase::Obey(const OperatorOrder& order) { impl_->orders.Post(order); }
+bool AdaptiveBroadPhase::Obey(const OperatorOrder& order) {
+  if (impl_->frozen()) return false;
+  impl_->orders.Post(order);
+  return true;
+}
 void AdaptiveBroadPhase::SetDeciderPresent(bool present) {
   impl_->guard.SetDeciderPresent(present);
 }

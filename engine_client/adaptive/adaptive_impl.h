@@ -45,6 +45,7 @@ class AdaptiveBroadPhase::Impl {
   Status SelectArm(std::string_view name);
   void SetMode(Mode chosen);
   void Freeze();
+  bool frozen() const { return frozen_.load(std::memory_order_relaxed); }
 
   uint32_t arm() const {
     return static_cast<uint32_t>(active_.load(std::memory_order_relaxed) >> 32);
@@ -93,7 +94,7 @@ class AdaptiveBroadPhase::Impl {
   void GuardLocally();
   void Report(const std::optional<SwitchOutcome>& outcome);
   void ReportMode(uint64_t order_id);
-  uint64_t NowNs() { return frozen_ ? 0 : clock_.NowNs(); }
+  uint64_t NowNs() { return frozen() ? 0 : clock_.NowNs(); }
 
   std::vector<ArmBackend> backends_;
   const ArmBackendFactory make_;  // null: arms are never freed
@@ -104,9 +105,9 @@ class AdaptiveBroadPhase::Impl {
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // the command of SelectArm or the guard
   std::optional<PendingSwitch> pending_;
-  bool frozen_ = false;
-  bool manual_by_order_ = false;  // an operator has ordered kManual, and it holds
-  bool searched_ = false;         // whether the present frame had a search
+  std::atomic<bool> frozen_ = false;  // written by the frame thread
+  bool manual_by_order_ = false;      // an operator has ordered kManual, and it holds
+  bool searched_ = false;             // whether the present frame had a search
   bool built_ = false;  // whether the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
   std::optional<PairSorter> sorter_;  // absent: pairs stay as the backend finds them

@@ -33,7 +33,7 @@ settings=(--configuration Release --nologo -p:BuildFolder="$build/dotnet/" -node
 restore() { dotnet restore "$projects/$1" -p:BuildFolder="$build/dotnet/" -nodeReuse:false --verbosity quiet; }
 run() {
   dotnet build "$projects/$1" --no-restore --verbosity quiet "${settings[@]}"
-  dotnet test "$projects/$1" --no-build --no-restore --verbosity quiet "${settings[@]}" "${@:2}"
+  dotnet test "$projects/$1" --no-build --no-restore --verbosity quiet --logger "console;verbosity=minimal" "${settings[@]}" "${@:2}"
 }
 readonly advice="NuGet could not restore the packages that unity_client/dotnet names; add a source that has them to your NuGet configuration"
 

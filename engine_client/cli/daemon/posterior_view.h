@@ -17,9 +17,9 @@ std::string IntervalBar(double mean, decision::CredibleInterval interval, int wi
 
 // Returns a heading and a table with a line per arm: the mean, the central 95 % of the posterior,
 // the cost against the leader's where the rewards tell it, the probability of being the best arm,
-// and the live windows of all sessions. The verdict is computed from the evidence of all sessions
-// together (server/decision/policy/diagnosis.h), as if their windows were independent, and compares
-// only the newest version of each arm's backend.
+// and the windows and visits of all sessions. The verdict is computed from the evidence of all
+// sessions together (server/decision/policy/diagnosis.h), as if their windows were independent, and
+// compares only the newest version of each arm's backend.
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 

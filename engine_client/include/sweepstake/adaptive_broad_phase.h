@@ -158,7 +158,8 @@ class AdaptiveBroadPhase {
   // one that was not obeyed yet. A kManual that was ordered holds until the next order, SetMode, or
   // a frame over the bail-out limit that the arm is to blame for: then the mode is kAi again, and
   // the bail-out is answered as in that mode. Any thread. REQUIRES: the arm is one of arms().
-  void Obey(const OperatorOrder& order);
+  // Returns false, and does nothing, while frozen.
+  bool Obey(const OperatorOrder& order);
 
   // Says whether a decider is present to answer a bail-out. Without one the guard switches: to the
   // arm with the highest posterior mean of the latest snapshot, or to the next arm in order if

@@ -126,7 +126,8 @@ class EmbeddedDecider {
                                                          uint64_t now_ns);
   ~EmbeddedDecider();
 
-  // Returns the arm that the priors expect to cost least, for AdaptiveBroadPhase::Freeze. The same
+  // Returns the arm, of those that the priors know, that costs least by them, for
+  // AdaptiveBroadPhase::Freeze. The same
   // priors give the same arm, whatever the machine, the time and the seed. Errors: those of Create,
   // and kNotFound (the priors have nothing of the project with these arms).
   static Result<std::string> ArmOfPriors(const EmbeddedOptions& options,

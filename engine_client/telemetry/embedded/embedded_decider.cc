@@ -263,19 +263,17 @@ Result<std::string> EmbeddedDecider::ArmOfPriors(const EmbeddedOptions& options,
                                                  std::span<const uint32_t> arm_versions) {
   const auto decider = Create(options, arms, arm_versions, 0);
   if (!decider.ok()) return decider.status();
-  if ((*decider)->prior_source_count() == 0) {
-    return Status(StatusCode::kNotFound,
-                  "the priors say nothing of scene \"" + options.scene + "\" of project \"" +
-                      options.project + "\" on machine class \"" + options.machine_class +
-                      "\" with these arms; sweepstake priors export writes those of a daemon");
+  std::optional<size_t> best;
+  const auto given = (*decider)->impl_->ledger().given();
+  const auto mean = [&](size_t arm) { return given[arm].alpha / given[arm].evidence(); };
+  for (size_t arm = 0; arm < given.size(); ++arm) {
+    if (given[arm].evidence() > 0 && (!best || mean(arm) > mean(*best))) best = arm;
   }
-  const auto mean = [](const ArmBelief& belief) {
-    return belief.alpha / (belief.alpha + belief.beta);
-  };
-  const std::vector<ArmBelief> beliefs = (*decider)->beliefs();
-  return std::max_element(beliefs.begin(), beliefs.end(),
-                          [&](const ArmBelief& a, const ArmBelief& b) { return mean(a) < mean(b); })
-      ->arm;
+  if (best) return arms[*best];
+  return Status(StatusCode::kNotFound,
+                "the priors say nothing of scene \"" + options.scene + "\" of project \"" +
+                    options.project + "\" on machine class \"" + options.machine_class +
+                    "\" with these arms; sweepstake priors export writes those of a daemon");
 }
 
 EmbeddedDecider::EmbeddedDecider(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -34,7 +34,7 @@ EvidenceLedger::EvidenceLedger(std::vector<PriorRecord> given, Key key,
   for (const PriorRecord& record : records_) {
     if (record.source_id == key_.source_id) sequence_ = std::max(sequence_, record.source_sequence);
   }
-  SetPriors();
+  TakeGiven();
 }
 
 bool EvidenceLedger::Applies(const PriorRecord& record, size_t arm) const {
@@ -56,27 +56,37 @@ std::map<std::string, EvidenceLedger::Scene> EvidenceLedger::ScenesOfProject() c
       decision::EvidenceSum& sum = by_lane ? evidence.lane : evidence.live;
       sum.alpha += record.alpha_increment;
       sum.beta += record.beta_increment;
-      evidence.bail_out_count += record.bail_out_count;
+      if (!by_lane) evidence.bail_out_count += record.bail_out_count;
     }
   }
   return scenes;
 }
 
-void EvidenceLedger::SetPriors() {
+void EvidenceLedger::TakeGiven() {
   const std::map<std::string, Scene> scenes = ScenesOfProject();
-  std::vector<decision::EvidenceSum> sums(arms_.size());
   if (const auto own = scenes.find(key_.scene); own != scenes.end()) {
-    sums = decision::PoolEvidence(own->second.arms);
+    given_ = decision::PoolEvidence(own->second.arms);
     prior_source_count_ = own->second.sources.size();
-  } else if (key_.starts_from_other_scenes && !scenes.empty()) {
-    std::vector<std::vector<decision::EvidenceSum>> others;
-    for (const auto& [name, scene] : scenes) {
-      others.push_back(decision::PoolEvidence(scene.arms));
-      prior_source_count_ += scene.sources.size();
-    }
-    sums = decision::PriorOfNewScene(others);
   }
-  for (const decision::EvidenceSum& sum : sums) priors_.push_back({1 + sum.alpha, 1 + sum.beta});
+  given_.resize(arms_.size());
+  if (key_.starts_from_other_scenes) {
+    std::vector<std::vector<decision::EvidenceSum>> others;
+    uint64_t source_count = 0;
+    for (const auto& [name, scene] : scenes) {
+      if (name == key_.scene) continue;
+      others.push_back(decision::PoolEvidence(scene.arms));
+      source_count += scene.sources.size();
+    }
+    given_ = decision::WithOtherScenes(std::move(given_), others);
+    if (prior_source_count_ == 0) prior_source_count_ = source_count;
+  }
+  if (!decision::IsAnythingKnown(given_)) prior_source_count_ = 0;
+}
+
+std::vector<decision::BetaPosterior> EvidenceLedger::priors() const {
+  std::vector<decision::BetaPosterior> priors;
+  for (const decision::EvidenceSum& sum : given_) priors.push_back({1 + sum.alpha, 1 + sum.beta});
+  return priors;
 }
 
 void EvidenceLedger::Add(const decision::Decision& decision) {

@@ -43,8 +43,10 @@ class EvidenceLedger {
   EvidenceLedger(std::vector<PriorRecord> given, Key key, std::span<const std::string> arms,
                  std::span<const uint32_t> arm_versions);
 
-  // Returns the given evidence about each arm, on top of Beta(1,1).
-  const std::vector<decision::BetaPosterior>& priors() const { return priors_; }
+  // Returns the given evidence about each arm; all of it is 0 if there are no sources.
+  std::span<const decision::EvidenceSum> given() const { return given_; }
+  // Returns the same on top of Beta(1,1).
+  std::vector<decision::BetaPosterior> priors() const;
   // Returns the number of sources in priors().
   uint64_t prior_source_count() const { return prior_source_count_; }
 
@@ -62,7 +64,7 @@ class EvidenceLedger {
   };
 
   std::map<std::string, Scene> ScenesOfProject() const;
-  void SetPriors();
+  void TakeGiven();
   bool Applies(const PriorRecord& record, size_t arm) const;
   void Add(const decision::Increment& increment, std::string_view measured_by);
   PriorRecord& OwnRecord(size_t arm, std::string_view measured_by);
@@ -72,7 +74,7 @@ class EvidenceLedger {
   const std::vector<uint32_t> arm_versions_;
   std::vector<PriorRecord> records_;
   uint64_t sequence_ = 0;  // the highest of the own source
-  std::vector<decision::BetaPosterior> priors_;
+  std::vector<decision::EvidenceSum> given_;
   uint64_t prior_source_count_ = 0;
 };
 

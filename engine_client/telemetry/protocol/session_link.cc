@@ -310,9 +310,9 @@ void SessionLink::OnCommand(const SwitchCommand& command, uint64_t now_ns) {
 void SessionLink::OnOrder(const OperatorOrder& order) {
   const bool known = (order.mode == Mode::kManual || order.mode == Mode::kAi) &&
                      (!order.arm || *order.arm < adaptive_.arms().size());
-  if (takes_orders_ && known) return adaptive_.Obey(order);
-  const auto reason = takes_orders_ ? protocol::OrderRefusalReason::kUnknown
-                                    : protocol::OrderRefusalReason::kNotAllowed;
+  if (takes_orders_ && known && adaptive_.Obey(order)) return;
+  const auto reason = takes_orders_ && !known ? protocol::OrderRefusalReason::kUnknown
+                                              : protocol::OrderRefusalReason::kNotAllowed;
   Answer(protocol::Encode(protocol::OrderRefusal{.order_id = order.order_id, .reason = reason}));
 }
 

@@ -31,10 +31,9 @@ double LevelOf(std::span<const ArmEvidence> arms) {
 EvidenceSum Pool(const ArmEvidence& arm, double level) {
   if (!(arm.lane.evidence() > 0)) return arm.live;
   double mean = std::clamp(MeanOf(arm.lane) + level, 0.0, 1.0);
-  double evidence = arm.lane.evidence() + arm.live.evidence();
   if (arm.bail_out_count > 0) mean = std::min(mean, MeanOf(arm.live));
-  if (!(arm.live.evidence() > 0))
-    evidence = 1 / (1 / evidence + 1 / EvidenceOf(mean, kLaneBiasVariance));
+  const double of_visits = 1 / (1 / arm.lane.evidence() + 1 / EvidenceOf(mean, kLaneBiasVariance));
+  const double evidence = of_visits + arm.live.evidence();
   return {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
 }
 
@@ -62,6 +61,10 @@ std::optional<double> SceneMean(std::span<const EvidenceSum> arms) {
 
 }  // namespace
 
+bool IsAnythingKnown(std::span<const EvidenceSum> arms) {
+  return std::any_of(arms.begin(), arms.end(), [](const auto& arm) { return arm.evidence() > 0; });
+}
+
 std::vector<EvidenceSum> PriorOfNewScene(std::span<const std::vector<EvidenceSum>> scenes) {
   std::vector<RelativeRewards> arms(scenes.empty() ? 0 : scenes.front().size());
   double level = 0;
@@ -88,6 +91,25 @@ std::vector<EvidenceSum> PriorOfNewScene(std::span<const std::vector<EvidenceSum
     sum = {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
   }
   return prior;
+}
+
+std::vector<EvidenceSum> WithOtherScenes(std::vector<EvidenceSum> own,
+                                         std::span<const std::vector<EvidenceSum>> others) {
+  const std::vector<EvidenceSum> prior = PriorOfNewScene(others);
+  if (prior.empty()) return own;
+  double level = 0;
+  double count = 0;
+  for (size_t arm = 0; arm < own.size(); ++arm) {
+    if (!(own[arm].evidence() > 0) || !(prior[arm].evidence() > 0)) continue;
+    level += (MeanOf(own[arm]) - MeanOf(prior[arm]) - level) / ++count;
+  }
+  for (size_t arm = 0; arm < own.size(); ++arm) {
+    if (own[arm].evidence() > 0 || !(prior[arm].evidence() > 0)) continue;
+    const double mean = std::clamp(MeanOf(prior[arm]) + level, 0.0, 1.0);
+    const double evidence = prior[arm].evidence();
+    own[arm] = {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
+  }
+  return own;
 }
 
 std::vector<EvidenceSum> PoolEvidence(std::span<const ArmEvidence> arms) {

@@ -205,9 +205,12 @@ void DecisionSession::LearnScene(Decision& decision) {
   if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
   if (shadow_samples_.empty()) return;
   std::vector<Increment> increments = policy_->LearnShadow(shadow_samples_, now_ns);
+  // A client has no more evidence of an arm than a lane can measure in an interval.
+  std::vector<uint32_t> counts(setup_.arms.size());
+  std::erase_if(increments,
+                [&](const Increment& visit) { return ++counts[visit.arm] > kMaxVisitsPerTick; });
+  for (const Increment& visit : increments) ++standings_[visit.arm].lane_visit_count;
   if (mode_ == Mode::kAi) decision.lane_increments = std::move(increments);
-  if (!policy_kind_.uses_shadow) return;
-  for (const ShadowSample& sample : shadow_samples_) ++standings_[sample.arm].lane_visit_count;
 }
 
 void DecisionSession::ScheduleNextTick(int64_t now_ns) {

@@ -99,6 +99,8 @@ class DecisionSession {
   // latest kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or
   // without a cost are ignored.
   static constexpr size_t kMaxShadowSamples = 256;
+  // Of an arm's visits in a tick, so many are evidence.
+  static constexpr uint32_t kMaxVisitsPerTick = 8;
   void ObserveShadow(std::span<const ShadowSample> samples);
   // Takes what the scene looks like. The latest descriptor is learnt at the next tick.
   void ObserveDescriptor(const SceneDescriptor& descriptor) { descriptor_ = descriptor; }

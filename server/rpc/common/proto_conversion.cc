@@ -125,10 +125,30 @@ std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::A
   return decision::PoolEvidence(evidence);
 }
 
+namespace {
+
+// Pools the newest version of each arm with those of the others, as sessions do, and older ones
+// alone.
+std::vector<decision::EvidenceSum> PoolVersions(std::span<const priors::SceneEvidence::Arm> arms) {
+  std::vector<priors::SceneEvidence::Arm> newest;
+  std::vector<bool> is_newest(arms.size());
+  for (size_t i = 0; i < arms.size(); ++i) {
+    is_newest[i] = i + 1 == arms.size() || arms[i + 1].name != arms[i].name;
+    if (is_newest[i]) newest.push_back(arms[i]);
+  }
+  const std::vector<decision::EvidenceSum> together = Pool(newest);
+  std::vector<decision::EvidenceSum> pooled;
+  for (size_t i = 0, next = 0; i < arms.size(); ++i)
+    pooled.push_back(is_newest[i] ? together[next++] : Pool(arms.subspan(i, 1)).front());
+  return pooled;
+}
+
+}  // namespace
+
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   ToProto(scene.key, message);
   message.set_source_count(scene.source_count);
-  const std::vector<decision::EvidenceSum> pooled = Pool(scene.arms);
+  const std::vector<decision::EvidenceSum> pooled = PoolVersions(scene.arms);
   for (size_t i = 0; i < scene.arms.size(); ++i) {
     const priors::SceneEvidence::Arm& arm = scene.arms[i];
     v1::ArmPosterior& filled = *message.add_arms();

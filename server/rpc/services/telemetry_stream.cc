@@ -208,14 +208,19 @@ absl::Status TelemetryStream::Begin(const StoredStart& start) {
   }
   if (start.source && hello_->session_id().empty()) return Load();
   if (!start.refusal.ok()) return start.refusal;
-  if (start.new_scene && !std::exchange(counting_, true)) return Load();
+  if (start.new_scene && !std::exchange(counting_, true)) {
+    first_look_ = start;
+    return Load();
+  }
   std::optional<NewScenes::Hold> hold;
   if (start.new_scene) {
     auto taken = context_.sessions.new_scenes().Take(FromProto(*hello_), *start.new_scene);
     if (!taken.ok()) return taken.status();
     hold.emplace(*std::move(taken));
   }
-  auto session = MakeSession(context_, *hello_, start, caller_.token_id);
+  const bool is_still_new = first_look_ && !decision::IsAnythingKnown(start.priors);
+  auto session =
+      MakeSession(context_, *hello_, is_still_new ? *first_look_ : start, caller_.token_id);
   if (!session.ok()) return session.status();
   if (hold) (*session)->Keep(*std::move(hold));
   if (absl::Status status = context_.sessions.Add(*session); !status.ok()) return status;

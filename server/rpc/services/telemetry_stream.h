@@ -155,6 +155,8 @@ class TelemetryStream final : public SessionLink,
   uint32_t batch_interval_ms_ = 0;  // that the client was told
   auth::RateBucket messages_;
   // The store is read on its writing thread, since a new scene counts against its project's quota.
+  // Of a new scene: with what others tell, which the look that counts does not read.
+  std::optional<StoredStart> first_look_;
   bool counting_ = false;
   // What is to be sent with the next write. Only the latest of each kind is kept, so that a client
   // that reads slowly gets the newest state and costs one response.

@@ -24,8 +24,9 @@ namespace {
 using decision::BetaPosterior;
 using priors::EvidenceKey;
 
-// Of a project's scenes so many are read for a new one.
+// Of a project's other scenes so many are used, of so many pages of as many.
 constexpr uint32_t kMaxOtherScenes = 200;
+constexpr int kMaxOtherPages = 5;
 
 std::string NewSessionId(const RpcOptions& options) {
   const uint64_t first = options.random_bits();
@@ -85,23 +86,39 @@ std::vector<decision::EvidenceSum> PooledFor(const v1::Hello& hello, priors::Sce
   });
 }
 
-// Starts a scene that is not stored from the project's others of its machine class.
-absl::Status StartFromOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
-                                  StoredStart& start) {
+// Fills in what the project's other scenes of this machine class say of arms of which the scene's
+// evidence says nothing.
+absl::Status AddOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
+                            StoredStart& start) {
   const priors::SceneKey scene = FromProto(hello);
-  if (!decision::PolicyKindOf(hello.policy()).starts_from_priors) return absl::OkStatus();
-  auto others = store.List({.project = scene.project, .scene = {}}, std::nullopt, kMaxOtherScenes);
-  if (!others.ok()) return others.status();
-  std::vector<std::vector<decision::EvidenceSum>> known;
-  for (priors::SceneEvidence& other : *others) {
-    if (other.key.machine_class != scene.machine_class ||
-        other.key.reward_version != scene.reward_version)
-      continue;
-    start.prior_source_count += other.source_count;
-    known.push_back(PooledFor(hello, std::move(other)));
+  std::vector<std::vector<decision::EvidenceSum>> others;
+  uint64_t source_count = 0;
+  std::optional<priors::SceneKey> after;
+  for (int page = 0; page < kMaxOtherPages && others.size() < kMaxOtherScenes; ++page) {
+    auto listed = store.List({.project = scene.project, .scene = {}}, after, kMaxOtherScenes);
+    if (!listed.ok()) return listed.status();
+    if (listed->empty()) break;
+    after = listed->back().key;
+    for (priors::SceneEvidence& other : *listed) {
+      if (other.key.machine_class != scene.machine_class || other.key.scene == scene.scene ||
+          other.key.reward_version != scene.reward_version)
+        continue;
+      source_count += other.source_count;
+      others.push_back(PooledFor(hello, std::move(other)));
+    }
   }
-  if (!known.empty()) start.priors = decision::PriorOfNewScene(known);
+  start.priors.resize(static_cast<size_t>(hello.arms_size()));
+  start.priors = decision::WithOtherScenes(std::move(start.priors), others);
+  if (start.prior_source_count == 0 && decision::IsAnythingKnown(start.priors))
+    start.prior_source_count = source_count;
   return absl::OkStatus();
+}
+
+// Whether other scenes could tell something that the store's own evidence does not.
+bool LacksArms(const v1::Hello& hello, const StoredStart& start) {
+  return decision::PolicyKindOf(hello.policy()).starts_from_priors &&
+         std::any_of(start.priors.begin(), start.priors.end(),
+                     [](const auto& arm) { return !(arm.evidence() > 0); });
 }
 
 bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>& keys) {
@@ -145,19 +162,14 @@ BetaPosterior PriorOf(const decision::EvidenceSum& evidence) {
   return {1 + evidence.alpha * scale, 1 + evidence.beta * scale};
 }
 
-// Returns whether any arm has evidence. Flat priors are not passed on, because a policy that starts
-// from priors would take them for knowledge.
-bool IsAnythingKnown(std::span<const decision::EvidenceSum> priors) {
-  return std::any_of(priors.begin(), priors.end(),
-                     [](const decision::EvidenceSum& evidence) { return evidence.evidence() > 0; });
-}
-
 decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& identity,
                                const StoredStart& start, int64_t now_ns) {
   decision::SessionSetup setup;
   setup.options = identity.decision;
   setup.arms = identity.arms;
-  if (IsAnythingKnown(start.priors)) {
+  // Flat priors are not passed on, because a policy that starts from priors would take them for
+  // knowledge.
+  if (decision::IsAnythingKnown(start.priors)) {
     std::transform(start.priors.begin(), start.priors.end(), std::back_inserter(setup.priors),
                    PriorOf);
   }
@@ -185,7 +197,6 @@ StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const 
     if (!start.refusal.ok()) return start;
   }
   start.new_scene = quota.unstored();
-  if (start.new_scene && !counts) return start;
   if (!hello.session_id().empty()) {
     auto source = store.LoadSource(hello.session_id());
     if (!source.ok()) {
@@ -204,8 +215,9 @@ StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const 
   auto sum = priors->sums.begin();
   start.priors = PooledFor(hello, [&](const EvidenceKey&) { return (sum++)->evidence; });
   start.prior_source_count = priors->source_count;
-  if (start.new_scene) {
-    if (absl::Status status = StartFromOtherScenes(store, hello, start); !status.ok())
+  // Not where commits wait for it.
+  if (!counts && LacksArms(hello, start)) {
+    if (absl::Status status = AddOtherScenes(store, hello, start); !status.ok())
       start.status = status;
   }
   return start;

@@ -1,7 +1,7 @@
 // Starts sessions: makes a session and its Welcome from Hello and the store's evidence.
 //
-// There are three cases. A new session starts from Beta(1,1) plus the evidence of all sources, or,
-// where its scene has none yet, plus what the project's other scenes have in common. A
+// There are three cases. A new session starts from Beta(1,1) plus the evidence of all sources, and,
+// of arms that its scene has none of, plus what the project's other scenes have in common. A
 // session that is resumed from the store after a restart does the same, and its own evidence is
 // included. A session that is resumed from memory continues unchanged. With ignore_priors only the
 // session's own evidence is used. All evidence is that of the policy's reward version; a checked
@@ -45,8 +45,8 @@ struct StoredStart {
 
 // Reads the store, on one of its threads: on the writing one if a session is to be resumed, since
 // its latest commit may wait in the queue, or if the scene is not stored, since it `counts` against
-// the quotas then. Elsewhere nothing is counted, and of such a scene nothing else is read: it is to
-// be read again there.
+// the quotas then. Elsewhere nothing is counted, and such a scene is to be read again there; only
+// elsewhere the project's other scenes are read, too, for the arms of which this one knows nothing.
 StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const RpcOptions& options,
                       bool counts);
 

@@ -77,6 +77,13 @@ TEST_F(OperatorOrderTest, IsRefusedUnlessTheGameAllowsIt) {
   EXPECT_EQ(adaptive_->switch_epoch(), 0U);
 }
 
+TEST_F(OperatorOrderTest, IsRefusedWhileTheGameIsFrozen) {
+  Start(/*allow_operator_orders=*/true);
+  adaptive_->Freeze();
+  Order(1, v1::MODE_AI, {});
+  EXPECT_EQ(Answer(1).order_refusal().reason(), v1::ORDER_REFUSAL_REASON_NOT_ALLOWED);
+}
+
 TEST_F(OperatorOrderTest, IsRefusedIfTheDaemonHasNotAgreedToThem) {
   daemon_passes_orders_ = false;
   Start(/*allow_operator_orders=*/true);

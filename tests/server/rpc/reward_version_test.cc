@@ -148,6 +148,19 @@ TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
   EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02);
   EXPECT_TRUE(Stored("desert", 3).arms.empty()) << "it is no evidence of this scene";
 
+  {
+    TelemetryClient client(channel_);
+    client.Open(hello);
+    client.Send(Frames(1, 30));
+    EXPECT_TRUE(Applied(2));
+    Tick();
+    client.AwaitAcknowledgement(1);
+  }
+  welcome = TelemetryClient(channel_).Open(hello);
+  EXPECT_EQ(Stored("desert", 3).arms.size(), 1u);
+  EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02)
+      << "it knows the first arm itself, and the others still from its neighbour";
+
   for (const auto& change : std::vector<std::function<void(v1::Hello&)>>{
            [](v1::Hello& other) { other.set_project("other"); },
            [](v1::Hello& other) { other.set_machine_class("phone"); },

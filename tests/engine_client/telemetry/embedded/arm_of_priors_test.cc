@@ -13,10 +13,10 @@ using ::testing::HasSubstr;
 const std::vector<std::string> kArms = {"SAP", "DBVT", "KDTree"};
 const std::vector<uint32_t> kVersions = {1, 1, 2};
 
-// The lane's visits, to which each arm costs less than the one before it.
-std::string VisitsOfAllArms() {
+// The lane's visits of the arms from this one on, each of which costs less than the one before it.
+std::string Visits(size_t first_arm = 0) {
   std::vector<PriorRecord> records;
-  for (size_t arm = 0; arm < kArms.size(); ++arm) {
+  for (size_t arm = first_arm; arm < kArms.size(); ++arm) {
     PriorRecord& record = records.emplace_back();
     record.project = record.scene = "default";
     record.measured_by = "lane";
@@ -33,7 +33,7 @@ std::string VisitsOfAllArms() {
 
 TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedAndInANewSceneToo) {
   EmbeddedOptions options;
-  options.priors_data = VisitsOfAllArms();
+  options.priors_data = Visits();
   for (const char* scene : {"default", "a new one"}) {
     options.scene = scene;
     for (options.seed = 1; options.seed <= 3; ++options.seed) {
@@ -44,9 +44,26 @@ TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedAndInANewSceneToo) {
   }
 }
 
+TEST(ArmOfPriors, IsOneThatThePriorsKnow) {
+  EmbeddedOptions options;
+  for (const char* policy : {"default", "calibrated"}) {
+    options.policy = policy;
+    for (const size_t first_arm : {1, 2}) {
+      options.priors_data = Visits(first_arm);
+      const auto arm = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
+      ASSERT_TRUE(arm.ok()) << arm.status().message();
+      EXPECT_EQ(*arm, "KDTree");
+    }
+  }
+  options.policy = "default";
+  options.scene = "a new one, whose neighbour compares nothing";
+  EXPECT_EQ(EmbeddedDecider::ArmOfPriors(options, kArms, kVersions).status().code(),
+            StatusCode::kNotFound);
+}
+
 TEST(ArmOfPriors, IsNoneWhereNothingIsKnown) {
   EmbeddedOptions options;
-  options.priors_data = VisitsOfAllArms();
+  options.priors_data = Visits();
   options.project = "another game";
   const auto unknown = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
   EXPECT_EQ(unknown.status().code(), StatusCode::kNotFound);

@@ -143,6 +143,13 @@ TEST(AdaptivePolicy, StoresVisitsAsWhatTheArmsWouldCostLive) {
   for (const Increment& increment : decision.lane_increments) EXPECT_EQ(increment.window_count, 1u);
 }
 
+TEST(AdaptivePolicy, AFloodOfVisitsIsNoMoreEvidenceThanALaneCanMeasure) {
+  Game game({10'000, 30'000}, /*lane=*/false);
+  const std::vector<ShadowSample> visits(200, {.detection_time_ns = 5'000, .arm = 1});
+  game.client.session.ObserveShadow(visits);
+  EXPECT_EQ(game.RunToTick().lane_increments.size(), 8u);
+}
+
 TEST(AdaptivePolicy, VisitsInManualModeAreNoEvidence) {
   Game game({10'000, 30'000});
   game.client.session.SetMode(Mode::kManual, 0, game.client.now_ns);
@@ -157,10 +164,8 @@ TEST(AdaptivePolicy, KeepsWhatEarlierTicksHaveSeenWhereItDropsThePriors) {
   setup.priors = PriorsOf({1'000, 100'000});
   Game game(setup, {50'000, 10'000}, /*lane=*/false);
   for (uint32_t arm : {1u, 0u}) {
-    const ShadowSample sample{.first_frame_index = 1,
-                              .detection_time_ns = static_cast<uint64_t>(game.cost_us[arm] * 1e3),
-                              .arm = arm,
-                              .frame_count = 5};
+    const ShadowSample sample{.detection_time_ns = static_cast<uint64_t>(game.cost_us[arm] * 1e3),
+                              .arm = arm};
     game.client.session.ObserveShadow({&sample, 1});
     game.RunToTick();
   }

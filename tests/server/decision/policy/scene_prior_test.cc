@@ -61,14 +61,16 @@ TEST(ScenePrior, MovesVisitsToTheLevelOfTheWindows) {
   EXPECT_NEAR(CostUs(pooled[2]), 70, 0.1);
 }
 
-TEST(ScenePrior, IsNoSurerOfAnArmThatWasNeverLiveThanTheLaneIs) {
+TEST(ScenePrior, IsNoSurerOfVisitsThanTheLaneIs) {
   const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(100, 1e6)},
                               {.lane = SumOf(100, 1)},
-                              {.lane = SumOf(100, 1e6)}};
+                              {.lane = SumOf(100, 1e6)},
+                              {.live = SumOf(100, 1), .lane = SumOf(100, 1e6)}};
   const auto pooled = PoolEvidence(arms);
-  EXPECT_LT(DeviationOf(pooled[0]), 0.001);
+  EXPECT_LT(DeviationOf(pooled[0]), 0.004) << "its windows alone";
   EXPECT_NEAR(DeviationOf(pooled[1]), std::sqrt(kLaneBiasVariance + kNoise), 0.001);
   EXPECT_NEAR(DeviationOf(pooled[2]), std::sqrt(kLaneBiasVariance), 0.001);
+  EXPECT_GT(DeviationOf(pooled[3]), 0.015) << "one window does not make the visits sure";
 }
 
 TEST(ScenePrior, RemembersABailOutThatTheLaneDoesNotSee) {
@@ -99,6 +101,16 @@ TEST(PriorOfNewScene, IsAsUnsureAsTheScenesDiffer) {
   const std::vector<EvidenceSum> alike[] = {SceneOf({100, 200}), SceneOf({100, 210})};
   const std::vector<EvidenceSum> unlike[] = {SceneOf({100, 200}), SceneOf({100, 20})};
   EXPECT_GT(DeviationOf(PriorOfNewScene(unlike)[1]), 2 * DeviationOf(PriorOfNewScene(alike)[1]));
+}
+
+TEST(WithOtherScenes, FillsInWhatTheSceneDoesNotKnowAtItsOwnLevel) {
+  const std::vector<EvidenceSum> others[] = {SceneOf({100, 200, 400}), SceneOf({1000, 2000, 4000})};
+  const auto filled = WithOtherScenes(SceneOf({0, 50, 0}), others);
+  EXPECT_NEAR(CostUs(filled[0]), 25, 0.5);
+  EXPECT_NEAR(CostUs(filled[1]), 50, 0.1);
+  EXPECT_NEAR(CostUs(filled[2]), 100, 2);
+  EXPECT_NEAR(CostUs(WithOtherScenes(SceneOf({7, 8, 9}), others)[2]), 9, 0.1);
+  EXPECT_EQ(WithOtherScenes(SceneOf({0, 50, 0}), {})[0].evidence(), 0);
 }
 
 TEST(PriorOfNewScene, LeavesOutWhatCannotBeCompared) {
