@@ -167,6 +167,7 @@ TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
            [](v1::Hello& other) { other.set_policy("calibrated"); },
            [](v1::Hello& other) { other.set_ignore_priors(true); }}) {
     v1::Hello other = hello;
+    other.set_scene("tundra");
     change(other);
     welcome = TelemetryClient(channel_).Open(other);
     EXPECT_EQ(welcome.prior_source_count(), 0u);
