@@ -121,7 +121,7 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorReader::LoadSource
 absl::Status SqlitePriorReader::LoadArms(int64_t scene_id, SceneEvidence& scene) {
   return statements_.scene_arms.ForEachRow(
       [&](const SqliteRow& row) {
-        scene.ArmOf(row.Text(0), static_cast<uint32_t>(row.Integer(1))).of(row.Text(2)) =
+        scene.ArmOf(row.Text(0), static_cast<uint32_t>(row.Integer(1))).of(row.Text(2)) +=
             EvidenceOf(row, 3);
       },
       scene_id);

@@ -130,7 +130,7 @@ std::optional<std::vector<priors::Evidence>> Sums(PriorStore& store) {
   if (!scenes.ok()) return std::nullopt;
   std::vector<priors::Evidence> sums;
   for (const auto& scene : *scenes) {
-    for (const auto& arm : scene.arms) sums.push_back(arm.evidence);
+    for (const auto& arm : scene.arms) sums.insert(sums.end(), {arm.live, arm.lane});
   }
   return sums;
 }

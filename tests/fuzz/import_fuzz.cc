@@ -99,14 +99,15 @@ class Stores {
       Require(by_file[scene].source_count == by_memory[scene].source_count, "sources are counted");
       Require(by_file[scene].arms.size() == by_memory[scene].arms.size(), "arms are the same");
       for (size_t arm = 0; arm < by_file[scene].arms.size(); ++arm) {
-        const priors::Evidence& a = by_file[scene].arms[arm].evidence;
-        const priors::Evidence& b = by_memory[scene].arms[arm].evidence;
-        Require(IsNear(a.alpha, b.alpha) && IsNear(a.beta, b.beta), "sums are the same");
-        Require(
-            IsNear(a.window_count, b.window_count) && IsNear(a.bail_out_count, b.bail_out_count),
-            "counts are the same");
+        CompareSums(by_file[scene].arms[arm].live, by_memory[scene].arms[arm].live);
+        CompareSums(by_file[scene].arms[arm].lane, by_memory[scene].arms[arm].lane);
       }
     }
+  }
+  static void CompareSums(const priors::Evidence& a, const priors::Evidence& b) {
+    Require(IsNear(a.alpha, b.alpha) && IsNear(a.beta, b.beta), "sums are the same");
+    Require(IsNear(a.window_count, b.window_count) && IsNear(a.bail_out_count, b.bail_out_count),
+            "counts are the same");
   }
 
   std::unique_ptr<PriorStore> sqlite_ = OpenEmpty();
