@@ -111,8 +111,9 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
   const Zone zone(kZoneBeginFrame);
   KeepBudgetOfGrowing();
   if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
-  const std::optional<OperatorOrder> order = orders.Take();
-  if (order && !frozen()) TakeOrder(*order);
+  std::optional<OperatorOrder> order = orders.Take();
+  if (frozen()) order.reset();
+  if (order) TakeOrder(*order);
   if (const auto local = std::exchange(local_command_, std::nullopt)) {
     Execute(*local);
     if (pending_) Refuse(pending_->command);

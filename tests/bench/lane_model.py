@@ -13,7 +13,6 @@ import argparse
 import csv
 import json
 import math
-import os
 import statistics
 import sys
 
@@ -155,12 +154,9 @@ def parse(words):
     parser.add_argument("--arms", type=lambda word: word.split(","), default=list(live.ARMS), metavar="ARM,…", help="(default: all)")
     parser.add_argument("--condition", choices=live.CONDITIONS, default="quiet", help="(default: %(default)s)")
     parser.add_argument("--cpu-quota", type=float, default=1, metavar="CORES", help="of the condition quota (default: %(default)s)")
-    parser.add_argument("--seconds", type=float, default=5, help="of a game (default: %(default)s)")
-    parser.add_argument("--time-scale", type=float, default=20, help="of the lane's sweeps (default: %(default)s)")
-    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+    live.add_game_options(parser, seconds=5)
     options = parser.parse_args(words)
-    if not os.access(options.program, os.X_OK):
-        parser.error(f"no program at {options.program}: build preset release, or give --program")
+    live.check_game_options(parser, options, [options.program])
     if unknown := set(options.arms) - set(live.ARMS):
         parser.error(f"unknown arm '{unknown.pop()}', must be one of {', '.join(live.ARMS)}")
     return options

@@ -258,6 +258,27 @@ def text(document):
          or_dash(row["lane_tail_half_width"], "{:.2f}".format)) for row in document["rows"]])
 
 
+def add_game_options(parser, seconds, rounds=None, near=None):
+    """What the commands that play live games have in common; rounds and near are for those that compare."""
+    if rounds is not None:
+        parser.add_argument("--policy", default="default", help="(default: %(default)s)")
+        parser.add_argument("--rounds", type=int, default=rounds, help="(default: %(default)s)")
+        parser.add_argument("--near", type=float, default=near, metavar="RATIO",
+                            help="a fixed arm takes part if a short game's median frame, without other work, is within this of the best "
+                            "(default: %(default)s)")
+    parser.add_argument("--seconds", type=float, default=seconds, help="of a game (default: %(default)s)")
+    parser.add_argument("--time-scale", type=float, default=20, help="of the decider and the lane (default: %(default)s)")
+    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+
+
+def check_game_options(parser, options, programs, option="--program"):
+    if getattr(options, "rounds", 1) < 1 or not options.seconds > 0:
+        parser.error("give at least one round of more than 0 seconds")
+    for program in programs:
+        if not os.access(program, os.X_OK):
+            parser.error(f"no program at {program}: build preset release, or give {option}")
+
+
 def parse(words):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -269,23 +290,16 @@ def parse(words):
         "  tests/bench/live.py --minutes 30 --conditions quiet,neighbours --scenes hurricane:2000,suite-g:10000\n"
         "All conditions with four scenes take some two hours; nothing else should run meanwhile.")
     parser.add_argument("--program", default=ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
-    parser.add_argument("--policy", default="default", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
     parser.add_argument("--conditions", default=DEFAULT_CONDITIONS, metavar="NAME,…", help="(default: %(default)s)")
-    parser.add_argument("--rounds", type=int, default=5, help="(default: %(default)s)")
     parser.add_argument("--minutes", type=float, default=0, help="end with the last round that fits (default: all rounds)")
     parser.add_argument("--lane-only", action="store_true", help="only the games with the lane and without it")
     parser.add_argument("--cpu-quota", type=float, default=1, metavar="CORES", help="of the condition quota (default: %(default)s)")
-    parser.add_argument("--seconds", type=float, default=15, help="of a game (default: %(default)s)")
-    parser.add_argument("--time-scale", type=float, default=20, help="of the decider (default: %(default)s)")
-    parser.add_argument("--near", type=float, default=1.15, metavar="RATIO",
-                        help="a fixed arm takes part if a short game's median frame, without other work, is within this of the best (default: %(default)s)")
-    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+    add_game_options(parser, seconds=15, rounds=5, near=1.15)
     options = parser.parse_args(words)
-    if options.rounds < 1 or not options.seconds > 0 or not options.cpu_quota > 0:
-        parser.error("give at least one round of more than 0 seconds, and a quota above 0")
-    if not os.access(options.program, os.X_OK):
-        parser.error(f"no program at {options.program}: build preset release, or give --program")
+    check_game_options(parser, options, [options.program])
+    if not options.cpu_quota > 0:
+        parser.error("give a quota above 0")
     return options
 
 

@@ -135,20 +135,10 @@ def parse(words):
         "Ends with 0 when every goal is met, with 1 when one is missed, with 2 when it could not be run.")
     parser.add_argument("--programs", type=pathlib.Path, default=live.ROOT / "build/release/bin", metavar="FOLDER",
                         help="with sweepstaked and sweepstake (default: %(default)s)")
-    parser.add_argument("--policy", default="default", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=live.SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
-    parser.add_argument("--rounds", type=int, default=5, help="(default: %(default)s)")
-    parser.add_argument("--seconds", type=float, default=15, help="of a game (default: %(default)s)")
-    parser.add_argument("--time-scale", type=float, default=20, help="of the decider (default: %(default)s)")
-    parser.add_argument("--near", type=float, default=1.15, metavar="RATIO",
-                        help="a fixed arm takes part within this of the best (default: %(default)s)")
-    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+    live.add_game_options(parser, seconds=15, rounds=5, near=1.15)
     options = parser.parse_args(words)
-    if options.rounds < 1 or not options.seconds > 0:
-        parser.error("give at least one round of more than 0 seconds")
-    for name in ("sweepstake", "sweepstaked"):
-        if not (options.programs / name).is_file():
-            parser.error(f"no program at {options.programs / name}: build preset release, or give --programs")
+    live.check_game_options(parser, options, [options.programs / name for name in ("sweepstake", "sweepstaked")], "--programs")
     return options
 
 

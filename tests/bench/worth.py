@@ -9,7 +9,6 @@ cells, ÷ ln(KDTree ÷ best arm), summed; where KDTree is the best, AI Decides c
 
 import argparse
 import math
-import os
 import statistics
 import sys
 
@@ -80,20 +79,11 @@ def parse(words):
         epilog="examples:\n  tests/bench/worth.py\n  tests/bench/worth.py --scenes hurricane,nearly-resting --objects 3000 --rounds 3\n"
         "Ends with 0 when every goal is met, with 1 when one is missed, with 2 when it could not be run.")
     parser.add_argument("--program", default=live.ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
-    parser.add_argument("--policy", default="default", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=SCENES, metavar="SCENE,…", help="(default: %(default)s)")
     parser.add_argument("--objects", type=counts, default=counts("300,3000,20000"), metavar="N,…", help="(default: 300,3000,20000)")
-    parser.add_argument("--rounds", type=int, default=1, help="(default: %(default)s)")
-    parser.add_argument("--seconds", type=float, default=5, help="of a game (default: %(default)s)")
-    parser.add_argument("--time-scale", type=float, default=20, help="of the decider (default: %(default)s)")
-    parser.add_argument("--near", type=float, default=1.3, metavar="RATIO",
-                        help="an arm takes part within this of the best (default: %(default)s)")
-    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+    live.add_game_options(parser, seconds=5, rounds=1, near=1.3)
     options = parser.parse_args(words)
-    if options.rounds < 1 or not options.seconds > 0:
-        parser.error("give at least one round of more than 0 seconds")
-    if not os.access(options.program, os.X_OK):
-        parser.error(f"no program at {options.program}: build preset release, or give --program")
+    live.check_game_options(parser, options, [options.program])
     return options
 
 

@@ -2,6 +2,7 @@
 
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/io/duration.h"
+#include "server/decision/session/policy_registry.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -13,6 +14,12 @@ constexpr char kLegend[] =
     "|: mean, -: central 95 % of the posterior, cost: against the leader's, best: probability to "
     "be the\nbest arm, n: live windows that would tell as much. Ctrl-C ends.\n";
 
+// 0 for a policy that this program does not know.
+uint32_t RewardVersionOf(const std::string& policy) {
+  const decision::PolicyEntry* known = decision::FindPolicy(policy, decision::ShippedPolicies());
+  return known == nullptr ? 0 : known->kind.reward_version;
+}
+
 }  // namespace
 
 void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
@@ -21,7 +28,8 @@ void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
   for (const v1::DecisionEvent& decision : event.decisions()) {
     // A terminal has no room for it.
     const std::string session = redraws_ ? "" : decision.session_id() + " of ";
-    latest_[{decision.project(), decision.scene(), decision.machine_class()}] = decision;
+    latest_[{decision.project(), decision.scene(), decision.machine_class(),
+             RewardVersionOf(decision.policy())}] = decision;
     ShowDecision(time + session + DecisionText(decision));
   }
   if (!redraws_) out_ << std::flush;
@@ -37,7 +45,8 @@ void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
 }
 
 std::string WatchScreen::SceneText(const v1::ScenePosterior& scene) const {
-  const auto latest = latest_.find({scene.project(), scene.scene(), scene.machine_class()});
+  const auto latest =
+      latest_.find({scene.project(), scene.scene(), scene.machine_class(), scene.reward_version()});
   return PosteriorText(scene) + (latest == latest_.end() ? "" : StandingsText(latest->second));
 }
 

@@ -31,10 +31,10 @@ class WatchScreen {
 
   std::ostream& out_;
   const bool redraws_;
-  // The key is project, scene, machine class and reward version.
-  std::map<std::tuple<std::string, std::string, std::string, uint32_t>, v1::ScenePosterior> scenes_;
-  // The latest decision of each scene, by project, scene and machine class.
-  std::map<std::tuple<std::string, std::string, std::string>, v1::DecisionEvent> latest_;
+  // Project, scene, machine class and reward version.
+  using SceneKey = std::tuple<std::string, std::string, std::string, uint32_t>;
+  std::map<SceneKey, v1::ScenePosterior> scenes_;
+  std::map<SceneKey, v1::DecisionEvent> latest_;  // decision of each scene
   std::deque<std::string> decisions_;
   std::chrono::steady_clock::time_point drawn_at_;
 };

@@ -248,12 +248,12 @@ std::string BeliefsText(std::span<const ArmBelief> beliefs) {
   std::stable_sort(best_first.begin(), best_first.end(),
                    [&](const ArmBelief& a, const ArmBelief& b) { return mean(a) > mean(b); });
   std::string text;
-  for (const auto& [arm, alpha, beta, standing] : best_first) {
+  for (const ArmBelief& belief : best_first) {
+    const std::optional<ArmStanding>& standing = belief.standing;
     const bool has_ratio = standing && standing->cost_ratio;
     const std::string n = standing ? Fixed(standing->effective_window_count, 1) : "";
-    text += (text.empty() ? "" : " · ") + arm + " " +
-            (has_ratio ? "×" + RatioText(standing->cost_ratio->median)
-                       : Fixed(alpha / (alpha + beta), 2)) +
+    text += (text.empty() ? "" : " · ") + belief.arm + " " +
+            (has_ratio ? "×" + RatioText(standing->cost_ratio->median) : Fixed(mean(belief), 2)) +
             (n.empty() ? "" : (text.empty() ? " (n " : " (") + n + ")");
   }
   return text;
@@ -265,6 +265,7 @@ std::string FrameCostText(const RunSummary& summary) {
     text += ", " + Fixed(std::abs(*saved_ms), 4) + " ms " + (*saved_ms < 0 ? "more" : "less") +
             " than the median arm is believed to take";
   }
+  if (summary.shadow.busy_time_ns == 0) return text;
   return text + "; the shadow lane took " + Fixed(summary.shadow_ms_per_frame(), 4) +
          " ms of another core";
 }

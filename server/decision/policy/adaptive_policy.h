@@ -22,8 +22,7 @@
 //   cheaper than the one that the priors expect.
 // - A visit of the lane that a cap has ended is a lower bound of the arm's cost.
 // - Each regime of the scene (regime_memory.h) has beliefs of its own, which return with it. Those
-// of
-//   a new one are the present ones, and wider, since every cost may have changed.
+//   of a new one are the present ones, and wider, since every cost may have changed.
 //
 // Nothing is drawn: the same observations give the same choices for every seed. All constants that
 // are times are multiples of the options' intervals, so that a time scale changes nothing.

@@ -1,7 +1,6 @@
 #include "server/decision/policy/scene_prior.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "server/decision/policy/log_cost.h"
 
@@ -10,104 +9,94 @@ namespace {
 
 constexpr double kMinSceneVariance = 0.3 * 0.3;  // of an arm's relative log-cost between scenes
 
-double MeanOf(const EvidenceSum& sum) { return sum.alpha / sum.evidence(); }
-
-bool HasBoth(const ArmEvidence& arm) {
-  return arm.live.evidence() > 0 && arm.lane.evidence() > 0 && arm.bail_out_count == 0;
-}
-
-// By how much the windows' mean rewards exceed those of the visits.
-double LevelOf(std::span<const ArmEvidence> arms) {
-  double sum = 0;
-  double count = 0;
-  for (const ArmEvidence& arm : arms) {
-    if (!HasBoth(arm)) continue;
-    sum += MeanOf(arm.live) - MeanOf(arm.lane);
-    ++count;
-  }
-  return count > 0 ? sum / count : 0;
-}
-
-EvidenceSum Pool(const ArmEvidence& arm, double level) {
-  if (!(arm.lane.evidence() > 0)) return arm.live;
-  double mean = std::clamp(MeanOf(arm.lane) + level, 0.0, 1.0);
-  if (arm.bail_out_count > 0) mean = std::min(mean, MeanOf(arm.live));
-  const double of_visits = 1 / (1 / arm.lane.evidence() + 1 / EvidenceOf(mean, kLaneBiasVariance));
-  const double evidence = of_visits + arm.live.evidence();
-  return {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
-}
-
-// The rewards of an arm relative to the mean of a scene's arms, over scenes.
-struct RelativeRewards {
+struct Moments {
   double count = 0;
   double sum = 0;
   double square_sum = 0;
 
-  double mean() const { return sum / count; }
+  void Add(double value) {
+    ++count;
+    sum += value;
+    square_sum += value * value;
+  }
+  double mean() const { return count > 0 ? sum / count : 0; }
   double variance() const { return count > 1 ? (square_sum - sum * mean()) / (count - 1) : 0; }
 };
 
-// Returns the mean over the arms that have evidence, or nothing if there are none to compare.
-std::optional<double> SceneMean(std::span<const EvidenceSum> arms) {
-  double sum = 0;
-  double count = 0;
-  for (const EvidenceSum& arm : arms) {
-    if (!(arm.evidence() > 0)) continue;
-    sum += MeanOf(arm);
-    ++count;
+bool IsKnown(const EvidenceSum& arm) { return arm.evidence() > 0; }
+
+double MeanOf(const EvidenceSum& sum) { return sum.alpha / sum.evidence(); }
+
+EvidenceSum SumOf(double mean, double evidence) {
+  return {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
+}
+
+// By how much the windows' mean rewards exceed those of the visits.
+double LevelOf(std::span<const ArmEvidence> arms) {
+  Moments level;
+  for (const ArmEvidence& arm : arms) {
+    if (IsKnown(arm.live) && IsKnown(arm.lane) && arm.bail_out_count == 0)
+      level.Add(MeanOf(arm.live) - MeanOf(arm.lane));
   }
-  return count > 1 ? std::optional(sum / count) : std::nullopt;
+  return level.mean();
+}
+
+EvidenceSum Pool(const ArmEvidence& arm, double level) {
+  if (!IsKnown(arm.lane)) return arm.live;
+  double mean = std::clamp(MeanOf(arm.lane) + level, 0.0, 1.0);
+  if (arm.bail_out_count > 0) mean = std::min(mean, MeanOf(arm.live));
+  const double of_visits = 1 / (1 / arm.lane.evidence() + 1 / EvidenceOf(mean, kLaneBiasVariance));
+  return SumOf(mean, of_visits + arm.live.evidence());
+}
+
+// What scenes that know several arms have in common.
+struct CommonRewards {
+  Moments level;              // the means of the scenes' arms
+  std::vector<Moments> arms;  // each arm's rewards relative to that
+};
+
+CommonRewards CommonOf(std::span<const std::vector<EvidenceSum>> scenes, size_t arm_count) {
+  CommonRewards common{.level = {}, .arms = std::vector<Moments>(arm_count)};
+  for (const std::vector<EvidenceSum>& scene : scenes) {
+    Moments of_scene;
+    for (const EvidenceSum& arm : scene) {
+      if (IsKnown(arm)) of_scene.Add(MeanOf(arm));
+    }
+    if (of_scene.count < 2) continue;
+    common.level.Add(of_scene.mean());
+    for (size_t arm = 0; arm < arm_count; ++arm) {
+      if (IsKnown(scene[arm])) common.arms[arm].Add(MeanOf(scene[arm]) - of_scene.mean());
+    }
+  }
+  return common;
+}
+
+// Returns the level at which the scene's own sums are, or that of the others if it has none.
+double LevelOf(std::span<const EvidenceSum> own, const CommonRewards& common) {
+  Moments level;
+  for (size_t arm = 0; arm < own.size(); ++arm) {
+    if (IsKnown(own[arm]) && common.arms[arm].count > 0)
+      level.Add(MeanOf(own[arm]) - common.arms[arm].mean());
+  }
+  return level.count > 0 ? level.mean() : common.level.mean();
 }
 
 }  // namespace
 
 bool IsAnythingKnown(std::span<const EvidenceSum> arms) {
-  return std::any_of(arms.begin(), arms.end(), [](const auto& arm) { return arm.evidence() > 0; });
-}
-
-std::vector<EvidenceSum> PriorOfNewScene(std::span<const std::vector<EvidenceSum>> scenes) {
-  std::vector<RelativeRewards> arms(scenes.empty() ? 0 : scenes.front().size());
-  double level = 0;
-  double count = 0;
-  for (const std::vector<EvidenceSum>& scene : scenes) {
-    const std::optional<double> mean = SceneMean(scene);
-    if (!mean) continue;
-    level += (*mean - level) / ++count;
-    for (size_t arm = 0; arm < scene.size(); ++arm) {
-      if (!(scene[arm].evidence() > 0)) continue;
-      const double relative = MeanOf(scene[arm]) - *mean;
-      ++arms[arm].count;
-      arms[arm].sum += relative;
-      arms[arm].square_sum += relative * relative;
-    }
-  }
-  std::vector<EvidenceSum> prior;
-  for (const RelativeRewards& arm : arms) {
-    EvidenceSum& sum = prior.emplace_back();
-    if (arm.count == 0) continue;
-    const double mean = std::clamp(level + arm.mean(), 0.0, 1.0);
-    const double spread = std::max(LogCostVarianceOf(arm.variance()), kMinSceneVariance);
-    const double evidence = EvidenceOf(mean, spread * (1 + 1 / arm.count));
-    sum = {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
-  }
-  return prior;
+  return std::any_of(arms.begin(), arms.end(), IsKnown);
 }
 
 std::vector<EvidenceSum> WithOtherScenes(std::vector<EvidenceSum> own,
                                          std::span<const std::vector<EvidenceSum>> others) {
-  const std::vector<EvidenceSum> prior = PriorOfNewScene(others);
-  if (prior.empty()) return own;
-  double level = 0;
-  double count = 0;
+  const CommonRewards common = CommonOf(others, own.size());
+  const double level = LevelOf(own, common);
   for (size_t arm = 0; arm < own.size(); ++arm) {
-    if (!(own[arm].evidence() > 0) || !(prior[arm].evidence() > 0)) continue;
-    level += (MeanOf(own[arm]) - MeanOf(prior[arm]) - level) / ++count;
-  }
-  for (size_t arm = 0; arm < own.size(); ++arm) {
-    if (own[arm].evidence() > 0 || !(prior[arm].evidence() > 0)) continue;
-    const double mean = std::clamp(MeanOf(prior[arm]) + level, 0.0, 1.0);
-    const double evidence = prior[arm].evidence();
-    own[arm] = {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
+    const Moments& relative = common.arms[arm];
+    if (IsKnown(own[arm]) || relative.count == 0) continue;
+    const double mean = std::clamp(level + relative.mean(), 0.0, 1.0);
+    const double spread = std::max(LogCostVarianceOf(relative.variance()), kMinSceneVariance);
+    own[arm] = SumOf(mean, EvidenceOf(mean, spread * (1 + 1 / relative.count)));
   }
   return own;
 }

@@ -37,17 +37,14 @@ bool IsAnythingKnown(std::span<const EvidenceSum> arms);
 
 // Returns one sum per arm, which on top of Beta(1,1) is its prior. Without visits that is `live`.
 // With them the mean is the visits', moved by what windows exceed visits on the mean of the arms
-// that have both, and never better than windows with bail-outs say. Visits weigh no
-// more than the lane's unknown bias lets them, however many there are.
+// that have both, and never better than windows with bail-outs say. Visits weigh no more than the
+// lane's unknown bias lets them, however many there are.
 std::vector<EvidenceSum> PoolEvidence(std::span<const ArmEvidence> arms);
 
-// Returns the prior of a scene that nothing is known of, from what PoolEvidence says of others of
-// its project: each arm's mean cost relative to the other arms, with the deviation that the scenes
-// show, and a factor of 1.35 at least. REQUIRES: reward version 3, and as many arms in each scene.
-std::vector<EvidenceSum> PriorOfNewScene(std::span<const std::vector<EvidenceSum>> scenes);
-
-// Gives the arms of which a scene's own sums know nothing that prior, at the level of those of
-// which they know. REQUIRES: as for PriorOfNewScene.
+// Gives the arms of which a scene's own sums say nothing what those of its project's other scenes
+// have in common: the arm's mean cost relative to the other arms, at the level of the arms that the
+// scene knows, with the deviation that the scenes show, and a factor of 1.35 at least. REQUIRES:
+// reward version 3, and as many arms in each scene.
 std::vector<EvidenceSum> WithOtherScenes(std::vector<EvidenceSum> own,
                                          std::span<const std::vector<EvidenceSum>> others);
 

@@ -228,12 +228,11 @@ Decision DecisionSession::Open(int64_t now_ns) {
 }
 
 void DecisionSession::UpdateStandings() {
-  constexpr double kFlatEvidence = 2;  // that of Beta(1,1)
   const std::vector<BetaPosterior>& posteriors = policy_->posteriors();
   const bool tells_costs =
       policy_kind_.reward_version == kLogCostRewardVersion && !diagnosis_.best_probability.empty();
   for (uint32_t arm = 0; arm < standings_.size(); ++arm) {
-    const double evidence = std::max(posteriors[arm].evidence() - kFlatEvidence, 0.0);
+    const double evidence = std::max(posteriors[arm].evidence() - BetaPosterior().evidence(), 0.0);
     standings_[arm].effective_window_count = evidence / policy_->WindowEvidence(arm);
     standings_[arm].cost_ratio.reset();
     if (!tells_costs) continue;

@@ -81,9 +81,10 @@ std::vector<decision::EvidenceSum> OwnEvidence(const v1::Hello& hello,
 
 // Returns what the scene says of Hello's arms.
 std::vector<decision::EvidenceSum> PooledFor(const v1::Hello& hello, priors::SceneEvidence scene) {
-  return PooledFor(hello, [&](const EvidenceKey& key) {
-    return scene.ArmOf(key.arm, key.backend_version).of(key.measured_by);
-  });
+  std::vector<priors::SceneEvidence::Arm> arms;
+  for (const v1::Arm& arm : hello.arms())
+    arms.push_back(scene.ArmOf(arm.name(), arm.backend_version()));
+  return Pool(arms);
 }
 
 // Fills in what the project's other scenes of this machine class say of arms of which the scene's
@@ -107,7 +108,6 @@ absl::Status AddOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
       others.push_back(PooledFor(hello, std::move(other)));
     }
   }
-  start.priors.resize(static_cast<size_t>(hello.arms_size()));
   start.priors = decision::WithOtherScenes(std::move(start.priors), others);
   if (start.prior_source_count == 0 && decision::IsAnythingKnown(start.priors))
     start.prior_source_count = source_count;

@@ -139,6 +139,7 @@ TEST_F(AdaptiveBroadPhaseTest, FrozenItReadsNoClockAndKeepsItsArm) {
   Frame();
   const uint64_t read_count = clock_.reading_count();
   EXPECT_GT(read_count, 0U);
+  EXPECT_TRUE(adaptive_->Obey({.order_id = 3, .mode = Mode::kAi, .arm = 1})) << "not at once";
   adaptive_->Freeze();
   EXPECT_EQ(adaptive_->mode(), Mode::kManual);
   adaptive_->mailbox().Post({.command_id = 1, .arm = 2, .reason = SwitchReason::kManual});

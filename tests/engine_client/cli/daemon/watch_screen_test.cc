@@ -49,13 +49,19 @@ TEST(WatchScreen, ShowsWhatTheSessionThatDecidedLastHasLearntWithItsScene) {
   WatchScreen screen(out, false);
   v1::WatchPosteriorsResponse decided = ShownDecision(5);
   decided.mutable_decisions(0)->set_project("p");
+  decided.mutable_decisions(0)->set_policy("adaptive");
   decided.mutable_decisions(0)->add_arms("Grid");
   decided.mutable_decisions(0)->add_standings()->set_live_window_count(4711);
   screen.Show(decided);
   EXPECT_THAT(out.str(), Not(HasSubstr("4711")));
   screen.Show(PosteriorOf("desert", 1));
   EXPECT_THAT(out.str(), Not(HasSubstr("4711"))) << "of another scene";
-  screen.Show(PosteriorOf("arena", 1));
+  v1::WatchPosteriorsResponse arena = PosteriorOf("arena", 1);
+  arena.mutable_posterior()->set_reward_version(1);
+  screen.Show(arena);
+  EXPECT_THAT(out.str(), Not(HasSubstr("4711"))) << "of policies of another reward";
+  arena.mutable_posterior()->set_reward_version(3);
+  screen.Show(arena);
   EXPECT_THAT(out.str(), HasSubstr("session 0af3 of arena after decision 5"));
   EXPECT_THAT(out.str(), HasSubstr("4711"));
 }

@@ -241,6 +241,8 @@ TEST(FrameCostText, SaysWhatChoosingSavesAndWhatTheLaneTakes) {
             "Per frame: 175.0000 ms of detection; the shadow lane took 100.0000 ms of another "
             "core");
   EXPECT_TRUE(RunReportJson(summary)["saved_ms_per_frame"].is_null());
+  summary.shadow.busy_time_ns = 0;
+  EXPECT_EQ(FrameCostText(summary), "Per frame: 175.0000 ms of detection");
 }
 
 TEST(RunReportText, HasADashWhereTheDeciderDoesNotTell) {

@@ -150,6 +150,7 @@ TEST(EvidenceLedger, BeginsASceneWithoutEvidenceWithWhatTheProjectsOthersHaveInC
 
   EXPECT_EQ(LedgerOf(given).prior_source_count(), 0U) << "not for policies that sum rewards up";
   given.push_back(RecordOf("studio", 1, 10));
+  given.back().beta_increment = 10;
   const EvidenceLedger known(given, key, kArms, kVersions);
   EXPECT_EQ(known.prior_source_count(), 1U);
   EXPECT_EQ(known.priors()[0].alpha, 11);
