@@ -44,7 +44,9 @@ double LaneCost::EndWork(uint64_t wall_ns) {
   }
   epoch_before_ = epoch;
   alone_before_ = alone_.sum();
-  return wall * slowdown();
+  const double cost_ns = wall * slowdown();
+  Add(total_ns_, static_cast<uint64_t>(cost_ns));
+  return cost_ns;
 }
 
 double LaneCost::slowdown() const {

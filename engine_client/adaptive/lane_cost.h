@@ -36,6 +36,8 @@ class LaneCost {
   double EndWork(uint64_t wall_ns);
   // Time of the frame thread beside the lane ÷ without, minus 1; >= 0.
   double slowdown() const;
+  // What all work has cost the frame thread, in ns. Any thread may ask.
+  uint64_t total_ns() const { return total_ns_.load(std::memory_order_relaxed); }
 
  private:
   struct Searches {
@@ -58,6 +60,8 @@ class LaneCost {
   std::atomic<uint32_t> epoch_{0};
   Cell alone_;
   Cell beside_;
+  // Written by the lane's thread.
+  std::atomic<uint64_t> total_ns_{0};
   // Of the lane's thread.
   Searches alone_before_;   // up to the latest work's end
   Searches beside_before_;  // up to the present work's begin

@@ -484,9 +484,7 @@ bool ShadowLane::TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs) {
 }
 
 ShadowStats ShadowLane::stats() const {
-  const auto load = [](const std::atomic<uint64_t>& counter) {
-    return counter.load(std::memory_order_relaxed);
-  };
+  const auto load = [](const auto& counter) { return counter.load(std::memory_order_relaxed); };
   return {.state = enabled() ? state_.load(std::memory_order_relaxed) : ShadowState::kPaused,
           .sweep_count = load(counters_.sweep_count),
           .visit_count = load(counters_.visit_count),
@@ -494,7 +492,8 @@ ShadowStats ShadowLane::stats() const {
           .busy_time_ns = load(counters_.busy_time_ns),
           .memory_bytes = load(counters_.memory_bytes),
           .copied_frame_count = load(counters_.copied_frame_count),
-          .copy_time_ns = load(counters_.copy_time_ns)};
+          .copy_time_ns = load(counters_.copy_time_ns),
+          .slowdown_time_ns = cost_.total_ns()};
 }
 
 }  // namespace sweepstake

@@ -4,10 +4,17 @@
 Each round plays, for each condition and scene, one game with AI Decides and one with every arm that comes near the best one,
 in an order that rotates, with `sweepstake run --embedded`. A round's regret is AI Decides' mean frame time ÷ that of the
 best fixed arm over the frames that all of them played, minus 1; the table shows the mean of the rounds with its 95 %
-interval. One more pair of games plays the best arm with the shadow lane and without: what the lane alone costs, as ratios
-of the mean and of the 99.9th percentile frame. The choice tells apart what was chosen from what else the machine did: AI
-Decides' frames, each at the median frame of its arm's fixed game, against those of the best arm; it means something where
-the arms' costs stay what they are. Conditions:
+interval.
+
+A machine's speed changes by the second, above all a virtual one's, and that would hide the answer. The frames of a scene have
+work that no arm changes, which is all but the detection: where a block of them took longer in one game than in another, the
+machine was slower, and the block is counted as if it had not been. What the shadow lane slows down goes with that, and is
+added as the game measured it, beside its own bursts of work and between them. The raw regret is without all this.
+
+One more pair of games plays the best arm with the shadow lane and without: what the lane alone costs, as ratios of the mean and
+of the 99.9th percentile frame, as they are. The choice tells apart what was chosen: AI Decides' frames, each at what its arm's
+frame takes ÷ that other work, against those of the best arm; it means something where the arms' costs stay what they are.
+Conditions:
   quiet       nothing else runs
   one-cpu     all of the game on one processor (taskset)
   neighbours  two other processes copy 64 MiB from here to there without end
@@ -37,7 +44,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONDITIONS = ("quiet", "one-cpu", "neighbours", "bursts", "quota")
 DEFAULT_CONDITIONS = "quiet,one-cpu,neighbours,bursts"
 ARMS = ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree")
-SCENES = "hurricane:2000,brownian:1000,rest-and-motion:3000,suite-g:10000"
+# They have work of their own besides the detection. The regimes of a changing scene have so many frames, which pass too fast here.
+SCENES = "hurricane:2000,brownian:1000,rotating-gravity:3000,free-fall:5000"
+BLOCK_FRAMES = 256
 STREAM = "a, b = bytearray(1 << 26), bytearray(1 << 26)\nwhile True:\n    a[:] = b"
 BURST = """from time import sleep, time
 while True:
@@ -116,6 +125,7 @@ class Game:
         self.arms = [row["arm"] for row in rows]
         self.frame_ns = [int(row["frame_time_ns"]) for row in rows]
         self.detection_ns = [int(row["detection_time_ns"]) for row in rows]
+        self.rest_ns = [frame - detection for frame, detection in zip(self.frame_ns, self.detection_ns)]
 
     def fixed(self, arm, *words, seconds=None):
         return self.play("--mode", "manual", "--arm", arm, *words, seconds=seconds)
@@ -136,10 +146,24 @@ def means(games):
     return over_same_frames(statistics.fmean, games)
 
 
+def at_equal_speed(frame_ns, rest_ns, other_rest_ns):
+    """The mean frame on a machine that is as fast as where the same frames' other work took other_rest_ns."""
+    count = min(len(frame_ns), len(other_rest_ns))
+    starts = range(0, count - BLOCK_FRAMES + 1, BLOCK_FRAMES) if count >= BLOCK_FRAMES else (0,)
+    total = frames = 0
+    for start in starts:
+        block = slice(start, min(start + BLOCK_FRAMES, count))
+        total += sum(frame_ns[block]) * sum(other_rest_ns[block]) / sum(rest_ns[block])
+        frames += block.stop - block.start
+    return total / frames
+
+
 def median_frames(game, options):
-    """The median frame of every arm, from one short game each."""
-    games = {arm: game.fixed(arm, "--shadow", "off", seconds=max(options.seconds / 10, 0.05)) for arm in ARMS}
-    return over_same_frames(statistics.median, games)
+    """The median frame of every arm ÷ the median of its other work, from one short game each."""
+    def play(arm):
+        frame_ns = game.fixed(arm, "--shadow", "off", seconds=max(options.seconds / 10, 0.05))
+        return [frame / rest for frame, rest in zip(frame_ns, game.rest_ns)]
+    return over_same_frames(statistics.median, {arm: play(arm) for arm in ARMS})
 
 
 def choice(arms, medians):
@@ -167,7 +191,8 @@ class Cell:
         self.medians = median_frames(game, options)
         best = min(self.medians.values())
         self.arms = sorted((arm for arm in ARMS if self.medians[arm] <= options.near * best), key=self.medians.get)
-        self.regrets, self.choices, self.lane_means, self.lane_tails, self.best_arms = [], [], [], [], []
+        self.regrets, self.raw_regrets, self.choices, self.lane_shares = [], [], [], []
+        self.lane_means, self.lane_tails, self.best_arms = [], [], []
 
     def play_lane(self, arm, without):
         """The pair of the game `without` the lane."""
@@ -181,14 +206,19 @@ class Cell:
     def play_all(self, number):
         names = ["AI Decides", *self.arms]
         turn = number % len(names)
-        games = {}
+        games, rest_ns = {}, {}
         for name in names[turn:] + names[:turn]:
             games[name] = self.game.decided() if name == "AI Decides" else self.game.fixed(name, "--shadow", "off")
+            rest_ns[name] = self.game.rest_ns
             if name == "AI Decides":
                 self.choices.append(choice(self.game.arms, self.medians))
-        mean = means(games)
+                self.lane_shares.append(self.game.summary["shadow"]["frame_share"])
+        reference = over_same_frames(lambda frames: frames, rest_ns)["AI Decides"]
+        mean = {name: at_equal_speed(games[name], rest_ns[name], reference) for name in games}
         best = min(self.arms, key=mean.get)
-        self.regrets.append(mean["AI Decides"] / mean[best] - 1)
+        self.regrets.append(mean["AI Decides"] / mean[best] - 1 + self.lane_shares[-1])
+        raw = means(games)
+        self.raw_regrets.append(raw["AI Decides"] / min(raw[arm] for arm in self.arms) - 1)
         self.play_lane(best, games[best])
 
     def play_round(self, number):
@@ -202,10 +232,13 @@ class Cell:
 
     def row(self):
         regret, half_width = interval(self.regrets) if self.regrets else (None, None)
+        raw_regret, raw_half_width = interval(self.raw_regrets) if self.regrets else (None, None)
         log_tail, log_half_width = interval([math.log(ratio) for ratio in self.lane_tails])
         return {"condition": self.game.condition, "scene": self.game.scene, "objects": self.game.objects,
                 "rounds": len(self.lane_tails), "best_arm": max(set(self.best_arms), key=self.best_arms.count),
                 "near_arms": self.arms, "regret": regret, "half_width": half_width, "regrets": self.regrets,
+                "raw_regret": raw_regret, "raw_half_width": raw_half_width, "raw_regrets": self.raw_regrets,
+                "lane_share": statistics.fmean(self.lane_shares) if self.lane_shares else None,
                 "choice": statistics.fmean(self.choices) if self.choices else None, "choices": self.choices,
                 "lane_mean_ratio": statistics.median(self.lane_means), "lane_tail_ratio": math.exp(log_tail),
                 "lane_tail_half_width": None if log_half_width is None else math.exp(log_tail) * math.expm1(log_half_width),
@@ -251,10 +284,12 @@ def half(value):
 
 
 def text(document):
-    return table(("condition", "scene", "objects", "rounds", "best arm", "regret", "± 95 %", "choice", "lane mean", "lane p99.9",
-                  "± 95 %"), [
+    return table(("condition", "scene", "objects", "rounds", "best arm", "regret", "± 95 %", "choice", "lane", "raw regret", "± 95 %",
+                  "lane mean", "lane p99.9", "± 95 %"), [
         (row["condition"], row["scene"], str(row["objects"]), str(row["rounds"]), row["best_arm"], or_dash(row["regret"], percent),
-         half(row["half_width"]), or_dash(row["choice"], percent), f"{row['lane_mean_ratio']:.3f}", f"{row['lane_tail_ratio']:.2f}",
+         half(row["half_width"]), or_dash(row["choice"], percent), or_dash(row["lane_share"], percent),
+         or_dash(row["raw_regret"], percent), half(row["raw_half_width"]), f"{row['lane_mean_ratio']:.3f}",
+         f"{row['lane_tail_ratio']:.2f}",
          or_dash(row["lane_tail_half_width"], "{:.2f}".format)) for row in document["rows"]])
 
 

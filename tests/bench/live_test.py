@@ -7,7 +7,7 @@ import subprocess
 import sys
 import unittest
 
-from live import choice
+from live import at_equal_speed, choice
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = ""
@@ -37,6 +37,8 @@ class Live(unittest.TestCase):
             self.assertEqual(len(one["regrets"]), 2)
             self.assertGreater(one["half_width"], 0)
             self.assertEqual(len(one["choices"]), 2)
+            self.assertEqual(len(one["raw_regrets"]), 2)
+            self.assertGreaterEqual(one["lane_share"], 0)
             self.assertIn(one["best_arm"], one["near_arms"])
         code, _, error = judged(document)
         self.assertIn(code, (0, 1), error)
@@ -58,6 +60,17 @@ class Live(unittest.TestCase):
             self.assertIn("quota", done.stderr)
             return
         self.assertEqual(json.loads(done.stdout)["rows"][0]["condition"], "quota")
+
+    def test_a_slower_machine_is_no_regret(self):
+        rest, detection = [100] * 1000, [50] * 1000
+        frames = [a + b for a, b in zip(rest, detection)]
+        speed = [1 if number < 512 else 2 for number in range(1000)]
+        slow = [round(frame * factor) for frame, factor in zip(frames, speed)]
+        slow_rest = [round(one * factor) for one, factor in zip(rest, speed)]
+        self.assertAlmostEqual(at_equal_speed(slow, slow_rest, rest), at_equal_speed(frames, rest, rest))
+        dearer = [frame + 15 for frame in slow]
+        self.assertGreater(at_equal_speed(dearer, slow_rest, rest), 1.05 * at_equal_speed(frames, rest, rest))
+        self.assertEqual(at_equal_speed(frames[:10], rest[:10], rest), 150, "fewer frames than a block")
 
     def test_a_choice_is_judged_by_the_arms_own_costs(self):
         medians = {"Grid": 30, "KDTree": 10}

@@ -96,6 +96,7 @@ Json ShadowJson(const RunSummary& summary) {
           {"visits", shadow.visit_count},
           {"capped_visits", shadow.capped_visit_count},
           {"busy_share", summary.shadow_busy_ratio()},
+          {"frame_share", summary.shadow_frame_share()},
           {"copied_frames", shadow.copied_frame_count},
           {"copy_ns_per_frame", summary.shadow_copy_ns_per_frame()},
           {"ms_per_frame", summary.shadow_ms_per_frame()},
@@ -276,7 +277,9 @@ std::string ShadowText(const RunSummary& summary) {
   if (shadow.visit_count > 0) {
     text += ", " + std::to_string(shadow.visit_count) + " visits in " +
             std::to_string(shadow.sweep_count) + " sweeps, " +
-            Fixed(100 * summary.shadow_busy_ratio(), 1) + " % of its thread's time, copying took " +
+            Fixed(100 * summary.shadow_busy_ratio(), 1) +
+            " % of its thread's time, cost the frame " + "thread " +
+            Fixed(100 * summary.shadow_frame_share(), 2) + " %, copying took " +
             Fixed(summary.shadow_copy_ns_per_frame(), 0) + " ns per frame";
   }
   return text + "; " + std::to_string(shadow.warm_switch_count) + " warm and " +

@@ -51,6 +51,11 @@ double RunSummary::shadow_busy_ratio() const {
   return Ratio(static_cast<double>(shadow.busy_time_ns), static_cast<double>(active_ns()));
 }
 
+double RunSummary::shadow_frame_share() const {
+  return Ratio(static_cast<double>(shadow.slowdown_time_ns + shadow.copy_time_ns),
+               static_cast<double>(active_ns()));
+}
+
 double RunSummary::shadow_copy_ns_per_frame() const {
   return Ratio(static_cast<double>(shadow.copy_time_ns), static_cast<double>(frame_count));
 }

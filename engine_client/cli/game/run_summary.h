@@ -77,6 +77,9 @@ struct RunSummary {
   // Returns the share of the run's time in which the shadow lane worked.
   double shadow_busy_ratio() const;
   double shadow_copy_ns_per_frame() const;
+  // What the lane cost the frame thread, copies included, as a share of its time: measured by the
+  // lane itself (ShadowStats::slowdown_time_ns).
+  double shadow_frame_share() const;
   // What the lane takes of another core, per frame.
   double shadow_ms_per_frame() const;
   double detection_ms() const;  // per frame

@@ -53,6 +53,9 @@ struct ShadowStats {
   uint64_t memory_bytes = 0;        // copied boxes and structures, as of the latest frame it ran
   uint64_t copied_frame_count = 0;
   uint64_t copy_time_ns = 0;  // on the frame thread
+  // By how much the frame thread's searches took longer beside the lane's work than between, times
+  // that work: what the lane has cost the frame thread besides the copies.
+  uint64_t slowdown_time_ns = 0;
   uint64_t warm_switch_count = 0;
   uint64_t cold_switch_count = 0;  // with or without a lane
 };

@@ -19,7 +19,6 @@ constexpr double kFlatEvidence = 2.5;              // a prior below it says noth
 constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
 constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost
 constexpr double kFlatShare = 0.2;         // weight of the belief that ignores the prior
-constexpr double kRegimeVariance = SquareOf(0.3);  // by which a new regime widens the beliefs
 constexpr double kContradiction = 0.3;  // log-cost by which the expected best arm is too expensive
 // These constants define the safety limit.
 constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit
@@ -54,7 +53,7 @@ bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidenc
 AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components)
     : options_(setup.options),
       components_(components),
-      filters_(1, RelativeCostFilter(static_cast<uint32_t>(setup.arms.size()), components.filter)),
+      beliefs_(RelativeCostFilter(static_cast<uint32_t>(setup.arms.size()), components.filter)),
       has_prior_(setup.arms.size(), false),
       observed_(setup.arms.size(), false),
       bans_(setup.arms.size()),
@@ -103,8 +102,8 @@ void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> sample
         return visit && expected->log_cost - visit->log_cost >= kContradiction;
       });
   if (!contradicted) return;
-  std::fill(filters_.begin(), filters_.end(),
-            RelativeCostFilter(filter().arm_count(), components_.filter));
+  const RelativeCostFilter fresh(filter().arm_count(), components_.filter);
+  for (RelativeCostFilter& filter : beliefs_.filters()) filter = fresh;
   for (uint32_t arm = 0; arm < earlier.size(); ++arm) {
     if (earlier[arm]) filter().ObserveShadow(arm, earlier[arm]->sweep, earlier[arm]->log_cost);
   }
@@ -130,21 +129,12 @@ Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
 void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) {
   if (!components_.regimes) return;
   AdvanceTo(now_ns);
-  const auto [regime, is_new] = memory_.Observe(descriptor);
-  if (regime == regime_) return;
-  if (is_new) {
-    RelativeCostFilter beliefs = filter();
-    beliefs.Widen(kRegimeVariance);
-    if (regime == filters_.size()) filters_.push_back(beliefs);
-    filters_[regime] = std::move(beliefs);
-  }
-  regime_ = regime;
-  UpdatePosteriors();
+  if (beliefs_.Observe(descriptor)) UpdatePosteriors();
 }
 
 // Of every regime: what an arm that bailed out may do does not depend on it.
 void AdaptivePolicy::Assume(uint32_t arm, double log_cost) {
-  for (RelativeCostFilter& filter : filters_) filter.Assume(arm, log_cost);
+  for (RelativeCostFilter& filter : beliefs_.filters()) filter.Assume(arm, log_cost);
 }
 
 void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
@@ -152,7 +142,7 @@ void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
     const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(*last_advance_ns_);
     const double intervals = passed_ns / static_cast<double>(options_.decision_interval_ns);
     const double advance = std::min(intervals, kMaxAdvance);
-    for (RelativeCostFilter& filter : filters_) filter.Advance(advance);
+    for (RelativeCostFilter& filter : beliefs_.filters()) filter.Advance(advance);
     AdvanceBans(advance);
   }
   last_advance_ns_ = now_ns;
@@ -263,7 +253,7 @@ bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
 
 AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t candidate) const {
   // Expected gain and loss of the switch.
-  const NormalBelief difference = filter().Difference(active, candidate);
+  const NormalBelief difference = beliefs_.Difference(active, candidate);
   const double deviation = std::sqrt(difference.variance);
   Assessment result{.arm = candidate};
   GateTerms& terms = result.terms;
@@ -290,7 +280,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
 // bias for this arm; after that, what is uncertain about it must not lead back and forth.
 bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
-  const NormalBelief difference = filter().Difference(input.active_arm, arm);
+  const NormalBelief difference = beliefs_.Difference(input.active_arm, arm);
   const double deviations = input.bailed_out ? 0 : kReturnDeviations;
   if (was_live_[arm]) return difference.mean > deviations * std::sqrt(difference.variance);
   return detection_share_ * (math::Exp(-difference.mean) - 1) < kMaxTrialLoss;
@@ -328,28 +318,28 @@ Diagnosis AdaptivePolicy::Diagnose() const {
   std::vector<double> means;
   std::vector<double> covariance;
   for (uint32_t a = 0; a < filter().arm_count(); ++a) {
-    means.push_back(filter().LogCost(a).mean);
+    means.push_back(beliefs_.LogCost(a).mean);
     for (uint32_t b = 0; b < filter().arm_count(); ++b)
-      covariance.push_back(filter().Covariance(a, b));
+      covariance.push_back(beliefs_.Covariance(a, b));
   }
   return DiagnoseCorrelatedLogCosts(means, covariance);
 }
 
-// Shows the filter's beliefs as Beta posteriors.
+// Shows the beliefs as Beta posteriors.
 void AdaptivePolicy::UpdatePosteriors() {
   uint32_t leader = 0;
   for (uint32_t arm = 1; arm < filter().arm_count(); ++arm) {
-    if (filter().LogCost(arm).mean < filter().LogCost(leader).mean) leader = arm;
+    if (beliefs_.LogCost(arm).mean < beliefs_.LogCost(leader).mean) leader = arm;
   }
   // Half of the smallest difference's variance is shown as the leader's.
   double smallest = SquareOf(kUnknownDeviation);
   for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
-    if (arm != leader) smallest = std::min(smallest, filter().Difference(arm, leader).variance);
+    if (arm != leader) smallest = std::min(smallest, beliefs_.Difference(arm, leader).variance);
   }
   for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
     const double variance =
-        arm == leader ? smallest / 2 : filter().Difference(arm, leader).variance - smallest / 2;
-    posteriors_[arm] = BetaOf({filter().LogCost(arm).mean, variance});
+        arm == leader ? smallest / 2 : beliefs_.Difference(arm, leader).variance - smallest / 2;
+    posteriors_[arm] = BetaOf({beliefs_.LogCost(arm).mean, variance});
   }
 }
 

@@ -21,8 +21,8 @@
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
 // - A visit of the lane that a cap has ended is a lower bound of the arm's cost.
-// - Each regime of the scene (regime_memory.h) has beliefs of its own, which return with it. Those
-//   of a new one are the present ones, and wider, since every cost may have changed.
+// - Each regime of the scene has beliefs of its own, which return with it; where regimes change
+//   faster than choices take effect, a mixture of them decides (regime_beliefs.h).
 //
 // Nothing is drawn: the same observations give the same choices for every seed. All constants that
 // are times are multiples of the options' intervals, so that a time scale changes nothing.
@@ -35,8 +35,7 @@
 
 #include "server/decision/policy/log_cost.h"
 #include "server/decision/policy/policy.h"
-#include "server/decision/policy/regime_memory.h"
-#include "server/decision/policy/relative_cost_filter.h"
+#include "server/decision/policy/regime_beliefs.h"
 
 namespace sweepstake::decision {
 
@@ -93,8 +92,8 @@ class AdaptivePolicy : public Policy {
   void SetPriors(const std::vector<BetaPosterior>& priors);
   void DropContradictedPriors(std::span<const ShadowSample> samples);
   Increment VisitIncrement(uint32_t arm, double log_cost) const;
-  RelativeCostFilter& filter() { return filters_[regime_]; }
-  const RelativeCostFilter& filter() const { return filters_[regime_]; }
+  RelativeCostFilter& filter() { return beliefs_.filter(); }
+  const RelativeCostFilter& filter() const { return beliefs_.filter(); }
   void Assume(uint32_t arm, double log_cost);
   void AdvanceTo(int64_t now_ns);
   void AdvanceBans(double intervals);
@@ -108,9 +107,7 @@ class AdaptivePolicy : public Policy {
 
   DecisionOptions options_;
   AdaptiveComponents components_;
-  RegimeMemory memory_;
-  std::vector<RelativeCostFilter> filters_;  // of each regime
-  uint32_t regime_ = 0;
+  RegimeBeliefs beliefs_;
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<Ban> bans_;

@@ -42,7 +42,9 @@ TEST_F(LaneCostTest, IsAGuessBeforeAnythingIsMeasured) {
 TEST_F(LaneCostTest, IsTheExtraTimeOfSearchesBesideIt) {
   for (int k = 0; k < 30; ++k) Work(100, kMs, 3 * kMs / 2);
   EXPECT_NEAR(cost_.slowdown(), 0.5, 1e-3);
+  const uint64_t before_ns = cost_.total_ns();
   EXPECT_NEAR(Work(100, kMs, 3 * kMs / 2), 75e6, 2e5);
+  EXPECT_NEAR(static_cast<double>(cost_.total_ns() - before_ns), 75e6, 2e5);
 }
 
 TEST_F(LaneCostTest, FollowsTheMachine) {

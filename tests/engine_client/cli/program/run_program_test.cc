@@ -61,6 +61,8 @@ TEST(RunProgram, TellsWhatTheShadowLaneDid) {
   EXPECT_EQ(on["state"], "running");
   EXPECT_GE(on["visits"].get<uint64_t>(), 7U);
   EXPECT_GT(on["copy_ns_per_frame"].get<double>(), 0);
+  EXPECT_GT(on["frame_share"].get<double>(), 0);
+  EXPECT_LT(on["frame_share"].get<double>(), 1);
   EXPECT_EQ(RunProgram(std::string(kSmallRun) + "--shadow maybe").exit_code, 2);
 }
 

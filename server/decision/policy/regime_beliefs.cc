@@ -1,0 +1,72 @@
+#include "server/decision/policy/regime_beliefs.h"
+
+#include <utility>
+
+#include "server/decision/math/portable_math.h"
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr double kNewVariance = 0.3 * 0.3;  // by which a new regime widens the beliefs
+constexpr double kTickWeight = 1.0 / 12;    // of the latest tick in shares and rates
+constexpr double kMaxChangeRate = 0.4;
+
+}  // namespace
+
+bool RegimeBeliefs::Observe(const SceneDescriptor& descriptor) {
+  const auto [regime, is_new] = memory_.Observe(descriptor);
+  if (is_new && regime != regime_) {
+    RelativeCostFilter beliefs = filter();
+    beliefs.Widen(kNewVariance);
+    if (regime == filters_.size()) filters_.push_back(beliefs);
+    filters_[regime] = std::move(beliefs);
+    tick_shares_[regime] = 0;
+  }
+  const bool changed = regime != std::exchange(regime_, regime);
+  change_rate_ += kTickWeight * ((changed ? 1 : 0) - change_rate_);
+  for (double& share : tick_shares_) share *= 1 - kTickWeight;
+  tick_shares_[regime] += kTickWeight;
+  const bool mixed = std::exchange(mixes_, change_rate_ > kMaxChangeRate);
+  return changed || mixed || mixes_;
+}
+
+RegimeBeliefs::Weights RegimeBeliefs::CostShares(uint32_t arm) const {
+  Weights shares{};
+  double sum = 0;
+  for (uint32_t regime = 0; regime < filters_.size(); ++regime) {
+    shares[regime] = tick_shares_[regime] * math::Exp(filters_[regime].LogCost(arm).mean);
+    sum += shares[regime];
+  }
+  for (double& share : shares) share /= sum;
+  return shares;
+}
+
+NormalBelief RegimeBeliefs::LogCost(uint32_t arm) const {
+  if (!mixes_) return filter().LogCost(arm);
+  double cost = 0;
+  double ticks = 0;
+  for (uint32_t regime = 0; regime < filters_.size(); ++regime) {
+    cost += tick_shares_[regime] * math::Exp(filters_[regime].LogCost(arm).mean);
+    ticks += tick_shares_[regime];
+  }
+  return {.mean = math::Log(cost / ticks), .variance = Covariance(arm, arm)};
+}
+
+// Regimes are believed to be independent.
+double RegimeBeliefs::Covariance(uint32_t a, uint32_t b) const {
+  if (!mixes_) return filter().Covariance(a, b);
+  const Weights of_a = CostShares(a);
+  const Weights of_b = CostShares(b);
+  double covariance = 0;
+  for (uint32_t regime = 0; regime < filters_.size(); ++regime)
+    covariance += of_a[regime] * of_b[regime] * filters_[regime].Covariance(a, b);
+  return covariance;
+}
+
+NormalBelief RegimeBeliefs::Difference(uint32_t a, uint32_t b) const {
+  if (!mixes_) return filter().Difference(a, b);
+  return {.mean = LogCost(a).mean - LogCost(b).mean,
+          .variance = Covariance(a, a) + Covariance(b, b) - 2 * Covariance(a, b)};
+}
+
+}  // namespace sweepstake::decision
