@@ -8,6 +8,7 @@
 
 #include <toml++/toml.h>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
@@ -119,6 +120,16 @@ void CheckTls(const tls::Files& files, const SettingNames& names, Problems& prob
   if (files.cert.empty() && !files.ca.empty()) {
     problems.Add(
         absl::StrCat(names.Of("tls_client_ca"), " needs TLS: name ", cert, " and ", key, ", too"));
+  }
+}
+
+void CheckHosts(const Config& config, const SettingNames& names, Problems& problems) {
+  static const std::regex shape("[A-Za-z0-9_.-]+|\\[[0-9A-Fa-f:.]+\\]");
+  for (const std::string& host : HttpHosts(config)) {
+    if (std::regex_match(host, shape)) continue;
+    problems.Add(absl::StrCat(names.Of("http_hosts"),
+                              ": expected names without scheme and port, separated by commas, not ",
+                              host));
   }
 }
 
@@ -268,7 +279,10 @@ absl::Status Validate(const Config& config, const SettingNames& names) {
   problems.Add(listeners.Sum());
   CheckTls(config.rpc.tls, names, problems);
   // Of an address that is none nobody can say who reaches it.
-  if (listeners.Sum().ok()) CheckReach(config, names, problems);
+  if (listeners.Sum().ok()) {
+    CheckReach(config, names, problems);
+    CheckHosts(config, names, problems);
+  }
   if (config.http == config.listen && !config.listen.ends_with(":0")) {
     problems.Add(absl::StrCat(names.Of("http"), ": ", config.http, " is that of ",
                               names.Of("listen"), ", too; give it a port of its own"));
@@ -324,6 +338,16 @@ absl::Status CheckConfigFile(const std::filesystem::path& path) {
 bool NeedsToken(const Config& config) {
   return config.require_tokens ||
          (!config.insecure && config.rpc.tls.ca.empty() && !tls::IsLoopback(config.listen));
+}
+
+std::set<std::string, std::less<>> HttpHosts(const Config& config) {
+  std::set<std::string, std::less<>> hosts;
+  for (const absl::string_view name :
+       absl::StrSplit(config.http_hosts, ',', absl::SkipWhitespace()))
+    hosts.insert(absl::AsciiStrToLower(absl::StripAsciiWhitespace(name)));
+  if (!config.http.empty())
+    hosts.insert(absl::AsciiStrToLower(config.http.substr(0, config.http.rfind(':'))));
+  return hosts;
 }
 
 ChangedKeys ChangedSettings(const Config& before, const Config& after) {

@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,7 +25,8 @@ namespace sweepstake::server {
 
 struct Config {
   std::string listen = "127.0.0.1:7433";  // HOST:PORT; port 0 means any free port
-  std::string http;  // HOST:PORT of /metrics, /livez and /readyz; empty serves none of them
+  std::string http;        // HOST:PORT of the dashboard, /metrics, /livez and /readyz; empty: none
+  std::string http_hosts;  // further names of the daemon, separated by commas
   std::filesystem::path data = "sweepstake-data";
   std::filesystem::path port_file;       // the ports are written to it once the daemon listens
   std::string log_level = "info";        // trace, debug, info, warn, error or off
@@ -101,6 +103,10 @@ absl::Status CheckConfigFile(const std::filesystem::path& path);
 // can reach it, and neither clients' certificates nor --insecure say who may. REQUIRES: the
 // configuration is valid.
 bool NeedsToken(const Config& config);
+
+// Returns the names, in lower case and without ports, that a browser may ask for the daemon by:
+// those of http_hosts and that of `http`.
+std::set<std::string, std::less<>> HttpHosts(const Config& config);
 
 // The keys of settings that differ.
 struct ChangedKeys {

@@ -119,7 +119,11 @@ std::vector<Setting> DaemonSettings() {
           "HOST:PORT to serve gRPC on; port 0 takes a free one"),
       Text(
           "http", [](Config & c) -> auto& { return c.http; },
-          "HOST:PORT to serve /metrics, /livez and /readyz on; empty serves none"),
+          "HOST:PORT to serve the dashboard, /metrics, /livez and /readyz on; empty serves none"),
+      Text(
+          "http_hosts", [](Config & c) -> auto& { return c.http_hosts; },
+          "names, separated by commas, that browsers may ask for the dashboard by, beside its "
+          "address: that of a proxy in front"),
       Text(
           "data", [](Config & c) -> auto& { return c.data; },
           "directory of the prior store; made if it is missing"),

@@ -11,10 +11,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "server/daemon_files.h"
+#include "server/daemon_site.h"
 #include "server/descriptor_limit.h"
 #include "server/priors/unix_time.h"
 #include "server/rpc/health_probe.h"
 #include "server/storage/sqlite_prior_store.h"
+#include "server/tls/loopback.h"
 #include "server/web/health_page.h"
 #include "server/web/metrics_page.h"
 
@@ -316,6 +318,23 @@ void Daemon::SaveStore(priors::PriorStore& store, bool last) {
 
 absl::Status Daemon::OpenHttp() {
   if (config_.http.empty()) return absl::OkStatus();
+  web::ApiOptions api = ApiOf(config_, *rpc_);
+  api.event_counters = events_;
+  const bool takes_tokens = api.takes_tokens_from_afar;
+  auto server = web::HttpServer::Start(config_.http,
+                                       MakeSite(std::move(api), HttpHosts(config_), HttpPages()));
+  if (!server.ok()) return server.status();
+  web_ = *std::move(server);
+  log_->info("serving the dashboard, /metrics, /livez and /readyz on port {}", web_->port());
+  if (!tls::IsLoopback(config_.http)) {
+    log_->warn("http: {} can be reached by others, and is plain text: the network can read {}",
+               config_.http,
+               takes_tokens ? "what the dashboard shows, and tokens" : "what the dashboard shows");
+  }
+  return absl::OkStatus();
+}
+
+web::PageTable Daemon::HttpPages() {
   const std::vector<web::HealthCheck> live = {{"decision-loop", [this] { return LoopProblem(); }}};
   const std::vector<web::HealthCheck> ready = {
       live.front(),
@@ -326,17 +345,13 @@ absl::Status Daemon::OpenHttp() {
   pages["/livez"] = [live](std::string_view query) { return HealthPage("livez", live, query); };
   pages["/readyz"] = [ready](std::string_view query) { return HealthPage("readyz", ready, query); };
   pages["/metrics"] = [this](std::string_view /*query*/) {
-    return web::MetricsPage(
-        metrics_.Collect(rpc_->counters(), {.healthy = store_->healthy(),
-                                            .queued_commit_count = store_->queued_count(),
-                                            .queued_read_count = store_->queued_read_count(),
-                                            .database = directory_.database()}));
+    return web::MetricsPage(metrics_.Collect(rpc_->counters(), *events_,
+                                             {.healthy = store_->healthy(),
+                                              .queued_commit_count = store_->queued_count(),
+                                              .queued_read_count = store_->queued_read_count(),
+                                              .database = directory_.database()}));
   };
-  auto server = web::HttpServer::Start(config_.http, std::move(pages));
-  if (!server.ok()) return server.status();
-  web_ = *std::move(server);
-  log_->info("serving /metrics, /livez and /readyz on port {}", web_->port());
-  return absl::OkStatus();
+  return pages;
 }
 
 std::optional<std::string> Daemon::LoopProblem() const {

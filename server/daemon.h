@@ -24,7 +24,9 @@
 #include "server/storage/folding/evidence_folding.h"
 #include "server/storage/store_thread.h"
 #include "server/tls/files_watch.h"
+#include "server/web/api/topic.h"
 #include "server/web/http_server.h"
+#include "server/web/site.h"
 
 namespace spdlog {
 class logger;
@@ -76,6 +78,7 @@ class Daemon {
   // Runs on the thread of the tokens.
   void ReportToken(const std::string& change);
   absl::Status OpenHttp();
+  web::PageTable HttpPages();
   void FollowTls();
   // What the checks of /livez and /readyz say; nothing if all is well.
   std::optional<std::string> LoopProblem() const;
@@ -112,6 +115,7 @@ class Daemon {
   std::unique_ptr<rpc::RpcServer> rpc_;
   rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it takes actions
   std::atomic<bool> draining_ = false;
+  const std::shared_ptr<web::EventCounters> events_ = std::make_shared<web::EventCounters>();
   std::unique_ptr<web::HttpServer> web_;  // its pages use the members above; null without --http
 };
 

@@ -121,6 +121,19 @@ prometheus::MetricFamily RejectionsOf(const char* name, const char* help,
   return family;
 }
 
+std::vector<prometheus::MetricFamily> FamiliesOf(const web::EventCounters& events) {
+  return {GaugeOf("sweepstake_http_watchers", "Who watches events by HTTP.",
+                  static_cast<double>(events.open_watcher_count)),
+          GaugeOf("sweepstake_http_topics", "Streams of events that they share.",
+                  static_cast<double>(events.open_topic_count)),
+          CounterOf("sweepstake_http_encoded_events_total",
+                    "Messages that were made JSON for all watchers of their topic.",
+                    static_cast<double>(events.encoded_count)),
+          CounterOf("sweepstake_http_skips_total",
+                    "Times that a watcher read so slowly that it was sent the state anew.",
+                    static_cast<double>(events.skip_count))};
+}
+
 // Returns 0 if there is no such file: a store that is closed in order has no log.
 double FileBytes(const std::filesystem::path& path) {
   std::error_code missing;
@@ -178,6 +191,7 @@ void DaemonMetrics::SetTls(bool could_be_used, int64_t expires_unix_s) {
 }
 
 std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters& counters,
+                                                             const web::EventCounters& events,
                                                              const StoreState& store) const {
   std::vector<prometheus::MetricFamily> families = registry_.Collect();
   for (const auto& [value, name, help] : kGauges)
@@ -191,6 +205,7 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters
                                   "Shadow visits with a value that cannot be, by which it is.",
                                   counters.rejected_shadow_counts));
   families.push_back(ErrorsOf(counters));
+  for (auto& family : FamiliesOf(events)) families.push_back(std::move(family));
   families.push_back(GaugeOf("sweepstake_store_healthy",
                              "1 while the store can write and read, 0 after a commit failed, while "
                              "its file is not in its place or while a read does not end.",

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "server/rpc/common/options.h"
+#include "server/web/api/topic.h"
 
 namespace sweepstake::server {
 
@@ -50,6 +51,7 @@ class DaemonMetrics {
 
   // Returns everything that /metrics shows.
   std::vector<prometheus::MetricFamily> Collect(const rpc::Counters& counters,
+                                                const web::EventCounters& events,
                                                 const StoreState& store) const;
 
  private:

@@ -8,12 +8,13 @@
 #include <cerrno>
 
 #include "absl/strings/str_cat.h"
+#include "server/web/http_server.h"
 
 namespace sweepstake::server {
 namespace {
 
-// Of the daemon itself: its files, threads, listeners and HTTP connections.
-constexpr uint64_t kOwnDescriptors = 512;
+// Of the daemon itself: its files, threads and listeners, and its HTTP connections.
+constexpr uint64_t kOwnDescriptors = 256 + web::HttpLimits().max_connections;
 // Of a connection to itself: its two ends, and the files that a host's name is looked up in.
 constexpr size_t kProbeDescriptors = 4;
 

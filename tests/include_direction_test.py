@@ -6,7 +6,7 @@
     server/decision/math <- everything else, since it is pure
     server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
     storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
-    net <- rpc, web, which knows none of the others, <- daemon
+    net, auth <- rpc, web, which do not know one another, <- daemon; dashboard <- web
 
 Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
 
@@ -56,10 +56,10 @@ ALLOWED = {
     "server/auth": {"server/storage"},
     "server/watch": DECISION | {"server/audit", "server/priors"},
     "server/net": set(),
-    "server/web": {"server/net"},
+    "server/web": {"server/auth", "server/dashboard", "server/net", "proto"},
     "server/rpc": DECISION | {"server/audit", "server/auth", "server/net", "server/priors", "server/tls", "server/watch", "proto"},
     "server": DECISION | {
-        "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "proto"},
+        "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "server/dashboard", "proto"},
 }
 
 # Pure functions that every folder may include.
@@ -102,6 +102,7 @@ ROOM_ORDER = {
     "engine_client/cli": ("io", "game", "daemon", "load", "trace", "replay", "experiment", "peers", "bench", ""),
     "engine_client/telemetry": ("common", "embedded", "protocol", ""),
     "server/rpc": ("common", "sessions", "services", ""),
+    "server/web": ("", "api"),
 }
 
 # Only these folders may know one operating system, and gRPC or protobuf.

@@ -6,7 +6,7 @@
 #include <array>
 #include <utility>
 
-#include "server/rpc/common/peer_address.h"
+#include "server/net/peer_address.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -59,7 +59,7 @@ class CallCounter final : public grpc::experimental::ServerInterceptorFactoryInt
 }  // namespace
 
 void ConnectionCalls::Add(int descriptor) {
-  const std::string name = PeerOf(descriptor);
+  const std::string name = net::PeerOf(descriptor);
   const std::lock_guard lock(mutex_);
   std::shared_ptr<Peer>& slot = by_descriptor_[descriptor];
   if (slot) {
@@ -84,7 +84,7 @@ std::shared_ptr<ConnectionCalls::Peer> ConnectionCalls::Begin(const std::string&
   ++ended_count_;
   for (const int descriptor : peer->descriptors) {
     // gRPC may have closed the descriptor already; then it may be of something else by now.
-    if (PeerOf(descriptor) == name) Abort(descriptor);
+    if (net::PeerOf(descriptor) == name) Abort(descriptor);
   }
   return peer;
 }

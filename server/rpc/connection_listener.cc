@@ -43,7 +43,7 @@ absl::Status ConnectionListener::Listen(const std::string& address) {
 
 void ConnectionListener::HandOver(tcp::socket connection) {
   if (const absl::Status admitted = open_.Add(connection.native_handle()); !admitted.ok())
-    return refusals_.Tell(PeerOf(connection.native_handle()), admitted);
+    return refusals_.Tell(net::PeerOf(connection.native_handle()), admitted);
   // A connection that has ended already refuses these; gRPC notices that by itself.
   boost::system::error_code ignored;
   connection.native_non_blocking(true, ignored);

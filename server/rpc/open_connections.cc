@@ -11,9 +11,10 @@ namespace sweepstake::rpc {
 absl::Status OpenConnections::Add(int descriptor) {
   Forget(descriptor);
   std::string name = name_of_(descriptor);
-  std::string address = AddressOf(name);
+  std::string address = net::AddressOf(name);
   // All games of a proxy on this machine have its address; the daemon's own probe has it too.
-  if (address.empty() || IsLoopbackAddress(address) || is_own_(descriptor)) return absl::OkStatus();
+  if (address.empty() || net::IsLoopbackAddress(address) || is_own_(descriptor))
+    return absl::OkStatus();
   const size_t most = size_t{options_.max_streams_per_address} + kSpare;
   const auto known = addresses_.find(address);
   if (known != addresses_.end() && known->second.descriptors.size() >= most) {

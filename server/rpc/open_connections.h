@@ -13,9 +13,9 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "server/net/peer_address.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"
-#include "server/rpc/common/peer_address.h"
 
 namespace sweepstake::rpc {
 
@@ -33,8 +33,8 @@ class OpenConnections {
 
   // It borrows the first two. `name_of` returns who is at the other end of a descriptor, `is_own`
   // whether that is the daemon's own machine, at whichever of its addresses.
-  OpenConnections(const RpcOptions& options, const Clock& clock, NameOf name_of = PeerOf,
-                  IsOwn is_own = ConnectsItself)
+  OpenConnections(const RpcOptions& options, const Clock& clock, NameOf name_of = net::PeerOf,
+                  IsOwn is_own = net::ConnectsItself)
       : options_(options),
         clock_(clock),
         name_of_(std::move(name_of)),

@@ -157,6 +157,12 @@ RpcServer::~RpcServer() {
   server_.reset();
 }
 
+std::shared_ptr<grpc::Channel> RpcServer::InProcessChannel() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);  // It is the daemon's own answer.
+  return server_->InProcessChannel(arguments);
+}
+
 void RpcServer::Adjust(const RpcOptions& options) {
   options_.keeps_audit = options.keeps_audit;
   options_.max_time_scale = options.max_time_scale;

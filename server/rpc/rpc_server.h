@@ -14,7 +14,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "absl/status/statusor.h"
@@ -53,6 +55,15 @@ class RpcServer {
   void RecordAction(std::string action, std::string who) {
     admin_.Record(std::move(action), std::move(who));
   }
+  // Returns a channel to this server without a connection, for the daemon's HTTP side. Its calls
+  // name in the metadata kCallerKey for whom they are. It may outlive the server.
+  std::shared_ptr<grpc::Channel> InProcessChannel();
+  // Who speaks HTTP, as AccessControl says. Any thread may ask.
+  absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
+                                                   std::optional<std::string_view> token) {
+    return access_.IdentifyOverHttp(caller, token);
+  }
+  bool asks_over_http() const { return access_.asks_over_http(); }
   // Takes over the options that are Adjustable. Any thread may call it.
   void Adjust(const RpcOptions& options);
   // Returns whether the decision loop has run within ten seconds. Any thread may ask.

@@ -1,24 +1,51 @@
 #include "server/web/http_connection.h"
 
+#include <boost/asio/post.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/http/chunk_encode.hpp>
 #include <boost/beast/http/error.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
+#include "server/net/peer_address.h"
 
 namespace sweepstake::web {
 namespace {
 
 namespace http = boost::beast::http;
+using boost::asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr int kBadRequest = 400;
-constexpr int kNotFound = 404;
 constexpr int kMethodNotAllowed = 405;
+constexpr int kLengthRequired = 411;
 constexpr int kPayloadTooLarge = 413;
 constexpr int kHeaderTooLarge = 431;
+constexpr int kUnavailable = 503;
+constexpr int kVersionNotSupported = 505;
+constexpr unsigned kHttp11 = 11;
+// An answer is given so much more time as it takes a client that reads 16 kB/s.
+constexpr size_t kBytesPerMs = 16;
+
+// Nothing but the server's own files runs in its pages, and no other page has them in a frame.
+constexpr std::pair<const char*, const char*> kSecurityHeaders[] = {
+    {"Content-Security-Policy",
+     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+     "connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
+    {"X-Frame-Options", "DENY"},
+    {"Referrer-Policy", "no-referrer"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+};
+
+template <typename Response>
+void SetHeaders(Response& response, const std::string& content_type) {
+  for (const auto& [name, value] : kSecurityHeaders) response.set(name, value);
+  response.set(http::field::content_type, content_type);
+  response.set(http::field::cache_control, "no-store");
+}
 
 // Returns whether the client broke the protocol, as opposed to a connection that ended.
 bool IsMalformed(const error_code& error) {
@@ -29,30 +56,56 @@ bool IsMalformed(const error_code& error) {
 Page MalformedPage(const error_code& error) {
   if (error == http::error::header_limit || error == http::error::buffer_overflow)
     return {kHeaderTooLarge, "The request's line and headers are too long.\n"};
+  if (error == http::error::body_limit)
+    return {kPayloadTooLarge, "The request's body is too long.\n"};
   return {kBadRequest, absl::StrCat("This is no HTTP/1.1 request: ", error.message(), ".\n")};
 }
 
-Page NotFoundPage(const PageTable& pages) {
-  const auto append_path = [](std::string* out, const auto& entry) { *out += entry.first; };
-  return {kNotFound, absl::StrCat("There is no such page. There are ",
-                                  absl::StrJoin(pages, ", ", append_path), ".\n")};
+std::string HostOf(const tcp::socket& socket) {
+  error_code unknown;
+  const auto address = socket.local_endpoint(unknown).address();
+  if (unknown || address.is_v4()) return address.to_string();
+  if (address.to_v6().is_v4_mapped())
+    return boost::asio::ip::make_address_v4(boost::asio::ip::v4_mapped, address.to_v6())
+        .to_string();
+  return absl::StrCat("[", address.to_string(), "]");
 }
 
 }  // namespace
 
-HttpConnection::HttpConnection(boost::asio::ip::tcp::socket socket, const PageTable& pages,
-                               const HttpLimits& limits, std::function<void()> on_closed)
-    : pages_(pages),
-      limits_(limits),
+std::string_view Request::query() const {
+  const size_t mark = target().find('?');
+  return mark == std::string_view::npos ? std::string_view() : target().substr(mark + 1);
+}
+
+std::string_view Request::Header(std::string_view name) const {
+  const auto found = message.find(boost::beast::string_view(name.data(), name.size()));
+  if (found == message.end()) return {};
+  return {found->value().data(), found->value().size()};
+}
+
+HttpConnection::HttpConnection(tcp::socket socket, ConnectionShared& shared,
+                               std::function<void(HttpConnection&)> on_closed)
+    : shared_(shared),
       on_closed_(std::move(on_closed)),
       stream_(std::move(socket)),
-      buffer_(size_t{2} * limits.max_header_bytes) {}
+      buffer_(size_t{2} * shared.limits.max_header_bytes) {
+  request_.peer = net::PeerOf(stream_.socket().native_handle());
+  request_.own_host = HostOf(stream_.socket());
+}
+
+HttpConnection::~HttpConnection() {
+  ReserveBody(0);
+  on_closed_(*this);
+}
 
 void HttpConnection::Read() {
+  ReserveBody(0);
   parser_.emplace();
-  parser_->header_limit(limits_.max_header_bytes);
-  // One deadline for the whole header, however slowly its bytes come.
-  stream_.expires_after(limits_.patience);
+  parser_->header_limit(shared_.limits.max_header_bytes);
+  parser_->body_limit(shared_.limits.max_body_bytes);
+  // One deadline for the whole request, however slowly its bytes come.
+  stream_.expires_after(shared_.limits.patience);
   http::async_read_header(stream_, buffer_, *parser_,
                           [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
                             self->OnHeader(error);
@@ -60,40 +113,61 @@ void HttpConnection::Read() {
 }
 
 void HttpConnection::OnHeader(error_code error) {
-  if (IsMalformed(error)) return Write(MalformedPage(error), /*keep_alive=*/false);
+  if (IsMalformed(error)) return Reject(MalformedPage(error));
   if (error) return;
-  if (parser_->content_length().value_or(0) > 0 || parser_->chunked()) {
-    return Write({kPayloadTooLarge, "A request here has no body.\n"}, /*keep_alive=*/false);
-  }
-  const Request& request = parser_->get();
-  Write(PageFor(request), request.keep_alive());
+  if (const std::optional<Page> problem = HeaderProblem()) return Reject(*problem);
+  ReserveBody(static_cast<size_t>(parser_->content_length().value_or(0)));
+  http::async_read(stream_, buffer_, *parser_,
+                   [self = shared_from_this()](error_code failure, size_t /*byte_count*/) {
+                     self->OnBody(failure);
+                   });
 }
 
-Page HttpConnection::PageFor(const Request& request) const {
-  if (request.method() != http::verb::get && request.method() != http::verb::head)
-    return {kMethodNotAllowed, "Only GET and HEAD are valid here.\n"};
-  const std::string_view target(request.target().data(), request.target().size());
-  if (!target.starts_with('/')) return {kBadRequest, "A request's target begins with a slash.\n"};
-  const size_t mark = std::min(target.find('?'), target.size());
-  const auto found = pages_.find(target.substr(0, mark));
-  if (found == pages_.end()) return NotFoundPage(pages_);
-  return found->second(target.substr(std::min(mark + 1, target.size())));
+std::optional<Page> HttpConnection::HeaderProblem() const {
+  const auto length = parser_->content_length().value_or(0);
+  if (parser_->chunked())
+    return Page{kLengthRequired, "A request's body comes whole, with its Content-Length.\n"};
+  if (length == 0) return std::nullopt;
+  if (parser_->get().method() != http::verb::post)
+    return Page{kPayloadTooLarge, "Only a POST has a body here.\n"};
+  if (shared_.body_bytes + length > shared_.limits.max_total_body_bytes)
+    return Page{kUnavailable, "The daemon reads as many requests as it may; try again.\n"};
+  return std::nullopt;
 }
+
+std::chrono::milliseconds HttpConnection::PatienceFor(size_t byte_count) const {
+  return shared_.limits.patience + std::chrono::milliseconds(byte_count / kBytesPerMs);
+}
+
+void HttpConnection::ReserveBody(size_t byte_count) {
+  shared_.body_bytes += byte_count - std::exchange(reserved_bytes_, byte_count);
+}
+
+void HttpConnection::OnBody(error_code error) {
+  if (IsMalformed(error)) return Reject(MalformedPage(error));
+  if (error) return;
+  request_.message = parser_->release();
+  shared_.handler(shared_from_this());
+}
+
+void HttpConnection::Reject(const Page& page) {
+  request_.message = {};
+  Write(page, /*keep_alive=*/false);
+}
+
+void HttpConnection::Answer(Page page) { Write(std::move(page), request_.message.keep_alive()); }
 
 void HttpConnection::Write(Page page, bool keep_alive) {
-  const Request& request = parser_->get();
   response_ = {};
   response_.result(static_cast<unsigned>(page.status));
-  response_.set(http::field::content_type, page.content_type);
-  response_.set(http::field::cache_control, "no-store");
-  response_.set("X-Content-Type-Options", "nosniff");
-  if (page.status == kMethodNotAllowed) response_.set(http::field::allow, "GET, HEAD");
+  SetHeaders(response_, page.content_type);
+  for (const auto& [name, value] : page.headers) response_.set(name, value);
   response_.keep_alive(keep_alive);
   response_.body() = std::move(page.body);
   response_.prepare_payload();
   // The length of what a GET would get stays.
-  if (request.method() == http::verb::head) response_.body().clear();
-  stream_.expires_after(limits_.patience);
+  if (request_.message.method() == http::verb::head) response_.body().clear();
+  stream_.expires_after(PatienceFor(response_.body().size()));
   http::async_write(stream_, response_,
                     [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
                       self->OnWritten(error);
@@ -103,17 +177,88 @@ void HttpConnection::Write(Page page, bool keep_alive) {
 void HttpConnection::OnWritten(error_code error) {
   if (error) return;
   if (response_.keep_alive()) return Read();
-  stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, error);
-  stream_.expires_after(limits_.patience);
+  stream_.socket().shutdown(tcp::socket::shutdown_send, error);
+  stream_.expires_after(shared_.limits.patience);
   Linger();
 }
 
 void HttpConnection::Linger() {
   buffer_.clear();
-  stream_.async_read_some(buffer_.prepare(limits_.max_header_bytes),
+  stream_.async_read_some(buffer_.prepare(shared_.limits.max_header_bytes),
                           [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
                             if (!error) self->Linger();
                           });
+}
+
+void HttpConnection::Drop() {
+  source_.reset();
+  stream_.close();
+}
+
+void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource> source) {
+  if (request_.message.version() < kHttp11)
+    return Write({kVersionNotSupported, "This answer needs HTTP/1.1.\n"}, /*keep_alive=*/false);
+  writing_ = true;
+  source_ = std::move(source);
+  // What wakes is in the midst of something: the source may be gone once its parts are asked for.
+  source_->Start([weak = weak_from_this()] {
+    const auto self = weak.lock();
+    if (!self || self->writing_) return;
+    boost::asio::post(self->stream_.get_executor(), [self] { self->WriteParts(); });
+  });
+  stream_.expires_never();
+  AwaitEnd();
+  WriteStreamHead(std::move(content_type));
+}
+
+void HttpConnection::WriteStreamHead(std::string content_type) {
+  head_ = {};
+  SetHeaders(head_, content_type);
+  head_.set("X-Accel-Buffering", "no");  // A proxy is to pass on what there is.
+  head_.keep_alive(false);
+  head_.chunked(true);
+  serializer_.emplace(head_);
+  stream_.expires_after(shared_.limits.patience);
+  http::async_write_header(stream_, *serializer_,
+                           [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
+                             self->OnPartWritten(error);
+                           });
+}
+
+void HttpConnection::AwaitEnd() {
+  buffer_.clear();
+  stream_.async_read_some(buffer_.prepare(shared_.limits.max_header_bytes),
+                          [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
+                            if (!self->source_) return;
+                            error ? self->Drop() : self->AwaitEnd();
+                          });
+}
+
+void HttpConnection::WriteParts() {
+  if (writing_ || !source_) return;
+  const auto on_written = [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
+    self->OnPartWritten(error);
+  };
+  writing_ = true;
+  part_ = source_->Next();
+  writing_ = part_ != nullptr || source_->ended();
+  if (!writing_) return;
+  stream_.expires_after(PatienceFor(part_ ? part_->size() : 0));
+  if (part_) {
+    boost::asio::async_write(stream_, http::make_chunk(boost::asio::buffer(*part_)), on_written);
+  } else {
+    source_.reset();
+    boost::asio::async_write(stream_, http::make_chunk_last(), on_written);
+  }
+}
+
+void HttpConnection::OnPartWritten(error_code error) {
+  writing_ = false;
+  if (error) return Drop();
+  if (source_) return WriteParts();
+  // Whatever the client sent is read already, so that nothing takes the last part away from it.
+  stream_.socket().shutdown(tcp::socket::shutdown_send, error);
+  Drop();
 }
 
 }  // namespace sweepstake::web

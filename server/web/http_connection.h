@@ -1,53 +1,89 @@
-// One connection of the HTTP server: reads requests one after the other and answers each from the
-// table of pages. Used on the server's thread only. Pending operations keep it alive.
+// One connection of the HTTP server: reads requests one after the other and has each answered.
+// Pending operations, and whoever is about to answer, keep it alive.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/message.hpp>
 #include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/serializer.hpp>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
+#include "server/web/http_message.h"
 #include "server/web/http_server.h"
 
 namespace sweepstake::web {
 
-class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+// What the connections of a server share.
+struct ConnectionShared {
+  const HttpLimits limits;
+  Handler handler;
+  size_t body_bytes = 0;  // of the bodies that are being read or answered
+};
+
+class HttpConnection final : public Exchange, public std::enable_shared_from_this<HttpConnection> {
  public:
-  // `on_closed` runs when the connection is gone. The table and the limits must live until then.
-  HttpConnection(boost::asio::ip::tcp::socket socket, const PageTable& pages,
-                 const HttpLimits& limits, std::function<void()> on_closed);
-  ~HttpConnection() { on_closed_(); }
+  // `on_closed` runs when the connection is gone. What is shared must live until then.
+  HttpConnection(boost::asio::ip::tcp::socket socket, ConnectionShared& shared,
+                 std::function<void(HttpConnection&)> on_closed);
+  ~HttpConnection() override;
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
 
   // Reads the next request.
   void Read();
+  // Ends the connection without regard to what is being answered.
+  void Drop();
+
+  const Request& request() const override { return request_; }
+  void Answer(Page page) override;
+  void Stream(std::string content_type, std::unique_ptr<PartSource> source) override;
 
  private:
-  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+  using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
+  using Error = boost::system::error_code;
 
-  void OnHeader(boost::system::error_code error);
-  Page PageFor(const Request& request) const;
+  void OnHeader(Error error);
+  void OnBody(Error error);
+  // Returns what is wrong with a request whose header is read; nothing if it may have its body.
+  std::optional<Page> HeaderProblem() const;
+  void ReserveBody(size_t byte_count);
+  // Returns the time in which a client must read so much.
+  std::chrono::milliseconds PatienceFor(size_t byte_count) const;
+  void Reject(const Page& page);
   void Write(Page page, bool keep_alive);
-  void OnWritten(boost::system::error_code error);
-  // Tells the client that no more comes, and reads what it still sends: closing at once could take
-  // the answer away from it.
+  void OnWritten(Error error);
+  // Reads what the client still sends, once it is told that no more comes: closing at once could
+  // take the answer away from it.
   void Linger();
 
-  const PageTable& pages_;
-  const HttpLimits& limits_;
-  const std::function<void()> on_closed_;
+  // These send a stream. A client that ends its side is taken for gone.
+  void WriteStreamHead(std::string content_type);
+  void AwaitEnd();
+  void WriteParts();
+  void OnPartWritten(Error error);
+
+  ConnectionShared& shared_;
+  const std::function<void(HttpConnection&)> on_closed_;
   boost::beast::tcp_stream stream_;
   boost::beast::flat_buffer buffer_;
   // These are made anew for each request.
-  std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;
+  std::optional<Parser> parser_;
+  Request request_;
+  size_t reserved_bytes_ = 0;
   boost::beast::http::response<boost::beast::http::string_body> response_;
+  // Of a stream.
+  boost::beast::http::response<boost::beast::http::empty_body> head_;
+  std::optional<boost::beast::http::response_serializer<boost::beast::http::empty_body>>
+      serializer_;
+  std::unique_ptr<PartSource> source_;
+  std::shared_ptr<const std::string> part_;  // that is being written
+  bool writing_ = false;
 };
 
 }  // namespace sweepstake::web

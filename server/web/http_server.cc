@@ -1,5 +1,6 @@
 #include "server/web/http_server.h"
 
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -12,15 +13,19 @@ namespace sweepstake::web {
 // Accepts connections, on a thread of its own from Run on.
 class HttpServer::Listener {
  public:
-  Listener(PageTable pages, HttpLimits limits)
-      : pages_(std::move(pages)),
-        limits_(limits),
+  Listener(const MakeHandler& make_handler, HttpLimits limits)
+      : shared_{.limits = limits, .handler = {}},
         acceptor_(io_, limits.accept_retry,
-                  [this](auto socket) { OnAccepted(std::move(socket)); }) {}
+                  [this](auto socket) { OnAccepted(std::move(socket)); }) {
+    shared_.handler = make_handler(io_);
+  }
   ~Listener() {
     io_.stop();
     if (thread_.joinable()) thread_.join();
     ending_ = true;
+    // What connections stream refers to what the handler owns, and that to the context.
+    for (HttpConnection* connection : connections_) connection->Drop();
+    shared_.handler = {};
   }
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
@@ -34,29 +39,30 @@ class HttpServer::Listener {
 
  private:
   void OnAccepted(boost::asio::ip::tcp::socket socket) {
-    std::make_shared<HttpConnection>(std::move(socket), pages_, limits_, [this] {
-      OnClosed();
-    })->Read();
-    if (++connection_count_ >= limits_.max_connections) acceptor_.Pause();
+    const auto connection = std::make_shared<HttpConnection>(
+        std::move(socket), shared_, [this](HttpConnection& closed) { OnClosed(closed); });
+    connections_.insert(connection.get());
+    connection->Read();
+    if (connections_.size() >= shared_.limits.max_connections) acceptor_.Pause();
   }
 
-  void OnClosed() {
-    --connection_count_;
+  void OnClosed(HttpConnection& connection) {
+    connections_.erase(&connection);
     if (!ending_) acceptor_.Resume();
   }
 
-  const PageTable pages_;
-  const HttpLimits limits_;
-  size_t connection_count_ = 0;
+  std::set<HttpConnection*> connections_;
   bool ending_ = false;
+  ConnectionShared shared_;
   boost::asio::io_context io_{1};  // its destructor destroys the connections
   net::TcpAcceptor acceptor_;
   std::thread thread_;
 };
 
 absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const std::string& listen,
-                                                              PageTable pages, HttpLimits limits) {
-  auto listener = std::make_unique<Listener>(std::move(pages), limits);
+                                                              const MakeHandler& make_handler,
+                                                              HttpLimits limits) {
+  auto listener = std::make_unique<Listener>(make_handler, limits);
   if (absl::Status status = listener->Run(listen); !status.ok())
     return absl::Status(status.code(), absl::StrCat("for HTTP: ", status.message()));
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(listener)));

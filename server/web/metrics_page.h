@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/web/http_server.h"
+#include "server/web/http_message.h"
 
 namespace sweepstake::web {
 

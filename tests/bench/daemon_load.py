@@ -12,11 +12,15 @@ import argparse
 import json
 import os
 import pathlib
+import selectors
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+import urllib.parse
 import urllib.request
 
 from judging import daemon as judging
@@ -54,7 +58,7 @@ class Daemon:
         port_file.unlink(missing_ok=True)
         self.process = subprocess.Popen(
             [self.programs / "sweepstaked", "--listen", self.address, "--data", self.data / "priors", "--log-level", "error",
-             "--port-file", port_file, "--http", "127.0.0.1:0", "--max-sessions", str(self.max_sessions), "--max-watchers", "200",
+             "--port-file", port_file, "--http", "127.0.0.1:0", "--max-sessions", str(self.max_sessions), "--max-watchers", "600",
              *self.server_options])
         try:
             ports = await_value("the daemon's ports", lambda: port_file.exists() and port_file.read_text("ascii").split())
@@ -181,6 +185,61 @@ def measure_watchers(daemon, streams, watchers, options):
     return {"watchers": watchers, **figures}
 
 
+class Browsers(threading.Thread):
+    """Connections that watch a scene each by server-sent events, the scenes in turn, and read all that comes."""
+
+    PATH = "/events/sweepstake.v1.PosteriorsService/WatchPosteriors?request="
+
+    def __init__(self, daemon, count, scenes):
+        super().__init__(daemon=True)
+        self.selector, self.sockets = selectors.DefaultSelector(), []
+        self.event_count, self.is_ending = 0, False
+        host, port = daemon.http_address.split(":")
+        for i in range(count):
+            request = json.dumps({"project": "load", "scene": f"scene {i % scenes}"})
+            connection = socket.create_connection((host, int(port)), PATIENCE_S)
+            connection.sendall(f"GET {self.PATH}{urllib.parse.quote(request)} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+            self.sockets.append(connection)
+            self.selector.register(connection, selectors.EVENT_READ)
+
+    def run(self):
+        while not self.is_ending:
+            for key, _ in self.selector.select(0.1):
+                read = key.fileobj.recv(1 << 18)
+                if not read:
+                    self.selector.unregister(key.fileobj)
+                self.event_count += read.count(b"\ndata: {\"posterior\"")
+
+    def end(self):
+        self.is_ending = True
+        self.join()
+        for connection in self.sockets:
+            connection.close()
+
+
+def measure_browsers(daemon, watchers, scenes, options):
+    """What browsers that watch scenes whose posteriors change four times a second cost the daemon, beside the games' own cost."""
+    alone = run_load(daemon.load(scenes, 4, 15, options.seconds, scenes=scenes))
+    browsers = Browsers(daemon, watchers, scenes)
+    browsers.start()
+    try:
+        await_value("a browser", lambda: daemon.metric("sweepstake_http_watchers") == watchers)
+        before, encoded = browsers.event_count, daemon.metric("sweepstake_http_encoded_events_total")
+        start = time.monotonic()
+        watched = run_load(daemon.load(scenes, 4, 15, options.seconds, scenes=scenes))
+        elapsed_s = time.monotonic() - start
+        events, encoded = browsers.event_count - before, daemon.metric("sweepstake_http_encoded_events_total") - encoded
+        if daemon.metric("sweepstake_http_watchers") != watchers:
+            raise Failure("a browser has gone while the load was measured")
+    finally:
+        browsers.end()
+    cores = [figures["server_cpu_s"] / figures["measured_s"] for figures in (alone, watched)]
+    return {"browsers": watchers, "scenes": scenes, "posteriors_per_s": events / elapsed_s / watchers * scenes,
+            "told_per_s": events / elapsed_s, "encoded_per_s": encoded / elapsed_s,
+            "skips": daemon.metric("sweepstake_http_skips_total"), "server_cores_without": cores[0], "server_cores": cores[1],
+            "browser_cores": cores[1] - cores[0]}
+
+
 def measure_hello(daemon, sources, options):
     """Welcomes of a scene that so many sessions have taught."""
     records = [{"project": "load", "scene": "scene 0", "arm": "arm 0", "backend_version": 1, "reward_version": 3,
@@ -207,30 +266,32 @@ def check_taught(daemon, sources):
 
 
 def plan(options):
-    """Name, title, measurement and whether it goes over TLS."""
+    """Name, title, measurement, and the daemon's options."""
     streams = options.streams
+    scenes, browsers = max(streams // 40, 1), max(streams // 10, 1)
+    # Each game's posterior changes at each tick of what watchers are told.
+    quick = {"server_options": ["--decision-interval-ms", "250", "--decision-settling-ms", "0", "--no-decision-explore"]}
     return [
-        ("full", f"{streams} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams, 1, 60, options), False),
-        ("half", f"{streams // 2} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams // 2, 1, 60, options),
-         False),
-        ("often", f"{streams // 5} streams × 4 Hz × 15 frames", lambda daemon: measure_rate(daemon, streams // 5, 4, 15, options),
-         False),
-        ("idle", f"{streams} idle streams", lambda daemon: measure_idle(daemon, streams, options), False),
-        ("idle-tls", f"{streams} idle streams with TLS", lambda daemon: measure_idle(daemon, streams, options), True),
-        ("restart", f"a restart under {streams} streams", lambda daemon: measure_restart(daemon, streams, options), False),
-        ("watched", f"100 watchers of {streams // 2} streams", lambda daemon: measure_watched(daemon, streams // 2, options), False),
-        ("hello", f"Hellos of a scene with {options.sources} sources", lambda daemon: measure_hello(daemon, options.sources, options),
-         False),
+        ("full", f"{streams} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams, 1, 60, options), {}),
+        ("half", f"{streams // 2} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams // 2, 1, 60, options), {}),
+        ("often", f"{streams // 5} streams × 4 Hz × 15 frames", lambda daemon: measure_rate(daemon, streams // 5, 4, 15, options), {}),
+        ("idle", f"{streams} idle streams", lambda daemon: measure_idle(daemon, streams, options), {}),
+        ("idle-tls", f"{streams} idle streams with TLS", lambda daemon: measure_idle(daemon, streams, options), {"with_tls": True}),
+        ("restart", f"a restart under {streams} streams", lambda daemon: measure_restart(daemon, streams, options), {}),
+        ("watched", f"100 watchers of {streams // 2} streams", lambda daemon: measure_watched(daemon, streams // 2, options), {}),
+        ("browsers", f"{browsers} browsers that watch {scenes} scenes at 4 Hz",
+         lambda daemon: measure_browsers(daemon, browsers, scenes, options), quick),
+        ("hello", f"Hellos of a scene with {options.sources} sources", lambda daemon: measure_hello(daemon, options.sources, options), {}),
     ]
 
 
 def measure(options):
     loads = []
     wanted = [row for row in plan(options) if not options.only or row[0] in options.only]
-    for number, (name, title, run, with_tls) in enumerate(wanted, 1):
+    for number, (name, title, run, daemon_options) in enumerate(wanted, 1):
         print(f"{number} of {len(wanted)}: {title}", file=sys.stderr)
         with tempfile.TemporaryDirectory(prefix="sweepstake-load-") as data:
-            daemon = Daemon(options.programs, data, with_tls)
+            daemon = Daemon(options.programs, data, **daemon_options)
             try:
                 loads.append({"name": name, "title": title, "figures": run(daemon)})
             finally:

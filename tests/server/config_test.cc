@@ -238,6 +238,19 @@ TEST_F(ConfigTest, PlainTextOffLoopbackMustBeAskedFor) {
   EXPECT_TRUE(FromFile("http = '0.0.0.0:7434'\ninsecure = true\n").ok());
 }
 
+TEST_F(ConfigTest, HttpHasTheNamesOfItsAddressAndThoseThatAreListed) {
+  const auto config =
+      FromFile("http = 'LocalHost:7434'\nhttp_hosts = ' dash.example.com,B_1 ,, [2001:db8::1]'\n");
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_THAT(HttpHosts(*config),
+              ::testing::ElementsAre("[2001:db8::1]", "b_1", "dash.example.com", "localhost"));
+  EXPECT_TRUE(HttpHosts({}).empty());
+  for (const char* wrong : {"https://dash", "dash:80", "a b", "*", "2001:db8::1", "a/"}) {
+    EXPECT_THAT(Error(std::string("http_hosts = '") + wrong + "'\n"),
+                AllOf(HasSubstr("http_hosts: expected names"), HasSubstr(wrong)));
+  }
+}
+
 TEST_F(ConfigTest, TokensMayBeRequiredWhereverItListens) {
   EXPECT_FALSE(NeedsToken(FromFile("").value()));
   EXPECT_TRUE(NeedsToken(FromFile("require_tokens = true\n").value()));

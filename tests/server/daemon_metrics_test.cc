@@ -22,10 +22,11 @@ class DaemonMetricsTest : public ::testing::Test {
   // The first metric of each family, by name.
   std::map<std::string, prometheus::ClientMetric> Collect(bool store_healthy = true) {
     std::map<std::string, prometheus::ClientMetric> metrics;
-    for (const auto& family : metrics_.Collect(counters_, {.healthy = store_healthy,
-                                                          .queued_commit_count = 7,
-                                                          .queued_read_count = 9,
-                                                          .database = database_})) {
+    for (const auto& family : metrics_.Collect(counters_, events_,
+                                               {.healthy = store_healthy,
+                                               .queued_commit_count = 7,
+                                               .queued_read_count = 9,
+                                               .database = database_})) {
       EXPECT_TRUE(metrics.emplace(family.name, family.metric.front()).second) << family.name;
     }
     return metrics;
@@ -34,6 +35,7 @@ class DaemonMetricsTest : public ::testing::Test {
   test_support::TemporaryDirectory directory_;
   std::filesystem::path database_ = directory_.path() / "priors.db";
   rpc::Counters counters_;
+  web::EventCounters events_;
   DaemonMetrics metrics_{"1.2.3"};
 };
 
@@ -48,7 +50,7 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
     expected.insert(static_cast<double>((i + 1) * 1'000'003));
   }
   std::multiset<double> shown;
-  for (const auto& family : metrics_.Collect(counters_, {.database = database_})) {
+  for (const auto& family : metrics_.Collect(counters_, events_, {.database = database_})) {
     for (const prometheus::ClientMetric& metric : family.metric) {
       for (const double value : {metric.counter.value, metric.gauge.value}) {
         if (expected.contains(value)) shown.insert(value);
@@ -63,7 +65,7 @@ TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
       {"sweepstake_errors_total", static_cast<size_t>(v1::ErrorReason_descriptor()->value_count())},
       {"sweepstake_rejected_frames_total", rpc::kRejectionReasonNames.size()},
       {"sweepstake_rejected_shadow_samples_total", rpc::kRejectionReasonNames.size()}};
-  for (const auto& family : metrics_.Collect(counters_, {.database = database_})) {
+  for (const auto& family : metrics_.Collect(counters_, events_, {.database = database_})) {
     const bool is_of_process = family.name.starts_with("process_");
     const bool is_counter = family.type == prometheus::MetricType::Counter;
     EXPECT_THAT(family.name, StartsWith(is_of_process ? "process_" : "sweepstake_"));

@@ -28,9 +28,9 @@ TEST(DescriptorLimitTest, OneTooLowForTheSessionsIsTold) {
   options.max_sessions = 20'000;
   options.max_watchers = 256;
   EXPECT_EQ(DescriptorShortage(65'536, options), std::nullopt);
-  EXPECT_EQ(DescriptorShortage(21'768, options), std::nullopt);
-  EXPECT_THAT(DescriptorShortage(21'767, options).value(),
-              AllOf(HasSubstr("is 21767"), HasSubstr("may need 21768"), HasSubstr("LimitNOFILE"),
+  EXPECT_EQ(DescriptorShortage(23'560, options), std::nullopt);
+  EXPECT_THAT(DescriptorShortage(23'559, options).value(),
+              AllOf(HasSubstr("is 23559"), HasSubstr("may need 23560"), HasSubstr("LimitNOFILE"),
                     HasSubstr("--max-sessions")));
 }
 

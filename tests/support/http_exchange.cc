@@ -21,8 +21,11 @@ namespace {
 
 }  // namespace
 
-HttpSocket::HttpSocket(int port) : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+HttpSocket::HttpSocket(int port, int receive_bytes)
+    : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   if (socket_ < 0) Die("socket");
+  if (receive_bytes > 0)
+    setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
   const timeval patience{.tv_sec = 60, .tv_usec = 0};
   setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   sockaddr_in address{};
@@ -71,6 +74,16 @@ std::string HttpSocket::ReadAnswer() {
   std::string answer = unread_.substr(0, size);
   unread_.erase(0, size);
   return answer;
+}
+
+std::string HttpSocket::ReadUntil(std::string_view text) {
+  size_t found = 0;
+  while ((found = unread_.find(text)) == std::string::npos) {
+    if (!ReadMore()) return std::exchange(unread_, {});
+  }
+  std::string read = unread_.substr(0, found + text.size());
+  unread_.erase(0, read.size());
+  return read;
 }
 
 HttpAnswer Exchange(int port, std::string_view request) {

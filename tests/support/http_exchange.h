@@ -10,7 +10,8 @@ namespace sweepstake::test_support {
 // program.
 class HttpSocket {
  public:
-  explicit HttpSocket(int port);
+  // With `receive_bytes` the system takes little that is not read.
+  explicit HttpSocket(int port, int receive_bytes = 0);
   ~HttpSocket();
   HttpSocket(const HttpSocket&) = delete;
   HttpSocket& operator=(const HttpSocket&) = delete;
@@ -20,6 +21,8 @@ class HttpSocket {
   std::string ReadAll();
   // Returns one answer with a Content-Length.
   std::string ReadAnswer();
+  // Returns what comes up to the text, or all of it if the server ends the connection before.
+  std::string ReadUntil(std::string_view text);
 
  private:
   // Returns false at the end of the connection.

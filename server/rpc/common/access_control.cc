@@ -9,13 +9,14 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/decision/math/names.h"
+#include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
-#include "server/rpc/common/peer_address.h"
 
 namespace sweepstake::rpc {
 namespace {
 
 constexpr absl::string_view kScheme = "Bearer ";
+constexpr char kInProcess[] = "unknown";  // gRPC's name of the other end
 
 // Returns the call's token; absent if there is none, or more than one.
 std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
@@ -26,6 +27,9 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
   return value.substr(kScheme.size());
 }
 
+// Returns whether the daemon itself makes the call, over no connection.
+bool IsInProcess(const grpc::ServerContextBase& call) { return call.peer() == kInProcess; }
+
 // Returns what a token is counted by, beside addresses.
 std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id); }
 
@@ -33,33 +37,46 @@ std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id)
 
 absl::StatusOr<auth::Principal> AccessControl::Authorize(const grpc::ServerContextBase& call,
                                                          Rpc rpc) {
-  auto caller = Identify(call, rpc);
-  if (!caller.ok()) refusals_.Tell(call.peer(), caller.status());
-  return caller;
+  const std::string caller = CallerOf(call);
+  auto holder =
+      Identify(caller, TokenOf(call), IsInProcess(call) ? asks_over_http() : asks_for_tokens());
+  if (holder.ok()) {
+    const absl::Status allowed = CheckRole(*holder, net::AddressOf(caller), rpc);
+    if (!allowed.ok()) holder = allowed;
+  }
+  if (!holder.ok()) refusals_.Tell(caller, holder.status());
+  return holder;
 }
 
-absl::StatusOr<auth::Principal> AccessControl::Identify(const grpc::ServerContextBase& call,
-                                                        Rpc rpc) {
-  std::optional<auth::Principal> caller = auth::Principal{};
-  if (asks_for_tokens()) {
-    const std::optional<std::string_view> token = TokenOf(call);
-    caller = token ? tokens_->Find(*token) : std::nullopt;
-    if (!caller) return Unauthenticated(call, token.has_value());
-  }
-  if (auth::Includes(caller->role, rpc.role)) {
-    absl::Status allowed;
-    if (rpc.role == auth::Role::kWatch)
-      allowed = BeginRead(AddressOf(call.peer()), caller->token_id);
-    if (!allowed.ok()) return allowed;
-    return *std::move(caller);
+absl::StatusOr<auth::Principal> AccessControl::IdentifyOverHttp(
+    const std::string& caller, std::optional<std::string_view> token) {
+  auto holder = Identify(caller, token, asks_over_http());
+  if (!holder.ok()) refusals_.Tell(caller, holder.status());
+  return holder;
+}
+
+absl::StatusOr<auth::Principal> AccessControl::Identify(const std::string& caller,
+                                                        std::optional<std::string_view> token,
+                                                        bool asks) {
+  if (!asks) return auth::Principal{};
+  std::optional<auth::Principal> holder;
+  if (token && tokens_ != nullptr) holder = tokens_->Find(*token);
+  if (!holder) return Unauthenticated(caller, token.has_value());
+  return *std::move(holder);
+}
+
+absl::Status AccessControl::CheckRole(const auth::Principal& caller, const std::string& address,
+                                      Rpc rpc) {
+  if (auth::Includes(caller.role, rpc.role)) {
+    return rpc.role == auth::Role::kWatch ? BeginRead(address, caller.token_id) : absl::OkStatus();
   }
   return Refused(v1::ERROR_REASON_NOT_ALLOWED,
                  absl::StrCat("this needs a token of the role ", std::string(NameOf(rpc.role)),
-                              "; yours has the role ", std::string(NameOf(caller->role))));
+                              "; yours has the role ", std::string(NameOf(caller.role))));
 }
 
-absl::Status AccessControl::Unauthenticated(const grpc::ServerContextBase& call, bool has_token) {
-  const std::string address = AddressOf(call.peer());
+absl::Status AccessControl::Unauthenticated(const std::string& caller, bool has_token) {
+  const std::string address = net::AddressOf(caller);
   const auto verdict = failures_.Count(address, clock_.NowNs());
   const absl::Status beyond =
       Refused(v1::ERROR_REASON_TOO_MANY_FAILURES,
@@ -87,7 +104,7 @@ std::string AccessControl::Count(auth::RateLimit& limit, double per_s, const std
 
 std::string AccessControl::CountGame(auth::RateLimit& limit, double per_s,
                                      const std::string& address, int64_t token_id) {
-  return Count(limit, per_s, IsLoopbackAddress(address) ? "" : address, token_id);
+  return Count(limit, per_s, net::IsLoopbackAddress(address) ? "" : address, token_id);
 }
 
 bool AccessControl::SpendBailOut(const std::string& address, int64_t token_id) {
@@ -156,7 +173,7 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginWatch(const auth::Princ
   std::vector<std::string> holders;
   if (caller.token_id != 0) holders.push_back(HolderOf(caller.token_id));
   // All who watch through a proxy on this machine have this address.
-  if (!address.empty() && !IsLoopbackAddress(address)) holders.push_back(address);
+  if (!address.empty() && !net::IsLoopbackAddress(address)) holders.push_back(address);
   const uint32_t most = (options_.max_watchers + 1) / 2;
   const std::lock_guard lock(watchers_->mutex);
   for (const std::string& holder : holders) {
@@ -183,13 +200,21 @@ absl::Status CheckProject(const auth::Principal& caller, std::string_view projec
                               "; use one that is (`sweepstaked token create --project`)"));
 }
 
+std::string CallerOf(const grpc::ServerContextBase& call) {
+  const auto& metadata = call.client_metadata();
+  const auto found = IsInProcess(call) ? metadata.find(kCallerKey) : metadata.end();
+  return found == metadata.end() ? call.peer()
+                                 : std::string(found->second.data(), found->second.size());
+}
+
 std::string NameForLog(const auth::Principal& caller) {
   return caller.token_id == 0 ? "somebody without a token"
                               : absl::StrCat("token ", math::PrintableLine(caller.name));
 }
 
 std::string NameAndAddress(const auth::Principal& caller, const grpc::ServerContextBase& call) {
-  return caller.token_id == 0 ? call.peer() : absl::StrCat(NameForLog(caller), " at ", call.peer());
+  const std::string where = CallerOf(call);
+  return caller.token_id == 0 ? where : absl::StrCat(NameForLog(caller), " at ", where);
 }
 
 }  // namespace sweepstake::rpc

@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,8 +43,15 @@ class AccessControl {
   // is never refused for calls without one from its address. What is refused is told in the log.
   absl::StatusOr<auth::Principal> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
 
+  // Returns whose token somebody brings by HTTP, with the errors that Authorize has whatever the
+  // role. `caller` is who it is, as gRPC names the other end.
+  absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
+                                                   std::optional<std::string_view> token);
+
   // Returns whether calls must bring tokens.
   bool asks_for_tokens() const { return tokens_ != nullptr && !tokens_->empty(); }
+  // The same of what comes by HTTP, which asks nobody for a certificate.
+  bool asks_over_http() const { return asks_for_tokens() || !options_.tls.ca.empty(); }
 
   // Returns whether the caller may still go on: its token has not been revoked and has not expired
   // since Authorize.
@@ -82,7 +90,10 @@ class AccessControl {
     std::map<std::string, uint32_t> counts;  // of those that have any
   };
 
-  absl::StatusOr<auth::Principal> Identify(const grpc::ServerContextBase& call, Rpc rpc);
+  // Returns whose token it is, or somebody who needs none.
+  absl::StatusOr<auth::Principal> Identify(const std::string& caller,
+                                           std::optional<std::string_view> token, bool asks);
+  absl::Status CheckRole(const auth::Principal& caller, const std::string& address, Rpc rpc);
   // Counts what the token (0: none) at the address (empty: not counted) does. Returns who does it
   // too often; empty if neither does.
   std::string Count(auth::RateLimit& limit, double per_s, const std::string& address,
@@ -91,7 +102,7 @@ class AccessControl {
   // have this one.
   std::string CountGame(auth::RateLimit& limit, double per_s, const std::string& address,
                         int64_t token_id);
-  absl::Status Unauthenticated(const grpc::ServerContextBase& call, bool has_token);
+  absl::Status Unauthenticated(const std::string& caller, bool has_token);
 
   const RpcOptions& options_;
   const auth::TokenDirectory* const tokens_;
@@ -115,6 +126,13 @@ absl::Status Narrow(const auth::Principal& caller, Filter& filter) {
   filter.projects = caller.projects;
   return filter.project.empty() ? absl::OkStatus() : CheckProject(caller, filter.project);
 }
+
+// The metadata in which the daemon's HTTP side says for whom it makes a call, as gRPC names the
+// other end. Of other callers it counts for nothing.
+inline constexpr char kCallerKey[] = "sweepstake-caller";
+// Returns who is at the other end of a call, as gRPC names it: of one that the daemon's HTTP side
+// makes, for whom that is.
+std::string CallerOf(const grpc::ServerContextBase& call);
 
 // Returns the caller's name for the log.
 std::string NameForLog(const auth::Principal& caller);

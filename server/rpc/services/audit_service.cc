@@ -108,7 +108,7 @@ absl::StatusOr<AuditFilter> FilterOf(const absl::StatusOr<auth::Principal>& call
 grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAuditSegments(
     grpc::CallbackServerContext* call, const v1::ListAuditSegmentsRequest* request) {
   const auto caller = context_.access.Authorize(*call, RpcOf("AuditService/ListAuditSegments"));
-  const auto filter = FilterOf(caller, *request, call->peer(), context_.access.refusals());
+  const auto filter = FilterOf(caller, *request, CallerOf(*call), context_.access.refusals());
   if (!filter.ok()) {
     return new RefusedCall<grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>>(
         ToGrpc(filter.status(), context_.counters));
@@ -122,7 +122,7 @@ grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAudit
 grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecisions(
     grpc::CallbackServerContext* call, const v1::ExportDecisionsRequest* request) {
   const auto caller = context_.access.Authorize(*call, RpcOf("AuditService/ExportDecisions"));
-  const auto filter = FilterOf(caller, *request, call->peer(), context_.access.refusals());
+  const auto filter = FilterOf(caller, *request, CallerOf(*call), context_.access.refusals());
   if (!filter.ok()) {
     return new RefusedCall<grpc::ServerWriteReactor<v1::ExportDecisionsResponse>>(
         ToGrpc(filter.status(), context_.counters));

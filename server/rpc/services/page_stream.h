@@ -66,7 +66,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     const absl::Status stalled =
         Refused(v1::ERROR_REASON_CALL_STALLED,
                 "the answer was not read, or not in time; ask again, for less");
-    context_.access.refusals().TellEnd(call_.peer(), stalled);
+    context_.access.refusals().TellEnd(CallerOf(call_), stalled);
     Cancel(call_, ToGrpc(stalled, context_.counters));
   }
 
@@ -112,7 +112,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
 
   void End(const absl::Status& status) {
     context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
-    context_.access.refusals().TellEnd(call_.peer(), status);
+    context_.access.refusals().TellEnd(CallerOf(call_), status);
     this->Finish(ToGrpc(status, context_.counters));
   }
 

@@ -41,7 +41,7 @@ std::optional<grpc::ByteBuffer> PosteriorWatcher::TakeNext() {
   }
   // An event must not be sent before the scenes that it changes.
   if (loading_) return std::nullopt;
-  if (!page_wanted_ && !stale_) return TakeEvent();
+  if (!page_wanted_ && !stale_) return TakeMark() ? context().watchers.EncodeMark() : TakeEvent();
   if (!std::exchange(page_wanted_, false)) {
     stale_ = false;
     last_of_page_.reset();

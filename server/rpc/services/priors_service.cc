@@ -66,7 +66,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     context_.stalls.Remove(*this);
     const absl::Status stalled = Refused(
         v1::ERROR_REASON_CALL_STALLED, "no records came, or not all in time; nothing was imported");
-    context_.access.refusals().TellEnd(call_.peer(), stalled);
+    context_.access.refusals().TellEnd(CallerOf(call_), stalled);
     Cancel(call_, ToGrpc(stalled, context_.counters));
   }
 
@@ -138,7 +138,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
 
   void End(const absl::Status& status) {
     context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
-    context_.access.refusals().TellEnd(call_.peer(), status);
+    context_.access.refusals().TellEnd(CallerOf(call_), status);
     Finish(ToGrpc(status, context_.counters));
   }
 
@@ -198,7 +198,7 @@ grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
   absl::Status allowed = caller.status();
   if (allowed.ok()) {
     allowed = Narrow(*caller, filter);
-    context_.access.refusals().TellEnd(call->peer(), allowed);
+    context_.access.refusals().TellEnd(CallerOf(*call), allowed);
   }
   if (!allowed.ok()) {
     return new RefusedCall<grpc::ServerWriteReactor<v1::ExportPriorsResponse>>(

@@ -26,6 +26,12 @@ std::optional<grpc::ByteBuffer> SessionWatcher::TakeNext() {
   if (listed_until_) {
     if (std::optional<grpc::ByteBuffer> page = TakePage()) return page;
   }
+  if (TakeMark()) {
+    v1::WatchSessionsResponse mark;
+    mark.set_all_told(true);
+    ToProto(context().watch_hub.NextStamp(), *mark.mutable_stamp());
+    return Serialize(mark);
+  }
   if (tick_) {
     const grpc::ByteBuffer next = tick_->messages[next_message_];
     if (++next_message_ == tick_->messages.size()) tick_.reset();

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
-#include "server/rpc/common/peer_address.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/sessions/session_table.h"
 
@@ -39,8 +39,8 @@ void TelemetryStream::Accept() {
 }
 
 absl::Status TelemetryStream::CountAddress() {
-  const std::string address = AddressOf(transport_.peer());
-  if (address.empty() || IsLoopbackAddress(address)) return absl::OkStatus();
+  const std::string address = net::AddressOf(transport_.peer());
+  if (address.empty() || net::IsLoopbackAddress(address)) return absl::OkStatus();
   uint32_t& count = streams_.address_counts[address];
   if (count >= context_.options.max_streams_per_address) {
     return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
@@ -99,7 +99,7 @@ absl::Status TelemetryStream::CountMessage(const v1::StreamTelemetryRequest& req
   const uint32_t per_s = context_.options.max_messages_per_s;
   if (messages_.Take(per_s * time_scale_, context_.loop.clock().NowNs())) {
     return request.has_hello()
-               ? context_.access.BeginHello(AddressOf(transport_.peer()), caller_.token_id)
+               ? context_.access.BeginHello(net::AddressOf(transport_.peer()), caller_.token_id)
                : absl::OkStatus();
   }
   return Refused(v1::ERROR_REASON_TOO_MANY_MESSAGES,
@@ -331,7 +331,7 @@ void TelemetryStream::SendOrder(uint64_t order_id, const decision::OrderReport& 
 }
 
 bool TelemetryStream::SpendBailOut() {
-  return context_.access.SpendBailOut(AddressOf(transport_.peer()), caller_.token_id);
+  return context_.access.SpendBailOut(net::AddressOf(transport_.peer()), caller_.token_id);
 }
 
 void TelemetryStream::WriteNext() {

@@ -22,10 +22,11 @@ grpc::ServerUnaryReactor* ServeUnary(ServiceContext& context, grpc::CallbackServ
                                      Rpc rpc, Handle handle) {
   grpc::ServerUnaryReactor* reactor = call.DefaultReactor();
   if (auto caller = context.access.Authorize(call, rpc); caller.ok()) {
-    handle(*std::move(caller), [reactor, &context, peer = call.peer()](const absl::Status& status) {
-      context.access.refusals().TellEnd(peer, status);
-      reactor->Finish(ToGrpc(status, context.counters));
-    });
+    handle(*std::move(caller),
+           [reactor, &context, peer = CallerOf(call)](const absl::Status& status) {
+             context.access.refusals().TellEnd(peer, status);
+             reactor->Finish(ToGrpc(status, context.counters));
+           });
   } else {
     reactor->Finish(ToGrpc(caller.status(), context.counters));
   }

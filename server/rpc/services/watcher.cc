@@ -1,6 +1,6 @@
 #include "server/rpc/services/watcher.h"
 
-#include "server/rpc/common/peer_address.h"
+#include "server/net/peer_address.h"
 
 namespace sweepstake::rpc {
 
@@ -15,7 +15,7 @@ void Watcher::Begin(priors::SceneFilter wanted) {
 }
 
 absl::Status Watcher::TakeShare() {
-  auto share = context_.access.BeginWatch(caller_, AddressOf(call_.peer()));
+  auto share = context_.access.BeginWatch(caller_, net::AddressOf(CallerOf(call_)));
   if (share.ok()) share_ = *std::move(share);
   return share.status();
 }
@@ -51,7 +51,7 @@ void Watcher::OnWritten(bool ok) {
 void Watcher::Close(const absl::Status& status) {
   if (end_) return;
   end_ = status;
-  context_.access.refusals().TellEnd(call_.peer(), status);
+  context_.access.refusals().TellEnd(CallerOf(call_), status);
   Forget();
   Leave();
   share_.reset();

@@ -31,14 +31,19 @@ class Watcher : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                 public StallingCall,
                 public std::enable_shared_from_this<Watcher> {
  public:
-  // Begins to serve the call. `bytes` are its request, which names a project and a scene.
+  // Begins to serve the call. `bytes` are its request, which names a project and a scene, and says
+  // whether to mark that all has been told.
   template <typename Request>
   static Watcher* Start(const std::shared_ptr<Watcher>& watcher, grpc::ByteBuffer bytes) {
     watcher->self_ = watcher;
     watcher->context_.loop.Post([raw = watcher.get(), bytes = std::move(bytes)]() mutable {
       Request request;
-      if (Parse(bytes, request)) return raw->Begin({request.project(), request.scene()});
-      raw->Close(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse"));
+      if (!Parse(bytes, request)) {
+        return raw->Close(
+            Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse"));
+      }
+      raw->mark_wanted_ = request.mark_all_told();
+      raw->Begin({request.project(), request.scene()});
     });
     return watcher.get();
   }
@@ -70,6 +75,8 @@ class Watcher : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
 
   // Called when there may be something to say.
   void WriteNext();
+  // Returns whether the client is to be told now that all has been told. Once.
+  bool TakeMark() { return std::exchange(mark_wanted_, false); }
   bool closed() const { return end_.has_value(); }
   ServiceContext& context() { return context_; }
 
@@ -83,6 +90,7 @@ class Watcher : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   const auth::Principal caller_;
   std::shared_ptr<Watcher> self_;  // keeps this object alive until OnDone
   priors::SceneFilter filter_;
+  bool mark_wanted_ = false;
   AccessControl::Share share_;  // while it is in its group
   grpc::ByteBuffer write_bytes_;
   bool writing_ = false;

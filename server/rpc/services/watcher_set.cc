@@ -58,4 +58,11 @@ grpc::ByteBuffer WatcherSet::Encode(const priors::SceneEvidence& scene) const {
   return Serialize(response);
 }
 
+grpc::ByteBuffer WatcherSet::EncodeMark() const {
+  v1::WatchPosteriorsResponse response;
+  response.set_all_told(true);
+  ToProto(context_.watch_hub.NextStamp(), *response.mutable_stamp());
+  return Serialize(response);
+}
+
 }  // namespace sweepstake::rpc

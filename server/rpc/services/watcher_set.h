@@ -31,6 +31,8 @@ class WatcherSet final : public watch::WatchListener {
 
   // Returns the message with the scene's posterior.
   grpc::ByteBuffer Encode(const priors::SceneEvidence& scene) const;
+  // Returns the message that all scenes have been told.
+  grpc::ByteBuffer EncodeMark() const;
 
  private:
   // Passes on the scene's decisions.

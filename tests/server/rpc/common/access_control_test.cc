@@ -450,5 +450,29 @@ TEST_F(AccessTest, OnceThereIsATokenEverybodyNeedsOne) {
   StopServer();
 }
 
+TEST_F(AccessTest, ForWhomTheHttpSideCallsIsTakenFromItAlone) {
+  const auto list = [](const std::shared_ptr<grpc::Channel>& channel, const std::string& caller) {
+    const auto context = With("Bearer guess");
+    context->AddMetadata(kCallerKey, caller);
+    v1::ListPosteriorsResponse response;
+    return ReasonOf(
+        v1::PosteriorsService::NewStub(channel)->ListPosteriors(context.get(), {}, &response));
+  };
+  for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i) {
+    EXPECT_EQ(list(channel_, "ipv4:192.0.2." + std::to_string(i) + ":1"),
+              v1::ERROR_REASON_TOKEN_REFUSED);
+  }
+  EXPECT_EQ(list(channel_, "ipv4:192.0.2.99:1"), v1::ERROR_REASON_TOO_MANY_FAILURES)
+      << "over a connection it counts for nothing";
+  const auto in_process = server_->InProcessChannel();
+  for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i)
+    EXPECT_EQ(list(in_process, "ipv4:192.0.2.7:1"), v1::ERROR_REASON_TOKEN_REFUSED);
+  EXPECT_EQ(list(in_process, "ipv4:192.0.2.7:2"), v1::ERROR_REASON_TOO_MANY_FAILURES);
+  EXPECT_EQ(list(in_process, "ipv4:192.0.2.8:1"), v1::ERROR_REASON_TOKEN_REFUSED)
+      << "others have a count of their own";
+  EXPECT_THAT(logged_->text(), HasSubstr("192.0.2.7"));
+  EXPECT_THAT(logged_->text(), ::testing::Not(HasSubstr("192.0.2.99")));
+}
+
 }  // namespace
 }  // namespace sweepstake::rpc

@@ -7,7 +7,7 @@
 #include <future>
 #include <vector>
 
-#include "server/rpc/common/peer_address.h"
+#include "server/net/peer_address.h"
 #include "server/rpc/connection_calls.h"
 #include "tests/server/rpc/http2_frames.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -156,8 +156,8 @@ TEST(ConnectionCallsTest, TwoConnectionsOfOneOtherEndAreCountedAndEndedTogether)
     ASSERT_TRUE(clients[i].Connect(kAddresses[i], listener.port()));
     calls.Add(accepted.emplace_back(accept(listener.descriptor(), nullptr, nullptr)).descriptor());
   }
-  const std::string name = PeerOf(accepted[0].descriptor());
-  ASSERT_EQ(PeerOf(accepted[1].descriptor()), name);
+  const std::string name = net::PeerOf(accepted[0].descriptor());
+  ASSERT_EQ(net::PeerOf(accepted[1].descriptor()), name);
   const auto peer = calls.Begin(name);
   ASSERT_TRUE(peer);
   calls.Begin(name);

@@ -1,11 +1,11 @@
-#include "server/rpc/common/peer_address.h"
+#include "server/net/peer_address.h"
 
 #include <gtest/gtest.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 
-namespace sweepstake::rpc {
+namespace sweepstake::net {
 namespace {
 
 TEST(PeerAddressTest, ThePortIsLeftOutAndOfIpv6TheMachinesOwnHalf) {
@@ -49,4 +49,4 @@ TEST(PeerAddressTest, ASocketThatConnectsItsOwnAddressIsKnown) {
 }
 
 }  // namespace
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::net

@@ -1,4 +1,4 @@
-#include "server/rpc/common/peer_address.h"
+#include "server/net/peer_address.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::net {
 namespace {
 
 constexpr std::string_view kIpv6 = "ipv6:";
@@ -78,4 +78,4 @@ bool IsLoopbackAddress(std::string_view address) {
   return address.starts_with("ipv4:127.") || address == "ipv6:::1" || address.starts_with("unix:");
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::net

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace sweepstake::rpc {
+namespace sweepstake::net {
 
 // Returns who is at the other end of a connected socket, as grpc::ServerContext::peer has it, or
 // nothing if that cannot be told.
@@ -21,4 +21,4 @@ std::string AddressOf(std::string_view peer);
 // Returns whether the address of AddressOf is of the daemon's own machine.
 bool IsLoopbackAddress(std::string_view address);
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::net

@@ -1,0 +1,197 @@
+#include "server/web/api/api.h"
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "server/net/peer_address.h"
+#include "server/web/api/line_answer.h"
+#include "server/web/api/query.h"
+#include "server/web/error_page.h"
+
+namespace sweepstake::web {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::string_view kCalls = "/api/";
+constexpr std::string_view kEvents = "/events/";
+constexpr std::string_view kWhoAmI = "/api/whoami";
+constexpr absl::string_view kScheme = "Bearer ";
+constexpr size_t kMaxTokenBytes = 256;
+constexpr int kNoContent = 204;
+
+Page JsonPage(std::string json) {
+  return {.body = std::move(json), .content_type = "application/json"};
+}
+
+Page OnlyPage(const std::string& method) {
+  return {.status = 405,
+          .body = absl::StrCat("Only ", method, " is valid here.\n"),
+          .headers = {{"Allow", method}}};
+}
+
+int64_t NowS() {
+  return std::chrono::duration_cast<std::chrono::seconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+// Returns whether it can be in a header.
+bool LooksLikeToken(std::string_view text) {
+  return !text.empty() && text.size() <= kMaxTokenBytes &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+}
+
+// Returns the value of the daemon's cookie; empty without one.
+std::string CookieOf(const Request& request) {
+  constexpr absl::string_view kName = "sweepstake=";
+  const std::string_view cookies = request.Header("Cookie");
+  for (absl::string_view cookie :
+       absl::StrSplit(absl::string_view(cookies.data(), cookies.size()), ';')) {
+    cookie = absl::StripAsciiWhitespace(cookie);
+    if (absl::StartsWith(cookie, kName)) return std::string(cookie.substr(kName.size()));
+  }
+  return {};
+}
+
+// Returns the header that sets the cookie. One that came through TLS goes back through TLS only.
+std::pair<std::string, std::string> SetCookie(const Request& request, const std::string& value) {
+  const bool is_safe = request.Header("X-Forwarded-Proto") == "https";
+  return {"Set-Cookie",
+          absl::StrCat("sweepstake=", value, "; HttpOnly; SameSite=Strict; Path=/",
+                       is_safe ? "; Secure" : "", value.empty() ? "; Max-Age=0" : "")};
+}
+
+// Returns the token of {"token":"…"}; empty if the text is none.
+std::string TokenIn(const std::string& text) {
+  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const auto token = json.is_object() ? json.find("token") : json.end();
+  return token != json.end() && token->is_string() ? token->get<std::string>() : "";
+}
+
+absl::Status UnknownMethod() {
+  return absl::NotFoundError("the daemon has no such method that can be called over HTTP");
+}
+
+}  // namespace
+
+Api::Api(ApiOptions options, boost::asio::io_context& io)
+    : options_(std::move(options)),
+      methods_(options_.methods),
+      upstream_(options_.channel, options_.caller_key, io),
+      topics_(io, upstream_, options_.events, *options_.event_counters) {}
+
+void Api::Handle(const std::shared_ptr<Exchange>& exchange) {
+  const Request& request = exchange->request();
+  const std::string_view path = request.path();
+  const bool is_get = request.message.method() == boost::beast::http::verb::get;
+  if (path == "/login") return exchange->Answer(LogIn(request));
+  if (path == "/logout") return exchange->Answer(LogOut(request));
+  if (path == kWhoAmI) return exchange->Answer(is_get ? WhoAmI(request) : OnlyPage("GET"));
+  if (path.starts_with(kEvents)) {
+    if (!is_get) return exchange->Answer(OnlyPage("GET"));
+    return Watch(exchange, path.substr(kEvents.size()));
+  }
+  if (!request.is_post()) return exchange->Answer(OnlyPage("POST"));
+  Call(exchange, path.substr(kCalls.size()));
+}
+
+void Api::Call(const std::shared_ptr<Exchange>& exchange, std::string_view name) {
+  const Request& request = exchange->request();
+  const Method* method = methods_.Find(name);
+  if (method == nullptr) return exchange->Answer(ErrorPage(UnknownMethod()));
+  auto token = TokenOf(request);
+  if (!token.ok()) return exchange->Answer(ErrorPage(token.status()));
+  const auto message = FromJson(request.message.body(), *method->request);
+  if (!message.ok()) return exchange->Answer(ErrorPage(message.status()));
+  UpstreamRequest upstream{method->path, BufferOf(Serialize(**message)), request.peer,
+                           *std::move(token)};
+  if (method->streams) return AnswerWithLines(upstream_, *method, std::move(upstream), exchange);
+  upstream_.Ask(
+      std::move(upstream), [exchange, method](const absl::Status& status, grpc::ByteBuffer bytes) {
+        if (!status.ok()) return exchange->Answer(ErrorPage(status));
+        auto json = ToJson(std::move(bytes), *method->response);
+        exchange->Answer(json.ok() ? JsonPage(*std::move(json)) : ErrorPage(json.status()));
+      });
+}
+
+void Api::Watch(const std::shared_ptr<Exchange>& exchange, std::string_view name) {
+  const Request& request = exchange->request();
+  const Method* method = methods_.Find(name);
+  if (method == nullptr) return exchange->Answer(ErrorPage(UnknownMethod()));
+  auto token = TokenOf(request);
+  if (!token.ok()) return exchange->Answer(ErrorPage(token.status()));
+  const auto json = QueryValue(request.query(), "request");
+  if (!json.ok()) return exchange->Answer(ErrorPage(json.status()));
+  const auto message = FromJson(*json, *method->request);
+  if (!message.ok()) return exchange->Answer(ErrorPage(message.status()));
+  topics_.Watch(exchange, method->path, **message, *std::move(token));
+}
+
+absl::Status Api::CheckWay(const Request& request) const {
+  if (options_.takes_tokens_from_afar || net::IsLoopbackAddress(net::AddressOf(request.peer)))
+    return absl::OkStatus();
+  return absl::PermissionDeniedError(
+      "this connection is plain text, in which a token could be read by others, though the daemon "
+      "has TLS: use a proxy with TLS on its machine, or a tunnel (ssh -L)");
+}
+
+absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {
+  Token token;
+  const std::string_view authorization = request.Header("Authorization");
+  if (absl::StartsWithIgnoreCase({authorization.data(), authorization.size()}, kScheme)) {
+    token = authorization.substr(kScheme.size());
+    if (!LooksLikeToken(*token))
+      return absl::InvalidArgumentError("no token looks like that in Authorization");
+  } else if (const std::string cookie = CookieOf(request); !cookie.empty()) {
+    token = logins_.Find(cookie, NowS());
+  }
+  const absl::Status allowed = token ? CheckWay(request) : absl::OkStatus();
+  if (!allowed.ok()) return allowed;
+  return token;
+}
+
+Page Api::LogIn(const Request& request) {
+  if (const absl::Status allowed = CheckWay(request); !allowed.ok()) return ErrorPage(allowed);
+  if (!options_.asks_for_tokens())
+    return ErrorPage(absl::FailedPreconditionError("this daemon asks nobody for a token"));
+  const std::string token = TokenIn(request.message.body());
+  if (!LooksLikeToken(token)) {
+    return ErrorPage(absl::InvalidArgumentError(
+        "expected {\"token\":\"…\"} with a token of `sweepstaked token create`"));
+  }
+  const auto holder = options_.identify(request.peer, token);
+  if (!holder.ok()) return ErrorPage(holder.status());
+  logins_.End(CookieOf(request));
+  return {.status = kNoContent, .headers = {SetCookie(request, logins_.Begin(token, NowS()))}};
+}
+
+Page Api::LogOut(const Request& request) {
+  logins_.End(CookieOf(request));
+  return {.status = kNoContent, .headers = {SetCookie(request, "")}};
+}
+
+Page Api::WhoAmI(const Request& request) {
+  const bool asks = options_.asks_for_tokens();
+  const auto token = TokenOf(request);
+  if (!token.ok()) return ErrorPage(token.status());
+  // Who brings none does not guess.
+  const bool identifies = !asks || token->has_value();
+  const auto holder = identifies ? options_.identify(request.peer, *token)
+                                 : absl::StatusOr<auth::Principal>(absl::UnauthenticatedError(""));
+  if (!holder.ok() && !absl::IsUnauthenticated(holder.status())) return ErrorPage(holder.status());
+  ordered_json answer = {{"version", options_.version}, {"asksForTokens", asks}};
+  answer["loggedIn"] = asks && holder.ok();
+  answer["name"] = holder.ok() ? holder->name : "";
+  answer["role"] = holder.ok() ? std::string(auth::NameOf(holder->role)) : "";
+  answer["projects"] = holder.ok() ? holder->projects : std::vector<std::string>();
+  return JsonPage(answer.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+}
+
+}  // namespace sweepstake::web

@@ -1,0 +1,80 @@
+#include "server/web/api/event_topics.h"
+
+#include <boost/asio/post.hpp>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/net/peer_address.h"
+#include "server/web/error_page.h"
+
+namespace sweepstake::web {
+
+EventTopics::EventTopics(boost::asio::io_context& io, Upstream& upstream, EventLimits limits,
+                         EventCounters& counters)
+    : context_{io, upstream, limits, counters}, beat_timer_(io) {
+  BeatLater();
+}
+
+void EventTopics::Watch(const std::shared_ptr<Exchange>& exchange, const std::string& path,
+                        const google::protobuf::Message& request,
+                        std::optional<std::string> token) {
+  TopicStart start = StartOfTopic(request);
+  if (!start.state) return exchange->Answer(ErrorPage(absl::NotFoundError("this has no events")));
+  const std::string& peer = exchange->request().peer;
+  WatcherShare share = CountWatcher(net::AddressOf(peer));
+  if (!share) {
+    return exchange->Answer(ErrorPage(absl::ResourceExhaustedError(
+        "the daemon, or your address, has as many watchers as it may; try again later")));
+  }
+  // A path and a token have no line breaks.
+  const std::string key = absl::StrCat(path, "\n", token.value_or(""), "\n", Serialize(request));
+  const auto known = topics_.find(key);
+  UpstreamRequest upstream{path, std::move(start.request), peer, std::move(token)};
+  const std::shared_ptr<Topic> topic = known != topics_.end()
+                                           ? known->second
+                                           : Open(key, std::move(start.state), std::move(upstream));
+  topic->Join(exchange, std::move(share));
+}
+
+std::shared_ptr<Topic> EventTopics::Open(const std::string& key, std::unique_ptr<TopicState> state,
+                                         UpstreamRequest request) {
+  const auto topic =
+      std::make_shared<Topic>(context_, std::move(state), [this, key] { Remove(key); });
+  topics_[key] = topic;
+  topic->Open(std::move(request));
+  return topic;
+}
+
+void EventTopics::Remove(const std::string& key) {
+  auto topic = topics_.extract(key);
+  if (topic.empty()) return;
+  ended_.push_back(std::move(topic.mapped()));
+  boost::asio::post(context_.io, [this] { ended_.clear(); });
+}
+
+WatcherShare EventTopics::CountWatcher(const std::string& address) {
+  const size_t max = context_.limits.max_watchers;
+  auto& open_count = context_.counters.open_watcher_count;
+  const auto own = counts_.find(address);
+  const size_t own_count = own == counts_.end() ? 0 : own->second;
+  if (open_count >= max || (own_count >= (max + 1) / 2 && !net::IsLoopbackAddress(address)))
+    return nullptr;
+  ++open_count;
+  ++counts_[address];
+  return WatcherShare(this, [address](void* self) {
+    auto& topics = *static_cast<EventTopics*>(self);
+    --topics.context_.counters.open_watcher_count;
+    if (--topics.counts_.at(address) == 0) topics.counts_.erase(address);
+  });
+}
+
+void EventTopics::BeatLater() {
+  beat_timer_.expires_after(context_.limits.heartbeat);
+  beat_timer_.async_wait([this](boost::system::error_code cancelled) {
+    if (cancelled) return;
+    for (const auto& [key, topic] : topics_) topic->Beat();
+    BeatLater();
+  });
+}
+
+}  // namespace sweepstake::web

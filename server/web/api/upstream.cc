@@ -1,0 +1,136 @@
+#include "server/web/api/upstream.h"
+
+#include <atomic>
+#include <boost/asio/post.hpp>
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "server/web/error_page.h"
+
+namespace sweepstake::web {
+namespace {
+
+// An order waits for its game for five seconds, a read of the store for as long as there are
+// others.
+constexpr std::chrono::seconds kAnswerPatience{30};
+
+}  // namespace
+
+// It keeps itself alive until gRPC is done with it.
+class Upstream::Call final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
+                             public std::enable_shared_from_this<Call> {
+ public:
+  explicit Call(Upstream& upstream) : upstream_(upstream), io_(upstream.io_) {}
+
+  void Start(UpstreamRequest request) {
+    self_ = shared_from_this();
+    context_.AddMetadata(upstream_.caller_key_, request.caller);
+    if (request.token)
+      context_.AddMetadata("authorization", absl::StrCat("Bearer ", *request.token));
+    message_ = std::move(request.message);
+    upstream_.stub_.PrepareBidiStreamingCall(&context_, request.path, {}, this);
+    AddHold();  // Reads begin on the server's thread, while gRPC knows of nothing to come.
+    StartWriteLast(&message_, {});
+    StartCall();
+  }
+  void Read() { StartRead(&read_); }
+  // Forgets who is to be told, and ends the call. Called on the context's thread, or when it has
+  // ended.
+  void Abandon() {
+    on_message = {};
+    on_end = {};
+    context_.TryCancel();
+    ReleaseHold();
+  }
+  grpc::ClientContext& context() { return context_; }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return ReleaseHold();
+    boost::asio::post(io_, [self = self_, message = std::move(read_)]() mutable {
+      // Who is told may abandon the call.
+      if (const OnMessage told = self->on_message) told(std::move(message));
+    });
+  }
+  void OnDone(const grpc::Status& status) override {
+    const std::shared_ptr<Call> self = std::move(self_);
+    boost::asio::post(io_, [self, end = FromGrpc(status)] {
+      self->on_message = {};
+      if (const OnEnd told = std::exchange(self->on_end, {})) told(end);
+    });
+    upstream_.Remove(this);
+  }
+
+  // Used on the context's thread.
+  OnMessage on_message;
+  OnEnd on_end;
+
+ private:
+  void ReleaseHold() {
+    if (!released_.exchange(true)) RemoveHold();
+  }
+
+  Upstream& upstream_;
+  boost::asio::io_context& io_;
+  std::shared_ptr<Call> self_;
+  grpc::ClientContext context_;
+  grpc::ByteBuffer message_;
+  grpc::ByteBuffer read_;
+  std::atomic<bool> released_{false};
+};
+
+Upstream::Stream::~Stream() { call_->Abandon(); }
+
+void Upstream::Stream::Read() { call_->Read(); }
+
+Upstream::~Upstream() {
+  std::unique_lock lock(mutex_);
+  std::vector<std::shared_ptr<Call>> calls;
+  for (Call* call : calls_) calls.push_back(call->shared_from_this());
+  lock.unlock();
+  for (const auto& call : calls) call->Abandon();
+  lock.lock();
+  removed_.wait(lock, [this] { return calls_.empty(); });
+}
+
+void Upstream::Start(const std::shared_ptr<Call>& call, UpstreamRequest request) {
+  {
+    const std::lock_guard lock(mutex_);
+    calls_.insert(call.get());
+  }
+  call->Start(std::move(request));
+  call->Read();
+}
+
+void Upstream::Remove(Call* call) {
+  const std::lock_guard lock(mutex_);
+  calls_.erase(call);
+  removed_.notify_all();
+}
+
+void Upstream::Ask(UpstreamRequest request, OnAnswer on_answer) {
+  const auto call = std::make_shared<Call>(*this);
+  const auto answer = std::make_shared<grpc::ByteBuffer>();
+  // It ends the call by reading on.
+  call->on_message = [answer, raw = call.get()](grpc::ByteBuffer message) {
+    *answer = std::move(message);
+    raw->Read();
+  };
+  call->on_end = [answer, told = std::move(on_answer)](const absl::Status& status) {
+    told(status, std::move(*answer));
+  };
+  call->context().set_deadline(std::chrono::system_clock::now() + kAnswerPatience);
+  Start(call, std::move(request));
+}
+
+std::unique_ptr<Upstream::Stream> Upstream::Open(UpstreamRequest request, OnMessage on_message,
+                                                 OnEnd on_end) {
+  const auto call = std::make_shared<Call>(*this);
+  call->on_message = std::move(on_message);
+  call->on_end = std::move(on_end);
+  Start(call, std::move(request));
+  return std::make_unique<Stream>(call);
+}
+
+}  // namespace sweepstake::web

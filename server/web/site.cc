@@ -1,0 +1,91 @@
+#include "server/web/site.h"
+
+#include <algorithm>
+#include <boost/asio/ip/address.hpp>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "server/web/error_page.h"
+
+namespace sweepstake::web {
+namespace {
+
+namespace http = boost::beast::http;
+
+Page MethodPage(const std::string& methods) {
+  return {.status = 405,
+          .body = absl::StrCat("Only ", methods, " are valid here.\n"),
+          .headers = {{"Allow", methods}}};
+}
+
+bool IsOfApi(const Request& request) {
+  const std::string_view path = request.path();
+  return path.starts_with("/api/") || path.starts_with("/events/") ||
+         (request.is_post() && (path == "/login" || path == "/logout"));
+}
+
+// Returns the host of HOST or HOST:PORT in lower case.
+std::string WithoutPort(std::string_view host) {
+  const size_t end = host.starts_with('[') ? host.find(']') + 1 : host.find(':');
+  return absl::AsciiStrToLower({host.data(), std::min(end, host.size())});
+}
+
+bool IsLoopback(const std::string& host) {
+  if (host == "localhost" || host == "[::1]") return true;
+  boost::system::error_code no_address;
+  return boost::asio::ip::make_address_v4(host, no_address).is_loopback() && !no_address;
+}
+
+// Returns whether a browser says that another site's page makes the request.
+bool IsCrossSite(const Request& request) {
+  const std::string_view site = request.Header("Sec-Fetch-Site");
+  if (!site.empty() && site != "same-origin" && site != "none") return true;
+  const std::string_view origin = request.Header("Origin");
+  if (origin.empty()) return false;
+  const size_t scheme_end = origin.find("://");
+  const std::string_view host = request.Header("Host");
+  return scheme_end == std::string_view::npos ||
+         !absl::EqualsIgnoreCase({origin.data() + scheme_end + 3, origin.size() - scheme_end - 3},
+                                 {host.data(), host.size()});
+}
+
+}  // namespace
+
+void Site::Handle(const std::shared_ptr<Exchange>& exchange) const {
+  if (std::optional<Page> page = PageFor(exchange->request()))
+    return exchange->Answer(*std::move(page));
+  options_.api(exchange);
+}
+
+std::optional<Page> Site::PageFor(const Request& request) const {
+  const http::verb method = request.message.method();
+  const bool reads = method == http::verb::get || method == http::verb::head;
+  if (!reads && !request.is_post()) return MethodPage("GET, HEAD, POST");
+  if (!request.target().starts_with('/'))
+    return Page{400, "A request's target begins with a slash.\n"};
+  if (const auto page = options_.pages.find(request.path()); page != options_.pages.end())
+    return reads ? page->second(request.query()) : MethodPage("GET, HEAD");
+  if (!IsKnownHost(request)) {
+    return Page{403,
+                "This daemon does not go by the name in the request's Host: ask for it by its "
+                "address, or add the name to http_hosts.\n"};
+  }
+  if (!IsOfApi(request)) return reads ? options_.files.PageFor(request) : MethodPage("GET, HEAD");
+  if (IsCrossSite(request))
+    return ErrorPage(absl::PermissionDeniedError("another site's page made this request"));
+  if (request.is_post() && request.Header("X-Sweepstake") != "1") {
+    return ErrorPage(absl::PermissionDeniedError(
+        "a POST needs the header `X-Sweepstake: 1`, which other sites' pages cannot set"));
+  }
+  return std::nullopt;
+}
+
+bool Site::IsKnownHost(const Request& request) const {
+  if (request.message.count(http::field::host) != 1) return false;
+  const std::string host = WithoutPort(request.Header("Host"));
+  return IsLoopback(host) || host == request.own_host || options_.hosts.contains(host);
+}
+
+}  // namespace sweepstake::web

@@ -1,0 +1,196 @@
+// The services' methods over HTTP: the same numbers, the same refusals.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+#include "sweepstake/v1/sessions.grpc.pb.h"
+#include "tests/server/web/api/api_fixture.h"
+
+namespace sweepstake::server {
+namespace {
+
+using rpc::TelemetryClient;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+// Returns what the chunks hold.
+std::string Dechunked(std::string body) {
+  std::string text;
+  for (size_t end = 0; (end = body.find("\r\n")) != std::string::npos;) {
+    const size_t size = std::stoul(body.substr(0, end), nullptr, 16);
+    text += body.substr(end + 2, size);
+    body.erase(0, end + 2 + size + 2);
+  }
+  return text;
+}
+
+std::string ErrorOf(const std::string& code, const std::string& reason) {
+  return "{\"error\":{\"code\":\"" + code + "\",\"reason\":\"" + reason + "\",\"message\":\"";
+}
+
+TEST_F(ApiTest, NumbersAreThoseOfGrpc) {
+  TelemetryClient client(channel_);
+  client.Open(rpc::HelloMessage());
+  Learn(client, 1);
+  Learn(client, 2);
+  {
+    grpc::ClientContext context;
+    v1::ListPosteriorsResponse expected;
+    const auto stub = v1::PosteriorsService::NewStub(channel_);
+    ASSERT_TRUE(stub->ListPosteriors(&context, {}, &expected).ok());
+    ASSERT_EQ(expected.scenes(0).arms(0).window_count(), 2u);
+    const Answer answer = Call("PosteriorsService/ListPosteriors", "{}");
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_THAT(answer.head, HasSubstr("Content-Type: application/json\r\n"));
+    EXPECT_EQ(answer.body, JsonOf(expected));
+    EXPECT_EQ(Call("PosteriorsService/ListPosteriors", "").body, answer.body);
+  }
+  {
+    grpc::ClientContext context;
+    v1::ListSessionsResponse expected;
+    const auto stub = v1::SessionsService::NewStub(channel_);
+    ASSERT_TRUE(stub->ListSessions(&context, {}, &expected).ok());
+    EXPECT_EQ(Call("SessionsService/ListSessions", "{}").body, JsonOf(expected));
+  }
+  EXPECT_THAT(Call("PosteriorsService/GetPosterior",
+                   R"({"project":"game","scene":"harbour","rewardVersion":1})")
+                  .body,
+              HasSubstr(R"("windowCount":"2")"));
+}
+
+TEST_F(ApiTest, AStreamIsALineForEachMessage) {
+  std::string expected;
+  EXPECT_EQ(Dechunked(Call("PriorsService/ExportPriors", "{}").body), "");
+  for (int i = 0; i < 5; ++i) PutScene("scene " + std::to_string(i), 90);
+  grpc::ClientContext context;
+  const auto stub = v1::PriorsService::NewStub(channel_);
+  const auto reader = stub->ExportPriors(&context, {});
+  v1::ExportPriorsResponse part;
+  while (reader->Read(&part)) expected += JsonOf(part) + "\n";
+  ASSERT_TRUE(reader->Finish().ok());
+  const Answer answer = Call("PriorsService/ExportPriors", "{}");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.head, HasSubstr("Content-Type: application/x-ndjson\r\n"));
+  EXPECT_EQ(Dechunked(answer.body), expected);
+  EXPECT_EQ(std::count(expected.begin(), expected.end(), '\n'), 3) << "of 450 records";
+}
+
+TEST_F(ApiTest, AnErrorHasTheStatusCodeAndReason) {
+  const Answer unknown =
+      Call("PosteriorsService/GetPosterior", R"({"project":"game","scene":"nowhere"})");
+  EXPECT_EQ(unknown.status, 404);
+  EXPECT_THAT(unknown.head, HasSubstr("Content-Type: application/json\r\n"));
+  EXPECT_THAT(unknown.body, StartsWith(ErrorOf("NOT_FOUND", "UNKNOWN_SCENE")));
+  const Answer invalid = Call("PosteriorsService/ListPosteriors", R"({"pageToken":"x"})");
+  EXPECT_EQ(invalid.status, 400);
+  EXPECT_THAT(invalid.body, StartsWith(ErrorOf("INVALID_ARGUMENT", "INVALID_MESSAGE")));
+}
+
+TEST_F(ApiTest, AStreamThatIsRefusedHasTheStatus) {
+  options_.max_transfers = 0;
+  server_->Adjust(options_);
+  const Answer answer = Call("PriorsService/ExportPriors", "{}");
+  EXPECT_EQ(answer.status, 429);
+  EXPECT_THAT(answer.body, StartsWith(ErrorOf("RESOURCE_EXHAUSTED", "TOO_MANY_READS")));
+}
+
+TEST_F(ApiTest, OnlyMethodsOfTheRoleTableWithOneRequestAreThere) {
+  for (const char* path :
+       {"/api/", "/api/x", "/api/sweepstake.v1.TelemetryService/StreamTelemetry",
+        "/api/sweepstake.v1.PriorsService/ImportPriors", "/api/grpc.health.v1.Health/Check",
+        "/api/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+        "/api/sweepstake.v1.PosteriorsService/listposteriors",
+        "/api/sweepstake.v1.PosteriorsService.ListPosteriors",
+        "/api/sweepstake.v1.PosteriorsService/ListPosteriors/",
+        "/api//sweepstake.v1.PosteriorsService/ListPosteriors",
+        "/api/../api/sweepstake.v1.PosteriorsService/ListPosteriors"}) {
+    EXPECT_EQ(Post(path, "{}").status, 404) << path;
+  }
+  EXPECT_EQ(Get("/api/sweepstake.v1.PosteriorsService/ListPosteriors").status, 405);
+  EXPECT_EQ(Post("/events/sweepstake.v1.PosteriorsService/WatchPosteriors", "{}").status, 405);
+}
+
+TEST_F(ApiTest, WhatIsNoRequestIsRefused) {
+  const std::string deep(100'000, '[');
+  for (const std::string& body :
+       {std::string("{"), std::string("[]"), std::string("7"), std::string("\"\""),
+        std::string(R"({"nope":1})"), std::string(R"({"pageSize":"many"})"),
+        std::string(R"({"pageSize":-1})"), std::string("{\"project\":\"\xff\"}"),
+        std::string("{\"project\":\"\0\"}", 13), deep, R"({"project":)" + deep,
+        std::string(R"({"project":"a"} trailing)")}) {
+    const Answer answer = Call("PosteriorsService/ListPosteriors", body);
+    EXPECT_EQ(answer.status, 400) << body.substr(0, 50);
+    EXPECT_THAT(answer.body, StartsWith("{\"error\":{\"code\":\"INVALID_ARGUMENT\""));
+  }
+  EXPECT_EQ(Call("PosteriorsService/ListPosteriors", std::string(256 * 1024 + 1, ' ')).status, 413);
+  EXPECT_EQ(Call("PosteriorsService/ListPosteriors", "{}").status, 200);
+}
+
+TEST_F(ApiTest, OtherSitesAreRefused) {
+  const std::string list = "PosteriorsService/ListPosteriors";
+  EXPECT_EQ(Call(list, "{}", "Origin: http://evil.example\r\n").status, 403);
+  EXPECT_EQ(Call(list, "{}", "Sec-Fetch-Site: cross-site\r\n").status, 403);
+  EXPECT_EQ(Call(list, "{}", "Host: evil.example\r\n").status, 403);
+  EXPECT_EQ(Call(list, "{}", "Origin: http://localhost\r\n").status, 200);
+}
+
+TEST_F(ApiTest, TheLogsHaveTheBrowsersAddress) {
+  TelemetryClient client(channel_);
+  const std::string id = client.Open(rpc::HelloMessage()).session_id();
+  EXPECT_EQ(Call("SessionsService/KickSession", R"({"sessionId":")" + id + "\"}").status, 200);
+  EXPECT_THAT(logged_->text(),
+              AllOf(HasSubstr("ipv4:127.0.0.1:"), HasSubstr("kicked session " + id)));
+  EXPECT_THAT(Dechunked(Call("AuditService/ExportDecisions", R"({"sessionId":"admin"})").body),
+              HasSubstr("ipv4:127.0.0.1:"));
+}
+
+TEST_F(ApiTest, ReadsAreCountedForTheBrowser) {
+  options_.max_reads_per_s = 1;
+  server_->Adjust(options_);
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(Call("PosteriorsService/ListPosteriors", "{}").status, 200) << i;
+  const Answer answer = Call("PosteriorsService/ListPosteriors", "{}");
+  EXPECT_EQ(answer.status, 429);
+  EXPECT_THAT(answer.body, HasSubstr("the address ipv4:127.0.0.1 reads more often"));
+}
+
+TEST_F(ApiTest, ADrainedServerIsUnavailable) {
+  server_->Drain(std::chrono::milliseconds(0));
+  EXPECT_EQ(Call("PosteriorsService/ListPosteriors", "{}").status, 503);
+  EXPECT_EQ(Get("/events/sweepstake.v1.PosteriorsService/WatchPosteriors").status, 503);
+}
+
+TEST_F(ApiTokensTest, RolesAndProjectsAreThoseOfGrpc) {
+  const std::string list = "PosteriorsService/ListPosteriors";
+  EXPECT_EQ(Call(list, "{}").status, 401);
+  EXPECT_THAT(Call(list, "{}").body, StartsWith(ErrorOf("UNAUTHENTICATED", "TOKEN_MISSING")));
+  EXPECT_THAT(Call(list, "{}", Bearer("nobodys-token")).body,
+              StartsWith(ErrorOf("UNAUTHENTICATED", "TOKEN_REFUSED")));
+  EXPECT_EQ(Call(list, "{}", Bearer("game-token")).status, 403);
+  EXPECT_EQ(Call(list, "{}", Bearer("ann-token")).status, 200);
+  EXPECT_EQ(Call(list, "{}", Bearer("root-token")).status, 200);
+  EXPECT_EQ(Call("SessionsService/KickSession", R"({"sessionId":"x"})", Bearer("ann-token")).status,
+            403);
+  EXPECT_EQ(
+      Call("SessionsService/KickSession", R"({"sessionId":"x"})", Bearer("mine-token")).status,
+      404);
+  EXPECT_EQ(Call(list, R"({"project":"theirs"})", Bearer("mine-token")).status, 403);
+  EXPECT_EQ(Call(list, R"({"project":"mine"})", Bearer("mine-token")).status, 200);
+  EXPECT_EQ(Get("/events/sweepstake.v1.SessionsService/WatchSessions", Bearer("game-token")).status,
+            403);
+}
+
+TEST_F(ApiTokensTest, WhatCannotBeATokenIsNone) {
+  for (const std::string& token : {std::string("a b"), std::string("\x80"), std::string("\x7f"),
+                                   std::string(300, 'a'), std::string("\t")}) {
+    EXPECT_EQ(Call("PosteriorsService/ListPosteriors", "{}", Bearer(token)).status, 400) << token;
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::server

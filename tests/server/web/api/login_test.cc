@@ -1,0 +1,165 @@
+// Who logs in, as whom, and what is known of it where.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <string>
+
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "tests/server/web/api/api_fixture.h"
+#include "tests/server/web/fake_exchange.h"
+
+namespace sweepstake::server {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+
+constexpr char kList[] = "PosteriorsService/ListPosteriors";
+
+TEST_F(ApiTest, WithoutTokensEverybodyIsAdminAndNobodyLogsIn) {
+  EXPECT_EQ(Get("/api/whoami").body,
+            R"({"version":"0.1.0","asksForTokens":false,"loggedIn":false,"name":"",)"
+            R"("role":"admin","projects":[]})");
+  EXPECT_EQ(Post("/login", R"({"token":"x"})").status, 400);
+}
+
+TEST_F(ApiTokensTest, ALoginGivesACookieThatStandsForTheToken) {
+  const Answer login = Post("/login", R"({"token":"mine-token"})");
+  EXPECT_EQ(login.status, 204);
+  EXPECT_THAT(login.head, Not(HasSubstr("mine-token")));
+  const size_t start = login.head.find("Set-Cookie: ");
+  EXPECT_THAT(
+      login.head.substr(start, login.head.find('\r', start) - start),
+      MatchesRegex("Set-Cookie: sweepstake=[0-9a-f]{64}; HttpOnly; SameSite=Strict; Path=/"));
+  const std::string cookie = LogIn("mine-token");
+  EXPECT_EQ(Call(kList, "{}", cookie).status, 200);
+  EXPECT_EQ(Call(kList, R"({"project":"theirs"})", cookie).status, 403);
+  EXPECT_EQ(Get("/api/whoami", cookie).body,
+            R"({"version":"0.1.0","asksForTokens":true,"loggedIn":true,"name":"mine",)"
+            R"("role":"operator","projects":["game","mine"]})");
+  EXPECT_EQ(Get("/api/whoami", Bearer("ann-token")).body,
+            R"({"version":"0.1.0","asksForTokens":true,"loggedIn":true,"name":"ann",)"
+            R"("role":"watch","projects":[]})");
+}
+
+TEST_F(ApiTokensTest, ThroughTlsTheCookieStaysThere) {
+  const Answer login = Post("/login", R"({"token":"ann-token"})", "X-Forwarded-Proto: https\r\n");
+  EXPECT_THAT(login.head, HasSubstr("; Path=/; Secure\r\n"));
+}
+
+TEST_F(ApiTokensTest, ALogoutEndsTheLogin) {
+  const std::string cookie = LogIn("ann-token");
+  const std::string other = LogIn("ann-token");
+  const Answer logout = Post("/logout", "", cookie);
+  EXPECT_EQ(logout.status, 204);
+  EXPECT_THAT(logout.head, HasSubstr("Set-Cookie: sweepstake=; "));
+  EXPECT_THAT(logout.head, HasSubstr("Max-Age=0"));
+  EXPECT_EQ(Call(kList, "{}", cookie).status, 401);
+  EXPECT_EQ(Call(kList, "{}", other).status, 200);
+}
+
+TEST_F(ApiTokensTest, ANewLoginEndsThatOfTheSameBrowser) {
+  const std::string cookie = LogIn("ann-token");
+  EXPECT_EQ(Post("/login", R"({"token":"mine-token"})", cookie).status, 204);
+  EXPECT_EQ(Call(kList, "{}", cookie).status, 401);
+}
+
+TEST_F(ApiTokensTest, ARevokedTokensLoginIsNobodys) {
+  const std::string cookie = LogIn("ann-token");
+  tokens_.Revoke("ann");
+  EXPECT_EQ(Call(kList, "{}", cookie).status, 401);
+  EXPECT_EQ(Get("/api/whoami", cookie).body,
+            R"({"version":"0.1.0","asksForTokens":true,"loggedIn":false,"name":"",)"
+            R"("role":"","projects":[]})");
+}
+
+TEST_F(ApiTokensTest, WhatIsNoLoginIsRefused) {
+  for (const std::string& body : {std::string(""), std::string("{"), std::string("[]"),
+                                  std::string("\"ann-token\""), std::string(R"({"token":7})"),
+                                  std::string(R"({"token":""})"), std::string(R"({"token":"a b"})"),
+                                  std::string(100'000, '['), std::string(R"({"token":"a\nb"})")}) {
+    EXPECT_EQ(Post("/login", body).status, 400) << body.substr(0, 50);
+  }
+  EXPECT_EQ(Get("/logout").status, 404);
+}
+
+TEST_F(ApiTokensTest, WhoGuessesWaitsWhicheverWayAndAValidTokenIsLetIn) {
+  for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i) {
+    const Answer wrong =
+        i % 2 == 0 ? Post("/login", R"({"token":"guess"})") : Get("/api/whoami", Bearer("guess"));
+    EXPECT_EQ(wrong.status, i % 2 == 0 ? 401 : 200) << i;
+  }
+  EXPECT_EQ(Post("/login", R"({"token":"guess"})").status, 429);
+  EXPECT_EQ(Get("/api/whoami", Bearer("guess")).status, 429);
+  EXPECT_EQ(Call(kList, "{}", Bearer("guess")).status, 429);
+  EXPECT_EQ(Get("/api/whoami").status, 200) << "who brings none does not guess";
+  EXPECT_EQ(Call(kList, "{}", LogIn("ann-token")).status, 200);
+  EXPECT_THAT(logged_->text(), HasSubstr("ipv4:127.0.0.1"));
+}
+
+TEST_F(ApiTokensTest, ATokenIsNeverToldOfAgain) {
+  tokens_.Add("canary", auth::Role::kWatch);
+  const std::string cookie = LogIn("canary-token");
+  std::string told =
+      Call(kList, "{}", cookie).body + Call(kList, "{}", Bearer("canary-token")).body +
+      Get("/api/whoami", cookie).body + Call("SessionsService/KickSession", "{}", cookie).body;
+  tokens_.Revoke("canary");
+  told += Call(kList, "{}", cookie).body + Post("/login", R"({"token":"canary-token"})").body +
+          Post("/login", R"({"token":"canary-token)").body + Get("/api/whoami", cookie).body;
+  const size_t start = cookie.rfind('=') + 1;
+  for (const std::string& secret : {std::string("canary-token"), cookie.substr(start, 64)}) {
+    EXPECT_THAT(told, Not(HasSubstr(secret)));
+    EXPECT_THAT(logged_->text(), Not(HasSubstr(secret)));
+  }
+}
+
+// A daemon that lets in by certificates, which HTTP does not ask for.
+class ApiCertificatesTest : public ApiTest {
+ protected:
+  ApiCertificatesTest() { options_.tls.ca = "unused without a certificate"; }
+};
+
+TEST_F(ApiCertificatesTest, NobodyIsLetInByHttpWithoutAToken) {
+  EXPECT_THAT(Get("/api/whoami").body, HasSubstr(R"("asksForTokens":true,"loggedIn":false)"));
+  EXPECT_EQ(Call(kList, "{}").status, 401);
+  EXPECT_EQ(Get("/events/sweepstake.v1.PosteriorsService/WatchPosteriors").status, 401);
+  EXPECT_EQ(Post("/login", R"({"token":"x"})").status, 401);
+  grpc::ClientContext context;
+  v1::ListPosteriorsResponse response;
+  EXPECT_TRUE(
+      v1::PosteriorsService::NewStub(channel_)->ListPosteriors(&context, {}, &response).ok());
+}
+
+// Who speaks plain text from another machine, where gRPC has TLS.
+class ApiFromAfarTest : public ApiTokensTest {
+ protected:
+  int Status(const std::string& peer, bool grpc_has_tls) {
+    Config config;
+    if (grpc_has_tls) config.rpc.tls.cert = "cert.pem";
+    boost::asio::io_context io;
+    web::Api api(ApiOf(config, *server_), io);
+    const auto login = std::make_shared<web::FakeExchange>(boost::beast::http::verb::post, "/login",
+                                                           web::FakeExchange::OfPage(),
+                                                           R"({"token":"ann-token"})", peer);
+    api.Handle(login);
+    const auto call = std::make_shared<web::FakeExchange>(
+        boost::beast::http::verb::get, "/api/whoami",
+        web::FakeExchange::Headers{{"Authorization", "Bearer ann-token"}}, "", peer);
+    api.Handle(call);
+    EXPECT_EQ(login->answer().status == 204, call->answer().status == 200);
+    return login->answer().status;
+  }
+};
+
+TEST_F(ApiFromAfarTest, TokensCrossNoNetworkInPlainTextWhereTheyNeedNot) {
+  EXPECT_EQ(Status("ipv4:192.0.2.7:4711", true), 403);
+  EXPECT_EQ(Status("ipv6:%5B2001:db8::1%5D:4711", true), 403);
+  EXPECT_EQ(Status("ipv4:127.0.0.1:4711", true), 204);
+  EXPECT_EQ(Status("ipv4:192.0.2.7:4711", false), 204) << "gRPC has them in plain text, too";
+}
+
+}  // namespace
+}  // namespace sweepstake::server

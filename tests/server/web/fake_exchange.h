@@ -1,0 +1,52 @@
+// A request without a connection, which keeps its answer.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/web/http_message.h"
+
+namespace sweepstake::web {
+
+class FakeExchange final : public Exchange {
+ public:
+  using Headers = std::vector<std::pair<std::string, std::string>>;
+
+  // From this machine, to a name that every daemon has, unless the headers or `peer` say otherwise.
+  FakeExchange(boost::beast::http::verb method, const std::string& target,
+               const Headers& headers = {}, const std::string& body = "",
+               const std::string& peer = "ipv4:127.0.0.1:4711") {
+    request_.message = {method, target, 11, body};
+    request_.message.set("Host", "localhost");
+    for (const auto& [name, value] : headers) request_.message.set(name, value);
+    request_.peer = peer;
+    request_.own_host = "192.0.2.1";
+  }
+  // Those of a page of the daemon, which may post.
+  static Headers OfPage() { return {{"X-Sweepstake", "1"}}; }
+
+  const Request& request() const override { return request_; }
+  void Answer(Page page) override { answer_ = std::move(page); }
+  void Stream(std::string content_type, std::unique_ptr<PartSource> /*source*/) override {
+    answer_ = Page{.content_type = std::move(content_type)};
+  }
+  Request& mutable_request() { return request_; }
+  // REQUIRES: it was answered.
+  const Page& answer() const { return answer_.value(); }
+  // The value of a header of the answer; empty without it.
+  std::string AnswerHeader(const std::string& name) const {
+    for (const auto& [header, value] : answer().headers) {
+      if (header == name) return value;
+    }
+    return {};
+  }
+
+ private:
+  Request request_;
+  std::optional<Page> answer_;
+};
+
+}  // namespace sweepstake::web
