@@ -1,21 +1,26 @@
-# Builds the page and turns it into a source file. Where that is not possible the source holds an
-# empty page and the reason, and the programs are built all the same.
+# Builds a page and turns it into a source file. Where that is not possible the source holds no page and the reason, and the
+# programs are built all the same.
 #
-#   cmake -D SOURCE=folder -D BUILD=folder -D NODE=program -D NPM=program -P build_page.cmake
+#   cmake -D PAGE=report|dashboard -D STEM=name -D SOURCE=folder -D BUILD=folder -D NODE=program -D NPM=program -D PROTOC=program
+#         -P build_page.cmake
 #
-# Writes BUILD/report_page.cc, and BUILD/report_page.stamp unless another build may fare better.
+# Writes BUILD/STEM.cc from SOURCE/STEM.cc.in, and BUILD/PAGE.stamp unless another build may fare better.
 
 set(modules ${SOURCE}/node_modules)
-set(PAGE)
+set(output ${BUILD}/${PAGE})
+set(CONTENT)
 set(PROBLEM)
 set(is_final TRUE)
+set(without "this program was built without the page")
+if(PAGE STREQUAL dashboard)
+  set(without "this program was built without the dashboard")
+endif()
 
 # npm writes its own record into node_modules last, so that an installation which was interrupted has none.
 set(installed ${modules}/.package-lock.json)
 
 # node_modules stays as it is while it is newer than the lock file.
 function(install_modules)
-  file(LOCK ${SOURCE} DIRECTORY RESULT_VARIABLE ignored)  # several build trees share node_modules
   if(EXISTS ${installed} AND ${installed} IS_NEWER_THAN ${SOURCE}/package-lock.json)
     return()
   endif()
@@ -24,30 +29,45 @@ function(install_modules)
     WORKING_DIRECTORY ${SOURCE} OUTPUT_QUIET)
 endfunction()
 
+# Runs a script of Node in SOURCE unless an earlier one failed.
+macro(run_node what)
+  if(NOT PROBLEM)
+    execute_process(COMMAND ${NODE} ${ARGN} WORKING_DIRECTORY ${SOURCE} RESULT_VARIABLE result)
+    if(NOT result EQUAL 0)
+      set(is_final FALSE)
+      set(PROBLEM "${without}, because `${what}` failed in server/dashboard: see what it says there, and build again")
+    endif()
+  endif()
+endmacro()
+
+file(LOCK ${SOURCE} DIRECTORY RESULT_VARIABLE ignored)  # the pages, and several build trees, share node_modules and src/gen
 if(NOT NODE OR NOT NPM)
-  set(PROBLEM "this program was built without the page, for want of Node.js 18 or newer with npm: install them (Debian: apt-get install nodejs npm) and build again")
+  set(PROBLEM "${without}, for want of Node.js 18 or newer with npm: install them (Debian: apt-get install nodejs npm) and build again")
 else()
   install_modules()
   if(NOT EXISTS ${installed})
     set(is_final FALSE)
-    set(PROBLEM "this program was built without the page, because `npm ci` failed in server/dashboard: run it there with access to a package registry, and build again")
+    set(PROBLEM "${without}, because `npm ci` failed in server/dashboard: run it there with access to a package registry, and build again")
+  endif()
+  if(PAGE STREQUAL dashboard)
+    run_node("npm run proto" proto.mjs ${PROTOC})
+  endif()
+  run_node("npm run build" ${modules}/vite/bin/vite.js build --mode ${PAGE} --outDir ${output} --emptyOutDir --logLevel warn)
+  if(PAGE STREQUAL dashboard)
+    run_node("node embed.mjs" embed.mjs ${output} ${BUILD}/${STEM}.inc)
+    set(output ${BUILD}/${STEM}.inc)
   else()
-    execute_process(
-      COMMAND ${NODE} ${modules}/vite/bin/vite.js build --outDir ${BUILD}/page --emptyOutDir --logLevel warn
-      WORKING_DIRECTORY ${SOURCE} RESULT_VARIABLE result)
-    if(result EQUAL 0)
-      file(READ ${BUILD}/page/report.html PAGE)
-    else()
-      set(is_final FALSE)
-      set(PROBLEM "this program was built without the page, because `npm run build` failed in server/dashboard: see what it says there, and build again")
-    endif()
+    set(output ${output}/report.html)
+  endif()
+  if(NOT PROBLEM)
+    file(READ ${output} CONTENT)
   endif()
 endif()
 
 if(PROBLEM)
-  message("Report page left out: ${PROBLEM}")
+  message("Left out: ${PROBLEM}")
 endif()
-configure_file(${SOURCE}/report_page.cc.in ${BUILD}/report_page.cc @ONLY)
+configure_file(${SOURCE}/${STEM}.cc.in ${BUILD}/${STEM}.cc @ONLY)
 if(is_final)
-  file(TOUCH ${BUILD}/report_page.stamp)
+  file(TOUCH ${BUILD}/${PAGE}.stamp)
 endif()

@@ -1,5 +1,6 @@
-// Builds report.html as one file: script and style stand in the page, and the script runs under a
-// content security policy that names its hash and forbids everything else, the network included.
+// Two pages: `--mode report` builds report.html as one file; `--mode dashboard` builds index.html and its assets, whose names tell
+// their content. Both run under a content security policy that allows no other source of scripts: the report's names its script's
+// hash, the dashboard's is what the daemon sends.
 import { createHash } from 'node:crypto';
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { defineConfig } from 'vite';
@@ -15,6 +16,7 @@ function singleFile() {
   return {
     name: 'single-file',
     enforce: 'post',
+    apply: 'build',
     generateBundle(_options, bundle) {
       const files = Object.values(bundle);
       const page = files.find((file) => file.fileName.endsWith('.html'));
@@ -46,7 +48,7 @@ function sampleDocuments() {
   };
 }
 
-export default defineConfig({
+const report = {
   plugins: [sampleDocuments(), singleFile()],
   build: {
     target: 'es2022',
@@ -54,5 +56,29 @@ export default defineConfig({
     assetsInlineLimit: 1e6,
     rollupOptions: { input: 'report.html' },
   },
+};
+
+// The development server asks the daemon at DAEMON, which lets in what comes from its own page only.
+function daemonProxy() {
+  const toDaemon = {
+    target: process.env.DAEMON ?? 'http://127.0.0.1:7434',
+    changeOrigin: true,
+    configure: (proxy) => proxy.on('proxyReq', (request) => request.removeHeader('origin')),
+  };
+  return Object.fromEntries(['/api', '/events', '/login', '/logout', '/metrics', '/livez', '/readyz'].map((path) => [path, toDaemon]));
+}
+
+const dashboard = {
+  build: {
+    target: 'es2022',
+    modulePreload: { polyfill: false },
+    assetsInlineLimit: 0,
+    rollupOptions: { input: 'index.html' },
+  },
+  server: { proxy: daemonProxy() },
+};
+
+export default defineConfig(({ mode }) => ({
+  ...(mode === 'report' ? report : dashboard),
   test: { include: ['src/**/*.test.ts'] },
-});
+}));

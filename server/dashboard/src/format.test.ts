@@ -5,6 +5,7 @@ describe('numbers', () => {
   it('show significant digits without an exponent', () => {
     expect([0.034567, 12.345, 9.996, 99.96, 1234, 0, 0.00001].map((value) => significant(value)))
       .toEqual(['0.0346', '12.3', '10.0', '100', '1230', '0', '0.0000100']);
+    expect([1e-9, -1.234e-12, 1e-150, 5e-324].map((value) => significant(value))).toEqual(['0.00000000100', '-1.23e-12', '1.00e-150', '4.94e-324']);
     expect(significant(NaN)).toBe('–');
     expect(significant(null)).toBe('–');
   });

@@ -1,5 +1,6 @@
 // Numbers as people read them.
 const NONE = '–';
+const SMALLEST = -9;  // exponent of ten of what is written without one
 
 const isNumber = (value: number | null | undefined): value is number => typeof value === 'number' && Number.isFinite(value);
 
@@ -8,7 +9,7 @@ export function significant(value: number | null | undefined, digits = 3): strin
   if (value === 0) return '0';
   const rounded = Number(value.toPrecision(digits));
   const first = Math.floor(Math.log10(Math.abs(rounded)) + 1e-9);
-  return rounded.toFixed(Math.max(0, digits - 1 - first));
+  return first < SMALLEST ? rounded.toExponential(digits - 1) : rounded.toFixed(Math.max(0, digits - 1 - first));
 }
 
 export const grouped = (value: number) => (isNumber(value) ? String(Math.round(value)).replace(/\B(?=(\d{3})+(?!\d))/g, ',') : NONE);

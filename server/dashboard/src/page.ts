@@ -1,5 +1,6 @@
 // The frame of a report: title, switch of the theme, sections with their list of links.
 import { append, details, h, terms, type Child } from './dom';
+import { chooseTheme, keptTheme, THEMES } from './theme';
 
 export interface Section { id: string; heading: string; body: Child[] }
 export interface Page { title: string; lead: Child[]; sections: Section[] }
@@ -8,38 +9,12 @@ export interface Machine {
   libraries: Record<string, string>; absent_peers?: string[];
 }
 
-const THEMES = ['auto', 'light', 'dark'];
-
-function chooseTheme(theme: string): void {
-  if (theme === 'auto') delete document.documentElement.dataset.theme;
-  else document.documentElement.dataset.theme = theme;
-}
-
-// A browser may refuse storage to a page from a file; the switch works all the same.
-function keptTheme(): string {
-  try {
-    return localStorage.getItem('theme') ?? 'auto';
-  } catch {
-    return 'auto';
-  }
-}
-
-function keepTheme(theme: string): void {
-  try {
-    localStorage.setItem('theme', theme);
-  } catch { /* see keptTheme */ }
-}
-
 export function themeSwitch(): HTMLElement {
   const kept = keptTheme();
-  chooseTheme(kept);
   const choices = THEMES.map((theme) => {
     const input = h('input', { type: 'radio', name: 'theme', value: theme });
     input.checked = theme === kept;
-    input.addEventListener('change', () => {
-      chooseTheme(theme);
-      keepTheme(theme);
-    });
+    input.addEventListener('change', () => chooseTheme(theme));
     return h('label', {}, input, h('span', {}, theme[0]!.toUpperCase() + theme.slice(1)));
   });
   return h('fieldset', { class: 'theme' }, h('legend', {}, 'Theme'), ...choices);

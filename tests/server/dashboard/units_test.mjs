@@ -5,8 +5,8 @@ import { fileURLToPath } from 'node:url';
 
 const dashboard = fileURLToPath(new URL('../../../server/dashboard/', import.meta.url));
 const modules = `${dashboard}node_modules/`;
-if (!existsSync(`${modules}vitest/vitest.mjs`)) {
-  console.log('skipped: `npm ci` in server/dashboard installs what these tests need');
+if (!existsSync(`${modules}vitest/vitest.mjs`) || !existsSync(`${dashboard}src/gen`)) {
+  console.log('skipped: `npm ci` and `npm run proto` in server/dashboard make what these tests need');
   process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
 }
 for (const command of [[`${modules}typescript/bin/tsc`, '--noEmit'], [`${modules}vitest/vitest.mjs`, 'run']]) {

@@ -1,0 +1,25 @@
+// The files of the dashboard, built from this folder and embedded in the program. Safe from any
+// thread.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace sweepstake {
+
+struct DashboardAsset {
+  std::string_view path;          // as in a request: "/index.html", "/assets/main-1f2e3d4c.js"
+  std::string_view content_type;  // "text/html; charset=utf-8"
+  std::string_view gzip_bytes;    // one gzip member whose header has no optional fields
+  std::string_view etag;          // of the content, with its quotation marks
+  bool is_immutable = false;      // another content would have another path
+};
+
+// Returns the files, ordered by path; one of them is /index.html. Empty where the program was built
+// without them.
+std::span<const DashboardAsset> DashboardAssets();
+
+// Why they are missing and how to get them, as a sentence. Empty where they are there.
+std::string_view DashboardProblem();
+
+}  // namespace sweepstake

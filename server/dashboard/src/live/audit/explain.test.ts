@@ -1,0 +1,63 @@
+import { describe, expect, it } from 'vitest';
+import { rows, setup } from './sample_log';
+import { RowReader } from './rows';
+import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
+import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { durationText, explained, explainedRow, type Told, toldOfRow } from './explain';
+
+const told: Told = {
+  activeArm: 'SAP', candidate: 'KDTree', outcome: DecisionOutcome.HELD_GATE, reason: SwitchReason.UNSPECIFIED, reward: 0.6, rewardVersion: 3,
+  verdict: Verdict.AMBIGUOUS, leader: 'KDTree', leaderProbability: 0.7, expectedLossRatio: 0.03,
+  gate: { gain: 0.03, loss: 0.01, horizonS: 200, cooldownS: 40, costS: 8 },
+};
+
+describe('why this arm', () => {
+  it('weighs what is expected against what it costs', () => {
+    const text = explained(told).join(' ');
+    expect(text).toContain('KDTree looks better, but SAP stays: the change would not pay');
+    expect(text).toContain('save 3.0 % of the detection time for 200 s, which counts 6.0.'); // 200 × 0.03
+    expect(text).toContain('cost 1.0 % more for 40 s, until the next switch is allowed, which counts 0.40; and the change itself counts 8.0. That does not pay.');
+    expect(explained({ ...told, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('That pays.');
+  });
+
+  it('says the detection time where rewards tell it, else the reward', () => {
+    expect(explained(told).join(' ')).toContain('SAP took 7.58 µs per frame');
+    expect(explained({ ...told, rewardVersion: 1 }).join(' ')).toContain('gave SAP a reward of 0.600');
+    const { reward: _, ...nothing } = told;
+    expect(explained(nothing).join(' ')).toContain('Nothing was learnt');
+  });
+
+  it('has a sentence for every outcome', () => {
+    for (const outcome of Object.values(DecisionOutcome).filter((value): value is DecisionOutcome => typeof value === 'number')) {
+      for (const sentence of explained({ ...told, outcome })) expect(sentence).toMatch(/[.]$/);
+    }
+  });
+
+  it('says how long the cooldown is', () =>
+    expect(explained({ ...told, outcome: DecisionOutcome.HELD_COOLDOWN, cooldownMs: 40_000 })[0]).toContain('after a switch 40 s have to pass'));
+});
+
+describe('the rows of a log', () => {
+  it('can all be explained', () => {
+    for (const row of rows) {
+      const sentences = explainedRow(row, setup);
+      expect(sentences.length).toBeGreaterThan(0);
+      for (const sentence of sentences) expect(sentence).not.toMatch(/undefined|NaN|unknown/);
+    }
+  });
+
+  it('say what the second decision of that log did', () => {
+    expect(toldOfRow(rows[2]!, setup)).toMatchObject({ activeArm: 'BruteForce', candidate: 'KDTree', outcome: DecisionOutcome.SWITCHED, leader: 'KDTree' });
+    expect(explainedRow(rows[2]!, setup)[0]).toBe('The game was told to change from BruteForce to KDTree. It is believed to cost less.');
+  });
+
+  it('name the operator of an order, and what an administrator did', () => {
+    const own = new RowReader();
+    own.header('session,segment,row,kind,time_ns,setup,arm,mode');
+    expect(explainedRow(own.row('id,1,2,order,5,operator=ann,SAP,manual')!)).toEqual(['ann told the game to keep to SAP.']);
+    expect(explainedRow(own.row('id,1,2,order,5,operator=ann,,ai')!)).toEqual(['ann let the daemon decide.']);
+    expect(explainedRow(own.row('admin,1,2,admin,5,unix_ms=7;revoke token x;operator=ann')!)).toEqual(['ann: revoke token x.']);
+  });
+});
+
+it('Durations are in units that people read', () => expect([durationText(12.34), durationText(40_000), durationText(999)]).toEqual(['12 ms', '40 s', '1000 ms']));

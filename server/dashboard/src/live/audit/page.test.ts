@@ -1,0 +1,49 @@
+import { describe, expect, it } from 'vitest';
+import type { PlacedRow } from './log';
+import { collectPage, findRow, PAGE_ROWS } from './page';
+import { RowReader } from './rows';
+
+const reader = new RowReader();
+reader.header('session,segment,row,kind,active_arm,candidate,outcome');
+
+async function* log(count: number): AsyncGenerator<PlacedRow> {
+  for (let i = 1; i <= count; ++i) yield { row: reader.row(`id,1,${i},${i % 10 === 0 ? 'switch' : 'tick'},${i % 2 ? 'SAP' : 'DBVT'},Grid,kept`)! };
+}
+const ALL = { kind: '', outcome: '', arm: '' };
+const numbers = (rows: readonly PlacedRow[]) => rows.map(({ row }) => row.number('row'));
+
+describe('pages of a log', () => {
+  it('have the newest rows first, each row once', async () => {
+    const pages = await Promise.all([0, 1, 2, 3].map((page) => collectPage(log(250), ALL, page)));
+    expect(pages.flatMap(({ rows }) => numbers(rows))).toEqual(Array.from({ length: 250 }, (_, i) => 250 - i));
+    expect(pages.map(({ rows }) => rows.length)).toEqual([PAGE_ROWS, PAGE_ROWS, 50, 0]);
+    expect(pages[3]).toMatchObject({ matchCount: 250, rowCount: 250 });
+  });
+
+  it('are of the rows that match', async () => {
+    const { rows, matchCount } = await collectPage(log(1000), { ...ALL, kind: 'switch' }, 0);
+    expect(matchCount).toBe(100);
+    expect(numbers(rows).slice(0, 3)).toEqual([1000, 990, 980]);
+    expect((await collectPage(log(100), { ...ALL, arm: 'SAP' }, 0)).matchCount).toBe(50);
+    expect((await collectPage(log(100), { ...ALL, arm: 'Grid', outcome: 'switched' }, 0)).matchCount).toBe(0);
+  });
+
+  it('say how far they are', async () => {
+    const told: number[] = [];
+    await collectPage(log(3500), ALL, 0, (count) => told.push(count));
+    expect(told).toEqual([1000, 2000, 3000]);
+  });
+
+  it('lead to one row without reading on', async () => {
+    let read = 0;
+    async function* counted() {
+      for await (const row of log(1000)) {
+        ++read;
+        yield row;
+      }
+    }
+    expect((await findRow(counted(), 'id.1.7'))?.row.number('row')).toBe(7);
+    expect(read).toBe(7);
+    expect(await findRow(log(10), 'id.1.11')).toBeUndefined();
+  });
+});

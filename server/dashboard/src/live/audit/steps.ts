@@ -1,0 +1,106 @@
+// The life of a session in steps: the rows of its audit log, then what the daemon tells live.
+import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
+import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
+import { type Told, toldOfEvent, toldOfRow } from './explain';
+import type { PlacedRow } from './log';
+import { type AuditRow, objectCountOf, type Setup, unixMsOf, type Visit, visitsOf, type WindowMeans, windowOf } from './rows';
+
+export interface Step {
+  timeMs: number; // by the daemon's clock where it is of the log, else when the page was told
+  kind: string; // of the audit log
+  activeArm: string; // the arm that ran before it or, if the step is a switch, after it; '': not said
+  decisionId: number; // 0: no decision
+  told?: Told; // of decisions
+  placed?: PlacedRow; // if it is of the log
+  event?: DecisionEvent; // if it was told live
+}
+
+const DECISION_KINDS = ['tick', 'bail-out'];
+const hasDecision = (row: AuditRow) => DECISION_KINDS.includes(row.text('kind')) && row.text('decision_id') !== '';
+
+/** Returns nothing for a row without a time. */
+export function stepOfRow(placed: PlacedRow): Step | undefined {
+  const { row, setup } = placed;
+  const timeNs = row.number('time_ns');
+  if (!setup || timeNs === undefined) return undefined;
+  const kind = row.text('kind');
+  const activeArm = kind === 'setup' ? setup.activeArm : row.text('active_arm') || (kind === 'order' ? '' : row.text('arm'));
+  const step = { timeMs: unixMsOf(setup, timeNs), kind, activeArm, decisionId: row.number('decision_id') ?? 0, placed };
+  return hasDecision(row) ? { ...step, told: toldOfRow(row, setup) } : step;
+}
+
+export function stepOfEvent(event: DecisionEvent, timeMs: number, rewardVersion: number): Step {
+  return { timeMs, kind: 'tick', activeArm: event.activeArm, decisionId: Number(event.decisionId), told: toldOfEvent(event, rewardVersion), event };
+}
+
+const arrivals = new WeakMap<DecisionEvent, number>();
+
+/** Returns when the page first asked about this event: as soon as it came, while a view that shows it is open. */
+export function arrivalOf(event: DecisionEvent): number {
+  const before = arrivals.get(event);
+  if (before !== undefined) return before;
+  const now = Date.now();
+  arrivals.set(event, now);
+  return now;
+}
+
+/** Returns the steps of the log, with what was told of them live, and then those that the log did not have yet. */
+export function mergedSteps(logged: readonly Step[], events: readonly DecisionEvent[], rewardVersion: number): Step[] {
+  const byId = new Map(events.map((event): [number, DecisionEvent] => [Number(event.decisionId), event]));
+  const lastId = logged.reduce((most, { decisionId }) => Math.max(most, decisionId), 0);
+  let lastMs = logged.at(-1)?.timeMs ?? 0;
+  const known = logged.map((step) => {
+    const event = step.decisionId > 0 ? byId.get(step.decisionId) : undefined;
+    return event ? { ...step, event } : step;
+  });
+  const later = events.filter(({ decisionId }) => Number(decisionId) > lastId).map((event) => {
+    lastMs = Math.max(lastMs, arrivalOf(event)); // two clocks may differ, and times ascend
+    return stepOfEvent(event, lastMs, rewardVersion);
+  });
+  return [...known, ...later];
+}
+
+export interface Measured {
+  timeMs: number;
+  frameMs: Percentiles | undefined;
+  detectionMs: Percentiles | undefined;
+  nativeBytes: Percentiles | undefined;
+  window: WindowMeans | undefined;
+  objectCount: number | undefined;
+}
+
+const inMs = (values: Percentiles | undefined): Percentiles | undefined =>
+  values && [values[0] / 1e6, values[1] / 1e6, values[2] / 1e6];
+
+/** Returns what frames cost, by each step that says something of it. */
+export function measuredOf(steps: readonly Step[]): Measured[] {
+  return steps.filter(({ placed, event }) => event?.measurements || placed?.row.text('kind') === 'tick').map(({ timeMs, placed, event }) => {
+    const { frameTimeNs, detectionTimeNs, nativeBytes } = event?.measurements ?? {};
+    return {
+      timeMs,
+      frameMs: inMs(frameTimeNs && percentiles(bucketsOf(frameTimeNs))),
+      detectionMs: inMs(detectionTimeNs && percentiles(bucketsOf(detectionTimeNs))),
+      nativeBytes: nativeBytes && percentiles(bucketsOf(nativeBytes)),
+      window: placed && windowOf(placed.row),
+      objectCount: placed && objectCountOf(placed.row),
+    };
+  });
+}
+
+export interface ArmVisit extends Visit { timeMs: number; name: string }
+
+/** Returns the visits of the shadow lane that the log has. */
+export function laneVisits(steps: readonly Step[]): ArmVisit[] {
+  return steps.flatMap(({ timeMs, placed }) => (placed ? visitsOf(placed.row) : []).map((visit) =>
+    ({ ...visit, timeMs, name: placed?.setup?.arms[visit.arm] ?? `arm ${visit.arm}` })));
+}
+
+/** Returns the arms in the session's order, as far as they are known. */
+export function armsOf(steps: readonly Step[]): string[] {
+  const setup: Setup | undefined = steps.filter(({ placed }) => placed?.setup).at(-1)?.placed?.setup;
+  if (setup) return setup.arms;
+  const told = steps.filter(({ event }) => event && event.arms.length > 0).at(-1)?.event?.arms;
+  return told ?? [...new Set(steps.map(({ activeArm }) => activeArm).filter(Boolean))];
+}
+
+export const isSwitch = ({ told }: Step) => told?.outcome === DecisionOutcome.SWITCHED;

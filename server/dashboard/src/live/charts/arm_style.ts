@@ -1,0 +1,18 @@
+// What tells arms apart without colour: a dash of lines and a hatch of areas. Arms that the page knows have the same in every chart;
+// others take those that are left.
+import { colourOf, FAMILIES, familyRank } from '../../palette';
+
+const DASHES: readonly (readonly number[])[] = [
+  [2, 3], [8, 3], [], [10, 3, 2, 3], [5, 2], [12, 2, 2, 2, 2, 2], [16, 3, 4, 3],
+];
+const UNKNOWN_DASHES: readonly (readonly number[])[] = [[4, 4], [14, 4], [2, 6], [8, 2, 1, 2], [3, 1, 1, 1], [6, 6]];
+
+export interface ArmStyle { colour: string; dash: number[]; hatch: number }
+
+/** REQUIRES: `arm` is one of `arms`. */
+export function armStyle(arm: string, arms: readonly string[]): ArmStyle {
+  const rank = familyRank(arm);
+  if (rank < FAMILIES.length) return { colour: colourOf(arm), dash: [...DASHES[rank]!], hatch: rank };
+  const place = arms.filter((other) => familyRank(other) === FAMILIES.length).indexOf(arm);
+  return { colour: colourOf(arm), dash: [...UNKNOWN_DASHES[Math.max(place, 0) % UNKNOWN_DASHES.length]!], hatch: FAMILIES.length + Math.max(place, 0) };
+}

@@ -1,0 +1,197 @@
+// How a time chart is drawn with uPlot.
+import uPlot from 'uplot';
+import { resolved, translucent } from './colours';
+import { crosshairMs, type Range, setRange } from './view_state';
+
+/** A line of values, one per time; null: none. */
+export interface Line {
+  label: string;
+  values: readonly (number | null)[];
+  told?: readonly (number | null)[]; // what the legend says, where that is not what is drawn
+  colour: string;
+  dash?: readonly number[];
+  width?: number; // 0: only the edge of a band
+  stepped?: boolean;
+  isAside?: boolean; // it does not say how far the axis goes
+  arm?: string; // hidden with the arm of this name, in all charts
+}
+/** The area between two lines, given by their places. */
+export interface Band { upper: number; lower: number; fill: (context: CanvasRenderingContext2D) => CanvasPattern | string }
+/** A horizontal line that means something. */
+export interface Level { value: number; label: string }
+/** A moment that means something. */
+export interface Moment { timeMs: number; colour: string; label?: string }
+/** zero: from 0 upwards; unit: 0 to 1; log: by powers of ten, values > 0. */
+export type Scale = 'zero' | 'unit' | 'log';
+
+export interface Picture {
+  timesMs: readonly number[]; // ascending
+  lines: readonly Line[];
+  bands?: readonly Band[];
+  levels?: readonly Level[];
+  moments?: readonly Moment[];
+  scale: Scale;
+  values?: readonly [number, number]; // the axis of values shows these at least
+  domain: Range;
+  format: (value: number) => string;
+  hidden: ReadonlySet<string>; // arms
+}
+
+/** All charts of a view have the same margins, so that their times stand above one another. */
+export const LEFT = 72;
+export const RIGHT = 14;
+const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
+const SECOND = 1000;
+const DAY = 86_400 * SECOND;
+
+const two = (value: number) => String(value).padStart(2, '0');
+
+/** The steps of time axes: round on the clock. */
+export const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800].map((s) => s * SECOND);
+
+/** Returns a time as an axis with steps of this length says it. */
+export function axisTime(ms: number, stepMs: number): string {
+  const date = new Date(ms);
+  if (stepMs >= DAY) return `${two(date.getMonth() + 1)}-${two(date.getDate())}`;
+  const minutes = `${two(date.getHours())}:${two(date.getMinutes())}`;
+  return stepMs >= 60 * SECOND ? minutes : `${minutes}:${two(date.getSeconds())}`;
+}
+
+function valueRange({ scale, levels = [], values }: Picture, min: number | null, max: number | null): uPlot.Range.MinMax {
+  if (scale === 'unit') return [0, 1];
+  const all = [min, max, ...(values ?? [])].filter((value): value is number => typeof value === 'number' && Number.isFinite(value));
+  const most = Math.max(...all, 0);
+  if (scale === 'log') return uPlot.rangeLog(Math.min(...all.filter((value) => value > 0), most || 1), most || 10, 10, false);
+  return [0, Math.max(most * 1.08, (levels[0]?.value ?? 0) * 1.15) || 1];
+}
+
+function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
+  const { ctx, bbox } = plot;
+  for (const { value, label } of levels) {
+    const y = plot.valToPos(value, 'y', true);
+    if (y < bbox.top || y > bbox.top + bbox.height) continue;
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = resolved('var(--bad)');
+    ctx.lineWidth = uPlot.pxRatio;
+    ctx.setLineDash([6 * uPlot.pxRatio, 4 * uPlot.pxRatio]);
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    ctx.font = `${11 * uPlot.pxRatio}px system-ui, sans-serif`;
+    ctx.textAlign = 'right';
+    ctx.setLineDash([]);
+    ctx.lineWidth = 3 * uPlot.pxRatio;
+    ctx.strokeStyle = resolved('var(--card)');
+    ctx.strokeText(label, bbox.left + bbox.width - 4 * uPlot.pxRatio, y - 4 * uPlot.pxRatio);
+    ctx.fillText(label, bbox.left + bbox.width - 4 * uPlot.pxRatio, y - 4 * uPlot.pxRatio);
+    ctx.restore();
+  }
+}
+
+function drawMoments(plot: uPlot, { moments = [], domain }: Picture): void {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.lineWidth = uPlot.pxRatio;
+  ctx.setLineDash([2 * uPlot.pxRatio, 2 * uPlot.pxRatio]);
+  ctx.font = `${11 * uPlot.pxRatio}px system-ui, sans-serif`;
+  for (const { timeMs, colour, label } of moments) {
+    if (timeMs < domain.fromMs || timeMs > domain.toMs) continue;
+    const x = plot.valToPos(timeMs, 'x', true);
+    ctx.strokeStyle = resolved(colour);
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+    ctx.fillStyle = resolved('var(--soft)');
+    if (label) ctx.fillText(label, x + 3 * uPlot.pxRatio, bbox.top + 11 * uPlot.pxRatio);
+  }
+  ctx.restore();
+}
+
+function seriesOf({ lines, hidden }: Picture): uPlot.Series[] {
+  return [{}, ...lines.map(({ label, colour, dash, width = 2, stepped = false, isAside = false, arm }): uPlot.Series => ({
+    label,
+    show: !(arm && hidden.has(arm)),
+    width,
+    stroke: () => (width > 0 ? resolved(colour) : 'rgba(0, 0, 0, 0)'),
+    ...(dash?.length && { dash: [...dash] }),
+    ...(stepped && { paths: uPlot.paths.stepped!({ align: 1 }) }),
+    auto: !isAside,
+    points: { show: false },
+    spanGaps: false,
+  }))];
+}
+
+function axis(now: () => Picture, isTime: boolean): uPlot.Axis {
+  return {
+    stroke: () => resolved('var(--soft)'),
+    font: FONT,
+    grid: { stroke: () => resolved('var(--rule)'), width: 1 },
+    ticks: { show: false },
+    ...(isTime
+      ? { size: 30, space: 84, incrs: TIME_STEPS, values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => splits.map((ms) => axisTime(ms, step)) }
+      : { size: LEFT, values: (_: uPlot, splits: number[]) => splits.map((value: number | null) => (value === null ? null : now().format(value))) }),
+  };
+}
+
+// An axis by powers of ten is labelled at 1, 2 and 5, or where those are too many at 1.
+function roundOnly(plot: uPlot, splits: number[]): (number | null)[] {
+  const decades = Math.log10((plot.scales.y?.max ?? 10) / (plot.scales.y?.min ?? 1));
+  const isShown = decades * 60 > plot.height ? /^1e/ : /^[125]e/;
+  return splits.map((value) => (isShown.test(value.toExponential(0)) && Math.abs(Number(value.toPrecision(1)) / value - 1) < 1e-9 ? value : null));
+}
+
+export const dataOf = ({ timesMs, lines }: Picture) => [timesMs, ...lines.map(({ values }) => values)] as unknown as uPlot.AlignedData;
+
+function options(now: () => Picture, width: number, height: number): uPlot.Options {
+  const { scale, bands = [], hidden, lines } = now();
+  const valueAxis = axis(now, false);
+  if (scale === 'log') valueAxis.filter = roundOnly;
+  const isShown = (place: number) => !hidden.has(lines[place]?.arm ?? '');
+  return {
+    width,
+    height,
+    ms: 1,
+    padding: [8, RIGHT, 0, 0],
+    legend: { show: false },
+    series: seriesOf(now()),
+    bands: bands.filter(({ upper, lower }) => isShown(upper) && isShown(lower)).map(({ upper, lower, fill }) =>
+      ({ series: [upper + 1, lower + 1], fill: (plot: uPlot) => fill(plot.ctx) })),
+    scales: {
+      x: { time: true, range: () => [now().domain.fromMs, now().domain.toMs] },
+      y: { ...(scale === 'log' && { distr: 3 }), range: (_, min, max) => valueRange(now(), min, max) },
+    },
+    axes: [axis(now, true), valueAxis],
+    cursor: {
+      y: false,
+      points: { show: false },
+      drag: { x: true, y: false, setScale: false, dist: 6 },
+      bind: { dblclick: () => () => { setRange(undefined); return null; } },
+    },
+    hooks: {
+      draw: [(plot) => { drawLevels(plot, now()); drawMoments(plot, now()); }],
+      setCursor: [(plot) => {
+        const { left = -1 } = plot.cursor;
+        if (plot.over.matches(':hover')) crosshairMs.value = left < 0 ? undefined : plot.posToVal(left, 'x');
+      }],
+      setSelect: [(plot) => {
+        const { left, width: wide } = plot.select;
+        if (wide > 0) setRange({ fromMs: plot.posToVal(left, 'x'), toMs: plot.posToVal(left + wide, 'x') });
+        plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+      }],
+    },
+  };
+}
+
+/** Draws into `host`. What `now` returns is read at each drawing; another set of lines needs another plot. */
+export const createPlot = (host: HTMLElement, now: () => Picture, width: number, height: number) =>
+  new uPlot(options(now, width, height), dataOf(now()), host);
+
+/** Puts the crosshair where the reader points to in another chart. */
+export function showCrosshair(plot: uPlot, timeMs: number | undefined): void {
+  const left = timeMs === undefined ? -10 : plot.valToPos(timeMs, 'x');
+  plot.setCursor({ left, top: left < 0 ? -10 : 0 }, false);
+}
+
+export const fillOf = (colour: string, opacity: number) => () => translucent(colour, opacity);

@@ -1,0 +1,143 @@
+// What is believed of each arm, one row per arm over a shared axis: the density, its mean, and where it is with 50 and 95 %.
+import { useState } from 'preact/hooks';
+import { colourOf } from '../../palette';
+import { type Beta, centralInterval, mean } from '../numbers/beta';
+import { costNsOf, LOG_COST_REWARD_VERSION, rewardOfNs, rewardText } from '../numbers/log_cost';
+import { linearTicks, logTicks, ridge, ridgeAxis } from '../numbers/ridge';
+import { shapeOf } from '../parts/arm';
+import { visible } from '../parts/visible';
+import { useWidth } from './width';
+
+/** By what an arm was measured. */
+export type Measured = 'live' | 'lane' | 'never';
+
+export interface RidgeRow {
+  arm: string;
+  label: string; // the arm, and its version where there are several
+  posterior: Beta;
+  before?: Beta; // drawn behind it: a prior
+  measured: Measured;
+}
+
+export const MEASURED_WORDS: Readonly<Record<Measured, string>> = {
+  live: '', lane: 'only in the shadow lane, never in the game', never: 'never measured: what is shown is assumed',
+};
+
+const ROW = 56;
+const CREST = 34;
+const TOP = 6;
+const AXIS = 34;
+const SIDE = 12;
+
+// Costs rise to the right, as do rewards: a reward that tells costs is mirrored.
+interface Axis { low: number; high: number; x: (reward: number) => number; reward: (x: number) => number; tellsCosts: boolean }
+
+/** Returns the range of rewards that shows what is known of all rows. */
+export const ridgeRange = (rows: readonly RidgeRow[]) =>
+  ridgeAxis(rows.map(({ posterior, measured }) => ({ posterior, isMeasured: measured !== 'never' })));
+
+function axisOf([low, high]: readonly [number, number], width: number, tellsCosts: boolean): Axis {
+  const span = width - 2 * SIDE;
+  const share = (reward: number) => (tellsCosts ? high - reward : reward - low) / (high - low);
+  return {
+    low, high, tellsCosts,
+    x: (reward) => SIDE + span * Math.min(Math.max(share(reward), 0), 1),
+    reward: (x) => (tellsCosts ? high - ((x - SIDE) / span) * (high - low) : low + ((x - SIDE) / span) * (high - low)),
+  };
+}
+
+function outline(posterior: Beta, { low, high, x }: Axis, base: number, width: number): string {
+  const points = ridge(posterior, low, high, Math.max(40, Math.floor(width / 3)));
+  if (points.length === 0) return '';
+  const line = points.map(({ reward, height }) => `${x(reward).toFixed(2)},${(base - CREST * height).toFixed(2)}`);
+  return `M${x(points[0]!.reward).toFixed(2)},${base}L${line.join('L')}L${x(points.at(-1)!.reward).toFixed(2)},${base}Z`;
+}
+
+const PAINT: Readonly<Record<Measured, { fill: number; dash?: string }>> = {
+  live: { fill: 0.35 }, lane: { fill: 0.12, dash: '6 3' }, never: { fill: 0, dash: '2 4' },
+};
+
+function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Axis; width: number }) {
+  const { posterior, before, measured, arm, label } = row;
+  const colour = colourOf(arm);
+  const [low, high] = centralInterval(posterior, 0.95);
+  const [innerLow, innerHigh] = centralInterval(posterior, 0.5);
+  const { fill, dash } = PAINT[measured];
+  const text = (reward: number) => rewardText(reward, axis.tellsCosts);
+  const [left, right] = axis.tellsCosts ? [high, low] : [low, high];
+  const value = measured === 'never' ? 'never measured' : `${text(mean(posterior))} (${text(left)} to ${text(right)})${measured === 'lane' ? ', lane only' : ''}`;
+  return (
+    <g>
+      <title>{`${visible(label)}: ${value}. ${MEASURED_WORDS[measured]}`}</title>
+      {before && <path d={outline(before, axis, base, width)} fill="none" stroke="var(--soft)" stroke-dasharray="3 3" />}
+      <path d={outline(posterior, axis, base, width)} fill={colour} fill-opacity={fill} stroke={colour} stroke-width="1.5" stroke-dasharray={dash ?? 'none'} />
+      <line x1={axis.x(low)} x2={axis.x(high)} y1={base + 5} y2={base + 5} stroke={colour} stroke-width="1.5" />
+      <line x1={axis.x(innerLow)} x2={axis.x(innerHigh)} y1={base + 5} y2={base + 5} stroke={colour} stroke-width="5" />
+      <path d={shapeOf(arm)} transform={`translate(${axis.x(mean(posterior)).toFixed(2)} ${base + 5})`} fill={measured === 'live' ? colour : 'var(--card)'}
+        stroke={colour} stroke-width="1.5" />
+      <text class="halo" x={SIDE} y={base - CREST - 4} font-size="12" font-weight="600" fill="var(--text)">{shortened(label, width)}</text>
+      <text class="halo" x={width - SIDE} y={base - CREST - 4} font-size="11" fill="var(--soft)" text-anchor="end">{value}</text>
+    </g>
+  );
+}
+
+function shortened(name: string, width: number): string {
+  const shown = visible(name);
+  const most = Math.max(8, Math.floor(width / 22));
+  return [...shown].length <= most ? shown : `${[...shown].slice(0, most - 1).join('')}…`;
+}
+
+function Ticks({ axis, width, y }: { axis: Axis; width: number; y: number }) {
+  const count = Math.max(2, Math.floor(width / 90));
+  const rewards = axis.tellsCosts
+    ? logTicks(costNsOf(axis.high), costNsOf(axis.low), count).map(rewardOfNs)
+    : linearTicks(axis.low, axis.high, count);
+  return (
+    <g font-size="11" fill="var(--soft)" text-anchor="middle">
+      {rewards.map((reward) => (
+        <g key={reward}>
+          <line x1={axis.x(reward)} x2={axis.x(reward)} y1={0} y2={y} stroke="var(--rule)" />
+          <text x={axis.x(reward)} y={y + 14}>{rewardText(reward, axis.tellsCosts)}</text>
+        </g>
+      ))}
+      <text x={width / 2} y={y + 29}>{axis.tellsCosts ? 'detection time per frame (less is better)' : 'reward (more is better)'}</text>
+    </g>
+  );
+}
+
+interface RidgelineProps {
+  title: string;
+  rows: readonly RidgeRow[];
+  rewardVersion: number;
+  rewards?: readonly [number, number]; // the axis, of charts beside others; else what shows all rows
+}
+
+export function Ridgeline({ title, rows, rewardVersion, rewards = ridgeRange(rows) }: RidgelineProps) {
+  const { element, width } = useWidth<HTMLDivElement>();
+  const [pointer, setPointer] = useState<number | undefined>(undefined);
+  const height = TOP + rows.length * ROW + AXIS;
+  const axis = axisOf(rewards, Math.max(width, 160), rewardVersion === LOG_COST_REWARD_VERSION);
+  const onPointerMove = (event: PointerEvent) => {
+    const x = event.clientX - (event.currentTarget as Element).getBoundingClientRect().left;
+    setPointer(x < SIDE || x > width - SIDE ? undefined : x);
+  };
+  return (
+    <div ref={element} class="ridgeline">
+      {width > 0 && (
+        <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img"
+          aria-label={`${title}; the table has the values`} onPointerMove={onPointerMove} onPointerLeave={() => setPointer(undefined)}>
+          <Ticks axis={axis} width={width} y={height - AXIS} />
+          {rows.map((row, i) => <Row key={row.label} row={row} base={TOP + (i + 1) * ROW - 12} axis={axis} width={width} />)}
+          {pointer !== undefined && (
+            <g pointer-events="none">
+              <line x1={pointer} x2={pointer} y1={0} y2={height - AXIS} stroke="var(--text)" stroke-dasharray="3 3" />
+              <text class="halo" x={pointer} y={height - AXIS - 2} font-size="11" fill="var(--text)" text-anchor={pointer > width / 2 ? 'end' : 'start'}>
+                {` ${rewardText(axis.reward(pointer), axis.tellsCosts)} `}
+              </text>
+            </g>
+          )}
+        </svg>
+      )}
+    </div>
+  );
+}

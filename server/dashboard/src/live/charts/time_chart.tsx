@@ -1,0 +1,138 @@
+// A chart over time: lines and bands, a legend with the values at the crosshair, all charts of a view in step. Drag to zoom, double
+// click to see all; with the keyboard: arrows move the crosshair, + and − zoom, 0 shows all.
+import { useSignalEffect } from '@preact/signals';
+import { useEffect, useRef, useState } from 'preact/hooks';
+import type uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import { Name } from '../parts/name';
+import { theme } from './colours';
+import { createPlot, dataOf, type Line, type Picture, showCrosshair } from './plot';
+import { crosshairMs, hiddenArms, pausedMs, placeAt, range, setPaused, setRange, toggleArm, zoomed } from './view_state';
+import { useWidth } from './width';
+
+interface TimeChartProps extends Omit<Picture, 'hidden'> { title: string; height?: number }
+
+const isTold = ({ label, width }: Line) => label !== '' && width !== 0;
+
+// At the end, where a line may not reach, its last value.
+function valueText({ told, values }: Line, place: number, isEnd: boolean, format: (value: number) => string): string {
+  const all = told ?? values;
+  let at = place;
+  while (isEnd && at > 0 && (all[at] === null || all[at] === undefined)) --at;
+  const value = all[at];
+  return value === null || value === undefined ? '–' : format(value);
+}
+
+// What cannot change without a new plot.
+const structureOf = ({ lines, bands = [], scale, hidden }: Picture) =>
+  JSON.stringify([lines.map(({ label, colour, dash, width }) => [label, colour, dash, width]), bands.map(({ upper, lower }) => [upper, lower]), scale,
+    [...hidden]]);
+
+/** Returns what to do for a key, or undefined. */
+function actionOf(key: string, { timesMs, domain }: Picture): (() => void) | undefined {
+  const at = crosshairMs.peek() ?? domain.toMs;
+  const step = (by: number) => () => {
+    const place = Math.min(Math.max(placeAt(timesMs, at) + by, 0), timesMs.length - 1);
+    crosshairMs.value = timesMs[place];
+  };
+  switch (key) {
+    case 'ArrowLeft': return step(-1);
+    case 'ArrowRight': return step(1);
+    case 'Home': return () => { crosshairMs.value = timesMs.find((each) => each >= domain.fromMs); };
+    case 'End': return () => { crosshairMs.value = timesMs[placeAt(timesMs, domain.toMs)]; };
+    case '+': case '=': return () => setRange(zoomed(domain, at, 0.5));
+    case '-': return () => setRange(range.peek() && zoomed(domain, at, 2));
+    case '0': return () => setRange(undefined);
+    case 'Escape': return () => { crosshairMs.value = undefined; };
+    default: return undefined;
+  }
+}
+
+function Swatch({ line: { colour, dash } }: { line: Line }) {
+  return (
+    <svg width="26" height="10" aria-hidden="true">
+      <line x1="1" x2="25" y1="5" y2="5" stroke={colour} stroke-width="2.5" stroke-dasharray={dash?.join(' ') ?? ''} />
+    </svg>
+  );
+}
+
+function Entry({ line, value }: { line: Line; value: string }) {
+  const content = <><Swatch line={line} /> <Name text={line.label} /> <span class="value">{value}</span></>;
+  const { arm } = line;
+  if (!arm) return <span class="entry">{content}</span>;
+  return (
+    <button type="button" class="entry" aria-pressed={!hiddenArms.value.has(arm)} title="Show or hide in all charts" onClick={() => toggleArm(arm)}>
+      {content}
+    </button>
+  );
+}
+
+// The values at the crosshair, or the latest ones.
+function Legend({ picture: { lines, timesMs, format, domain } }: { picture: Picture }) {
+  const at = crosshairMs.value;
+  const place = placeAt(timesMs, at ?? domain.toMs);
+  return (
+    <div class="legend">
+      {lines.filter(isTold).map((line) => <Entry key={line.label} line={line} value={valueText(line, place, at === undefined, format)} />)}
+      <time class="soft">{at === undefined ? '' : new Date(at).toLocaleTimeString()}</time>
+    </div>
+  );
+}
+
+export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
+  const picture: Picture = { ...rest, hidden: hiddenArms.value };
+  const latest = useRef(picture);
+  latest.current = picture;
+  const { element: host, width } = useWidth<HTMLDivElement>();
+  const plot = useRef<uPlot | null>(null);
+  const [spoken, setSpoken] = useState('');
+  const structure = structureOf(picture);
+
+  useEffect(() => {
+    if (!host.current || width === 0) return undefined;
+    const created = createPlot(host.current, () => latest.current, width, height);
+    plot.current = created;
+    return () => {
+      created.destroy();
+      plot.current = null;
+    };
+  }, [structure, theme.value, width === 0]);
+  useEffect(() => { if (width > 0) plot.current?.setSize({ width, height }); }, [width, height]);
+  useEffect(() => { plot.current?.setData(dataOf(picture)); }, [picture.timesMs, picture.lines, picture.moments, picture.domain.fromMs, picture.domain.toMs]);
+  useSignalEffect(() => {
+    const at = crosshairMs.value;
+    if (plot.current && !host.current?.matches(':hover')) showCrosshair(plot.current, at);
+  });
+
+  function onKeyDown(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const action = actionOf(event.key, picture);
+    if (!action) return;
+    event.preventDefault();
+    action();
+    const place = placeAt(picture.timesMs, crosshairMs.peek() ?? picture.domain.toMs);
+    setSpoken(picture.lines.filter(isTold).map((line) => `${line.label} ${valueText(line, place, false, picture.format)}`).join(', '));
+  }
+
+  return (
+    <div class="time-chart">
+      <div ref={host} class="plot" tabIndex={0} role="group" aria-label={`${title}. Arrow keys move the crosshair, plus and minus zoom, 0 shows all.`}
+        onKeyDown={onKeyDown} onMouseLeave={() => { crosshairMs.value = undefined; }} />
+      <Legend picture={picture} />
+      <p class="unseen" role="status">{spoken}</p>
+    </div>
+  );
+}
+
+/** Pause, and the way back from a zoom: one set for all charts of a view. */
+export function TimeTools() {
+  const isPaused = pausedMs.value !== undefined;
+  return (
+    <div class="time-tools" role="toolbar" aria-label="Time">
+      <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Go on' : '❚❚ Pause'}</button>
+      <button type="button" disabled={!range.value} onClick={() => setRange(undefined)}>Show all</button>
+      {isPaused && <span class="soft">Standing still since {new Date(pausedMs.value!).toLocaleTimeString()}.</span>}
+      <span class="soft hint">Drag in a chart to zoom.</span>
+    </div>
+  );
+}

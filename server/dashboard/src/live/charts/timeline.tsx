@@ -1,0 +1,206 @@
+// A session's switches over time: a lane per arm, the active one filled; cooldown and settling shaded; candidates that were held back
+// hollow. What is pointed to, or reached with the arrow keys, is said in words below; Enter or a click opens its explanation.
+import { useId, useMemo, useRef, useState } from 'preact/hooks';
+import type { Step } from '../audit/steps';
+import { shapeOf } from '../parts/arm';
+import { visible } from '../parts/visible';
+import { armStyle } from './arm_style';
+import { axisTime, LEFT, RIGHT, TIME_STEPS } from './plot';
+import { linearTicks } from '../numbers/ridge';
+import { type Mark, type Timeline, timelineOf } from './timeline_model';
+import { crosshairMs, type Range, setRange, zoomed } from './view_state';
+import { useWidth } from './width';
+
+const LANE = 26;
+const AXIS = 22;
+const REACH = 14; // pixels from a mark that still answers
+
+interface TimelineProps {
+  steps: readonly Step[];
+  arms: readonly string[];
+  domain: Range;
+  onOpen: (step: Step) => void;
+}
+
+interface Geometry { width: number; height: number; x: (ms: number) => number; ms: (x: number) => number; y: (arm: string) => number; domain: Range }
+
+function geometryOf(width: number, arms: readonly string[], domain: Range): Geometry {
+  const span = Math.max(width - LEFT - RIGHT, 1);
+  const length = domain.toMs - domain.fromMs;
+  return {
+    width, domain,
+    height: Math.max(arms.length, 1) * LANE + AXIS,
+    x: (ms) => LEFT + (span * (Math.min(Math.max(ms, domain.fromMs), domain.toMs) - domain.fromMs)) / length,
+    ms: (x) => domain.fromMs + (length * (x - LEFT)) / span,
+    y: (arm) => Math.max(arms.indexOf(arm), 0) * LANE + LANE / 2,
+  };
+}
+
+const overlaps = ({ fromMs, toMs }: Range, domain: Range) => toMs >= domain.fromMs && fromMs <= domain.toMs;
+
+/** Returns times on the clock's round steps. */
+function timeTicks({ fromMs, toMs }: Range, count: number): { timesMs: number[]; stepMs: number } {
+  const stepMs = TIME_STEPS.find((each) => (toMs - fromMs) / each <= count);
+  if (!stepMs) return { timesMs: linearTicks(fromMs, toMs, count), stepMs: 86_400_000 };
+  const timesMs: number[] = [];
+  for (let ms = Math.ceil(fromMs / stepMs) * stepMs; ms <= toMs; ms += stepMs) timesMs.push(ms);
+  return { timesMs, stepMs };
+}
+
+function Lanes({ arms, geometry: { width, height, x, domain } }: { arms: readonly string[]; geometry: Geometry }) {
+  const { timesMs, stepMs } = timeTicks(domain, Math.max(2, Math.floor(width / 110)));
+  return (
+    <g font-size="11" fill="var(--soft)">
+      {timesMs.map((ms) => (
+        <g key={ms}>
+          <line x1={x(ms)} x2={x(ms)} y1={0} y2={height - AXIS} stroke="var(--rule)" />
+          <text x={x(ms)} y={height - 6} text-anchor="middle">{axisTime(ms, stepMs)}</text>
+        </g>
+      ))}
+      {arms.map((arm, i) => (
+        <g key={arm}>
+          <line x1={LEFT} x2={width - RIGHT} y1={(i + 1) * LANE} y2={(i + 1) * LANE} stroke="var(--rule)" />
+          <text x={LEFT - 6} y={i * LANE + LANE / 2 + 4} text-anchor="end" fill="var(--text)">{[...visible(arm)].slice(0, 11).join('')}</text>
+        </g>
+      ))}
+    </g>
+  );
+}
+
+function MarkShape({ mark, arms, geometry: { x, y, domain }, isOn = false }: { mark: Mark; arms: readonly string[]; geometry: Geometry; isOn?: boolean }) {
+  if (!overlaps(mark, domain)) return null;
+  const { colour } = armStyle(mark.arm, arms);
+  const left = x(mark.fromMs);
+  const right = x(mark.toMs);
+  const height = y(mark.arm);
+  return (
+    <g class={isOn ? 'mark on' : 'mark'} stroke={colour} stroke-width={isOn ? 2.5 : 1.5}>
+      {right - left > 3 && <rect x={left} y={height - 4} width={right - left} height={8} rx="4" fill="none" />}
+      {mark.sign
+        ? <text x={left} y={height + 5} text-anchor="middle" font-size="14" font-weight="700" fill="var(--text)" stroke="none">{mark.sign}</text>
+        : <path d={shapeOf(mark.arm)} transform={`translate(${left.toFixed(1)} ${height})`} fill={mark.isHollow ? 'var(--card)' : colour} />}
+    </g>
+  );
+}
+
+// All that stays as it is while the pointer moves.
+function Still({ timeline, arms, geometry, settling }: { timeline: Timeline; arms: readonly string[]; geometry: Geometry; settling: string }) {
+  const { x, y, height, domain } = geometry;
+  return (
+    <g>
+      {timeline.shades.filter((shade) => overlaps(shade, domain)).map((shade) => (
+        <rect key={`${shade.kind}${shade.fromMs}`} class={shade.kind} x={x(shade.fromMs)} width={Math.max(x(shade.toMs) - x(shade.fromMs), 1)} y={0}
+          height={height - AXIS} fill={shade.kind === 'settling' ? `url(#${settling})` : 'var(--soft)'} opacity={shade.kind === 'settling' ? 1 : 0.14} />
+      ))}
+      <Lanes arms={arms} geometry={geometry} />
+      {timeline.spans.filter((span) => overlaps(span, domain)).map((span) => (
+        <rect key={span.fromMs} class="span" x={x(span.fromMs)} width={Math.max(x(span.toMs) - x(span.fromMs), 1.5)} y={y(span.arm) - 7} height={14} rx="2"
+          fill={armStyle(span.arm, arms).colour} opacity="0.75" />
+      ))}
+      {timeline.marks.map((mark) => <MarkShape key={`${mark.fromMs} ${mark.step.kind} ${mark.step.decisionId}`} mark={mark} arms={arms} geometry={geometry} />)}
+    </g>
+  );
+}
+
+function Crosshair({ geometry: { x, height, domain } }: { geometry: Geometry }) {
+  const at = crosshairMs.value;
+  if (at === undefined || at < domain.fromMs || at > domain.toMs) return null;
+  return <line x1={x(at)} x2={x(at)} y1={0} y2={height - AXIS} stroke="var(--text)" stroke-dasharray="3 3" pointer-events="none" />;
+}
+
+function nearestMark(marks: readonly Mark[], { x, y, domain }: Geometry, px: number, py: number): Mark | undefined {
+  let best: Mark | undefined;
+  let reach = REACH;
+  for (const mark of marks) {
+    if (!overlaps(mark, domain)) continue;
+    const away = Math.hypot(Math.max(x(mark.fromMs) - px, 0, px - x(mark.toMs)), y(mark.arm) - py);
+    if (away < reach) [reach, best] = [away, mark];
+  }
+  return best;
+}
+
+function wordsOf(mark: Mark | undefined): string {
+  if (!mark) return '';
+  const time = new Date(mark.fromMs).toLocaleTimeString();
+  return mark.count > 1 ? `${time} to ${new Date(mark.toMs).toLocaleTimeString()}, ${mark.count} decisions: ${mark.words}` : `${time}: ${mark.words}`;
+}
+
+// What keys do: arrows go from mark to mark.
+function actionsOf(marks: readonly Mark[], on: Mark | undefined, domain: Range, go: (mark: Mark | undefined) => void, open: (step: Step) => void): Readonly<Record<string, () => void>> {
+  const shown = marks.filter((mark) => overlaps(mark, domain));
+  const place = on ? shown.indexOf(on) : -1;
+  const goTo = (to: number) => go(shown[Math.min(Math.max(to, 0), shown.length - 1)]);
+  const about = on?.fromMs ?? domain.toMs;
+  return {
+    ArrowLeft: () => goTo(place < 0 ? shown.length - 1 : place - 1), ArrowRight: () => goTo(place + 1), Home: () => goTo(0), End: () => goTo(shown.length - 1),
+    Enter: () => on && open(on.step), Escape: () => go(undefined),
+    '+': () => setRange(zoomed(domain, about, 0.5)), '-': () => setRange(zoomed(domain, about, 2)), 0: () => setRange(undefined),
+  };
+}
+
+export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
+  const { element, width } = useWidth<HTMLDivElement>();
+  const timeline = useMemo(() => timelineOf(steps, domain.toMs), [steps, domain.toMs]);
+  const [on, setOn] = useState<Mark | undefined>(undefined);
+  const settling = useId();
+  const brush = useRef<number | undefined>(undefined);
+  const [brushTo, setBrushTo] = useState<number | undefined>(undefined);
+  const geometry = geometryOf(width, arms, domain);
+  const { ms, height } = geometry;
+  const still = useMemo(() => <Still timeline={timeline} arms={arms} geometry={geometry} settling={settling} />,
+    [timeline, arms, width, domain.fromMs, domain.toMs]);
+
+  const placeOf = (event: PointerEvent): [number, number] => {
+    const box = (event.currentTarget as Element).getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  function onPointerMove(event: PointerEvent): void {
+    const [px, py] = placeOf(event);
+    crosshairMs.value = px < LEFT || px > width - RIGHT ? undefined : ms(px);
+    setOn(nearestMark(timeline.marks, geometry, px, py));
+    if (brush.current !== undefined) setBrushTo(px);
+  }
+  function onPointerUp(event: PointerEvent): void {
+    const from = brush.current;
+    const [to] = placeOf(event);
+    brush.current = undefined;
+    setBrushTo(undefined);
+    if (from !== undefined && Math.abs(to - from) > 6) setRange({ fromMs: ms(Math.min(from, to)), toMs: ms(Math.max(from, to)) });
+    else if (on) onOpen(on.step);
+  }
+  function onKeyDown(event: KeyboardEvent): void {
+    const go = (mark: Mark | undefined) => {
+      setOn(mark);
+      crosshairMs.value = mark?.fromMs;
+    };
+    const action = event.ctrlKey || event.metaKey || event.altKey ? undefined : actionsOf(timeline.marks, on, domain, go, onOpen)[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+  return (
+    <div ref={element} class="timeline">
+      {width > 0 && (
+        <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} tabIndex={0} role="group"
+          aria-label="Switches over time. Arrow keys go from decision to decision, Enter explains one." onPointerMove={onPointerMove}
+          onPointerDown={(event) => { brush.current = placeOf(event)[0]; }} onPointerUp={onPointerUp}
+          onPointerLeave={() => { crosshairMs.value = undefined; brush.current = undefined; setBrushTo(undefined); }} onKeyDown={onKeyDown}
+          onDblClick={() => setRange(undefined)}>
+          <defs>
+            <pattern id={settling} width="6" height="6" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">
+              <rect width="3" height="6" fill="var(--soft)" opacity="0.45" />
+            </pattern>
+          </defs>
+          {still}
+          {on && <MarkShape mark={on} arms={arms} geometry={geometry} isOn />}
+          {brush.current !== undefined && brushTo !== undefined && (
+            <rect x={Math.min(brush.current, brushTo)} width={Math.abs(brushTo - brush.current)} y={0} height={height - AXIS} fill="var(--accent)" opacity="0.2" />
+          )}
+          <Crosshair geometry={geometry} />
+        </svg>
+      )}
+      <p class="say" role="status"><bdi>{visible(wordsOf(on))}</bdi></p>
+      <p class="legend soft" aria-hidden="true">filled: the active arm · hollow: a candidate that was held back · grey: cooldown, no switch yet · hatched: settling, nothing learnt</p>
+    </div>
+  );
+}

@@ -1,0 +1,49 @@
+import { describe, expect, it } from 'vitest';
+import type { Step } from '../audit/steps';
+import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
+import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import type { Told } from '../audit/explain';
+import { timelineOf } from './timeline_model';
+
+const told = (activeArm: string, candidate: string, outcome: DecisionOutcome): Told => ({
+  activeArm, candidate, outcome, reason: SwitchReason.UNSPECIFIED, rewardVersion: 3, verdict: Verdict.AMBIGUOUS, leader: '', leaderProbability: 0,
+  expectedLossRatio: 0, cooldownMs: 400,
+});
+const decision = (timeMs: number, activeArm: string, candidate: string, outcome: DecisionOutcome): Step =>
+  ({ timeMs, kind: 'tick', activeArm, decisionId: timeMs, told: told(activeArm, candidate, outcome) });
+const { KEPT, SWITCHED, HELD_COOLDOWN, HELD_GATE } = DecisionOutcome;
+
+const steps = [
+  decision(100, 'SAP', 'SAP', KEPT), decision(200, 'SAP', 'KDTree', SWITCHED), decision(300, 'KDTree', 'KDTree', KEPT),
+  decision(400, 'KDTree', 'SAP', HELD_COOLDOWN), decision(500, 'KDTree', 'SAP', HELD_COOLDOWN), decision(600, 'KDTree', 'SAP', HELD_GATE),
+  decision(650, 'KDTree', 'KDTree', KEPT), decision(680, 'KDTree', 'SAP', HELD_GATE),
+  { timeMs: 690, kind: 'bail-out', activeArm: 'KDTree', decisionId: 0 },
+];
+
+describe('a timeline', () => {
+  const { spans, shades, marks } = timelineOf(steps, 1000);
+
+  it('shows which arm ran when, up to the end', () =>
+    expect(spans).toEqual([{ arm: 'SAP', fromMs: 100, toMs: 300 }, { arm: 'KDTree', fromMs: 300, toMs: 1000 }]));
+
+  it('shades the cooldown after a switch, not after the start', () => expect(shades).toEqual([{ kind: 'cooldown', fromMs: 300, toMs: 700 }]));
+
+  it('has a filled mark for a switch and hollow ones for candidates that were held back', () =>
+    expect(marks.map(({ arm, isHollow, sign }) => [arm, isHollow, sign])).toEqual([
+      ['KDTree', false, ''], ['SAP', true, ''], ['SAP', true, ''], ['SAP', true, ''], ['KDTree', false, '!']]));
+
+  it('joins decisions after one another that held the same candidate back for the same reason', () =>
+    expect(marks.map(({ fromMs, toMs, count }) => [fromMs, toMs, count])).toEqual([[200, 200, 1], [400, 500, 2], [600, 600, 1], [680, 680, 1], [690, 690, 1]]));
+
+  it('says each mark in words', () => {
+    expect(marks[1]!.words).toBe('held: cooldown. SAP looks better, but KDTree stays: after a switch 400 ms have to pass before the next one.');
+    for (const { words } of marks) expect(words).toMatch(/\.$/);
+  });
+
+  it('of two switches ends the first cooldown where the second begins', () => {
+    const more = timelineOf([...steps, decision(695, 'SAP', 'SAP', KEPT)], 1000);
+    expect(more.shades.map(({ fromMs, toMs }) => [fromMs, toMs])).toEqual([[300, 695], [695, 1095]]);
+  });
+
+  it('of nothing is empty', () => expect(timelineOf([], 5)).toEqual({ spans: [], shades: [], marks: [] }));
+});

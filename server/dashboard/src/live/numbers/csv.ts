@@ -1,0 +1,46 @@
+// CSV by RFC 4180: reading what the daemon exports, and writing what people load into a spreadsheet.
+
+/** Returns the cells of one record, whose quoted cells may hold commas, quotes and line breaks; undefined if its quotes are wrong. */
+export function parseRecord(record: string): string[] | undefined {
+  const cells: string[] = [];
+  let at = 0;
+  for (;;) {
+    let cell = '';
+    if (record[at] === '"') {
+      for (++at; ; at += 2) {
+        const quote = record.indexOf('"', at);
+        if (quote < 0) return undefined;
+        cell += record.slice(at, quote);
+        at = quote;
+        if (record[at + 1] !== '"') break;
+        cell += '"';
+      }
+      ++at;
+      if (at < record.length && record[at] !== ',') return undefined;
+    } else {
+      const end = record.indexOf(',', at);
+      cell = record.slice(at, end < 0 ? record.length : end);
+      if (cell.includes('"')) return undefined;
+      at += cell.length;
+    }
+    cells.push(cell);
+    if (at >= record.length) return cells;
+    ++at;
+  }
+}
+
+/** A cell to write; nothing is an empty one. */
+export type CsvValue = string | number | bigint | boolean | null | undefined;
+
+// A spreadsheet takes a text that begins so for a formula. The apostrophe makes it a text.
+const FORMULA = /^[=+\-@\t\r]/;
+
+function writtenCell(value: CsvValue): string {
+  if (value === null || value === undefined) return '';
+  const text = typeof value === 'string' && FORMULA.test(value) ? `'${value}` : String(value);
+  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
+
+/** Returns a file with a header and its rows. What people have named cannot become a formula. */
+export const csvOf = (header: readonly string[], rows: Iterable<readonly CsvValue[]>): string =>
+  [header, ...rows].map((row) => row.map(writtenCell).join(',') + '\r\n').join('');

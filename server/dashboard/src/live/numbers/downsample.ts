@@ -1,0 +1,43 @@
+// Fewer points that look like all of them: of each of equally long ranges of x, the points where a column is lowest and highest stay,
+// so that no spike is lost. Pure functions.
+
+/** A value, or nothing where there is none. */
+export type Column = ArrayLike<number | null | undefined>;
+
+function extremesWithin(columns: readonly Column[], from: number, to: number, keep: Set<number>): void {
+  for (const column of columns) {
+    let low = -1;
+    let high = -1;
+    for (let i = from; i < to; ++i) {
+      const value = column[i];
+      if (value === null || value === undefined || Number.isNaN(value)) continue;
+      if (low < 0 || value < column[low]!) low = i;
+      if (high < 0 || value > column[high]!) high = i;
+    }
+    if (low >= 0) keep.add(low).add(high);
+  }
+}
+
+/**
+ * Returns the indices of at most `limit` of the points, ascending: the first, the last, and those where any of the columns is lowest
+ * or highest within its range of x. REQUIRES: x ascends; limit >= 2 + 2 × columns, else that many are kept.
+ */
+export function keepExtremes(x: ArrayLike<number>, columns: readonly Column[], limit: number): number[] {
+  const length = x.length;
+  if (length <= limit) return Array.from({ length }, (_, i) => i);
+  const rangeCount = Math.max(1, Math.floor((limit - 2) / (2 * Math.max(columns.length, 1))));
+  const first = x[0]!;
+  const width = (x[length - 1]! - first) / rangeCount;
+  const keep = new Set([0, length - 1]);
+  let from = 0;
+  for (let range = 1; range <= rangeCount; ++range) {
+    let to = from;
+    while (to < length && (range === rangeCount || x[to]! < first + range * width)) ++to;
+    extremesWithin(columns, from, to, keep);
+    from = to;
+  }
+  return [...keep].sort((a, b) => a - b);
+}
+
+/** Returns the values at the indices. */
+export const pick = <T>(values: ArrayLike<T>, indices: readonly number[]): T[] => indices.map((i) => values[i]!);

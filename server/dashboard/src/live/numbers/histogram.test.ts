@@ -1,0 +1,35 @@
+import { describe, expect, it } from 'vitest';
+import { bucketsOf, countOf, merged, middleOf, percentile, percentiles } from './histogram';
+
+describe('histograms of the daemon', () => {
+  it('name their buckets by steps', () => {
+    expect([...bucketsOf({ bucketSteps: [0, 8, 3], counts: [1, 2, 4] })]).toEqual([[0, 1], [8, 2], [11, 4]]);
+  });
+
+  it('hold values at most 4.5 % off the middle of their bucket', () => {
+    for (const value of [1, 7, 1000, 16_666_667, 1e12]) {
+      const bucket = Math.floor(8 * Math.log2(value)) + 1;
+      expect(Math.abs(middleOf(bucket) / value - 1)).toBeLessThan(0.0451);
+    }
+    expect(middleOf(0)).toBe(0);
+  });
+
+  it('are merged by adding the counts of equal buckets', () => {
+    const a = bucketsOf({ bucketSteps: [5, 5], counts: [1, 1] });
+    const b = bucketsOf({ bucketSteps: [2, 8], counts: [3, 2] });
+    expect([...merged([a, b])]).toEqual([[2, 3], [5, 1], [10, 3]]);
+    expect(countOf(merged([a, b]))).toBe(7);
+  });
+
+  it('give the value that a share of the values does not exceed', () => {
+    const buckets = bucketsOf({ bucketSteps: [10, 10, 10], counts: [50, 45, 5] });
+    expect(percentile(buckets, 0.5)).toBe(middleOf(10));
+    expect(percentile(buckets, 0.95)).toBe(middleOf(20));
+    expect(percentiles(buckets)).toEqual([middleOf(10), middleOf(20), middleOf(30)]);
+  });
+
+  it('without values, or that break their rules, give none', () => {
+    expect(percentile(bucketsOf({ bucketSteps: [], counts: [] }), 0.5)).toBeUndefined();
+    expect(percentiles(bucketsOf({ bucketSteps: [3], counts: [] }))).toBeUndefined();
+  });
+});

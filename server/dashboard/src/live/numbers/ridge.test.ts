@@ -1,0 +1,40 @@
+import { describe, expect, it } from 'vitest';
+import { mean } from './beta';
+import { linearTicks, logTicks, ridge, ridgeAxis } from './ridge';
+
+describe('a ridge', () => {
+  it.each([[1, 1], [0.5, 0.5], [3, 9], [1e6, 2e6], [1e12, 5e11], [1e-3, 40]])('of Beta(%d, %d) is finite, between 0 and 1, and ascends', (alpha, beta) => {
+    const points = ridge({ alpha, beta }, 0, 1, 100);
+    expect(points.every(({ height }) => Number.isFinite(height) && height >= 0 && height <= 1)).toBe(true);
+    expect(points.every(({ reward }, i) => i === 0 || reward >= points[i - 1]!.reward)).toBe(true);
+    expect(Math.max(...points.map(({ height }) => height))).toBeCloseTo(1, 6);
+  });
+
+  it('of α = 1e12 has its whole needle, where evenly spaced points would miss it', () => {
+    const posterior = { alpha: 1e12, beta: 5e11 };
+    const needle = ridge(posterior, 0, 1, 100).filter(({ height }) => height > 0.01);
+    expect(needle.length).toBeGreaterThan(10);
+    expect(Math.abs(needle[Math.floor(needle.length / 2)]!.reward - mean(posterior))).toBeLessThan(1e-6);
+  });
+
+  it('of Beta(1, 1) is flat', () => {
+    for (const { height } of ridge({ alpha: 1, beta: 1 }, 0, 1, 50)) expect(height).toBeCloseTo(1, 9);
+  });
+});
+
+describe('the axis of ridges', () => {
+  it('shows what was measured, and not what is only assumed', () => {
+    const [low, high] = ridgeAxis([{ posterior: { alpha: 6e5, beta: 4e5 }, isMeasured: true }, { posterior: { alpha: 1, beta: 1 }, isMeasured: false }]);
+    expect(low).toBeGreaterThan(0.59);
+    expect(high).toBeLessThan(0.61);
+  });
+  it('is all of it while nothing is measured', () => expect(ridgeAxis([{ posterior: { alpha: 1, beta: 1 }, isMeasured: false }])).toEqual([0, 1]));
+});
+
+describe('ticks', () => {
+  it('are round', () => {
+    expect(linearTicks(0.1, 0.52, 4)).toEqual([0.2, 0.4]);
+    expect(logTicks(900, 120_000, 9)).toEqual([1000, 2000, 5000, 10_000, 20_000, 50_000, 100_000]);
+    expect(logTicks(900, 120_000, 4)).toEqual([1000, 10_000, 100_000]);
+  });
+});

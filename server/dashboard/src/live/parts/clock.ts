@@ -1,0 +1,25 @@
+// The time, for what says how long ago something was.
+import { signal, type ReadonlySignal } from '@preact/signals';
+
+const clock = signal(Date.now());
+// By the browser's clock; it goes on once a second while the page is visible.
+export const now: ReadonlySignal<number> = clock;
+setInterval(() => { if (!document.hidden) clock.value = Date.now(); }, 1000);
+
+const UNITS: readonly [string, number][] = [['d', 86_400], ['h', 3600], ['min', 60], ['s', 1]];
+
+// "3 min"; of less than a second "0 s".
+export function duration(ms: number): string {
+  const seconds = Math.max(0, Math.floor(ms / 1000));
+  const [unit, size] = UNITS.find(([, each]) => seconds >= each) ?? ['s', 1];
+  return `${Math.floor(seconds / size)} ${unit}`;
+}
+
+export const ago = (sinceMs: number, nowMs: number) => (nowMs - sinceMs < 2000 ? 'now' : `${duration(nowMs - sinceMs)} ago`);
+
+// In the reader's own time zone, "2026-03-01 14:05:09".
+export function timeText(unixMs: number): string {
+  const date = new Date(unixMs);
+  const two = (value: number) => String(value).padStart(2, '0');
+  return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())} ${two(date.getHours())}:${two(date.getMinutes())}:${two(date.getSeconds())}`;
+}

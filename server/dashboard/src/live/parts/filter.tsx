@@ -1,0 +1,37 @@
+// A search field whose text is in the address. "/" leads there.
+import { useRef, useState } from 'preact/hooks';
+import { route, setQuery } from '../state/route';
+import { useShortcuts, type Shortcut } from './keys';
+
+export function Filter({ label, parameter = 'q' }: { label: string; parameter?: string }) {
+  const input = useRef<HTMLInputElement>(null);
+  const [shortcuts] = useState<readonly Shortcut[]>([{ keys: '/', what: label, run: () => input.current?.focus() }]);
+  useShortcuts(shortcuts);
+  return (
+    <label class="filter">
+      <span class="unseen">{label}</span>
+      <input ref={input} type="search" placeholder={`${label}  /`} value={route.value.query.get(parameter) ?? ''} spellcheck={false}
+        onInput={(event) => setQuery({ [parameter]: event.currentTarget.value })}
+        onKeyDown={(event) => event.key === 'Escape' && event.currentTarget.blur()} />
+    </label>
+  );
+}
+
+// Whether each word of the filter is in one of the texts.
+export function matches(filter: string, texts: readonly string[]): boolean {
+  const all = texts.join('\n').toLowerCase();
+  return filter.toLowerCase().split(/\s+/).every((word) => all.includes(word));
+}
+
+// A choice of one, in the address. The first one is the default, and is not written there.
+export function Choice({ label, parameter, options }: { label: string; parameter: string; options: readonly (readonly [value: string, text: string])[] }) {
+  const chosen = route.value.query.get(parameter) ?? options[0]?.[0] ?? '';
+  return (
+    <label class="choice">
+      <span>{label}</span>
+      <select value={chosen} onChange={(event) => setQuery({ [parameter]: event.currentTarget.value === options[0]?.[0] ? undefined : event.currentTarget.value }, { step: true })}>
+        {options.map(([value, text]) => <option key={value} value={value}>{text}</option>)}
+      </select>
+    </label>
+  );
+}

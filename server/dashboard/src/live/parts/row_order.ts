@@ -1,0 +1,53 @@
+// The order of a table's rows while the reader is in it: an update may change a row, but moves none from under the hand.
+export interface PlacedRow<Row> {
+  key: string;
+  row: Row;
+  isGone: boolean;  // it is not there any more, and keeps its place until the reader leaves
+}
+
+export interface Placement<Row> {
+  placed: readonly PlacedRow<Row>[];
+  isOutdated: boolean;  // the rows would be ordered differently
+}
+
+export class RowOrder<Row> {
+  private shown: readonly PlacedRow<Row>[] = [];
+
+  // `rows` in the order that they should have; while the order is held they stay where they were shown, and new ones come last.
+  place(rows: readonly Row[], keyOf: (row: Row) => string, isHeld: boolean): Placement<Row> {
+    const wanted = rows.map((row) => ({ key: keyOf(row), row, isGone: false }));
+    if (!isHeld || this.shown.length === 0) {
+      this.shown = wanted;
+      return { placed: wanted, isOutdated: false };
+    }
+    const there = new Map(wanted.map((each) => [each.key, each]));
+    const before = new Set(this.shown.map(({ key }) => key));
+    this.shown = [
+      ...this.shown.map((each) => there.get(each.key) ?? { ...each, isGone: true }),
+      ...wanted.filter(({ key }) => !before.has(key)),
+    ];
+    const isOutdated = this.shown.length !== wanted.length || this.shown.some(({ key }, i) => key !== wanted[i]!.key);
+    return { placed: this.shown, isOutdated };
+  }
+}
+
+export type SortValue = number | string | undefined;
+// What a table is sorted by: a column, "-" before it for descending.
+export interface Sorting {
+  column: string;
+  isDescending: boolean;
+}
+
+export const sortingOf = (text: string): Sorting => ({ column: text.replace(/^-/, ''), isDescending: text.startsWith('-') });
+export const sortingText = ({ column, isDescending }: Sorting) => (isDescending ? '-' : '') + column;
+
+// Rows without a value come last in both directions. Equal rows keep their order.
+export function sortedBy<Row>(rows: readonly Row[], valueOf: (row: Row) => SortValue, isDescending: boolean): Row[] {
+  const sign = isDescending ? -1 : 1;
+  const isNone = (value: SortValue) => value === undefined || Number.isNaN(value);
+  return rows.map((row) => ({ row, value: valueOf(row) })).sort(({ value: a }, { value: b }) => {
+    if (isNone(a) || isNone(b)) return Number(isNone(a)) - Number(isNone(b));
+    if (typeof a === 'number' && typeof b === 'number') return sign * (a - b);
+    return sign * String(a).localeCompare(String(b), 'en', { numeric: true });
+  }).map(({ row }) => row);
+}

@@ -1,0 +1,161 @@
+// A table of any number of rows: sorted by the address, drawn only where it is in sight, left in its order while the reader is in it,
+// and as a CSV file.
+import type { ComponentChildren } from 'preact';
+import { useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { csvOf, type CsvValue } from '../numbers/csv';
+import { route, setQuery } from '../state/route';
+import { grouped } from '../../format';
+import { download } from './download';
+import { useEntered } from './entered';
+import { RowOrder, sortedBy, sortingOf, sortingText, type PlacedRow, type Sorting, type SortValue } from './row_order';
+import { fileName } from './visible';
+
+const ROW_PX = 37;  // style.css has it too
+const ALL_UP_TO = 80;  // rows of which all are drawn
+const OVERSCAN = 10;
+
+export interface Column<Row> {
+  id: string;
+  title: string;
+  cell(row: Row): ComponentChildren;
+  sort?(row: Row): SortValue;  // absent: the column cannot be sorted by
+  csv?(row: Row): CsvValue;  // absent: as sort
+  isText?: boolean;  // to the left; the first column always is
+  hint?: string;  // what the column shows, in a sentence
+  width?: string;  // at least, where what it shows keeps changing, so that the columns beside it stay
+}
+
+export interface TableProps<Row> {
+  caption: string;  // what the rows are, as "Scenes"
+  columns: readonly Column<Row>[];  // the first one names the row
+  rows: readonly Row[];
+  keyOf(row: Row): string;
+  sort: string;  // what it is sorted by at first; "-" before the column for descending
+  sortParameter?: string;  // of the query; where a view has several tables
+  tools?: ComponentChildren;
+}
+
+function Heading<Row>({ column, sorting, onSort }: { column: Column<Row>; sorting: Sorting; onSort(sorting: Sorting): void }) {
+  const isSorted = sorting.column === column.id;
+  const order = !isSorted ? undefined : sorting.isDescending ? 'descending' : 'ascending';
+  const className = column.isText ? 'text' : undefined;
+  const style = column.width ? { minWidth: column.width } : undefined;
+  if (!column.sort) return <th scope="col" class={className} style={style} title={column.hint}>{column.title}</th>;
+  return (
+    <th scope="col" class={className} style={style} title={column.hint} aria-sort={order}>
+      <button type="button" class="sort" onClick={() => onSort({ column: column.id, isDescending: isSorted && !sorting.isDescending })}>{column.title}</button>
+    </th>
+  );
+}
+
+function Line<Row>({ placed, columns, index }: { placed: PlacedRow<Row>; columns: readonly Column<Row>[]; index: number }) {
+  const [first, ...others] = columns;
+  return (
+    <tr aria-rowindex={index + 2} class={placed.isGone ? 'gone' : undefined} data-key={placed.key} tabIndex={-1}>
+      <th scope="row">{first!.cell(placed.row)}</th>
+      {others.map((column) => <td key={column.id} class={column.isText ? 'text' : undefined}>{column.cell(placed.row)}</td>)}
+    </tr>
+  );
+}
+
+// Keeps the place of rows that are not drawn.
+const Gap = ({ rows, columns }: { rows: number; columns: number }) =>
+  (rows > 0 ? <tr class="gap" aria-hidden="true"><td colSpan={columns} style={{ height: rows * ROW_PX }} /></tr> : null);
+
+function csvText<Row>(columns: readonly Column<Row>[], rows: readonly Row[]): string {
+  const written = columns.filter(({ csv, sort }) => csv ?? sort);
+  return csvOf(written.map(({ title }) => title), rows.map((row) => written.map((column) => (column.csv ?? column.sort)!(row))));
+}
+
+// Arrow keys go from row to row, to what can be followed there.
+function moveFocus(event: KeyboardEvent, box: HTMLElement, count: number): void {
+  const row = (event.target as Element).closest('tbody tr[data-key]');
+  if (!row || event.ctrlKey || event.metaKey || event.altKey) return;
+  const at = Number(row.getAttribute('aria-rowindex'));
+  const page = Math.max(1, Math.floor(box.clientHeight / ROW_PX) - 1);
+  const step = { ArrowDown: 1, ArrowUp: -1, PageDown: page, PageUp: -page, Home: -count, End: count }[event.key];
+  if (step === undefined) return;
+  event.preventDefault();
+  const to = Math.min(Math.max(at + step, 2), count + 1);
+  const top = (to - 2) * ROW_PX;
+  if (box.scrollHeight > box.clientHeight) {
+    if (top < box.scrollTop) box.scrollTop = top;
+    else if (top + 3 * ROW_PX > box.scrollTop + box.clientHeight) box.scrollTop = top + 3 * ROW_PX - box.clientHeight;
+  }
+  const focus = () => {
+    const line = box.querySelector<HTMLElement>(`tbody tr[aria-rowindex="${to}"]`);
+    (line?.querySelector<HTMLElement>('a, button') ?? line)?.focus();
+  };
+  focus();
+  requestAnimationFrame(() => requestAnimationFrame(focus));
+}
+
+function useWindow(count: number) {
+  const box = useRef<HTMLDivElement>(null);
+  const [view, setView] = useState({ top: 0, height: 800 });
+  const look = () => {
+    const element = box.current;
+    if (element) setView({ top: element.scrollTop, height: element.clientHeight });
+  };
+  useLayoutEffect(() => {
+    look();
+    window.addEventListener('resize', look);
+    return () => window.removeEventListener('resize', look);
+  }, []);
+  const drawsAll = count <= ALL_UP_TO;
+  const from = drawsAll ? 0 : Math.max(0, Math.floor(view.top / ROW_PX) - OVERSCAN);
+  const to = drawsAll ? count : Math.min(count, Math.ceil((view.top + view.height) / ROW_PX) + OVERSCAN);
+  return { box, from: Math.min(from, to), to, look, isScrolled: view.top > 0 };
+}
+
+// The reader who filters or sorts wants another order: the address says so.
+function useOrder<Row>() {
+  const order = useRef(new RowOrder<Row>());
+  const address = useRef('');
+  const asked = route.value.query.toString();
+  if (address.current !== asked) order.current = new RowOrder<Row>();
+  address.current = asked;
+  return order;
+}
+
+export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter = 'sort', tools }: TableProps<Row>) {
+  const sorting = sortingOf(route.value.query.get(sortParameter) ?? sort);
+  const { isEntered, handlers } = useEntered();
+  const [, drawAgain] = useState(0);
+  const order = useOrder<Row>();
+  const valueOf = columns.find(({ id }) => id === sorting.column)?.sort;
+  const sorted = useMemo(() => (valueOf ? sortedBy(rows, valueOf, sorting.isDescending) : [...rows]), [rows, sorting.column, sorting.isDescending]);
+  const { box, from, to, look, isScrolled } = useWindow(rows.length);
+  const { placed, isOutdated } = order.current.place(sorted, keyOf, isEntered || isScrolled);
+
+  const sortAgain = (next: Sorting) => {
+    order.current = new RowOrder<Row>();
+    setQuery({ [sortParameter]: sortingText(next) === sort ? undefined : sortingText(next) });
+    drawAgain((count) => count + 1);
+  };
+  return (
+    <div class="table">
+      <div class="tools">
+        {tools}
+        <div class="side">
+          <span class="soft count">{grouped(rows.length)} {caption.toLowerCase()}</span>
+          <button type="button" class={isOutdated ? 'quiet' : 'quiet hidden'} disabled={!isOutdated} onClick={() => sortAgain(sorting)}
+            title="Rows keep their places while you are in the table">Sort again</button>
+          <button type="button" class="quiet" onClick={() => download(`${fileName('sweepstake', caption)}.csv`, csvText(columns, sorted), 'text/csv')}>CSV</button>
+        </div>
+      </div>
+      <div class="scroll" ref={box} role="region" aria-label={caption} tabIndex={0} onScroll={look} {...handlers}
+        onKeyDown={(event) => moveFocus(event, box.current!, placed.length)}>
+        <table aria-rowcount={placed.length + 1}>
+          <caption class="unseen">{caption}</caption>
+          <thead><tr aria-rowindex={1}>{columns.map((column) => <Heading key={column.id} column={column} sorting={sorting} onSort={sortAgain} />)}</tr></thead>
+          <tbody>
+            <Gap rows={from} columns={columns.length} />
+            {placed.slice(from, to).map((each, i) => <Line key={each.key} placed={each} columns={columns} index={from + i} />)}
+            <Gap rows={placed.length - to} columns={columns.length} />
+          </tbody>
+        </table>
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,37 @@
+// Short messages about what was done, with a way back where there is one.
+import { signal } from '@preact/signals';
+
+const SHOWN_MS = 8000;
+const MAX_TOASTS = 4;
+
+interface Toast {
+  id: number;
+  text: string;
+  isBad: boolean;
+  undo?: () => void;
+}
+
+const toasts = signal<readonly Toast[]>([]);
+let nextId = 0;
+
+const dismiss = (id: number) => { toasts.value = toasts.peek().filter((each) => each.id !== id); };
+
+export function toast(text: string, { undo, isBad = false }: { undo?: () => void; isBad?: boolean } = {}): void {
+  const id = nextId++;
+  toasts.value = [...toasts.peek().slice(1 - MAX_TOASTS), { id, text, isBad, ...(undo && { undo }) }];
+  setTimeout(() => dismiss(id), isBad ? 2 * SHOWN_MS : SHOWN_MS);
+}
+
+export function ToastHost() {
+  return (
+    <div class="toasts" role="status" aria-live="polite">
+      {toasts.value.map(({ id, text, isBad, undo }) => (
+        <div key={id} class={isBad ? 'toast bad' : 'toast'}>
+          <span>{text}</span>
+          {undo && <button type="button" onClick={() => { dismiss(id); undo(); }}>Undo</button>}
+          <button type="button" aria-label="Dismiss" onClick={() => dismiss(id)}>✕</button>
+        </div>
+      ))}
+    </div>
+  );
+}

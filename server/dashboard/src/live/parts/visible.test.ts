@@ -1,0 +1,17 @@
+import { expect, it } from 'vitest';
+import { fileName, visible } from './visible';
+
+it('leaves names as they are', () => {
+  expect(visible("Ölfaß – 'scène' <b>&amp;</b> 日本 🎮")).toBe("Ölfaß – 'scène' <b>&amp;</b> 日本 🎮");
+});
+
+it('shows what reorders a line, and what cannot be seen', () => {
+  expect(visible('a\u202egnp.exe')).toBe('a⟨U+202E⟩gnp.exe');
+  expect(visible('a\u200bb\ufeffc\u0007\u2028')).toBe('a⟨U+200B⟩b⟨U+FEFF⟩c⟨U+0007⟩⟨U+2028⟩');
+  expect(visible('\u2066x\u2069\u{e0041}\u3164')).toBe('⟨U+2066⟩x⟨U+2069⟩⟨U+E0041⟩⟨U+3164⟩');
+});
+
+it('makes file names that stay in their folder', () => {
+  expect(fileName('../../etc', 'a/b\\c')).toBe('etc_a-b-c');
+  expect(fileName('..')).toBe('sweepstake');
+});

@@ -1,0 +1,50 @@
+// Who looks at the page, as the daemon has it.
+import { computed, signal, type ReadonlySignal } from '@preact/signals';
+import { ApiError, asApiError, send } from '../transport/calls';
+
+export type Role = 'ingest' | 'watch' | 'operator' | 'admin';
+const ROLES: readonly Role[] = ['ingest', 'watch', 'operator', 'admin'];
+
+export interface Account {
+  version: string;  // of the daemon
+  asksForTokens: boolean;
+  loggedIn: boolean;
+  name: string;  // of the token, or empty
+  role: Role;
+  projects: readonly string[];  // those that the token is for; empty: all
+}
+
+const held = signal<Account | undefined>(undefined);
+// Undefined until the daemon has said it.
+export const account: ReadonlySignal<Account | undefined> = held;
+
+const failed = signal<ApiError | undefined>(undefined);
+export const accountError: ReadonlySignal<ApiError | undefined> = failed;
+
+// Whether a role allows what needs `least`. The daemon decides; the page only leaves out what would be refused.
+export const mayDo = (least: Role): ReadonlySignal<boolean> =>
+  computed(() => ROLES.indexOf(held.value?.role ?? 'ingest') >= ROLES.indexOf(least));
+export const isOperator = mayDo('operator');
+
+export const needsLogin = computed(() => held.value?.asksForTokens === true && !held.value.loggedIn);
+
+export async function learnAccount(): Promise<void> {
+  try {
+    const response = await send('/api/whoami', { signal: AbortSignal.timeout(10_000) });
+    held.value = { ...(await response.json() as Account) };
+    failed.value = undefined;
+  } catch (error) {
+    failed.value = asApiError(error);
+  }
+}
+
+// Throws ApiError.
+export async function login(token: string): Promise<void> {
+  await send('/login', { method: 'POST', body: JSON.stringify({ token }) });
+  await learnAccount();
+}
+
+export async function logout(): Promise<void> {
+  await send('/logout', { method: 'POST' });
+  location.assign('/');  // nothing of what was seen stays in the page
+}

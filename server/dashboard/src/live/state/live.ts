@@ -1,0 +1,118 @@
+// Keeps the state what the daemon knows: follows its streams while the page is open, and puts what they say into scenes.ts and
+// sessions.ts.
+import { effect, signal, type ReadonlySignal } from '@preact/signals';
+import { PosteriorsService, type DecisionEvent, type ScenePosterior, type WatchPosteriorsResponse } from '../../gen/sweepstake/v1/posteriors_pb';
+import { SessionsService, type SessionInfo, type WatchSessionsResponse } from '../../gen/sweepstake/v1/sessions_pb';
+import type { EventStamp } from '../../gen/sweepstake/v1/events_pb';
+import { Watch, type Listener } from '../transport/events';
+import { heard, startPulse } from '../transport/pulse';
+import { setConnection } from './connection';
+import { applyWhenHidden, withNextFrame } from './frame';
+import { account, learnAccount, needsLogin } from './account';
+import * as scenes from './scenes';
+import * as sessions from './sessions';
+
+const known = signal({ scenes: false, sessions: false });
+// Whether the first snapshot of the scenes and of the sessions has come.
+export const isKnown: ReadonlySignal<{ scenes: boolean; sessions: boolean }> = known;
+
+const ASK_AGAIN_MS = 3000;
+
+const timeOf = (stamp: EventStamp | undefined) => (stamp ? Number(stamp.unixMs) : Date.now());
+
+// What the two listeners have in common. `took` gets whole snapshots, and what came outside of one since the last frame.
+function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: readonly Message[], isSnapshot: boolean) => void): Listener<Message> {
+  let snapshot: Message[] | undefined;
+  let waiting: Message[] | undefined;  // for the next frame
+  return {
+    heard,
+    snapshotBegan: () => { snapshot = []; },
+    message(message) {
+      if (snapshot) {
+        snapshot.push(message);
+        return;
+      }
+      if (!waiting) {
+        const taken: Message[] = waiting = [];
+        withNextFrame(() => {
+          if (waiting === taken) waiting = undefined;
+          took(taken, false);
+        });
+      }
+      waiting.push(message);
+    },
+    snapshotEnded() {
+      const whole = snapshot ?? [];
+      snapshot = undefined;
+      waiting = undefined;  // what comes from here on is applied after the snapshot
+      withNextFrame(() => {
+        took(whole, true);
+        known.value = { ...known.peek(), [stream]: true };
+      });
+    },
+    status: (status, error) => {
+      setConnection(stream, { status, ...(error && { error }) });
+      if (error?.needsLogin) void learnAccount();
+    },
+  };
+}
+
+function tookPosteriors(messages: readonly WatchPosteriorsResponse[], isSnapshot: boolean): void {
+  const posteriors = messages.map(({ posterior }) => posterior).filter((each): each is ScenePosterior => each !== undefined);
+  const decisions: DecisionEvent[] = messages.flatMap((message) => message.decisions);
+  const timeMs = timeOf(messages.at(-1)?.stamp);
+  if (isSnapshot) scenes.takeSnapshot(posteriors, timeMs);
+  if (!isSnapshot || decisions.length > 0) scenes.takeChanges(isSnapshot ? [] : posteriors, decisions, timeMs);
+  if (decisions.length > 0) sessions.takeDecisions(decisions);
+}
+
+function tookSessions(messages: readonly WatchSessionsResponse[], isSnapshot: boolean): void {
+  const infos: SessionInfo[] = messages.flatMap((message) => message.sessions);
+  if (isSnapshot) sessions.takeSnapshot(infos);
+  else sessions.takeChanges(infos, messages.flatMap(({ ended }) => ended));
+}
+
+let watches: Watch<never, never>[] | undefined;
+
+function follow(): void {
+  watches = [
+    new Watch(PosteriorsService.method.watchPosteriors, {}, listener('scenes', tookPosteriors)),
+    new Watch(SessionsService.method.watchSessions, {}, listener('sessions', tookSessions)),
+  ] as unknown as Watch<never, never>[];
+}
+
+function unfollow(): void {
+  watches?.forEach((watch) => watch.close());
+  watches = undefined;
+}
+
+// A browser opens six connections to one host, and each page holds two. A page that nobody sees gives its own up for another one that
+// somebody looks at.
+function shareConnections(): void {
+  const pages = new BroadcastChannel('sweepstake');
+  pages.onmessage = () => document.hidden && unfollow();
+  const onVisibility = () => {
+    if (document.hidden) return;
+    pages.postMessage('shown');
+    if (!watches && !needsLogin.peek()) follow();
+    watches?.forEach((watch) => watch.retry());
+  };
+  document.addEventListener('visibilitychange', onVisibility);
+  window.addEventListener('online', onVisibility);
+  onVisibility();
+}
+
+// Begins once the daemon says that it lets the reader in, and again after a login.
+export function startLive(): void {
+  applyWhenHidden();
+  startPulse();
+  void learnAccount();
+  setInterval(() => account.peek() ?? void learnAccount(), ASK_AGAIN_MS);
+  let isStarted = false;
+  effect(() => {
+    if (!account.value || needsLogin.value) return;
+    if (!isStarted) shareConnections();
+    isStarted = true;
+    watches?.forEach((watch) => watch.retry());
+  });
+}

@@ -1,0 +1,41 @@
+import { expect, it } from 'vitest';
+import { labelOf, parseChecks, parseMetrics, quantileOf, sumOf, valueOf } from './metrics';
+
+it('reads checks, their problems and their notes', () => {
+  const text = '[+]decision-loop ok\n[-]store failed: disk full: /x\n[+]tls ok, but it expires\nreadyz check failed\n';
+  expect(parseChecks(text)).toEqual([
+    { name: 'decision-loop', isOk: true, note: '' },
+    { name: 'store', isOk: false, note: 'disk full: /x' },
+    { name: 'tls', isOk: true, note: 'it expires' },
+  ]);
+});
+
+const TEXT = `# HELP sweepstake_sessions Sessions in memory.
+# TYPE sweepstake_sessions gauge
+sweepstake_sessions 3
+errors_total{reason="STORE_BUSY"} 2
+errors_total{reason="A \\"b\\""} 5
+commit_bucket{le="0.001"} 90
+commit_bucket{le="0.01"} 99
+commit_bucket{le="+Inf"} 100
+commit_sum 1.5
+commit_count 100
+`;
+
+it('reads figures by their labels', () => {
+  const metrics = parseMetrics(TEXT);
+  expect(valueOf(metrics, 'sweepstake_sessions')).toBe(3);
+  expect(valueOf(metrics, 'absent')).toBeUndefined();
+  expect(sumOf(metrics, 'errors_total')).toBe(7);
+  expect([...metrics.get('errors_total')!.keys()].map((labels) => labelOf(labels, 'reason'))).toEqual(['STORE_BUSY', 'A \\"b\\"']);
+});
+
+it('reads quantiles of all, and of what came after an earlier reading', () => {
+  const metrics = parseMetrics(TEXT);
+  expect(quantileOf(metrics, undefined, 'commit', 0.5)).toBe(0.001);
+  expect(quantileOf(metrics, undefined, 'commit', 0.99)).toBe(0.01);
+  expect(quantileOf(metrics, metrics, 'commit', 0.5)).toBeUndefined();
+  const before = parseMetrics('commit_bucket{le="0.001"} 90\ncommit_bucket{le="0.01"} 90\ncommit_bucket{le="+Inf"} 90\n');
+  expect(quantileOf(metrics, before, 'commit', 0.5)).toBe(0.01);
+  expect(quantileOf(metrics, before, 'commit', 1)).toBe(Infinity);
+});

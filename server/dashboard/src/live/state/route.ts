@@ -1,0 +1,87 @@
+// Where the reader is: the path and what the query says, so that every view, filter, range and pause has an address, and back and
+// forward lead there. The pages are those that the daemon answers with index.html.
+import { computed, signal, type ReadonlySignal } from '@preact/signals';
+import type { SceneName } from './scenes';
+
+export type RouteName = 'overview' | 'scene' | 'session' | 'decisions' | 'priors' | 'health' | 'unknown';
+
+export interface Route {
+  name: RouteName;
+  path: string;
+  parts: readonly string[];  // of the path behind the first one, decoded: project and scene, or the session
+  query: URLSearchParams;  // of the address; not to be changed: see setQuery
+}
+
+const NAMES: Readonly<Record<string, RouteName>> = { decisions: 'decisions', priors: 'priors', health: 'health' };
+
+// A name as a part of a path. One of dots only would lead to another folder.
+export const pathPart = (name: string) => encodeURIComponent(/^[.~]/.test(name) ? `~${name}` : name);
+
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part).replace(/^~/, '');
+  } catch {
+    return part;
+  }
+}
+
+export function routeOf(url: URL): Route {
+  const [first = '', ...rest] = url.pathname.split('/').filter(Boolean).map(decoded);
+  const route = { path: url.pathname, parts: rest, query: url.searchParams };
+  if (first === '') return { ...route, name: 'overview' };
+  if (first === 'scenes' && rest.length === 2) return { ...route, name: 'scene' };
+  if (first === 'sessions' && rest.length === 1) return { ...route, name: 'session' };
+  return { ...route, name: (rest.length === 0 && NAMES[first]) || 'unknown' };
+}
+
+const address = signal(typeof location === 'undefined' ? 'http://localhost/' : location.href);
+export const route: ReadonlySignal<Route> = computed(() => routeOf(new URL(address.value)));
+
+// Goes to a page of the dashboard.
+export function navigate(href: string): void {
+  history.pushState(null, '', href);
+  address.value = location.href;
+}
+
+// Sets parameters of the query, and removes those that are empty. A `step` of its own can be gone back to; without, the address of
+// this one changes, as while a filter is typed.
+export function setQuery(changes: Readonly<Record<string, string | undefined>>, { step = false } = {}): void {
+  const url = new URL(address.peek());
+  for (const [name, value] of Object.entries(changes)) {
+    if (value) url.searchParams.set(name, value);
+    else url.searchParams.delete(name);
+  }
+  if (url.href === address.peek()) return;
+  if (step) history.pushState(null, '', url);
+  else history.replaceState(null, '', url);
+  address.value = url.href;
+}
+
+const tail = (query: Readonly<Record<string, string>>) => {
+  const text = new URLSearchParams(Object.entries(query).filter(([, value]) => value)).toString();
+  return text && `?${text}`;
+};
+
+export const sceneHref = ({ project, scene, machineClass, rewardVersion }: SceneName) =>
+  `/scenes/${pathPart(project)}/${pathPart(scene)}${tail({ class: machineClass, reward: String(rewardVersion) })}`;
+export const sessionHref = (id: string) => `/sessions/${pathPart(id)}`;
+export const decisionsHref = (filter: Readonly<Record<string, string>>) => `/decisions${tail(filter)}`;
+
+// The scene that a scene's address names.
+export function sceneNameOf({ parts, query }: Route): SceneName {
+  return { project: parts[0] ?? '', scene: parts[1] ?? '', machineClass: query.get('class') ?? '', rewardVersion: Number(query.get('reward') ?? 3) };
+}
+
+// A link within the dashboard changes the view without loading the page anew, unless the reader asks for another tab.
+function follow(event: MouseEvent): void {
+  const link = (event.target as Element | null)?.closest?.('a');
+  if (!link || link.target || link.hasAttribute('download') || link.origin !== location.origin) return;
+  if (event.defaultPrevented || event.button !== 0 || event.metaKey || event.ctrlKey || event.shiftKey || event.altKey) return;
+  event.preventDefault();
+  if (link.href !== location.href) navigate(link.href);
+}
+
+export function followLinks(): void {
+  document.addEventListener('click', follow);
+  window.addEventListener('popstate', () => { address.value = location.href; });
+}

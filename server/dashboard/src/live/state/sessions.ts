@@ -1,0 +1,71 @@
+// The sessions that the daemon has in memory, and some that ended while the page was open.
+import { create } from '@bufbuild/protobuf';
+import { computed, signal, type ReadonlySignal } from '@preact/signals';
+import type { DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
+import { SessionEndedSchema, SessionState as Link, type SessionEnded, type SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
+import { keepLast, shareOf } from './bounds';
+import { groupedBy } from './scenes';
+
+export const MAX_SESSION_DECISIONS = 2000;
+export const MAX_ENDED_SESSIONS = 50;
+
+export interface SessionState {
+  info: SessionInfo;
+  ended?: SessionEnded;  // without a reason: it was gone when the connection came back
+  decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SESSION_DECISIONS, fewer where there are many sessions
+}
+
+const held = signal<ReadonlyMap<string, SessionState>>(new Map());
+export const sessions: ReadonlySignal<ReadonlyMap<string, SessionState>> = held;
+
+// The session that a view shows keeps all of its decisions; '': none.
+export const sessionInView = signal('');
+
+export const isConnected = ({ info, ended }: SessionState) => !ended && info.state === Link.CONNECTED;
+export const connectedSessions: ReadonlySignal<readonly SessionState[]> = computed(() => [...held.value.values()].filter(isConnected));
+
+function forgetEnded(all: Map<string, SessionState>): Map<string, SessionState> {
+  const ended = [...all].filter(([, session]) => session.ended);
+  for (const [id] of ended.slice(0, Math.max(0, ended.length - MAX_ENDED_SESSIONS))) {
+    if (id !== sessionInView.peek()) all.delete(id);
+  }
+  return all;
+}
+
+function withInfo(all: Map<string, SessionState>, infos: readonly SessionInfo[]): Map<string, SessionState> {
+  for (const info of infos) all.set(info.sessionId, { info, decisions: all.get(info.sessionId)?.decisions ?? [] });
+  return all;
+}
+
+// Replaces all sessions by those of a snapshot. One that is missing ended unseen.
+export function takeSnapshot(infos: readonly SessionInfo[]): void {
+  const there = new Set(infos.map(({ sessionId }) => sessionId));
+  const gone = [...held.peek()].filter(([id]) => !there.has(id)).map(([id, session]): [string, SessionState] =>
+    [id, { ...session, ended: session.ended ?? create(SessionEndedSchema, { sessionId: id }) }]);
+  const known = [...held.peek()].filter(([id]) => there.has(id));
+  held.value = forgetEnded(withInfo(new Map([...gone, ...known]), infos));
+}
+
+export function takeChanges(infos: readonly SessionInfo[], ended: readonly SessionEnded[]): void {
+  const next = withInfo(new Map(held.peek()), infos);
+  for (const end of ended) {
+    const session = next.get(end.sessionId);
+    if (!session) continue;
+    next.delete(end.sessionId);  // the ended ones are ordered by their end
+    next.set(end.sessionId, { ...session, ended: end });
+  }
+  held.value = forgetEnded(next);
+}
+
+// Adds decisions to the sessions that took them. Those of unknown sessions are left out.
+export function takeDecisions(decisions: readonly DecisionEvent[]): void {
+  const next = new Map(held.peek());
+  const share = shareOf(next.size, MAX_SESSION_DECISIONS);
+  for (const [id, added] of groupedBy(decisions, ({ sessionId }) => sessionId)) {
+    const session = next.get(id);
+    if (!session) continue;
+    const limit = id === sessionInView.peek() ? MAX_SESSION_DECISIONS : share;
+    next.set(id, { ...session, decisions: keepLast(session.decisions, added, limit) });
+  }
+  held.value = next;
+}

@@ -1,0 +1,137 @@
+import { create } from '@bufbuild/protobuf';
+import { beforeEach, describe, expect, it } from 'vitest';
+import { DecisionEventSchema, ScenePosteriorSchema, type DecisionEvent, type ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
+import { SessionEnd, SessionEndedSchema, SessionInfoSchema, SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
+import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { keepLast, MAX_DECISIONS, shareOf } from './bounds';
+import { addToHistory, MAX_POINTS, type SceneHistory } from './history';
+import * as scenes from './scenes';
+import * as sessions from './sessions';
+import { MAX_TREND, summaryOf, thinned } from './summaries';
+
+const posteriorOf = (scene: string, alpha = 2, beta = 2, rewardVersion = 3): ScenePosterior => create(ScenePosteriorSchema, {
+  project: 'p', scene, rewardVersion,
+  arms: [{ arm: 'SAP', backendVersion: 1, posterior: { alpha, beta } }, { arm: 'Grid', backendVersion: 1, posterior: { alpha: 5, beta: 5 } }],
+});
+const decisionOf = (scene: string, decisionId: number, more: { policy?: string; verdict?: Verdict } = {}) =>
+  create(DecisionEventSchema, { project: 'p', scene, sessionId: 's1', decisionId: BigInt(decisionId), policy: 'adaptive', ...more });
+const keyOf = (scene: string, rewardVersion = 3) => scenes.sceneKey({ project: 'p', scene, machineClass: '', rewardVersion });
+const stateOf = (scene: string) => scenes.scenes.peek().get(keyOf(scene))!;
+
+describe('scenes', () => {
+  beforeEach(() => {
+    scenes.takeSnapshot([], 0);
+    scenes.sceneInView.value = '';
+  });
+
+  it('are those of the snapshot, and keep what was known of them', () => {
+    scenes.takeSnapshot([posteriorOf('a'), posteriorOf('b')], 1);
+    scenes.takeChanges([], [decisionOf('a', 1)], 2);
+    scenes.takeSnapshot([posteriorOf('a', 9), posteriorOf('c')], 3);
+    expect([...scenes.scenes.peek().keys()]).toEqual([keyOf('a'), keyOf('c')]);
+    expect(stateOf('a').decisions).toHaveLength(1);
+    expect(stateOf('a').history.get('SAP')).toEqual({ timesMs: [1, 3], alpha: [2, 9], beta: [2, 2] });
+    expect(stateOf('c').changedMs).toBe(0);
+  });
+
+  it('take decisions by the reward that their policy learns, and leave out those of unknown scenes', () => {
+    scenes.takeSnapshot([posteriorOf('a'), posteriorOf('a', 2, 2, 1)], 1);
+    scenes.takeChanges([], [decisionOf('a', 1), decisionOf('a', 2, { policy: 'paper' }), decisionOf('x', 3)], 2);
+    expect(stateOf('a').decisions.map(({ decisionId }) => decisionId)).toEqual([1n]);
+    expect(scenes.scenes.peek().get(keyOf('a', 1))!.decisions.map(({ decisionId }) => decisionId)).toEqual([2n]);
+  });
+
+  it('keep the last decisions, of a scene in view more than of one of many', () => {
+    const names = Array.from({ length: 400 }, (_, i) => `s${i}`);
+    scenes.takeSnapshot(names.map((name) => posteriorOf(name)), 1);
+    scenes.sceneInView.value = keyOf('s0');
+    const decisions = Array.from({ length: 600 }, (_, i) => [decisionOf('s0', i), decisionOf('s1', i)]).flat();
+    scenes.takeChanges([], decisions, 2);
+    expect(stateOf('s0').decisions).toHaveLength(500);
+    expect(stateOf('s1').decisions).toHaveLength(MAX_DECISIONS / 400);
+    expect(stateOf('s1').decisions.at(-1)!.decisionId).toBe(599n);
+  });
+});
+
+describe('sessions', () => {
+  const info = (sessionId: string, state = Link.CONNECTED) => create(SessionInfoSchema, { sessionId, state });
+  beforeEach(() => sessions.takeSnapshot([]));
+  const ids = () => [...sessions.sessions.peek().keys()];
+
+  it('end with a reason, or unseen, and a session that comes back goes on', () => {
+    sessions.takeSnapshot([info('s1'), info('s2')]);
+    sessions.takeDecisions([decisionOf('a', 1)]);
+    sessions.takeChanges([], [create(SessionEndedSchema, { sessionId: 's2', end: SessionEnd.KICKED })]);
+    expect(sessions.sessions.peek().get('s2')!.ended!.end).toBe(SessionEnd.KICKED);
+    sessions.takeSnapshot([]);
+    expect(sessions.sessions.peek().get('s1')!.ended!.end).toBe(SessionEnd.UNSPECIFIED);
+    expect(sessions.connectedSessions.peek()).toHaveLength(0);
+    sessions.takeSnapshot([info('s1')]);
+    const back = sessions.sessions.peek().get('s1')!;
+    expect(back.ended).toBeUndefined();
+    expect(back.decisions).toHaveLength(1);
+    expect(sessions.connectedSessions.peek()).toHaveLength(1);
+  });
+
+  it('forget those that ended first', () => {
+    const many = Array.from({ length: sessions.MAX_ENDED_SESSIONS + 10 }, (_, i) => `e${i}`);
+    sessions.takeChanges(many.map((id) => info(id)), []);
+    sessions.takeChanges([], many.map((sessionId) => create(SessionEndedSchema, { sessionId, end: SessionEnd.GOODBYE })));
+    expect(ids().filter((id) => id.startsWith('e'))).toHaveLength(sessions.MAX_ENDED_SESSIONS);
+    expect(ids()).toContain('e59');
+    expect(ids()).not.toContain('e0');
+  });
+});
+
+describe('history', () => {
+  it('is bounded, and keeps the peaks', () => {
+    let history: SceneHistory = new Map();
+    for (let i = 0; i < 10_000; ++i) history = addToHistory(history, posteriorOf('a', i === 777 ? 1e6 : i === 778 ? 1e-3 : 10 + Math.sin(i)), i);
+    const { timesMs, alpha, beta } = history.get('SAP')!;
+    expect(timesMs.length).toBeLessThan(MAX_POINTS);
+    expect([alpha.length, beta.length]).toEqual([timesMs.length, timesMs.length]);
+    expect(Math.max(...alpha)).toBe(1e6);
+    expect(Math.min(...alpha)).toBe(1e-3);
+    expect([...timesMs].sort((a, b) => a - b)).toEqual(timesMs);
+    expect(history.get('Grid')!.timesMs).toEqual([0]);
+  });
+
+  it('is of the newest version of a backend', () => {
+    const scene = posteriorOf('a');
+    scene.arms[1]!.arm = 'SAP';
+    scene.arms[1]!.backendVersion = 2;
+    expect(addToHistory(new Map(), scene, 1).get('SAP')!.alpha).toEqual([5]);
+  });
+});
+
+describe('summaries', () => {
+  const state = (posterior: ScenePosterior, decisions: DecisionEvent[] = []): scenes.SceneState =>
+    ({ key: 'k', posterior, changedMs: 0, history: new Map(), decisions });
+
+  it('sort what is uncertain before what is known, and the degraded before all', () => {
+    const stable = summaryOf(state(posteriorOf('a', 5000, 100)));
+    const open = summaryOf(state(posteriorOf('b', 5, 5)));
+    const degraded = summaryOf(state(posteriorOf('a', 5000, 100), [decisionOf('a', 1, { verdict: Verdict.DEGRADED })]));
+    expect(stable.verdict).toBe(Verdict.STABLE);
+    expect(degraded.verdict).toBe(Verdict.DEGRADED);
+    expect(open.uncertainty).toBeGreaterThan(stable.uncertainty);
+    expect(degraded.uncertainty).toBeGreaterThan(open.uncertainty);
+  });
+
+  it('remember how sure the leader was, bounded, and nothing where the posterior is the same', () => {
+    let summary = summaryOf(state(posteriorOf('a', 10, 5)));
+    expect(summaryOf({ ...summary.state }, summary).trend).toHaveLength(1);
+    for (let i = 0; i < 1000; ++i) summary = summaryOf(state(posteriorOf('a', 10 + i, 5)), summary);
+    expect(summary.trend.length).toBeLessThanOrEqual(MAX_TREND);
+  });
+
+  it('thin a curve without losing its extremes', () => {
+    expect(thinned([1, 2, 9, 3, 5, 4, 0, 6, 7])).toEqual([1, 9, 0, 6, 7, 7]);
+  });
+});
+
+it('shares what may be remembered', () => {
+  expect(shareOf(1, 500)).toBe(500);
+  expect(shareOf(1000, 500)).toBe(20);
+  expect(keepLast([1, 2, 3], [4], 3)).toEqual([2, 3, 4]);
+});

@@ -1,0 +1,73 @@
+// What the overview says of each scene. It follows the scenes with up to half a second between, and computes only those that changed.
+import { effect, signal, type ReadonlySignal } from '@preact/signals';
+import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { verdictOf, type SceneVerdict } from '../numbers/verdict';
+import { scenes, type SceneState } from './scenes';
+
+const INTERVAL_MS = 500;
+export const MAX_TREND = 64;
+
+export interface SceneSummary {
+  state: SceneState;
+  computed: SceneVerdict;  // from the evidence of all sessions
+  verdict: Verdict;  // `computed.verdict`, or degraded, which only a session knows
+  trend: readonly number[];  // the leader's probability to be the best, oldest first
+  evidence: bigint;  // windows and visits of all arms
+  uncertainty: number;  // to sort by: the least certain and the worst first
+}
+
+const held = signal<readonly SceneSummary[]>([]);
+export const summaries: ReadonlySignal<readonly SceneSummary[]> = held;
+
+const RANKS: Readonly<Record<Verdict, number>> = {
+  [Verdict.DEGRADED]: 4, [Verdict.AMBIGUOUS]: 3, [Verdict.UNSPECIFIED]: 2, [Verdict.TIE]: 1, [Verdict.STABLE]: 0,
+};
+
+// Of every four values the lowest and the highest stay.
+export function thinned(values: readonly number[]): number[] {
+  const kept: number[] = [];
+  for (let first = 0; first < values.length; first += 4) {
+    const group = values.slice(first, first + 4);
+    const low = Math.min(...group);
+    const high = Math.max(...group);
+    kept.push(...(group.indexOf(low) <= group.indexOf(high) ? [low, high] : [high, low]));
+  }
+  return kept;
+}
+
+function withValue(trend: readonly number[], value: number): readonly number[] {
+  const room = trend.length < MAX_TREND ? trend : thinned(trend);
+  return [...room, value];
+}
+
+export function summaryOf(state: SceneState, before?: SceneSummary): SceneSummary {
+  const computed = verdictOf(state.posterior);
+  const verdict = state.decisions.at(-1)?.verdict === Verdict.DEGRADED ? Verdict.DEGRADED : computed.verdict;
+  const isNewPosterior = before?.state.posterior !== state.posterior;
+  const trend = before?.trend ?? [];
+  return {
+    state, computed, verdict,
+    trend: isNewPosterior && computed.leader ? withValue(trend, computed.leaderProbability) : trend,
+    evidence: state.posterior.arms.reduce((sum, { windowCount, visitCount }) => sum + windowCount + visitCount, 0n),
+    uncertainty: RANKS[verdict] * 10 + (computed.leader ? 1 - computed.leaderProbability : 0),
+  };
+}
+
+let timer: ReturnType<typeof setTimeout> | undefined;
+
+function update(): void {
+  timer = undefined;
+  const before = new Map(held.peek().map((summary) => [summary.state.key, summary]));
+  held.value = [...scenes.peek().values()].map((state) => {
+    const known = before.get(state.key);
+    return known?.state === state ? known : summaryOf(state, known);
+  });
+}
+
+export function followScenes(): void {
+  effect(() => {
+    if (scenes.value.size === 0 && held.peek().length === 0) return;
+    if (held.peek().length === 0) update();
+    else timer ??= setTimeout(update, INTERVAL_MS);
+  });
+}

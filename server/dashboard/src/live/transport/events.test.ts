@@ -1,0 +1,150 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { create, toJsonString } from '@bufbuild/protobuf';
+import { PosteriorsService, WatchPosteriorsResponseSchema, type WatchPosteriorsResponse } from '../../gen/sweepstake/v1/posteriors_pb';
+import type { ApiError } from './calls';
+import { delayAfter, eventsOf, Watch, type Listener } from './events';
+
+const textOf = (scene: string) => toJsonString(WatchPosteriorsResponseSchema, create(WatchPosteriorsResponseSchema, { posterior: { scene } }));
+const event = (name: string, id: string, data: string) => `${name && `event: ${name}\n`}id: ${id}\ndata: ${data}\n\n`;
+
+// A daemon whose answers a test sends piece by piece.
+class Daemon {
+  readonly requests: { url: string; headers: Record<string, string> }[] = [];
+  private body: ReadableStreamDefaultController<Uint8Array> | undefined;
+  refusal: Response | undefined;
+
+  readonly fetch = (url: string, init: RequestInit): Promise<Response> => {
+    this.requests.push({ url, headers: init.headers as Record<string, string> });
+    if (this.refusal) return Promise.resolve(this.refusal);
+    const stream = new ReadableStream<Uint8Array>({ start: (body) => { this.body = body; } });
+    init.signal?.addEventListener('abort', () => { try { this.body?.error(new DOMException('', 'AbortError')); } catch { /* it has ended */ } });
+    return Promise.resolve(new Response(stream, { headers: { 'Content-Type': 'text/event-stream' } }));
+  };
+
+  async send(text: string): Promise<void> {
+    this.body!.enqueue(new TextEncoder().encode(text));
+    await vi.advanceTimersByTimeAsync(0);
+  }
+
+  async breakOff(): Promise<void> {
+    this.body!.close();
+    await vi.advanceTimersByTimeAsync(0);
+  }
+}
+
+class Heard implements Listener<WatchPosteriorsResponse> {
+  readonly said: string[] = [];
+  signsOfLife = 0;
+  error: ApiError | undefined;
+  snapshotBegan() { this.said.push('begin'); }
+  message(message: WatchPosteriorsResponse) { this.said.push(message.posterior!.scene); }
+  snapshotEnded() { this.said.push('end'); }
+  heard() { ++this.signsOfLife; }
+  status(status: string, error?: ApiError) {
+    this.said.push(`(${status})`);
+    this.error = error;
+  }
+}
+
+describe('Watch', () => {
+  let daemon: Daemon;
+  let heard: Heard;
+  let watch: Watch<never, never> | undefined;
+  beforeEach(() => {
+    vi.useFakeTimers();
+    daemon = new Daemon();
+    heard = new Heard();
+    vi.stubGlobal('fetch', daemon.fetch);
+  });
+  afterEach(() => {
+    watch?.close();
+    vi.unstubAllGlobals();
+    vi.useRealTimers();
+  });
+  const begin = async () => {
+    watch = new Watch(PosteriorsService.method.watchPosteriors, { project: 'a&b' }, heard) as unknown as Watch<never, never>;
+    await vi.advanceTimersByTimeAsync(0);
+  };
+
+  it('asks for the method with its request, and hands on the snapshot and what follows', async () => {
+    await begin();
+    expect(daemon.requests[0]!.url).toBe('/events/sweepstake.v1.PosteriorsService/WatchPosteriors?request=%7B%22project%22%3A%22a%26b%22%7D');
+    await daemon.send(event('snapshot-begin', 'b:1', '{}') + event('', 'b:2', textOf('one')));
+    await daemon.send(event('snapshot-end', 'b:3', '{}') + event('', 'b:4', textOf('two')));
+    expect(heard.said).toEqual(['(connecting)', '(live)', 'begin', 'one', 'end', 'two']);
+  });
+
+  it('comes back by itself after what it has seen', async () => {
+    await begin();
+    await daemon.send(event('snapshot-begin', 'b:1', '{}') + event('snapshot-end', 'b:3', '{}') + event('', 'b:4', textOf('two')));
+    await daemon.breakOff();
+    expect(heard.said.at(-1)).toBe('(offline)');
+    expect(daemon.requests).toHaveLength(1);
+    await vi.advanceTimersByTimeAsync(500);
+    expect(daemon.requests).toHaveLength(2);
+    expect(daemon.requests[1]!.headers['Last-Event-ID']).toBe('b:4');
+    expect(heard.said.at(-1)).toBe('(live)');
+  });
+
+  it('begins anew where a snapshot broke off, of which a part is missing', async () => {
+    await begin();
+    await daemon.send(event('snapshot-begin', 'b:1', '{}') + event('', 'b:2', textOf('one')));
+    await daemon.breakOff();
+    await vi.advanceTimersByTimeAsync(500);
+    expect(daemon.requests[1]!.headers).not.toHaveProperty('Last-Event-ID');
+  });
+
+  it('tells why it is refused, and tries again at once after a login', async () => {
+    daemon.refusal = new Response('{"error":{"code":"UNAUTHENTICATED","reason":"TOKEN_MISSING","message":"no token"}}', { status: 401 });
+    await begin();
+    expect(heard.said.at(-1)).toBe('(denied)');
+    expect(heard.error).toMatchObject({ code: 'UNAUTHENTICATED', reason: 'TOKEN_MISSING', message: 'no token', needsLogin: true });
+    daemon.refusal = undefined;
+    watch!.retry();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(heard.said.at(-1)).toBe('(live)');
+  });
+
+  it('ends with the error that a stream ends with', async () => {
+    await begin();
+    await daemon.send(event('error', 'b:9', '{"error":{"code":"RESOURCE_EXHAUSTED","reason":"WATCHER_STALLED","message":"too slow"}}'));
+    expect(heard.error).toMatchObject({ reason: 'WATCHER_STALLED', message: 'too slow' });
+  });
+
+  it('takes a comment for a sign of life, and silence for a dead connection', async () => {
+    await begin();
+    await vi.advanceTimersByTimeAsync(30_000);
+    await daemon.send(': still here\n\n');
+    expect(heard.signsOfLife).toBe(1);
+    await vi.advanceTimersByTimeAsync(39_000);
+    expect(daemon.requests).toHaveLength(1);
+    await vi.advanceTimersByTimeAsync(3000);
+    expect(daemon.requests).toHaveLength(2);
+  });
+
+  it('does not take what it cannot read for the end of the page', async () => {
+    await begin();
+    await daemon.send(event('', 'b:4', '{"posterior": 7}'));
+    expect(heard.error!.message).toContain('cannot read');
+  });
+});
+
+describe('eventsOf', () => {
+  const all = async (text: string) => {
+    async function* lines() { yield* text.split('\n'); }
+    const found = [];
+    for await (const each of eventsOf(lines())) found.push(each);
+    return found;
+  };
+  it('joins lines of data and takes both line ends', async () => {
+    expect(await all('data: a\r\ndata: b\r\n\r\n')).toEqual([{ name: 'message', id: undefined, data: 'a\nb' }]);
+  });
+  it('leaves out what is no event and what is not finished', async () => {
+    expect(await all(':\nretry: 3\n\ndata: half')).toEqual([undefined]);
+  });
+});
+
+it('waits longer after each failure, up to half a minute, and never the same', () => {
+  expect([0, 1, 2, 20].map((failures) => delayAfter(failures, 1))).toEqual([500, 1000, 2000, 30_000]);
+  expect(delayAfter(0, 0)).toBe(250);
+});

@@ -1,0 +1,142 @@
+// Two scenes, classes of machines or sessions beside one another, on the same axes.
+import { useComputed } from '@preact/signals';
+import { useMemo } from 'preact/hooks';
+import { share, significant } from '../../format';
+import { armsOf, measuredOf, mergedSteps, type Step } from '../audit/steps';
+import { useSessionLog } from '../audit/use_log';
+import { ChartFrame } from '../charts/frame';
+import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
+import { Ridgeline, ridgeRange, type RidgeRow } from '../charts/ridgeline';
+import { TimelineChart } from '../charts/timeline';
+import { TimeTools } from '../charts/time_chart';
+import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
+import { centralInterval, mean } from '../numbers/beta';
+import { PosteriorSeries, type SeriesRow } from '../numbers/series';
+import { verdictOf } from '../numbers/verdict';
+import { Arm } from '../parts/arm';
+import { VerdictChip } from '../parts/chips';
+import { CopyLink } from '../parts/copy_link';
+import { Name } from '../parts/name';
+import { Empty, Loading } from '../parts/states';
+import { sceneHref, sessionHref, setQuery } from '../state/route';
+import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
+import { visible } from '../parts/visible';
+import { scenes, type SceneState } from '../state/scenes';
+import { sessions } from '../state/sessions';
+import { armNames, armRows, ridgeRows } from './scene/model';
+import { CostCharts } from './session/cost_charts';
+import { type CostColumns, costColumns, switchMoments } from './session/model';
+
+const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Only the first</button>;
+const span = (ranges: readonly (readonly [number, number])[]): [number, number] => [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
+
+interface Side { state: SceneState; ridges: RidgeRow[]; arms: string[]; rows: SeriesRow[] }
+
+function sideOf(state: SceneState): Side {
+  const rows = armRows(state);
+  const arms = armNames(rows);
+  return { state, ridges: ridgeRows(rows), arms, rows: new PosteriorSeries(arms, state.posterior.rewardVersion).of(state.history) };
+}
+
+function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, values }: { side: Side; rewards: readonly [number, number]; domain: Range; values: readonly [number, number] }) {
+  const { posterior } = state;
+  const { verdict, leader, leaderProbability, expectedLossRatio } = verdictOf(posterior);
+  const names = [posterior.project, posterior.scene, posterior.machineClass];
+  const table = () => ({
+    header: ['arm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to'],
+    rows: ridges.map(({ label, measured, posterior: beta }) => [label, measured, beta.alpha, beta.beta, mean(beta), ...centralInterval(beta, 0.95)]),
+  });
+  const common = { arms, rows, rewardVersion: posterior.rewardVersion, names, domain };
+  return (
+    <div>
+      <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
+      <p><VerdictChip verdict={verdict} /> {leader && <><Arm name={leader} />, P(best) {significant(leaderProbability)}, loss {share(expectedLossRatio)}</>}</p>
+      <ChartFrame id="beliefs" title="What is believed of each arm" names={names} table={table} empty={ridges.length === 0 && 'Nothing is learnt yet.'}>
+        <Ridgeline title="What is believed of each arm" rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards} />
+      </ChartFrame>
+      <BandsChart {...common} values={values} />
+      <BestChart {...common} />
+    </div>
+  );
+}
+
+export function CompareScenes({ own, other }: { own: SceneState; other: string }) {
+  const beside = useComputed(() => scenes.value.get(other)).value;
+  const states = useFrozen([own, ...(beside ? [beside] : [])], beside !== undefined);
+  const sides = useMemo(() => states.map(sideOf), [states.map((state) => state.posterior).length, ...states.map(({ posterior }) => posterior)]);
+  if (!beside) return <Empty title="The daemon knows nothing of the other scene"><p><Alone /></p></Empty>;
+  const rewardVersion = own.posterior.rewardVersion;
+  const hasOneReward = beside.posterior.rewardVersion === rewardVersion;
+  const rewards = (side: Side) => (hasOneReward ? span(sides.map(({ ridges }) => ridgeRange(ridges))) : ridgeRange(side.ridges));
+  const values = (side: Side) => (hasOneReward ? span(sides.map(({ rows }) => bandRange(rows, rewardVersion))) : bandRange(side.rows, side.state.posterior.rewardVersion));
+  const times = sides.flatMap(({ rows }) => rows.map(({ timeMs }) => timeMs)).sort((a, b) => a - b);
+  return (
+    <>
+      <header class="title"><h1>Beside one another</h1><span><Alone /><CopyLink /></span></header>
+      {!hasOneReward && <p class="soft">Their rewards are of different versions and do not compare: each has axes of its own.</p>}
+      <TimeTools />
+      <div class="beside">
+        {sides.map((side) => <SceneSide key={side.state.key} side={side} rewards={rewards(side)} values={values(side)} domain={domainOf(times, range.value)} />)}
+      </div>
+    </>
+  );
+}
+
+interface SessionData { id: string; steps: Step[]; arms: string[]; columns: CostColumns; isReading: boolean }
+
+function useSession(id: string): SessionData {
+  const log = useSessionLog(id, false);
+  const events = useComputed(() => sessions.value.get(id)?.decisions).value ?? [];
+  const latest = useMemo(() => {
+    const steps = mergedSteps(log.steps, events, log.steps.at(-1)?.told?.rewardVersion ?? 0);
+    return { id, steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)), isReading: log.isReading };
+  }, [id, log.steps, events.at(-1), log.isReading]);
+  return useFrozen(latest, !log.isReading);
+}
+
+const mostOf = (columns: readonly (readonly (number | null)[])[]) => Math.max(0, ...columns.flat().map((value) => value ?? 0));
+
+// Sessions of different times are laid over one another from their starts on.
+function SessionSide({ data: { id, steps, arms, columns }, lengthMs, most }: { data: SessionData; lengthMs: number; most: { frameMs: number; detectionMs: number } }) {
+  const startMs = steps[0]?.timeMs ?? 0;
+  const domain = range.value ?? { fromMs: startMs, toMs: startMs + lengthMs };
+  const moments = useMemo(() => switchMoments(steps, arms), [steps]);
+  return (
+    <div>
+      <h2>Session <a href={sessionHref(id)}><Name text={id} /></a></h2>
+      <ChartFrame id="timeline" title="Switches" names={[id]} empty={steps.length === 0 && 'Its log has nothing.'}
+        table={() => ({ header: ['time', 'active arm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
+        <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={() => undefined} />
+      </ChartFrame>
+      <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} most={most} />
+    </div>
+  );
+}
+
+/** A choice of the other sessions of the same scene. */
+export function CompareWith({ info }: { info: SessionInfo }) {
+  const others = [...sessions.value.keys()].filter((id) => id !== info.sessionId && sessions.value.get(id)?.info.scene === info.scene);
+  if (others.length === 0) return null;
+  return (
+    <label class="choice"><span>Beside</span>
+      <select value="" onChange={(event) => setQuery({ with: event.currentTarget.value, from: undefined, to: undefined }, { step: true })}>
+        <option value="">no other session</option>
+        {others.map((id) => <option key={id} value={id}>{visible(id)}</option>)}
+      </select>
+    </label>
+  );
+}
+
+export function CompareSessions({ ids: [first, second] }: { ids: readonly [string, string] }) {
+  const both = [useSession(first), useSession(second)];
+  const lengthMs = Math.max(1000, ...both.map(({ steps }) => (steps.at(-1)?.timeMs ?? 0) - (steps[0]?.timeMs ?? 0)));
+  const most = { frameMs: mostOf(both.flatMap(({ columns }) => columns.frame)), detectionMs: mostOf(both.flatMap(({ columns }) => columns.detection)) };
+  return (
+    <>
+      <header class="title"><h1>Beside one another</h1><span><Alone /><CopyLink /></span></header>
+      {both.some(({ isReading, steps }) => isReading && steps.length === 0) && <Loading what="the logs" />}
+      <TimeTools />
+      <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} lengthMs={lengthMs} most={most} />)}</div>
+    </>
+  );
+}

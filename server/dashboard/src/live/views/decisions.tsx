@@ -1,0 +1,165 @@
+// The audit log: which sessions have one, their rows, filtered and page by page, and each row in words under an address of its own.
+import type { AuditSegment } from '../../gen/sweepstake/v1/audit_pb';
+import { grouped } from '../../format';
+import type { PlacedRow } from '../audit/log';
+import { type Filter as RowFilter, PAGE_ROWS } from '../audit/page';
+import { setupPairs, unixMsOf } from '../audit/rows';
+import { stepOfRow } from '../audit/steps';
+import { usePage, useRow, useSegments } from '../audit/use_page';
+import { Arm } from '../parts/arm';
+import { ago, now, timeText } from '../parts/clock';
+import { CopyLink } from '../parts/copy_link';
+import { Choice, Filter, matches } from '../parts/filter';
+import { Name } from '../parts/name';
+import { Empty, Failure, Loading } from '../parts/states';
+import { type Column, Table } from '../parts/table';
+import { visible } from '../parts/visible';
+import { decisionsHref, route, sessionHref, setQuery } from '../state/route';
+import { explainedRow } from '../audit/explain';
+import { Why } from './session/why';
+import { KIND_NAMES, kindWord, OUTCOME_NAMES, outcomeOf, outcomeWord } from './words';
+
+/** Rows that are older are read with the command line. */
+const MAX_PAGE = 100;
+const ADMIN = 'admin'; // what administrators do is under this name, which no session has
+
+const SEGMENTS: readonly Column<AuditSegment>[] = [
+  { id: 'began', title: 'Began', sort: ({ unixStartMs }) => Number(unixStartMs), csv: ({ unixStartMs }) => new Date(Number(unixStartMs)).toISOString(),
+    cell: ({ unixStartMs }) => (unixStartMs ? timeText(Number(unixStartMs)) : '–') },
+  { id: 'session', title: 'Session', isText: true, sort: ({ sessionId }) => sessionId,
+    cell: ({ sessionId }) => <a href={decisionsHref({ session: sessionId })}>{sessionId === ADMIN ? 'administration' : <Name text={sessionId} />}</a> },
+  { id: 'scene', title: 'Scene', isText: true, sort: ({ scene }) => scene,
+    cell: ({ project, scene }) => (scene ? <a href={decisionsHref({ project, scene })}><Name text={scene} /></a> : '–') },
+  { id: 'project', title: 'Project', isText: true, sort: ({ project }) => project, cell: ({ project }) => <Name text={project} unknown="–" /> },
+  { id: 'part', title: 'Part', hint: 'A session that goes on after a restart of the daemon begins a new part', sort: ({ segment }) => segment, cell: ({ segment }) => String(segment) },
+  { id: 'rows', title: 'Rows', sort: ({ rowCount }) => Number(rowCount), cell: ({ rowCount }) => grouped(Number(rowCount)) },
+  { id: 'removed', title: 'Removed', hint: 'Older rows that were removed, because the log has bounds', sort: ({ firstRow }) => Math.max(0, Number(firstRow) - 1),
+    cell: ({ firstRow }) => grouped(Math.max(0, Number(firstRow) - 1)) },
+  { id: 'lost', title: 'Lost', hint: 'Rows that could not be written', sort: ({ lostRowCount }) => Number(lostRowCount), cell: ({ lostRowCount }) => grouped(Number(lostRowCount)) },
+];
+
+function Segments() {
+  const { value, error, again } = useSegments();
+  if (error) return <Failure what="The list of logs" error={error} onRetry={again} />;
+  if (!value) return <Loading what="the list of logs" />;
+  if (value.length === 0) return <Empty title="Nothing was decided yet"><p>Each session of a game has a log here from its first decision on.</p></Empty>;
+  const text = route.value.query.get('q') ?? '';
+  const shown = value.filter(({ sessionId, project, scene }) => matches(text, [sessionId, project, scene]));
+  return (
+    <>
+      <p>Each session has a log with a row for every decision and for everything that decisions depend on. Choose a session, or a scene.</p>
+      <Table caption="Logs" columns={SEGMENTS} rows={shown} keyOf={({ sessionId, segment }) => `${sessionId}\n${segment}`} sort="-began"
+        tools={<><Filter label="Search logs" /><button type="button" onClick={again}>Read again</button></>} />
+      {shown.length === 0 && <Empty title="No log matches the search" />}
+    </>
+  );
+}
+
+/** When it was, by the daemon's wall clock; undefined where the log does not say. */
+function timeOf({ row, setup }: PlacedRow): number | undefined {
+  const timeNs = row.number('time_ns');
+  if (row.text('kind') === ADMIN) return Number(setupPairs(row.text('setup')).get('unix_ms') ?? Number.NaN) || undefined;
+  return setup && timeNs !== undefined ? unixMsOf(setup, timeNs) : undefined;
+}
+
+const wordsOf = ({ row, setup }: PlacedRow) => visible(explainedRow(row, setup)[0] ?? '');
+const outcomeText = ({ row }: PlacedRow) => (row.text('outcome') ? outcomeWord(outcomeOf(row.text('outcome'))).name : '');
+const rowHref = ({ row }: PlacedRow) => {
+  const query = new URLSearchParams(route.value.query);
+  query.set('row', row.id);
+  return `${route.value.path}?${query.toString()}`;
+};
+
+const ROWS: readonly Column<PlacedRow>[] = [
+  { id: 'time', title: 'Time', sort: timeOf, csv: (placed) => (timeOf(placed) ? new Date(timeOf(placed)!).toISOString() : ''),
+    cell: (placed) => <a href={rowHref(placed)}>{timeOf(placed) ? timeText(timeOf(placed)!) : `row ${placed.row.text('row')}`}</a> },
+  { id: 'kind', title: 'Kind', isText: true, csv: ({ row }) => row.text('kind'), sort: ({ row }) => row.text('kind'),
+    cell: ({ row }) => <span title={kindWord(row.text('kind')).meaning}><span aria-hidden="true">{kindWord(row.text('kind')).mark} </span>{kindWord(row.text('kind')).name}</span> },
+  { id: 'decision', title: 'Decision', sort: ({ row }) => row.number('decision_id'), cell: ({ row }) => row.text('decision_id') || '–' },
+  { id: 'active', title: 'Active arm', isText: true, sort: ({ row }) => row.text('active_arm') || row.text('arm'),
+    cell: ({ row }) => (row.text('active_arm') || row.text('arm') ? <Arm name={row.text('active_arm') || row.text('arm')} /> : '–') },
+  { id: 'candidate', title: 'Candidate', isText: true, sort: ({ row }) => row.text('candidate'), cell: ({ row }) => (row.text('candidate') ? <Arm name={row.text('candidate')} hollow /> : '–') },
+  { id: 'outcome', title: 'Outcome', isText: true, sort: outcomeText, cell: (placed) => outcomeText(placed) || '–' },
+  { id: 'words', title: 'In words', isText: true, csv: wordsOf, cell: (placed) => <bdi>{wordsOf(placed)}</bdi> },
+  { id: 'session', title: 'Session', isText: true, sort: ({ row }) => row.text('session'), cell: ({ row }) => <a href={sessionHref(row.text('session'))}><Name text={row.text('session')} /></a> },
+];
+
+interface Asked { session: string; project: string; scene: string; filter: RowFilter; page: number; row: string }
+
+function asked(): Asked {
+  const { query } = route.value;
+  const text = (name: string) => query.get(name) ?? '';
+  return {
+    session: text('session'), project: text('project'), scene: text('scene'), filter: { kind: text('kind'), outcome: text('outcome'), arm: text('arm') },
+    page: Math.min(Math.max(Math.floor(Number(text('page')) || 0), 0), MAX_PAGE - 1), row: text('row'),
+  };
+}
+
+function OneRow({ session, row }: { session: string; row: string }) {
+  const { value, error, again } = useRow(session, row);
+  if (error) return <Failure what="The row" error={error} onRetry={again} />;
+  if (value === undefined) return <Loading what="the row" />;
+  const step = value && stepOfRow(value);
+  if (!value) return <Empty title="The log does not have this row"><p>It was removed, because the log has bounds, or never there.</p></Empty>;
+  return step
+    ? <Why step={step} sessionId={session} onRead={again} onClose={() => setQuery({ row: undefined })} />
+    : <p class="why">{explainedRow(value.row, value.setup).map((sentence) => <bdi key={sentence}>{visible(sentence)}</bdi>)}</p>;
+}
+
+function Pager({ page, matchCount, order }: { page: number; matchCount: number; order: string }) {
+  const first = page * PAGE_ROWS + 1;
+  const last = Math.min((page + 1) * PAGE_ROWS, matchCount);
+  const go = (to: number) => setQuery({ page: to > 0 ? String(to) : undefined }, { step: true });
+  return (
+    <nav class="orders" aria-label="Pages">
+      <button type="button" disabled={page === 0} onClick={() => go(page - 1)}>Newer</button>
+      <span>{matchCount === 0 ? 'none' : `${grouped(first)} to ${grouped(last)} of ${grouped(matchCount)}, ${order}`}</span>
+      <button type="button" disabled={last >= matchCount || page + 1 >= MAX_PAGE} onClick={() => go(page + 1)}>Older</button>
+      {page + 1 >= MAX_PAGE && <span class="soft">Older ones: <code>sweepstake audit export</code></span>}
+    </nav>
+  );
+}
+
+const KINDS = [['', 'any'], ...KIND_NAMES.map((kind) => [kind, kindWord(kind).name] as const)] as const;
+const OUTCOMES = [['', 'any'], ...OUTCOME_NAMES.map((name) => [name, outcomeWord(outcomeOf(name)).name] as const)] as const;
+
+function Rows({ session, project, scene, filter, page }: Asked) {
+  const { value, error, atMs, rowCount, again } = usePage({ sessionId: session, project, scene }, filter, page);
+  const arms = [...new Set((value?.rows ?? []).flatMap(({ setup }) => setup?.arms ?? []).concat(filter.arm || []))].sort();
+  return (
+    <>
+      <div class="tools">
+        <Choice label="Kind" parameter="kind" options={KINDS} />
+        <Choice label="Outcome" parameter="outcome" options={OUTCOMES} />
+        <Choice label="Arm" parameter="arm" options={[['', 'any'], ...arms.map((arm) => [arm, visible(arm)] as const)]} />
+        <button type="button" onClick={again} disabled={!value && !error}>Read again</button>
+        {atMs !== undefined && <span class="soft">read {ago(atMs, now.value)}</span>}
+      </div>
+      {error && <Failure what="The log" error={error} onRetry={again} />}
+      {!value && !error && <Loading what={rowCount > 0 ? `the log, ${grouped(rowCount)} rows so far` : 'the log'} />}
+      {value && <Pager page={page} matchCount={value.matchCount} order={session ? 'newest first' : 'the newest logs first'} />}
+      {value && value.rows.length > 0 && <Table caption="Rows" columns={ROWS} rows={value.rows} keyOf={({ row }) => row.id} sort="-time" sortParameter="rows" />}
+      {value && value.rows.length === 0 && <Empty title={value.rowCount === 0 ? 'There is no log of this' : 'No row matches the filter'} />}
+    </>
+  );
+}
+
+function Heading({ session, project, scene }: Asked) {
+  if (session === ADMIN) return <>Administration</>;
+  if (session) return <>Decisions of session <a href={sessionHref(session)}><Name text={session} /></a></>;
+  return scene ? <>Decisions in <Name text={scene} /></> : <>Decisions of <Name text={project} /></>;
+}
+
+export function DecisionsView() {
+  const all = asked();
+  const isChosen = Boolean(all.session || all.project || all.scene);
+  const rowSession = all.session || all.row.split('.').slice(0, -2).join('.');
+  return (
+    <>
+      <header class="title"><h1>{isChosen ? <Heading {...all} /> : 'Decisions'}</h1><CopyLink /></header>
+      {isChosen && <p><a href={decisionsHref({})}>All logs</a></p>}
+      {all.row && <OneRow key={all.row} session={rowSession} row={all.row} />}
+      {isChosen ? <Rows {...all} /> : <Segments />}
+    </>
+  );
+}

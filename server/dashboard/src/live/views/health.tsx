@@ -1,0 +1,210 @@
+// How the daemon itself does: what it checks, and the figures that tell an operator early.
+import type { ComponentChildren } from 'preact';
+import { useEffect } from 'preact/hooks';
+import { bytes, grouped, significant } from '../../format';
+import { Chip } from '../parts/chips';
+import { duration, now, timeText } from '../parts/clock';
+import { CopyLink } from '../parts/copy_link';
+import { Sparkline } from '../parts/sparkline';
+import { Failure, Loading } from '../parts/states';
+import { account } from '../state/account';
+import { checks, followChecks, followFigures, healthError, learnChecks, learnFigures, samples, type Sample } from '../state/health';
+import { labelOf, quantileOf, sumOf, valueOf, type Metrics } from '../state/metrics';
+
+const WINDOW = 30;  // samples that rates and quantiles are of: a minute
+
+// What changes from sample to sample, as a figure and as its curve.
+interface Row {
+  name: string;
+  value: ComponentChildren;
+  curve?: readonly number[];
+  isBad?: boolean;
+  hint?: string;
+}
+
+type Reader = (metrics: Metrics) => number | undefined;
+const named = (name: string): Reader => (metrics) => valueOf(metrics, name);
+
+// How much a counter grew in a second, from sample to sample.
+function ratesOf(all: readonly Sample[], read: Reader): number[] {
+  return all.slice(1).map(({ atMs, metrics }, i) => {
+    const before = all[i]!;
+    const grown = (read(metrics) ?? 0) - (read(before.metrics) ?? 0);
+    return Math.max(0, grown) / Math.max(0.001, (atMs - before.atMs) / 1000);
+  });
+}
+
+const present = (values: readonly (number | undefined)[]) => values.filter((value) => value !== undefined);
+
+function gauge(name: string, all: readonly Sample[], read: Reader, text: (value: number) => string, more: Partial<Row> = {}): Row {
+  const curve = present(all.map(({ metrics }) => read(metrics)));
+  const value = curve.at(-1);
+  return { name, value: value === undefined ? '–' : text(value), curve, ...more };
+}
+
+function rate(name: string, all: readonly Sample[], read: Reader, more: Partial<Row> = {}): Row {
+  const curve = ratesOf(all, read);
+  const lately = curve.slice(-WINDOW);
+  const value = lately.length ? lately.reduce((sum, each) => sum + each, 0) / lately.length : undefined;
+  return { name, value: value === undefined ? '–' : `${significant(value)} /s`, curve, ...more };
+}
+
+function seconds(value: number | undefined): string {
+  if (value === undefined) return '–';
+  if (value === Infinity) return '> 10 s';
+  return value < 1 ? `≤ ${significant(value * 1000, 2)} ms` : `≤ ${significant(value, 2)} s`;
+}
+
+function latency(name: string, all: readonly Sample[], histogram: string, hint: string): Row {
+  const last = all.at(-1)!.metrics;
+  const before = all.at(-1 - WINDOW)?.metrics;
+  const at = (share: number) => quantileOf(last, before, histogram, share);
+  return { name, hint, value: `${seconds(at(0.5))}, p99 ${seconds(at(0.99))}`, isBad: (at(0.99) ?? 0) >= 1 };
+}
+
+const count = (value: number) => grouped(value);
+
+function loopRows(all: readonly Sample[]): Row[] {
+  return [
+    latency('Lateness', all, 'sweepstake_decision_loop_lateness_seconds', 'How late the loop ran its timers: median and 99 % of the last minute'),
+    rate('Decisions', all, named('sweepstake_decisions_total')),
+    rate('Switch commands', all, named('sweepstake_switch_commands_total')),
+    gauge('Refused switches', all, named('sweepstake_refused_switches_total'), count, { hint: 'Switch commands that a game did not execute, since the start' }),
+  ];
+}
+
+function streamRows(all: readonly Sample[]): Row[] {
+  return [
+    gauge('Streams of games', all, named('sweepstake_open_streams'), count),
+    gauge('Sessions in memory', all, named('sweepstake_sessions'), count),
+    gauge('Watchers', all, named('sweepstake_open_watchers'), count),
+    rate('Messages', all, named('sweepstake_applied_messages_total')),
+    rate('Frames', all, named('sweepstake_accepted_frames_total')),
+    rate('Visits of the shadow lane', all, named('sweepstake_accepted_shadow_samples_total')),
+    gauge('Frames that games dropped', all, named('sweepstake_dropped_frames_total'), count, { hint: 'Since the start; a game’s queue was full' }),
+    gauge('Resumed sessions', all, named('sweepstake_resumed_sessions_total'), count),
+  ];
+}
+
+function backupRow(metrics: Metrics): Row {
+  const unixS = valueOf(metrics, 'sweepstake_store_last_backup_timestamp_seconds') ?? 0;
+  return { name: 'Last backup', value: unixS ? `${duration(now.value - unixS * 1000)} ago` : 'none', ...(unixS && { hint: timeText(unixS * 1000) }) };
+}
+
+function storeRows(all: readonly Sample[]): Row[] {
+  const { metrics } = all.at(-1)!;
+  const most = valueOf(metrics, 'sweepstake_store_max_size_bytes') ?? 0;
+  const used = valueOf(metrics, 'sweepstake_store_used_size_bytes') ?? 0;
+  const isHealthy = valueOf(metrics, 'sweepstake_store_healthy') !== 0;
+  const isDamaged = (valueOf(metrics, 'sweepstake_store_damaged') ?? 0) > 0;
+  const lostRows = valueOf(metrics, 'sweepstake_lost_audit_rows_total') ?? 0;
+  const state = !isHealthy ? 'cannot write or read' : isDamaged ? 'has lost evidence' : 'writes and reads';
+  return [
+    { name: 'State', value: state, isBad: !isHealthy || isDamaged },
+    gauge('Space in use', all, named('sweepstake_store_used_size_bytes'), (value) => (most ? `${bytes(value)} of ${bytes(most)}` : bytes(value)),
+      { isBad: most > 0 && used > 0.9 * most }),
+    gauge('Size of the file', all, named('sweepstake_store_size_bytes'), bytes),
+    gauge('Write-ahead log', all, named('sweepstake_store_wal_size_bytes'), bytes),
+    gauge('Updates that wait', all, named('sweepstake_store_queued_commits'), count),
+    gauge('Reads that wait', all, named('sweepstake_store_queued_reads'), count),
+    latency('Commit', all, 'sweepstake_store_commit_duration_seconds', 'How long a group of updates took: median and 99 % of the last minute'),
+    latency('Sync', all, 'sweepstake_store_fsync_duration_seconds', 'How long the disk took: median and 99 % of the last minute'),
+    gauge('Audit log that waits', all, named('sweepstake_waiting_audit_bytes'), bytes),
+    { name: 'Audit rows lost', value: count(lostRows), isBad: lostRows > 0 },
+    backupRow(metrics),
+  ];
+}
+
+function processRows(all: readonly Sample[]): Row[] {
+  const { metrics } = all.at(-1)!;
+  const started = valueOf(metrics, 'process_start_time_seconds');
+  const expires = valueOf(metrics, 'sweepstake_tls_certificate_expiry_timestamp_seconds');
+  return [
+    { name: 'Version', value: account.value?.version || labelOf([...metrics.get('sweepstake_build_info')?.keys() ?? []][0] ?? '', 'version') || '–' },
+    { name: 'Up', value: started ? duration(now.value - started * 1000) : '–' },
+    rate('Processor', all, named('process_cpu_seconds_total'), { hint: 'Seconds of processor time in a second' }),
+    gauge('Memory', all, named('process_resident_memory_bytes'), bytes),
+    gauge('Open files', all, named('process_open_fds'), (value) => `${count(value)} of ${count(valueOf(metrics, 'process_max_fds') ?? NaN)}`),
+    ...(expires ? [{ name: 'Certificate expires', value: timeText(expires * 1000), isBad: expires * 1000 < now.value }] : []),
+  ];
+}
+
+// What was refused, by its reason; reasons that never occurred are left out.
+function refusalRows(all: readonly Sample[]): Row[] {
+  const { metrics } = all.at(-1)!;
+  const byReason = (family: string, what: string) => [...metrics.get(family) ?? []].filter(([, value]) => value > 0)
+    .map(([labels]): Row => gauge(`${what}: ${labelOf(labels, 'reason')}`, all, (each) => each.get(family)?.get(labels), count));
+  const total = (name: string, what: string) => (sumOf(metrics, name) > 0 ? [gauge(what, all, named(name), count)] : []);
+  return [
+    ...byReason('sweepstake_errors_total', 'Ended'),
+    ...byReason('sweepstake_rejected_frames_total', 'Frames rejected'),
+    ...byReason('sweepstake_rejected_shadow_samples_total', 'Visits rejected'),
+    ...total('sweepstake_malformed_messages_total', 'Malformed messages'),
+    ...total('sweepstake_invalid_messages_total', 'Invalid messages'),
+    ...total('sweepstake_replayed_messages_total', 'Messages sent twice'),
+    ...total('sweepstake_surplus_bail_outs_total', 'Bail-outs too many'),
+    ...total('sweepstake_flooding_connections_total', 'Flooding connections'),
+    ...total('sweepstake_failed_commits_total', 'Failed commits'),
+    ...total('sweepstake_degraded_starts_total', 'Starts without evidence'),
+  ];
+}
+
+function Rows({ heading, rows, empty }: { heading: string; rows: readonly Row[]; empty?: string }) {
+  return (
+    <section class="card">
+      <h2>{heading}</h2>
+      {rows.length === 0 ? <p class="soft">{empty}</p> : (
+        <table class="figures-table">
+          <caption class="unseen">{heading}</caption>
+          <tbody>
+            {rows.map(({ name, value, curve, isBad, hint }) => (
+              <tr key={name} class={isBad ? 'bad' : undefined} title={hint}>
+                <th scope="row">{name}</th>
+                <td>{isBad && <span aria-hidden="true">▲ </span>}{value}</td>
+                <td class="curve">{curve && curve.length > 1 && <Sparkline values={curve} low={0} />}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </section>
+  );
+}
+
+function Checks() {
+  const all = checks.value;
+  if (!all) return <Loading what="the checks" />;
+  return (
+    <ul class="checks">
+      {all.map(({ name, isOk, note }) => (
+        <li key={name}>
+          <Chip tone={isOk ? (note ? 'warn' : 'good') : 'bad'} sign={isOk ? '✓' : '✗'}>{name}</Chip>
+          <span>{note || (isOk ? 'ok' : 'failed')}</span>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+export function Health() {
+  useEffect(followChecks, []);
+  useEffect(followFigures, []);
+  const all = samples.value;
+  const error = healthError.value;
+  return (
+    <>
+      <header class="title"><h1>Health of the daemon</h1><CopyLink /></header>
+      {error && <Failure what="The newest health" error={error} onRetry={() => { void learnChecks(); void learnFigures(); }} />}
+      <section class="card"><h2>Ready to serve</h2><Checks /></section>
+      {all.length === 0 ? !error && <Loading what="the figures" /> : (
+        <div class="cards">
+          <Rows heading="Decision loop" rows={loopRows(all)} />
+          <Rows heading="Games and watchers" rows={streamRows(all)} />
+          <Rows heading="Store" rows={storeRows(all)} />
+          <Rows heading="Process" rows={processRows(all)} />
+          <Rows heading="Refused since the start" rows={refusalRows(all)} empty="Nothing was refused." />
+        </div>
+      )}
+    </>
+  );
+}

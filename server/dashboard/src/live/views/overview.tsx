@@ -1,0 +1,127 @@
+// All scenes, the least certain first, and what needs a person.
+import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { counted, grouped, share, significant } from '../../format';
+import { STABLE_PROBABILITY } from '../numbers/verdict';
+import { Arm } from '../parts/arm';
+import { VerdictChip } from '../parts/chips';
+import { ago, now } from '../parts/clock';
+import { CopyLink } from '../parts/copy_link';
+import { Choice, Filter, matches } from '../parts/filter';
+import { Name } from '../parts/name';
+import { Sparkline } from '../parts/sparkline';
+import { Empty, Loading } from '../parts/states';
+import { Table, type Column } from '../parts/table';
+import { visible } from '../parts/visible';
+import { connection } from '../state/connection';
+import { isKnown } from '../state/live';
+import { route, sceneHref } from '../state/route';
+import { connectedSessions, sessions } from '../state/sessions';
+import { summaries, type SceneSummary } from '../state/summaries';
+import { Attention } from './attention';
+import { verdictWord } from './words';
+
+const sceneOf = ({ state }: SceneSummary) => state.posterior;
+
+const COLUMNS: readonly Column<SceneSummary>[] = [
+  { id: 'scene', title: 'Scene', sort: (row) => `${sceneOf(row).project}\n${sceneOf(row).scene}`, csv: (row) => sceneOf(row).scene,
+    cell: (row) => <a href={sceneHref(sceneOf(row))}><Name text={sceneOf(row).scene} /></a> },
+  { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Sorted by how uncertain it is which arm is the best', sort: (row) => row.uncertainty,
+    csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },
+  { id: 'leader', title: 'Leader', isText: true, width: '8rem', hint: 'The arm that is the best most probably', sort: (row) => row.computed.leader,
+    cell: (row) => <Arm name={row.computed.leader} /> },
+  { id: 'p', title: 'P(best)', hint: 'Probability that the leader is the best arm', sort: (row) => (row.computed.leader ? row.computed.leaderProbability : undefined),
+    cell: (row) => (row.computed.leader ? row.computed.leaderProbability.toFixed(3) : '–') },
+  { id: 'trend', title: 'Trend', isText: true, hint: 'The leader’s P(best) since you came, from 0 to 1; the line is at 0.8',
+    cell: (row) => <Sparkline values={row.trend} low={0} high={1} mark={STABLE_PROBABILITY} /> },
+  { id: 'loss', title: 'Loss', width: '6rem', hint: 'What choosing the leader may lose against the best arm, on average', sort: (row) => (row.computed.leader ? row.computed.expectedLossRatio : undefined),
+    cell: (row) => (row.computed.leader ? share(row.computed.expectedLossRatio) : '–') },
+  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount, cell: (row) => grouped(sceneOf(row).activeSessionCount) },
+  { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane, of all sessions', sort: (row) => Number(row.evidence),
+    cell: (row) => grouped(Number(row.evidence)) },
+  { id: 'changed', title: 'Changed', width: '7rem', hint: 'When the last change came', sort: (row) => row.state.changedMs || undefined,
+    cell: (row) => (row.state.changedMs ? ago(row.state.changedMs, now.value) : '–') },
+  { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project, cell: (row) => <Name text={sceneOf(row).project} /> },
+  { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass, cell: (row) => <Name text={sceneOf(row).machineClass} /> },
+  { id: 'reward', title: 'Reward', hint: 'Version of the reward; 3 is that of AI Decides', sort: (row) => sceneOf(row).rewardVersion, cell: (row) => sceneOf(row).rewardVersion },
+];
+
+const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verdict.TIE, Verdict.STABLE];
+
+function Figure({ value, what, title }: { value: string; what: string; title?: string }) {
+  return <div class="figure" title={title}><b>{value}</b><span>{what}</span></div>;
+}
+
+function Figures() {
+  const all = summaries.value;
+  const lastMs = Math.max(0, ...all.map(({ state }) => state.changedMs));
+  const unsure = all.filter(({ verdict }) => verdict === Verdict.AMBIGUOUS || verdict === Verdict.DEGRADED).length;
+  return (
+    <div class="figures">
+      <Figure value={grouped(all.length)} what={all.length === 1 ? 'scene' : 'scenes'} />
+      <Figure value={grouped(connectedSessions.value.length)} what={connectedSessions.value.length === 1 ? 'session online' : 'sessions online'} />
+      <Figure value={grouped(unsure)} what="not settled" title="Scenes that are ambiguous or degraded" />
+      <Figure value={lastMs ? ago(lastMs, now.value) : '–'} what="last change" title="When the last change came from the daemon" />
+    </div>
+  );
+}
+
+function filtered(all: readonly SceneSummary[]): readonly SceneSummary[] {
+  const { query } = route.value;
+  const text = query.get('q') ?? '';
+  const verdict = query.get('verdict') ?? 'any';
+  const project = query.get('project') ?? '';
+  const isOnline = query.get('online') === 'yes';
+  return all.filter((row) => {
+    const { posterior } = row.state;
+    return (verdict === 'any' || verdictWord(row.verdict).name === verdict) && (project === '' || posterior.project === project)
+      && (!isOnline || posterior.activeSessionCount > 0)
+      && matches(text, [posterior.project, posterior.scene, posterior.machineClass, row.computed.leader]);
+  });
+}
+
+function Tools({ all }: { all: readonly SceneSummary[] }) {
+  const projects = [...new Set(all.map(({ state }) => state.posterior.project))].sort();
+  return (
+    <>
+      <Filter label="Search scenes" />
+      <Choice label="Verdict" parameter="verdict" options={[['any', 'any'], ...VERDICTS.map((each) => [verdictWord(each).name, verdictWord(each).name] as const)]} />
+      <Choice label="Project" parameter="project" options={[['', 'all'], ...projects.map((each) => [each, visible(each)] as const)]} />
+      <Choice label="Sessions" parameter="online" options={[['', 'any'], ['yes', 'online']]} />
+      <CopyLink />
+    </>
+  );
+}
+
+function NoScenes() {
+  return (
+    <Empty title="No scene has reported yet">
+      <p>A scene appears here as soon as a game has played it. Without a game:</p>
+      <pre>sweepstake run --scene hurricane --objects 3000 --mode ai --daemon HOST:PORT</pre>
+    </Empty>
+  );
+}
+
+export function Overview() {
+  const all = summaries.value;
+  if (all.length === 0 && !isKnown.value.scenes) return connection.value.status === 'connecting' ? <Loading what="scenes" /> : <NotThere />;
+  const rows = filtered(all);
+  return (
+    <>
+      <h1 class="unseen">Overview</h1>
+      <div class="summary"><Figures /><Attention /></div>
+      <section aria-labelledby="scenes-heading">
+        <h2 id="scenes-heading">Scenes</h2>
+        {all.length === 0 ? <NoScenes /> : (
+          <Table caption="Scenes" columns={COLUMNS} rows={rows} keyOf={({ state }) => state.key} sort="-verdict" tools={<Tools all={all} />} />
+        )}
+        {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
+      </section>
+      <p class="soft small">{counted(sessions.value.size, 'session', 'sessions')} known; verdicts are of the evidence of all sessions together, the leader’s P(best) is stable from {significant(STABLE_PROBABILITY, 1)} on.</p>
+    </>
+  );
+}
+
+function NotThere() {
+  const { error } = connection.value;
+  return <Empty title="The daemon is not there"><p>{error?.message ?? 'The connection was lost'}. The page comes back by itself.</p></Empty>;
+}

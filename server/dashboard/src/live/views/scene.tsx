@@ -1,0 +1,161 @@
+// A scene: what is believed of each arm, how that came to be, and what it rests on.
+import { useComputed } from '@preact/signals';
+import { useEffect, useMemo, useRef } from 'preact/hooks';
+import { counted, share } from '../../format';
+import { ChartFrame } from '../charts/frame';
+import { BandsChart, BestChart, LossChart } from '../charts/posterior_charts';
+import type { Moment } from '../charts/plot';
+import { Ridgeline } from '../charts/ridgeline';
+import { TimeTools } from '../charts/time_chart';
+import { useFrozen } from '../charts/view_state';
+import { centralInterval, mean } from '../numbers/beta';
+import { PosteriorSeries } from '../numbers/series';
+import { type SceneVerdict, verdictOf } from '../numbers/verdict';
+import { VerdictChip } from '../parts/chips';
+import { ago, now } from '../parts/clock';
+import { CopyLink } from '../parts/copy_link';
+import { Name } from '../parts/name';
+import { visible } from '../parts/visible';
+import { Empty, Failure, Loading } from '../parts/states';
+import type { ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
+import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { connection } from '../state/connection';
+import { isKnown } from '../state/live';
+import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
+import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
+import { sessions } from '../state/sessions';
+import { CompareScenes } from './compare';
+import { ArmTable } from './scene/arm_table';
+import { Latest, Sessions, Variants, variantsOf } from './scene/lists';
+import { Builds, buildStarts } from './scene/builds';
+import { MeasuredBy } from './scene/measured_by';
+import { armNames, type ArmRow, armRows, latestStandings, ridgeRows } from './scene/model';
+import { verdictWord } from './words';
+
+function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdict }) {
+  const isDegraded = state.decisions.at(-1)?.verdict === Verdict.DEGRADED;
+  if (isDegraded) return <p><VerdictChip verdict={Verdict.DEGRADED} /> {verdictWord(Verdict.DEGRADED).meaning}</p>;
+  if (!computed.leader) return <p><VerdictChip verdict={computed.verdict} /> {verdictWord(computed.verdict).meaning}</p>;
+  return (
+    <p>
+      <VerdictChip verdict={computed.verdict} /> <b><Name text={computed.leader} /></b> is the best arm with a probability of{' '}
+      <b class="leader-probability">{computed.leaderProbability.toFixed(3)}</b>. Choosing it loses <b>{share(computed.expectedLossRatio)}</b> on average, and knowing
+      everything would gain <b>{share(computed.valueRemainingRatio)}</b>.
+    </p>
+  );
+}
+
+function Facts({ state }: { state: SceneState }) {
+  const { posterior, changedMs } = state;
+  const told = latestStandings(state.decisions);
+  return (
+    <dl class="facts">
+      <div><dt>Machines</dt><dd><Name text={posterior.machineClass} /></dd></div>
+      <div><dt>Reward</dt><dd>version {posterior.rewardVersion}</dd></div>
+      <div><dt>Now</dt><dd>{counted(posterior.activeSessionCount, 'session', 'sessions')}</dd></div>
+      <div><dt>Evidence of</dt><dd>{counted(Number(posterior.sourceCount), 'session', 'sessions')}</dd></div>
+      <div><dt>Last change</dt><dd>{changedMs ? ago(changedMs, now.value) : 'none since you came'}</dd></div>
+      {told && <div><dt>Policy</dt><dd><Name text={told.policy} /></dd></div>}
+    </dl>
+  );
+}
+
+function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow[]; state: SceneState; before: ScenePosterior }) {
+  const title = 'What is believed of each arm';
+  const ridges = useMemo(() => ridgeRows(rows, before), [rows]);
+  const table = () => ({
+    header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'bail-outs'],
+    rows: rows.map(({ arm, backendVersion, measured, posterior: beta, view, windowCount, visitCount, bailOutCount }) =>
+      [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta), ...centralInterval(beta, 0.95), view.bestProbability, view.costRatio?.median, windowCount, visitCount, bailOutCount]),
+  });
+  return (
+    <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'Nothing is learnt of any arm yet.'}
+      note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: what was believed when you opened this view.">
+      <Ridgeline title={title} rows={ridges} rewardVersion={posterior.rewardVersion} />
+    </ChartFrame>
+  );
+}
+
+// When a build of the game was first seen among the sessions that the daemon has in memory.
+function useBuilds({ project, scene }: SceneName): readonly Moment[] {
+  const own = useComputed(() => buildStarts([...sessions.value.values()].map(({ info }) => info).filter((info) => info.project === project && info.scene === scene))
+    .map(({ build, fromMs }) => `${fromMs} ${build}`).join('\n')).value;
+  return useMemo(() => own.split('\n').filter(Boolean).map((line): Moment => {
+    const [fromMs = '0', ...build] = line.split(' ');
+    return { timeMs: Number(fromMs), colour: 'var(--soft)', label: visible(build.join(' ')).slice(0, 20) };
+  }), [own]);
+}
+
+function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] }) {
+  const { rewardVersion, project, scene } = state.posterior;
+  const names = armNames(rows);
+  const arms = useMemo(() => names, [names.join('\n')]);
+  const series = useMemo(() => new PosteriorSeries(arms, rewardVersion), [arms, rewardVersion]);
+  const moments = useMemo(() => series.of(state.history), [series, state.history]);
+  const never = rows.filter(({ measured, isOld }) => measured === 'never' && !isOld).map(({ arm }) => arm).join('\n');
+  const assumed = useMemo(() => new Set(never.split('\n')), [never]);
+  const builds = useBuilds(state.posterior);
+  const props = { arms, assumed, moments: builds, rows: moments, rewardVersion, names: [project, scene] };
+  return (
+    <>
+      <TimeTools />
+      <BandsChart {...props} />
+      <div class="beside"><BestChart {...props} /><LossChart {...props} /></div>
+    </>
+  );
+}
+
+function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) {
+  const state = useFrozen(latest, true);
+  const before = useRef(latest.posterior).current;
+  const rows = useMemo(() => armRows(state), [state]);
+  const computed = verdictOf(state.posterior);
+  return (
+    <>
+      <header class="title"><h1><span class="soft"><Name text={name.project} /> /</span> <Name text={name.scene} /></h1><CopyLink /></header>
+      <Sentence state={state} computed={computed} />
+      <Facts state={state} />
+      <Beliefs rows={rows} state={state} before={before} />
+      <ArmTable rows={rows} rewardVersion={name.rewardVersion} />
+      <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} rows={rows} /></section>
+      <section aria-labelledby="measured-heading"><h2 id="measured-heading">Live against lane</h2><MeasuredBy name={name} /></section>
+      <section aria-labelledby="classes-heading"><h2 id="classes-heading">Machines compared</h2><Variants name={name} /></section>
+      <section aria-labelledby="builds-heading"><h2 id="builds-heading">Builds compared</h2><Builds name={name} /></section>
+      <section aria-labelledby="sessions-heading"><h2 id="sessions-heading">Sessions</h2><Sessions name={name} /></section>
+      <section aria-labelledby="latest-heading"><h2 id="latest-heading">Latest decisions</h2><Latest decisions={state.decisions} rewardVersion={name.rewardVersion} />
+        <p><a href={decisionsHref({ project: name.project, scene: name.scene })}>All decisions of this scene</a></p></section>
+    </>
+  );
+}
+
+function NoScene({ name }: { name: SceneName }) {
+  const others = variantsOf(name);
+  const { error } = connection.value;
+  if (!isKnown.value.scenes) return error ? <Failure what="The scene" error={error} /> : <Loading what="the scene" />;
+  return (
+    <Empty title="The daemon knows nothing of this scene">
+      <p><Name text={name.project} /> / <Name text={name.scene} /> on <Name text={name.machineClass} />, reward version {name.rewardVersion}.</p>
+      {others.map(({ key, posterior }) => (
+        <p key={key}><a href={sceneHref(posterior)}>on <Name text={posterior.machineClass} />, reward version {posterior.rewardVersion}</a></p>
+      ))}
+      <p><a href="/">All scenes</a></p>
+    </Empty>
+  );
+}
+
+function Opened({ name, other }: { name: SceneName; other: string | null }) {
+  const key = sceneKey(name);
+  const state = useComputed(() => scenes.value.get(key)).value; // other scenes change too
+  useEffect(() => {
+    sceneInView.value = key;
+    return () => { sceneInView.value = ''; };
+  }, [key]);
+  if (!state) return <NoScene name={name} />;
+  return other ? <CompareScenes own={state} other={other} /> : <Scene state={state} name={name} />;
+}
+
+export function SceneView() {
+  const name = sceneNameOf(route.value);
+  const other = route.value.query.get('with');
+  return <Opened key={`${sceneKey(name)}\n${other ?? ''}`} name={name} other={other} />;
+}

@@ -1,0 +1,44 @@
+// The arms of a scene in figures: the table behind the ridgeline.
+import { significant } from '../../../format';
+import { MEASURED_WORDS } from '../../charts/ridgeline';
+import { centralInterval, mean } from '../../numbers/beta';
+import { costNsOf, LOG_COST_REWARD_VERSION, rewardText } from '../../numbers/log_cost';
+import { Arm } from '../../parts/arm';
+import { ago, now } from '../../parts/clock';
+import { type Column, Table } from '../../parts/table';
+import type { ArmRow } from './model';
+
+const count = (value: number) => value.toLocaleString('en');
+
+function columns(rewardVersion: number): readonly Column<ArmRow>[] {
+  const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
+  const shown = (reward: number) => rewardText(reward, tellsCosts);
+  const value = (reward: number) => (tellsCosts ? costNsOf(reward) : reward);
+  const end = (row: ArmRow, high: boolean) => centralInterval(row.posterior, 0.95)[high === tellsCosts ? 0 : 1];
+  const unit = tellsCosts ? ', in nanoseconds' : '';
+  return [
+    { id: 'arm', title: 'Arm', sort: ({ label }) => label,
+      cell: (row) => <><Arm name={row.arm} hollow={row.measured !== 'live'} />{row.label !== row.arm && <span class="soft"> v{row.backendVersion}{row.isOld && ', old'}</span>}</> },
+    { id: 'measured', title: 'Measured', isText: true, hint: 'Whether it ran in a game, or only beside one in the shadow lane', sort: ({ measured }) => measured,
+      cell: ({ measured }) => (measured === 'live' ? 'live' : <span class="lane-only" title={MEASURED_WORDS[measured]}>{measured === 'lane' ? 'lane only' : 'never'}</span>) },
+    { id: 'best', title: 'P(best)', hint: 'Probability to be the best arm', sort: ({ view }) => view.bestProbability, cell: ({ view }) => view.bestProbability?.toFixed(3) ?? '–' },
+    { id: 'mean', title: tellsCosts ? 'Detection time' : 'Reward', hint: `Mean of what is believed${unit}`, sort: ({ posterior }) => value(mean(posterior)),
+      cell: ({ posterior }) => shown(mean(posterior)) },
+    { id: 'low', title: '95 % from', sort: (row) => value(end(row, false)), cell: (row) => shown(end(row, false)) },
+    { id: 'high', title: 'to', sort: (row) => value(end(row, true)), cell: (row) => shown(end(row, true)) },
+    ...(!tellsCosts ? [] : [{ id: 'ratio', title: 'Cost ÷ leader’s', hint: 'Median, and where it is with 95 %', sort: ({ view }: ArmRow) => view.costRatio?.median,
+      cell: ({ view: { costRatio: ratio } }: ArmRow) => (ratio ? `${significant(ratio.median)} (${significant(ratio.low)} to ${significant(ratio.high)})` : '–') }]),
+    { id: 'windows', title: 'Windows', hint: 'Decision windows in which it ran in games', sort: ({ windowCount }) => windowCount, cell: ({ windowCount }) => count(windowCount) },
+    { id: 'visits', title: 'Lane visits', hint: 'Measurements of the shadow lane', sort: ({ visitCount }) => visitCount, cell: ({ visitCount }) => count(visitCount) },
+    { id: 'n', title: 'Worth windows', hint: 'In the session that decided last: so many live windows would tell as much as it knows', sort: ({ standing }) => standing?.effectiveWindowCount,
+      cell: ({ standing }) => (standing ? significant(standing.effectiveWindowCount) : '–') },
+    { id: 'age', title: 'Changed', hint: 'When something was learnt of it last', sort: ({ changedMs }) => changedMs,
+      cell: ({ changedMs }) => (changedMs === undefined ? <span class="soft">not since you came</span> : ago(changedMs, now.value)) },
+    { id: 'bails', title: 'Bail-outs', hint: 'Frames over the bail-out limit that were its fault', sort: ({ bailOutCount }) => bailOutCount, cell: ({ bailOutCount }) => count(bailOutCount) },
+    { id: 'alpha', title: 'α', sort: ({ posterior }) => posterior.alpha, cell: ({ posterior }) => significant(posterior.alpha, 5) },
+    { id: 'beta', title: 'β', sort: ({ posterior }) => posterior.beta, cell: ({ posterior }) => significant(posterior.beta, 5) },
+  ];
+}
+
+export const ArmTable = ({ rows, rewardVersion }: { rows: readonly ArmRow[]; rewardVersion: number }) =>
+  <Table caption="Arms" columns={columns(rewardVersion)} rows={rows} keyOf={({ key }) => key} sort="-best" sortParameter="arms" />;

@@ -1,0 +1,92 @@
+// What belongs to a scene: the same scene on other machines, its sessions, and its latest decisions.
+import { DecisionOutcome, type DecisionEvent } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { share } from '../../../format';
+import { verdictOf } from '../../numbers/verdict';
+import { Arm } from '../../parts/arm';
+import { Chip, VerdictChip } from '../../parts/chips';
+import { ago, now, timeText } from '../../parts/clock';
+import { Name } from '../../parts/name';
+import { type Column, Table } from '../../parts/table';
+import { visible } from '../../parts/visible';
+import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
+import { sceneKey, type SceneName, type SceneState } from '../../state/scenes';
+import { isConnected, sessions, type SessionState } from '../../state/sessions';
+import { summaries } from '../../state/summaries';
+import { explained, toldOfEvent } from '../../audit/explain';
+import { endWord, modeWord, outcomeWord, stateWord } from '../words';
+
+/** Returns the address of this view with another one beside it. */
+export function besideHref(other: string): string {
+  const query = new URLSearchParams(route.value.query);
+  query.set('with', other);
+  return `${route.value.path}?${query.toString()}`;
+}
+
+/** The same scene on other classes of machines, or by other versions of the reward. */
+export function variantsOf({ project, scene }: SceneName): SceneState[] {
+  return summaries.value.map(({ state }) => state).filter(({ posterior }) => posterior.project === project && posterior.scene === scene);
+}
+
+const rewardName = (version: number) => (version === 3 ? '3 (detection time)' : String(version));
+
+function variantColumns(own: string): readonly Column<SceneState>[] {
+  return [
+    { id: 'class', title: 'Machines', sort: ({ posterior }) => posterior.machineClass,
+      cell: ({ posterior, key }) => (key === own ? <b><Name text={posterior.machineClass} /></b> : <a href={sceneHref(posterior)}><Name text={posterior.machineClass} /></a>) },
+    { id: 'reward', title: 'Reward', isText: true, sort: ({ posterior }) => posterior.rewardVersion, cell: ({ posterior }) => rewardName(posterior.rewardVersion) },
+    { id: 'verdict', title: 'Verdict', isText: true, cell: ({ posterior }) => <VerdictChip verdict={verdictOf(posterior).verdict} /> },
+    { id: 'leader', title: 'Leader', isText: true, sort: ({ posterior }) => verdictOf(posterior).leader, cell: ({ posterior }) => <Arm name={verdictOf(posterior).leader} /> },
+    { id: 'p', title: 'P(best)', sort: ({ posterior }) => verdictOf(posterior).leaderProbability,
+      cell: ({ posterior }) => (verdictOf(posterior).leader ? verdictOf(posterior).leaderProbability.toFixed(3) : '–') },
+    { id: 'loss', title: 'Loss', sort: ({ posterior }) => verdictOf(posterior).expectedLossRatio, cell: ({ posterior }) => share(verdictOf(posterior).expectedLossRatio) },
+    { id: 'sources', title: 'Sources', hint: 'Sessions whose evidence it has', sort: ({ posterior }) => Number(posterior.sourceCount), cell: ({ posterior }) => String(posterior.sourceCount) },
+    { id: 'compare', title: 'Beside one another', isText: true, cell: ({ key }) => (key === own ? '' : <a href={besideHref(key)}>Compare</a>) },
+  ];
+}
+
+export function Variants({ name }: { name: SceneName }) {
+  const variants = variantsOf(name);
+  if (variants.length < 2) return <p class="soft">Only one class of machines has reported this scene.</p>;
+  return <Table caption="Classes of machines" columns={variantColumns(sceneKey(name))} rows={variants} keyOf={({ key }) => key} sort="class" sortParameter="classes" />;
+}
+
+const SESSION_COLUMNS: readonly Column<SessionState>[] = [
+  { id: 'session', title: 'Session', sort: ({ info }) => info.sessionId, cell: ({ info }) => <a href={sessionHref(info.sessionId)}><Name text={info.sessionId} /></a> },
+  { id: 'state', title: 'State', isText: true, sort: (session) => Number(!isConnected(session)), csv: ({ info, ended }) => (ended ? endWord(ended.end) : stateWord(info.state)).name,
+    cell: (session) => {
+      const { name, mark, meaning } = session.ended ? endWord(session.ended.end) : stateWord(session.info.state);
+      return <Chip tone={isConnected(session) ? 'good' : 'plain'} sign={mark} title={meaning}>{name}</Chip>;
+    } },
+  { id: 'arm', title: 'Active arm', isText: true, sort: ({ info }) => info.activeArm, cell: ({ info }) => <Arm name={info.activeArm} /> },
+  { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name, cell: ({ info }) => modeWord(info.mode).name },
+  { id: 'build', title: 'Build', isText: true, sort: ({ info }) => info.build, cell: ({ info }) => <Name text={info.build} /> },
+  { id: 'start', title: 'Began', sort: ({ info }) => Number(info.unixStartMs), cell: ({ info }) => timeText(Number(info.unixStartMs)) },
+  { id: 'last', title: 'Last message', sort: ({ info }) => Number(info.unixLastMessageMs),
+    cell: ({ info }) => (info.unixLastMessageMs ? ago(Number(info.unixLastMessageMs), now.value) : '–') },
+  { id: 'dropped', title: 'Dropped frames', hint: 'Frames that the game measured and could not send', sort: ({ info }) => Number(info.droppedFrameCount), cell: ({ info }) => String(info.droppedFrameCount) },
+];
+
+export function Sessions({ name }: { name: SceneName }) {
+  const own = [...sessions.value.values()].filter(({ info }) => info.project === name.project && info.scene === name.scene);
+  if (own.length === 0) return <p class="soft">No game plays this scene now. <a href={decisionsHref({ project: name.project, scene: name.scene })}>Earlier sessions are in the log.</a></p>;
+  return <Table caption="Sessions" columns={SESSION_COLUMNS} rows={own} keyOf={({ info }) => info.sessionId} sort="state" sortParameter="sessions" />;
+}
+
+const SHOWN_DECISIONS = 12;
+const QUIET = [DecisionOutcome.KEPT, DecisionOutcome.NO_FRAMES, DecisionOutcome.HELD_SETTLING];
+
+/** The latest decisions that changed something or were held back. */
+export function Latest({ decisions, rewardVersion }: { decisions: readonly DecisionEvent[]; rewardVersion: number }) {
+  const shown = decisions.filter(({ outcome }) => !QUIET.includes(outcome)).slice(-SHOWN_DECISIONS).reverse();
+  if (shown.length === 0) return <p class="soft">Since the page was opened every decision kept the active arm.</p>;
+  return (
+    <ul class="latest">
+      {shown.map((event) => (
+        <li key={`${event.sessionId} ${event.decisionId}`}>
+          <a href={`${sessionHref(event.sessionId)}?decision=${event.decisionId}`}>{outcomeWord(event.outcome).name}</a>{' '}
+          <bdi>{visible(explained(toldOfEvent(event, rewardVersion))[0] ?? '')}</bdi>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,73 @@
+// What the view of a scene says of each arm, computed from what the daemon told.
+import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
+import type { ArmStanding } from '../../../gen/sweepstake/v1/telemetry_pb';
+import type { Measured, RidgeRow } from '../../charts/ridgeline';
+import type { Beta } from '../../numbers/beta';
+import { type ArmView, isNewest, verdictOf } from '../../numbers/verdict';
+import type { SceneState } from '../../state/scenes';
+
+export interface ArmRow {
+  key: string;
+  arm: string;
+  label: string; // with the version of its backend where there are several
+  backendVersion: number;
+  isOld: boolean; // there is a newer version, and decisions do not depend on this one
+  posterior: Beta;
+  measured: Measured;
+  view: ArmView;
+  windowCount: number;
+  visitCount: number;
+  bailOutCount: number;
+  standing: ArmStanding | undefined; // in the session that decided last
+  changedMs: number | undefined; // when the posterior changed last, by the daemon's clock; undefined: not since the page was opened
+}
+
+/** An arm without windows never ran in a game, whatever is believed of it. */
+export function measuredBy({ windowCount, visitCount, bailOutCount }: Pick<ArmPosterior, 'windowCount' | 'visitCount' | 'bailOutCount'>): Measured {
+  if (windowCount > 0n || bailOutCount > 0n) return 'live';
+  return visitCount > 0n ? 'lane' : 'never';
+}
+
+/** Returns the latest decision that tells what its session has measured of each arm. */
+export const latestStandings = (decisions: readonly DecisionEvent[]): DecisionEvent | undefined =>
+  decisions.filter(({ arms, standings }) => standings.length > 0 && standings.length === arms.length).at(-1);
+
+export function armRows({ posterior: { arms }, posterior, decisions, history }: SceneState): ArmRow[] {
+  const { arms: views } = verdictOf(posterior);
+  const told = latestStandings(decisions);
+  return arms.flatMap((arm, place): ArmRow[] => {
+    if (!arm.posterior) return [];
+    const isOld = !isNewest(arms, arm);
+    const hasVersions = arms.some((other) => other.arm === arm.arm && other !== arm);
+    const times = isOld ? [] : history.get(arm.arm)?.timesMs ?? [];
+    return [{
+      key: `${arm.arm}\n${arm.backendVersion}`,
+      arm: arm.arm,
+      label: hasVersions ? `${arm.arm} v${arm.backendVersion}` : arm.arm,
+      backendVersion: arm.backendVersion,
+      isOld,
+      posterior: arm.posterior,
+      measured: measuredBy(arm),
+      view: views[place] ?? {},
+      windowCount: Number(arm.windowCount),
+      visitCount: Number(arm.visitCount),
+      bailOutCount: Number(arm.bailOutCount),
+      standing: isOld ? undefined : told?.standings[told.arms.indexOf(arm.arm)],
+      changedMs: times.length > 1 ? times.at(-1) : undefined,
+    }];
+  });
+}
+
+/** The most probable arm first, arms of old versions last. What was believed in `before` is drawn behind, where it was something else. */
+export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): RidgeRow[] {
+  const rank = ({ isOld, view }: ArmRow) => (isOld ? -1 : view.bestProbability ?? 0);
+  return [...rows].sort((a, b) => rank(b) - rank(a) || a.key.localeCompare(b.key))
+    .map(({ arm, label, backendVersion, posterior, measured }) => {
+      const was = before?.arms.find((each) => each.arm === arm && each.backendVersion === backendVersion)?.posterior;
+      const isOther = was && (was.alpha !== posterior.alpha || was.beta !== posterior.beta);
+      return { arm, label, posterior, measured, ...(isOther && { before: was }) };
+    });
+}
+
+/** The scene's arms, each once, in the order of the daemon. */
+export const armNames = (rows: readonly ArmRow[]) => rows.filter(({ isOld }) => !isOld).map(({ arm }) => arm);

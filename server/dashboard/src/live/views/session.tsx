@@ -1,0 +1,198 @@
+// A session: what ran when and why, what it cost, and what an operator may do about it.
+import { useComputed } from '@preact/signals';
+import { useEffect, useMemo } from 'preact/hooks';
+import { counted, grouped } from '../../format';
+import { armsOf, isSwitch, laneVisits, measuredOf, mergedSteps, type Step } from '../audit/steps';
+import { MAX_STEPS, type SessionLog, useSessionLog } from '../audit/use_log';
+import { ChartFrame } from '../charts/frame';
+import { BandsChart, BestChart } from '../charts/posterior_charts';
+import { Ridgeline } from '../charts/ridgeline';
+import { TimelineChart } from '../charts/timeline';
+import { TimeTools } from '../charts/time_chart';
+import { domainOf, pausedMs, range, type Range, useFrozen } from '../charts/view_state';
+import { LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
+import { Arm } from '../parts/arm';
+import { Chip } from '../parts/chips';
+import { ago, now, timeText } from '../parts/clock';
+import { CopyLink } from '../parts/copy_link';
+import { Name } from '../parts/name';
+import { Empty, Failure, Loading } from '../parts/states';
+import { type Column, Table } from '../parts/table';
+import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
+import { sceneKeyOf } from '../state/scenes';
+import { isConnected, sessionInView, sessions, type SessionState } from '../state/sessions';
+import { CompareSessions, CompareWith } from './compare';
+import { explained } from '../audit/explain';
+import { CostCharts } from './session/cost_charts';
+import { beliefRows, costColumns, laneSums, type LaneSum, priorAndPosterior, stepFor, switchMoments } from './session/model';
+import { Orders } from './session/orders';
+import { Why } from './session/why';
+import { endWord, modeWord, outcomeWord, stateWord } from './words';
+
+/** The version of the reward that a session's policy has. */
+export function rewardVersionOf(steps: readonly Step[], state: SessionState | undefined): number {
+  const event = state?.decisions.at(-1);
+  if (event) return Number(sceneKeyOf(event).split('\n').at(-1));
+  return steps.filter(({ told }) => told).at(-1)?.told?.rewardVersion ?? LOG_COST_REWARD_VERSION;
+}
+
+function Facts({ state, steps, rewardVersion }: { state: SessionState | undefined; steps: readonly Step[]; rewardVersion: number }) {
+  const setup = steps.filter(({ placed }) => placed?.setup).at(-1)?.placed?.setup;
+  const info = state?.info;
+  const names = { project: info?.project ?? setup?.project ?? '', scene: info?.scene ?? setup?.scene ?? '' };
+  const machineClass = setup?.machineClass ?? state?.decisions.at(-1)?.machineClass ?? '';
+  const word = !state ? undefined : state.ended ? endWord(state.ended.end) : stateWord(state.info.state);
+  return (
+    <dl class="facts">
+      <div><dt>Scene</dt><dd><a href={sceneHref({ ...names, machineClass, rewardVersion })}><Name text={names.scene} /></a></dd></div>
+      <div><dt>Project</dt><dd><Name text={names.project} /></dd></div>
+      {word && <div><dt>State</dt><dd><Chip tone={state && isConnected(state) ? 'good' : 'plain'} sign={word.mark} title={word.meaning}>{word.name}</Chip></dd></div>}
+      {info && <div><dt>Mode</dt><dd title={modeWord(info.mode).meaning}>{modeWord(info.mode).name}</dd></div>}
+      {info && <div><dt>Active arm</dt><dd><Arm name={info.activeArm} /></dd></div>}
+      <div><dt>Machines</dt><dd><Name text={machineClass} /></dd></div>
+      {info && <div><dt>Build</dt><dd><Name text={info.build} /></dd></div>}
+      {info && <div><dt>Address</dt><dd><Name text={info.clientAddress} /></dd></div>}
+      {info && <div><dt>Began</dt><dd>{timeText(Number(info.unixStartMs))}</dd></div>}
+      {info && info.unixLastMessageMs > 0n && <div><dt>Last message</dt><dd>{ago(Number(info.unixLastMessageMs), now.value)}</dd></div>}
+      {info && <div><dt>Dropped frames</dt><dd>{String(info.droppedFrameCount)}</dd></div>}
+    </dl>
+  );
+}
+
+const openStep = (step: Step) =>
+  setQuery(step.decisionId > 0 ? { decision: String(step.decisionId), at: undefined } : { decision: undefined, at: String(Math.round(step.timeMs)) }, { step: true });
+
+function chosenStep(steps: readonly Step[]): Step | undefined {
+  const { query } = route.value;
+  const id = Number(query.get('decision') ?? 0);
+  if (id > 0) return stepFor(steps, id);
+  const at = Number(query.get('at') ?? 0);
+  return at > 0 ? steps.find(({ timeMs }) => Math.round(timeMs) === at) : undefined;
+}
+
+const decisionTable = (steps: readonly Step[]) => ({
+  header: ['time', 'decision', 'active arm', 'candidate', 'outcome', 'in words'],
+  rows: steps.flatMap(({ timeMs, decisionId, told }) => (told
+    ? [[new Date(timeMs).toISOString(), decisionId, told.activeArm, told.candidate, outcomeWord(told.outcome).name, explained(told)[0]]] : [])),
+});
+
+const LANE_COLUMNS: readonly Column<LaneSum>[] = [
+  { id: 'arm', title: 'Arm', sort: ({ arm }) => arm, cell: ({ arm }) => <Arm name={arm} hollow /> },
+  { id: 'visits', title: 'Visits', sort: ({ visitCount }) => visitCount, cell: ({ visitCount }) => String(visitCount) },
+  { id: 'median', title: 'Median', hint: 'Detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
+  { id: 'last', title: 'Last', sort: ({ lastNs }) => lastNs, cell: ({ lastNs }) => nsText(lastNs) },
+  { id: 'build', title: 'Build', hint: 'Median time of building its structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
+  { id: 'capped', title: 'Cut short', hint: 'Visits that the lane’s time cap ended', sort: ({ cappedCount }) => cappedCount, cell: ({ cappedCount }) => String(cappedCount) },
+  { id: 'when', title: 'Last visit', sort: ({ lastMs }) => lastMs, cell: ({ lastMs }) => timeText(lastMs) },
+];
+
+function Lane({ steps }: { steps: readonly Step[] }) {
+  const sums = useMemo(() => laneSums(laneVisits(steps)), [steps]);
+  if (sums.length === 0) return <p class="soft">The shadow lane has not measured anything in this session, or is off.</p>;
+  return <Table caption="Visits of the shadow lane" columns={LANE_COLUMNS} rows={sums} keyOf={({ arm }) => arm} sort="median" sortParameter="lane" />;
+}
+
+interface ChartsProps { sessionId: string; steps: readonly Step[]; arms: readonly string[]; rewardVersion: number; domain: Range }
+
+function Timeline({ sessionId, steps, arms, domain }: ChartsProps) {
+  const switchCount = steps.filter(isSwitch).length;
+  return (
+    <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'Nothing was decided yet.'}
+      note={`${counted(switchCount, 'switch', 'switches')} commanded. Point to a mark, or go through them with the arrow keys; Enter explains one.`}>
+      <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openStep} />
+    </ChartFrame>
+  );
+}
+
+function Beliefs({ sessionId, steps, arms, rewardVersion, domain }: ChartsProps) {
+  const rows = useMemo(() => beliefRows(steps, arms.length), [steps, arms]);
+  const ridges = useMemo(() => priorAndPosterior(steps, arms), [steps, arms]);
+  const title = 'Prior and posterior of this session';
+  const known = useMemo(() => rows.filter(({ beliefs }) => beliefs.some(Boolean)), [rows]);
+  const assumed = useMemo(() => new Set(ridges.filter(({ measured }) => measured === 'never').map(({ arm }) => arm)), [ridges]);
+  const common = { arms, assumed, rewardVersion, names: [sessionId], domain };
+  const table = () => ({
+    header: ['arm', 'measured', 'alpha', 'beta', 'prior alpha', 'prior beta'],
+    rows: ridges.map(({ arm, measured, posterior, before }) => [arm, measured, posterior.alpha, posterior.beta, before?.alpha ?? 1, before?.beta ?? 1]),
+  });
+  return (
+    <>
+      <BestChart {...common} rows={rows} />
+      <BandsChart {...common} rows={known} />
+      <ChartFrame id="prior" title={title} names={[sessionId]} table={table} empty={ridges.length === 0 && 'The log has no decision yet.'}
+        note="Dashed grey: what the session began with, where it had a prior.">
+        <Ridgeline title={title} rows={ridges} rewardVersion={rewardVersion} />
+      </ChartFrame>
+    </>
+  );
+}
+
+function Costs({ sessionId, steps, arms, domain }: ChartsProps) {
+  const columns = useMemo(() => costColumns(measuredOf(steps)), [steps]);
+  const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
+  return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} />;
+}
+
+function LogState({ log }: { log: SessionLog }) {
+  if (log.error) return <Failure what="The session’s log" error={log.error} onRetry={log.again} />;
+  if (log.isReading && log.steps.length === 0) return <Loading what="the session’s log" />;
+  return (
+    <p class="soft">
+      {log.droppedCount > 0 && <>The last {grouped(MAX_STEPS)} rows of the log are shown; {grouped(log.droppedCount)} older ones are in <code>sweepstake audit export</code>. </>}
+      The log was read {ago(log.atMs, now.value)}. <button type="button" class="quiet" disabled={log.isReading} onClick={log.again}>Read again</button>
+    </p>
+  );
+}
+
+function Session({ sessionId, state: latest, log }: { sessionId: string; state: SessionState | undefined; log: SessionLog }) {
+  const state = useFrozen(latest, latest !== undefined);
+  const rewardVersion = rewardVersionOf(log.steps, state);
+  const all = useMemo(() => mergedSteps(log.steps, state?.decisions ?? [], rewardVersion), [log.steps, state?.decisions, rewardVersion]);
+  const steps = useFrozen(all, !log.isReading);
+  const names = armsOf(steps);
+  const arms = useMemo(() => names, [names.join('\n')]);
+  const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
+  const chosen = chosenStep(steps);
+  const props = { sessionId, steps, arms, rewardVersion, domain };
+  return (
+    <>
+      <header class="title"><h1>Session <Name text={sessionId} /></h1><CopyLink /></header>
+      <Facts state={state} steps={steps} rewardVersion={rewardVersion} />
+      {latest && <Orders info={latest.info} arms={arms} isOver={latest.ended !== undefined} />}
+      <p class="orders">
+        <button type="button" class="primary" disabled={!stepFor(steps, undefined)} onClick={() => { const step = stepFor(steps, undefined); if (step) openStep(step); }}>Why this arm?</button>
+        <a href={decisionsHref({ session: sessionId })}>All rows of its log</a>
+        {latest && <CompareWith info={latest.info} />}
+        <span class="soft">{grouped(steps.filter(({ told }) => told).length)} decisions</span>
+      </p>
+      <LogState log={log} />
+      {chosen && <Why step={chosen} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
+      <TimeTools />
+      <Timeline {...props} />
+      <Costs {...props} />
+      <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Beliefs</h2><Beliefs {...props} /></section>
+      <section aria-labelledby="lane-heading"><h2 id="lane-heading">Shadow lane</h2><Lane steps={steps} /></section>
+    </>
+  );
+}
+
+function Opened({ sessionId }: { sessionId: string }) {
+  const state = useComputed(() => sessions.value.get(sessionId)).value; // other sessions change too
+  const log = useSessionLog(sessionId, state !== undefined && isConnected(state) && pausedMs.value === undefined);
+  useEffect(() => {
+    sessionInView.value = sessionId;
+    return () => { sessionInView.value = ''; };
+  }, [sessionId]);
+  if (!state && log.steps.length === 0) {
+    if (log.error) return <Failure what="The session" error={log.error} onRetry={log.again} />;
+    return log.isReading ? <Loading what="the session" />
+      : <Empty title="The daemon knows nothing of this session"><p><Name text={sessionId} /> is neither in memory nor in the log. <a href="/">The overview</a></p></Empty>;
+  }
+  return <Session sessionId={sessionId} state={state} log={log} />;
+}
+
+export function SessionView() {
+  const sessionId = route.value.parts[0] ?? '';
+  const other = route.value.query.get('with');
+  return other ? <CompareSessions key={`${sessionId}\n${other}`} ids={[sessionId, other]} /> : <Opened key={sessionId} sessionId={sessionId} />;
+}

@@ -1,0 +1,81 @@
+// What a session's frames cost over time: frame time and detection with the budgets of 60 and 30 frames per second, memory, checks, objects.
+import { useMemo } from 'preact/hooks';
+import { bytes, compact, significant } from '../../../format';
+import { ChartFrame } from '../../charts/frame';
+import type { Level, Line, Moment } from '../../charts/plot';
+import { TimeChart } from '../../charts/time_chart';
+import type { Range } from '../../charts/view_state';
+import type { CostColumns } from './model';
+
+/** Milliseconds that a frame may take at 60 and at 30 frames per second. */
+export const BUDGETS: readonly Level[] = [{ value: 1000 / 60, label: '16.7 ms: 60 fps' }, { value: 1000 / 30, label: '33.3 ms: 30 fps' }];
+
+const PARTS = [
+  { label: 'window mean', colour: 'var(--soft)', dash: [2, 2] }, { label: 'p50', colour: 'var(--kind-1)', dash: [] },
+  { label: 'p95', colour: 'var(--kind-3)', dash: [8, 3] }, { label: 'p99', colour: 'var(--kind-4)', dash: [4, 2] },
+] as const;
+
+interface CostChartProps {
+  id: string;
+  title: string;
+  note?: string;
+  timesMs: readonly number[];
+  lines: readonly Line[];
+  levels?: readonly Level[];
+  moments: readonly Moment[];
+  domain: Range;
+  names: readonly string[];
+  format: (value: number) => string;
+  height?: number;
+  values?: readonly [number, number];
+}
+
+function CostChart({ id, title, note, timesMs, lines, levels, moments, domain, names, format, height = 180, values }: CostChartProps) {
+  const hasValues = lines.some((line) => line.values.some((value) => value !== null));
+  const table = () => ({
+    header: ['time', ...lines.map(({ label }) => label)],
+    rows: timesMs.map((ms, i) => [new Date(ms).toISOString(), ...lines.map((line) => line.values[i] ?? null)]),
+  });
+  return (
+    <ChartFrame id={id} title={title} note={note} names={names} table={table} empty={!hasValues && 'Nothing was measured yet.'}>
+      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(levels && { levels })} {...(values && { values })} moments={moments} scale="zero" domain={domain}
+        format={format} height={height} />
+    </ChartFrame>
+  );
+}
+
+const percentileLines = (columns: readonly (number | null)[][], first: string): Line[] =>
+  PARTS.map(({ label, colour, dash }, i) => ({ label: i === 0 ? first : label, values: columns[i] ?? [], colour, dash }));
+
+const single = (label: string, values: (number | null)[]): Line[] => [{ label, values, colour: 'var(--accent)' }];
+const ms = (value: number) => `${significant(value)} ms`;
+
+export interface CostChartsProps {
+  columns: CostColumns;
+  moments: readonly Moment[];
+  domain: Range;
+  names: readonly string[];
+  most?: { frameMs: number; detectionMs: number }; // of charts beside others: their axes reach so far
+}
+
+export function CostCharts({ columns, moments, domain, names, most }: CostChartsProps) {
+  const { timesMs } = columns;
+  const lines = useMemo(() => ({
+    frame: percentileLines(columns.frame, 'window mean'), detection: percentileLines(columns.detection, 'window mean'),
+    bytes: percentileLines(columns.bytes, 'window peak'), checks: single('checks', columns.checks), objects: single('objects', columns.objects),
+  }), [columns]);
+  const common = { timesMs, moments, domain, names };
+  return (
+    <>
+      <CostChart {...common} id="frame-time" title="Frame time" lines={lines.frame} levels={BUDGETS} format={ms} {...(most && { values: [0, most.frameMs] as const })}
+        note="Percentiles are of the frames since the page was opened; the mean of each window is from the audit log." />
+      <CostChart {...common} id="detection" title="Detection time" lines={lines.detection} format={ms}
+        {...(most && { values: [0, most.detectionMs] as const })} note="What the broad phase takes of a frame." />
+      <div class="beside">
+        <CostChart {...common} id="memory" title="Memory" lines={lines.bytes} format={bytes} height={140} />
+        <CostChart {...common} id="checks" title="AABB checks per frame" lines={lines.checks} format={compact} height={140} />
+        <CostChart {...common} id="objects" title="Objects" lines={lines.objects} format={compact} height={140} />
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,77 @@
+import { create } from '@bufbuild/protobuf';
+import { describe, expect, it } from 'vitest';
+import { rows, setup } from '../../audit/sample_log';
+import { armsOf, laneVisits, measuredOf, mergedSteps, type Step, stepOfRow } from '../../audit/steps';
+import { DecisionEventSchema, DecisionOutcome } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { middleOf } from '../../numbers/histogram';
+import { beliefRows, costColumns, laneSums, priorAndPosterior, stepFor, switchMoments } from './model';
+
+const steps = rows.map((row) => stepOfRow({ row, setup })).filter((step): step is Step => step !== undefined);
+const arms = armsOf(steps);
+
+describe('the steps of a log', () => {
+  it('are one per row, with its decision', () => {
+    expect(steps).toHaveLength(rows.length);
+    expect(steps[0]).toMatchObject({ kind: 'setup', activeArm: 'BruteForce', decisionId: 0 });
+    expect(steps[2]).toMatchObject({ kind: 'tick', activeArm: 'BruteForce', decisionId: 2, told: { outcome: DecisionOutcome.SWITCHED } });
+    expect(arms).toEqual(setup.arms);
+  });
+
+  it('go on with what is told live, each decision once', () => {
+    const last = steps.at(-1)!.decisionId;
+    const events = [last, last + 1, last + 2].map((id) => create(DecisionEventSchema, { decisionId: BigInt(id), activeArm: 'SAP' }));
+    const all = mergedSteps(steps, events, 3);
+    expect(all).toHaveLength(steps.length + 2);
+    expect(all[steps.length - 1]!.event).toBe(events[0]);
+    expect(all.slice(-2).map(({ decisionId, activeArm }) => [decisionId, activeArm])).toEqual([[last + 1, 'SAP'], [last + 2, 'SAP']]);
+    expect(all.every(({ timeMs }, i) => i === 0 || timeMs >= all[i - 1]!.timeMs)).toBe(true);
+  });
+});
+
+describe('what frames cost', () => {
+  it('is in columns: window means of the log, percentiles of what is told live', () => {
+    const measurements = { frameTimeNs: { bucketSteps: [190], counts: [100] }, detectionTimeNs: { bucketSteps: [160], counts: [100] }, nativeBytes: { bucketSteps: [100], counts: [100] } };
+    const all = mergedSteps(steps, [create(DecisionEventSchema, { decisionId: 10_000n, activeArm: 'SAP', measurements })], 3);
+    const columns = costColumns(measuredOf(all));
+    expect(columns.frame.map((column) => column.at(-1))).toEqual([null, middleOf(190) / 1e6, middleOf(190) / 1e6, middleOf(190) / 1e6]);
+    expect(columns.frame[0]!.filter((value) => value !== null).length).toBeGreaterThan(20);
+    expect(columns.checks).toContain(55_680);
+    expect(columns.objects).toContain(300);
+    expect(new Set(columns.frame.map(({ length }) => length))).toEqual(new Set([columns.timesMs.length]));
+  });
+
+  it('in the lane is told arm by arm', () => {
+    const sums = laneSums(laneVisits(steps));
+    expect(sums.map(({ arm }) => arm).sort()).toEqual([...arms].sort());
+    expect(sums.reduce((sum, { visitCount }) => sum + visitCount, 0)).toBe(laneVisits(steps).length);
+    for (const { medianNs, lastNs } of sums) expect(Math.min(medianNs, lastNs)).toBeGreaterThan(0);
+  });
+});
+
+describe('beliefs', () => {
+  it('are those of the log, their probabilities of sum 1', () => {
+    const beliefs = beliefRows(steps, arms.length);
+    expect(beliefs.length).toBeGreaterThan(20);
+    for (const { best } of beliefs) expect(best.reduce((sum: number, p) => sum + (p ?? 0), 0)).toBeCloseTo(1, 6);
+    const last = priorAndPosterior(steps, arms);
+    expect(last.map(({ arm }) => arm)).toEqual(arms);
+    expect(last.find(({ arm }) => arm === 'KDTree')!.measured).toBe('live');
+    expect(last.filter(({ measured }) => measured === 'lane').length).toBeGreaterThan(2);
+  });
+});
+
+describe('why this arm', () => {
+  it('leads to the switch to it, or to the decision that was asked for', () => {
+    expect(stepFor(steps, 2)!.decisionId).toBe(2);
+    const why = stepFor(steps, undefined)!;
+    expect(why.told).toMatchObject({ outcome: DecisionOutcome.SWITCHED, candidate: steps.filter(({ told }) => told).at(-1)!.activeArm });
+    expect(stepFor([], undefined)).toBeUndefined();
+    expect(stepFor(steps, 123_456)).toBeUndefined();
+  });
+
+  it('marks each change of the active arm', () => {
+    const moments = switchMoments(steps, arms);
+    expect(moments.length).toBeGreaterThan(0);
+    expect(moments[0]!.timeMs).toBe(steps[3]!.timeMs); // the first step that says another arm
+  });
+});

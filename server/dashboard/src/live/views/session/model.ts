@@ -1,0 +1,123 @@
+// What the view of a session shows, computed from its steps.
+import type { Measured as MeasuredBy, RidgeRow } from '../../charts/ridgeline';
+import type { Moment } from '../../charts/plot';
+import { armStyle } from '../../charts/arm_style';
+import { type ArmVisit, isSwitch, laneVisits, type Measured, type Step } from '../../audit/steps';
+import type { Beta } from '../../numbers/beta';
+import { keepExtremes } from '../../numbers/downsample';
+import { type Percentiles } from '../../numbers/histogram';
+import { beliefOf, type SeriesRow } from '../../numbers/series';
+
+const MAX_POINTS = 600;
+
+/** The posterior of each arm after a step of the log; empty where it does not say. */
+function posteriorsOf({ placed }: Step): Beta[] {
+  if (!placed) return [];
+  const beta = placed.row.numbers('beta');
+  return placed.row.numbers('alpha').map((alpha, i) => ({ alpha, beta: beta[i] ?? 1 }));
+}
+
+const bestOf = ({ placed, event }: Step): readonly number[] => event?.bestProbability ?? placed?.row.numbers('best_probability') ?? [];
+
+/** Returns what was believed after decisions, at most MAX_POINTS of them. */
+export function beliefRows(steps: readonly Step[], armCount: number): SeriesRow[] {
+  const told = steps.filter((step) => step.told && bestOf(step).length === armCount);
+  const timesMs = told.map(({ timeMs }) => timeMs);
+  const columns = Array.from({ length: armCount }, (_, arm) => told.map((step) => bestOf(step)[arm] ?? null));
+  return keepExtremes(timesMs, columns, MAX_POINTS).map((i) => {
+    const step = told[i]!;
+    const posteriors = posteriorsOf(step);
+    const best = bestOf(step);
+    return {
+      timeMs: step.timeMs,
+      beliefs: Array.from({ length: armCount }, (_, arm) => posteriors[arm] && beliefOf(posteriors[arm])),
+      best: [...best],
+      expectedLossRatio: step.told!.expectedLossRatio,
+    };
+  });
+}
+
+function measuredBy(arm: string, live: ReadonlySet<string>, lane: ReadonlySet<string>): MeasuredBy {
+  if (live.has(arm)) return 'live';
+  return lane.has(arm) ? 'lane' : 'never';
+}
+
+/** Returns the latest posterior of each arm with what it began with, from the log. */
+export function priorAndPosterior(steps: readonly Step[], arms: readonly string[]): RidgeRow[] {
+  const last = steps.filter((step) => posteriorsOf(step).length === arms.length).at(-1);
+  if (!last) return [];
+  const priors = steps.find(({ placed }) => placed?.setup)?.placed?.setup?.priors ?? [];
+  const live = new Set(steps.map(({ placed }) => placed?.row.text('increment_arm') ?? ''));
+  const lane = new Set(laneVisits(steps).map(({ name }) => name));
+  return posteriorsOf(last).map((posterior, i) => {
+    const arm = arms[i]!;
+    const before = priors[i];
+    return { arm, label: arm, posterior, ...(before && { before }), measured: measuredBy(arm, live, lane) };
+  });
+}
+
+/** Returns the moments at which the active arm changed, as charts mark them. */
+export function switchMoments(steps: readonly Step[], arms: readonly string[]): Moment[] {
+  const moments: Moment[] = [];
+  let before = '';
+  for (const { activeArm, timeMs } of steps) {
+    if (!activeArm || activeArm === before) continue;
+    if (before) moments.push({ timeMs, colour: armStyle(activeArm, arms).colour });
+    before = activeArm;
+  }
+  return moments;
+}
+
+/** What a session's frames cost, as columns of charts: extremes stay. */
+export interface CostColumns {
+  timesMs: number[];
+  frame: (number | null)[][]; // window mean, p50, p95, p99 in ms
+  detection: (number | null)[][];
+  bytes: (number | null)[][]; // of the window the peak, then p50, p95, p99
+  checks: (number | null)[];
+  objects: (number | null)[];
+}
+
+const orNull = (value: number | undefined) => (value === undefined || Number.isNaN(value) ? null : value);
+const withPercentiles = (own: (number | null)[], all: readonly (Percentiles | undefined)[]) =>
+  [own, ...[0, 1, 2].map((place) => all.map((each) => orNull(each?.[place])))];
+
+export function costColumns(all: readonly Measured[]): CostColumns {
+  const worst = (each: Measured) => orNull(each.frameMs?.[2] ?? each.window?.frameMs);
+  const slowest = (each: Measured) => orNull(each.detectionMs?.[2] ?? each.window?.detectionMs);
+  const kept = keepExtremes(all.map(({ timeMs }) => timeMs), [all.map(worst), all.map(slowest)], MAX_POINTS).map((i) => all[i]!);
+  const means = (value: (each: Measured) => number | undefined) => kept.map((each) => orNull(value(each)));
+  return {
+    timesMs: kept.map(({ timeMs }) => timeMs),
+    frame: withPercentiles(means(({ window }) => window?.frameMs), kept.map(({ frameMs }) => frameMs)),
+    detection: withPercentiles(means(({ window }) => window?.detectionMs), kept.map(({ detectionMs }) => detectionMs)),
+    bytes: withPercentiles(means(({ window }) => window?.nativeBytes), kept.map(({ nativeBytes }) => nativeBytes)),
+    checks: means(({ window }) => window?.checkCount),
+    objects: means(({ objectCount }) => objectCount),
+  };
+}
+
+/** What the lane measured of an arm. */
+export interface LaneSum { arm: string; visitCount: number; cappedCount: number; medianNs: number; lastNs: number; buildNs: number; lastMs: number }
+
+const medianOf = (values: number[]) => values.sort((a, b) => a - b)[Math.floor((values.length - 1) / 2)] ?? 0;
+
+export function laneSums(visits: readonly ArmVisit[]): LaneSum[] {
+  return [...new Set(visits.map(({ name }) => name))].map((arm) => {
+    const own = visits.filter(({ name }) => name === arm);
+    const last = own.at(-1)!;
+    return {
+      arm, visitCount: own.length, cappedCount: own.filter(({ wasCapped }) => wasCapped).length, medianNs: medianOf(own.map(({ detectionNs }) => detectionNs)),
+      lastNs: last.detectionNs, buildNs: medianOf(own.map(({ buildNs }) => buildNs)), lastMs: last.timeMs,
+    };
+  });
+}
+
+/** The decision that the reader asked about, or the one that is asked about by "why this arm?": the latest switch to it, else the latest. */
+export function stepFor(steps: readonly Step[], decisionId: number | undefined): Step | undefined {
+  const decisions = steps.filter(({ told }) => told);
+  if (decisionId !== undefined) return decisions.find((step) => step.decisionId === decisionId);
+  const last = decisions.at(-1);
+  const active = last?.activeArm;
+  return decisions.filter((step) => isSwitch(step) && step.told?.candidate === active).at(-1) ?? last;
+}

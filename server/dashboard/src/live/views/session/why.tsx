@@ -1,0 +1,32 @@
+// "Why this arm?": one decision in words, and all that its audit row says.
+import { kindWord } from '../words';
+import { explained, explainedRow } from '../../audit/explain';
+import type { Step } from '../../audit/steps';
+import { timeText } from '../../parts/clock';
+import { Name } from '../../parts/name';
+import { visible } from '../../parts/visible';
+import { decisionsHref } from '../../state/route';
+
+interface WhyProps { step: Step; sessionId: string; onRead: () => void; onClose: () => void }
+
+export function Why({ step, sessionId, onRead, onClose }: WhyProps) {
+  const { placed, told, timeMs, decisionId } = step;
+  const sentences = placed ? explainedRow(placed.row, placed.setup) : told ? explained(told) : [];
+  return (
+    <section class="why" aria-labelledby="why-heading">
+      <header class="title">
+        <h2 id="why-heading">{decisionId > 0 ? `Decision ${decisionId}` : kindWord(step.kind).name}, {timeText(timeMs)}</h2>
+        <button type="button" class="quiet" onClick={onClose}>Close</button>
+      </header>
+      {sentences.map((sentence) => <p key={sentence}><bdi>{visible(sentence)}</bdi></p>)}
+      {!placed && <p class="soft">It was told live. <button type="button" onClick={onRead}>Read its audit row</button></p>}
+      {placed && (
+        <details>
+          <summary>Its audit row</summary>
+          <dl>{placed.row.entries().map(([name, text]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}><Name text={text} /></dd>])}</dl>
+          <p><a href={decisionsHref({ session: sessionId, row: placed.row.id })}>Link to this row</a></p>
+        </details>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,47 @@
+import { describe, expect, it } from 'vitest';
+import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
+import { SessionEnd, SessionState } from '../../gen/sweepstake/v1/sessions_pb';
+import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { endWord, isHeldBack, KIND_NAMES, kindWord, modeWord, OUTCOME_NAMES, outcomeOf, outcomeWord, reasonOf, reasonWord, stateWord, verdictOfText, verdictWord, type Word } from './words';
+
+const values = (names: Readonly<Record<string, string | number>>) => Object.values(names).filter((value): value is number => typeof value === 'number');
+const ENUMS: readonly (readonly [string, number[], (value: number) => Word])[] = [
+  ['outcomes', values(DecisionOutcome), outcomeWord], ['reasons', values(SwitchReason), reasonWord], ['verdicts', values(Verdict), verdictWord],
+  ['modes', values(Mode), modeWord], ['states', values(SessionState), stateWord], ['ends', values(SessionEnd), endWord],
+];
+
+describe('the words of the protocol', () => {
+  it.each(ENUMS)('name and explain all %s, each by a name of its own', (_, all, wordOf) => {
+    expect(all.length).toBeGreaterThan(2);
+    for (const value of all) {
+      const { name, meaning, mark } = wordOf(value);
+      expect(name, String(value)).toMatch(/^[A-Za-z]/);
+      expect(meaning).toMatch(/\.$/);
+      expect(mark).not.toBe('');
+    }
+    expect(new Set(all.map((value) => wordOf(value).name)).size).toBe(all.length);
+  });
+
+  it.each(ENUMS)('call what is newer than the page unknown: %s', (_, __, wordOf) => expect(wordOf(9999).name).toBe('unknown'));
+
+  it('call verdicts what `sweepstake watch` calls them', () =>
+    expect(values(Verdict).map((value) => verdictWord(value).name)).toEqual(['unknown', 'stable', 'tie', 'ambiguous', 'degraded']));
+});
+
+describe('the words of the audit log', () => {
+  it('are those of server/decision/types.h', () => {
+    expect(OUTCOME_NAMES).toEqual(['kept', 'switched', 'held-cooldown', 'held-settling', 'no-frames', 'manual', 'exploring', 'rejected', 'held-gate', 'held-tie']);
+    for (const name of OUTCOME_NAMES) expect(DecisionOutcome[outcomeOf(name)]).toBe(name.toUpperCase().replaceAll('-', '_'));
+    expect(['policy', 'exploration', 'bail-out', 'manual'].map(reasonOf)).toEqual([SwitchReason.POLICY, SwitchReason.EXPLORATION, SwitchReason.BAIL_OUT, SwitchReason.MANUAL]);
+    expect(['unknown', 'stable', 'tie', 'ambiguous', 'degraded'].map(verdictOfText)).toEqual([0, 1, 2, 3, 4]);
+    expect(outcomeOf('something-new')).toBe(DecisionOutcome.UNSPECIFIED);
+  });
+
+  it('are those of server/audit/cell_text.h', () => {
+    expect([...KIND_NAMES].sort()).toEqual(['admin', 'bail-out', 'missing', 'mode', 'order', 'refusal', 'setup', 'switch', 'tick']);
+    expect(kindWord('something-new').name).toBe('unknown');
+  });
+});
+
+it('Held back are the candidates that looked better', () =>
+  expect(values(DecisionOutcome).filter(isHeldBack)).toEqual([DecisionOutcome.HELD_COOLDOWN, DecisionOutcome.HELD_GATE, DecisionOutcome.HELD_TIE]));

@@ -1,0 +1,51 @@
+// Chromium, and what may not happen in a page of the dashboard.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+
+const require = createRequire(new URL('../../../server/dashboard/package.json', import.meta.url));
+export const chromiumPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
+
+export async function launch() {
+  const { chromium } = require('playwright-core');
+  return chromium.launch({ executablePath: chromiumPath, args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic',
+    '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'] });
+}
+
+// Opens a page that writes down whatever goes wrong in it: errors, breaches of its content security policy, requests to elsewhere.
+export async function openPage(context, origin, path = '/') {
+  const page = await context.newPage();
+  page.troubles = [];
+  page.on('console', (message) => message.type() === 'error' && page.troubles.push(message.text()));
+  page.on('pageerror', (error) => page.troubles.push(`${error.message}\n${error.stack}`));
+  page.on('dialog', (dialog) => page.troubles.push(`a dialog says ${dialog.message()}`));
+  page.on('request', (request) => /^(blob|data):/.test(request.url()) || request.url().startsWith(`${origin}/`) || page.troubles.push(`asked for ${request.url()}`));
+  await page.addInitScript(() => {
+    document.addEventListener('securitypolicyviolation', (event) => console.error(`policy: ${event.violatedDirective} ${event.blockedURI}`));
+  });
+  await page.goto(`${origin}${path}`);
+  return page;
+}
+
+// What the browser itself writes down where the daemon is away or refuses is no trouble.
+const EXPECTED = /Failed to load resource|net::ERR_|ERR_CONNECTION/;
+
+export function assertNoTrouble(page, what, expected = EXPECTED) {
+  assert.deepEqual(page.troubles.filter((each) => !expected.test(each)), [], what);
+}
+
+const axeSource = () => readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
+
+// What is shown has no serious barrier to those who do not see it, or use no mouse.
+export async function assertAccessible(page, what) {
+  await page.evaluate(axeSource());
+  const violations = await page.evaluate(async () => (await globalThis.axe.run(document, { resultTypes: ['violations'] })).violations
+    .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+    .map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map(({ html, failureSummary }) => `${html} ${failureSummary}`).join('\n')}`));
+  assert.deepEqual(violations, [], what);
+}
+
+export async function useTheme(page, theme) {
+  const button = page.getByRole('button', { name: /^Theme:/ });
+  for (let i = 0; i < 3 && !(await button.innerText()).endsWith(theme); ++i) await button.click();
+}

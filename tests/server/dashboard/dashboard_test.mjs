@@ -1,0 +1,338 @@
+// The dashboard as its readers see it: a real daemon, real games, Chromium.
+//
+//   node dashboard_test.mjs SWEEPSTAKED SWEEPSTAKE PICTURES
+//
+// writes pictures of all views into the folder PICTURES.
+import assert from 'node:assert/strict';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+import { assertAccessible, assertNoTrouble, chromiumPath, launch, openPage, useTheme } from './browser.mjs';
+import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
+
+const [sweepstaked, sweepstake, pictures] = process.argv.slice(2);
+const folder = mkdtempSync(join(tmpdir(), 'sweepstake_dashboard_'));
+const MAX_FIRST_LOAD = 150_000;
+const HOSTILE = '<img src=x onerror=alert(1)>\u202Egnp';
+const SHOWN_HOSTILE = '<img src=x onerror=alert(1)>⟨U+202E⟩gnp';
+
+function skip(why) {
+  rmSync(folder, { recursive: true, force: true });
+  console.log(`skipped: ${why}`);
+  process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
+}
+
+const daemonIn = (name, flags) => new RealDaemon(sweepstaked, join(folder, name), flags);
+const badge = (page) => page.locator('.badge').getAttribute('data-status');
+const isBadge = (page, status, patienceMs) => until(`the badge says ${status}`, async () => await badge(page) === status, patienceMs);
+const rowOf = (page, scene) => page.locator('section[aria-labelledby=scenes-heading] tbody tr[data-key]', { has: page.getByRole('link', { name: scene, exact: true }) });
+const cellsOf = async (page, scene) => {
+  const titles = await page.locator('section[aria-labelledby=scenes-heading] thead th').allInnerTexts();
+  const cells = await rowOf(page, scene).locator('th, td').allInnerTexts();
+  return Object.fromEntries(titles.map((title, i) => [title.replace(/ [▲▼]$/, '').trim(), (cells[i] ?? '').trim()]));
+};
+
+// ---- Each check gets a page of its own, on which nothing may go wrong.
+
+// The first view needs few bytes.
+async function checkSize(context, daemon) {
+  const page = await context.newPage();
+  const sizes = [];
+  page.on('response', (response) => {
+    const path = new URL(response.url()).pathname;
+    if (path === '/' || path.startsWith('/assets/')) sizes.push(Number(response.headers()['content-length']));
+  });
+  await page.goto(daemon.origin);
+  await page.getByRole('heading', { name: 'Scenes' }).waitFor();
+  const total = sizes.reduce((sum, size) => sum + size, 0);
+  assert.ok(sizes.length >= 3 && total > 10_000 && total < MAX_FIRST_LOAD, `${sizes} bytes`);
+  await page.goto(`${daemon.origin}/scenes/arcade/arena?class=test&reward=3`);
+  await page.locator('main figure svg, main figure canvas').first().waitFor();
+  const firstChartMs = await page.evaluate(() => performance.now());
+  console.log(`first load: ${total} bytes in ${sizes.length} files; first chart after ${firstChartMs.toFixed(0)} ms`);
+  await page.close();
+}
+
+// The numbers are those that the command line computes from the same posteriors.
+async function checkNumbers(page, daemon) {
+  const scenes = watched(sweepstake, daemon);
+  assert.ok(scenes.length >= 2);
+  for (const scene of scenes) {
+    const name = scene.scene === HOSTILE ? SHOWN_HOSTILE : scene.scene;
+    const cells = await until(`${name} is as the daemon has it`, async () => {
+      const shown = await cellsOf(page, name);
+      return shown.Evidence?.replaceAll(',', '') === String(scene.arms.reduce((sum, { windows, lane_visits: visits }) => sum + windows + visits, 0)) && shown;
+    });
+    assert.equal(cells.Verdict.replace(/^\S+ /, ''), scene.verdict, name);
+    assert.equal(cells.Leader, scene.leader_arm || 'none', name);
+    const leader = scene.arms.find(({ arm }) => arm === scene.leader_arm);
+    if (leader) {
+      assert.equal(cells['P(best)'], leader.best_probability.toFixed(3), name);
+      const loss = Number.parseFloat(cells.Loss.replaceAll(',', '')) / 100;
+      assert.ok(Math.abs(loss - scene.expected_loss_ratio) <= Math.max(0.0051 * loss, 0.000051), `${name}: ${cells.Loss}, ${scene.expected_loss_ratio}`);
+    }
+    assert.equal(cells.Sessions, String(scene.active_sessions), name);
+  }
+}
+
+async function checkHostileNames(page) {
+  const link = page.getByRole('link', { name: SHOWN_HOSTILE, exact: true });
+  assert.equal(await link.count(), 1);
+  assert.equal(await page.locator('main img').count(), 0, 'a name became markup');
+  await link.click();
+  await page.getByRole('heading', { level: 1 }).waitFor();
+  assert.ok((await page.title()).includes(SHOWN_HOSTILE));
+  assert.ok((await page.locator('main').innerText()).includes(SHOWN_HOSTILE));
+  await page.goBack();
+  await link.waitFor();
+}
+
+// What a game sends is on the page within a second of the API having it.
+async function checkLive(page, daemon) {
+  const game = new Game(sweepstake, daemon, 'arcade', 'late', { duration: '60s' });
+  const find = async () => (await daemon.call('PosteriorsService/ListPosteriors')).scenes?.find(({ scene, activeSessionCount }) => scene === 'late' && activeSessionCount === 1);
+  await until('the API knows the new scene', find);
+  await rowOf(page, 'late').waitFor({ timeout: 1000 });
+  const before = (await cellsOf(page, 'late')).Evidence;
+  await until('its evidence grows', async () => (await cellsOf(page, 'late')).Evidence !== before, 3000);
+  return game;
+}
+
+// An update moves no row while the pointer is over the table.
+async function checkRowsStay(page, daemon) {
+  const names = () => page.locator('section[aria-labelledby=scenes-heading] tbody th').allInnerTexts();
+  await page.locator('section[aria-labelledby=scenes-heading] thead').getByRole('button', { name: 'Changed' }).click();
+  const before = await names();
+  await page.locator('section[aria-labelledby=scenes-heading] tbody tr').first().hover();
+  const game = new Game(sweepstake, daemon, 'arcade', 'a new one', { duration: '60s' });
+  await until('the new row is there', async () => (await names()).length > before.length);
+  assert.deepEqual((await names()).slice(0, before.length), before, 'rows moved under the pointer');
+  await page.keyboard.press('/');
+  await page.keyboard.type('a new one');
+  await until('a filter leaves what it names, under the pointer too', async () => (await names()).length === 1, 5000);
+  await page.mouse.move(0, 0);
+  await page.getByRole('searchbox').fill('');
+  await game.quit();
+}
+
+// A daemon that goes and comes back, and one that stands still.
+async function checkReconnect(page, daemon) {
+  await page.evaluate(() => { globalThis.marker = 'the same page'; });
+  await isBadge(page, 'live');
+  await daemon.stop();
+  await isBadge(page, 'offline');
+  assert.ok(await rowOf(page, 'arena').count(), 'what was known is still there');
+  await daemon.start();
+  await isBadge(page, 'live', 60_000);
+  await checkNumbers(page, daemon);
+  daemon.freeze();
+  await isBadge(page, 'stale', 15_000);
+  assert.equal(await page.locator('main.old').count(), 1, 'what is old looks old');
+  daemon.thaw();
+  await isBadge(page, 'live');
+  assert.equal(await page.evaluate(() => globalThis.marker), 'the same page', 'the page was loaded anew');
+}
+
+// The address holds what is shown, and leads back to it.
+async function checkAddress(page, daemon) {
+  await page.goto(`${daemon.origin}/?q=aren`);
+  await rowOf(page, 'arena').waitFor();
+  assert.equal(await page.getByRole('searchbox').inputValue(), 'aren');
+  assert.equal(await rowOf(page, SHOWN_HOSTILE).count(), 0, 'the filter filters');
+  await page.getByLabel('Sessions').selectOption('online');
+  assert.match(page.url(), /online=yes/);
+  await page.goBack();
+  assert.doesNotMatch(page.url(), /online/);
+  await rowOf(page, 'arena').getByRole('link').click();
+  await page.getByRole('heading', { level: 1 }).waitFor();
+  assert.match(page.url(), /\/scenes\/arcade\/arena\?class=test&reward=3/);
+  await page.goBack();
+  await rowOf(page, 'arena').waitFor();
+  assert.match(page.url(), /q=aren/);
+  await page.goForward();
+  assert.match(page.url(), /\/scenes\//);
+}
+
+async function checkKeys(page, daemon) {
+  await page.goto(daemon.origin);
+  await rowOf(page, 'arena').waitFor();
+  await page.keyboard.press('?');
+  await page.getByRole('dialog').getByText('Go to health').waitFor();
+  await page.keyboard.press('Escape');
+  assert.equal(await page.getByRole('dialog').count(), 0);
+  await page.keyboard.press('/');
+  await page.keyboard.type('arena');
+  assert.match(page.url(), /q=arena/);
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('g');
+  await page.keyboard.press('h');
+  await page.getByRole('heading', { name: 'Health of the daemon' }).waitFor();
+  await page.goto(`${daemon.origin}/?sort=scene`);
+  await rowOf(page, 'arena').getByRole('link').focus();
+  const focused = () => page.evaluate(() => document.activeElement.closest('tr')?.getAttribute('aria-rowindex'));
+  const first = Number(await focused());
+  await page.keyboard.press('ArrowDown');
+  await until('the next row has the focus', async () => Number(await focused()) === first + 1, 3000);
+}
+
+async function checkDownload(page, daemon) {
+  await page.goto(`${daemon.origin}/?sort=scene`);
+  await rowOf(page, 'arena').waitFor();
+  const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'CSV' }).first().click()]);
+  const lines = readFileSync(await download.path(), 'utf8').split('\r\n');
+  assert.match(lines[0], /^Scene,Verdict,Leader,P\(best\)/);
+  assert.ok(lines.some((line) => line.startsWith('arena,')));
+  assert.ok(lines.some((line) => line.startsWith(HOSTILE)), 'a file has names as they are');
+  assert.ok(lines.some((line) => line.startsWith("'=1+2")), 'a name is no formula');
+}
+
+// ---- All views: whole, empty, in error, in both themes, wide and narrow.
+
+const HEADINGS = { scene: /./, session: /./, decisions: 'Decisions', priors: 'Priors', health: 'Health of the daemon' };
+
+async function viewsOf(daemon) {
+  const { sessions = [] } = await daemon.call('SessionsService/ListSessions');
+  const session = sessions[0]?.sessionId ?? 'none';
+  return { overview: '/', scene: '/scenes/arcade/arena?class=test&reward=3', session: `/sessions/${session}`, decisions: '/decisions', priors: '/priors', health: '/health' };
+}
+
+async function showView(page, daemon, name, path) {
+  await page.goto(`${daemon.origin}${path}`);
+  if (name === 'overview') await page.getByRole('heading', { name: 'Scenes' }).waitFor();
+  else await page.getByRole('heading', { name: HEADINGS[name], level: 1 }).first().waitFor();
+}
+
+async function checkViews(browser, daemon) {
+  for (const [size, viewport] of Object.entries({ wide: { width: 1440, height: 900 }, narrow: { width: 390, height: 844 } })) {
+    const context = await browser.newContext({ viewport, reducedMotion: 'reduce' });
+    for (const [name, path] of Object.entries(await viewsOf(daemon))) {
+      const page = await openPage(context, daemon.origin);
+      await showView(page, daemon, name, path);
+      await pause(2500); // figures of a rate need two readings
+      for (const theme of ['light', 'dark']) {
+        await useTheme(page, theme);
+        await page.screenshot({ path: join(pictures, `${name}-${size}-${theme}.png`), fullPage: true });
+        await assertAccessible(page, `${name}, ${size}, ${theme}`);
+      }
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}, ${size}: the page scrolls sideways`);
+      assertNoTrouble(page, `${name}, ${size}`);
+      await page.close();
+    }
+    await context.close();
+  }
+}
+
+async function checkEmptyViews(context) {
+  const daemon = await daemonIn('empty').start();
+  const page = await openPage(context, daemon.origin);
+  const paths = { ...await viewsOf(daemon), nowhere: '/scenes/one/two/three' };
+  for (const [name, path] of Object.entries(paths)) {
+    await page.goto(`${daemon.origin}${path}`);
+    await isBadge(page, 'live');
+    await page.waitForTimeout(500);
+    const text = await page.locator('main').innerText();
+    assert.doesNotMatch(text, /NaN|undefined|null|Infinity/, name);
+    if (name !== 'health') await page.locator('.state').first().waitFor();
+    await page.screenshot({ path: join(pictures, `${name}-empty.png`) });
+    await assertAccessible(page, `${name}, empty`);
+  }
+  assertNoTrouble(page, 'empty views');
+  await page.close();
+  await daemon.stop();
+}
+
+const REFUSAL = { status: 503, contentType: 'application/json', body: '{"error":{"code":"UNAVAILABLE","reason":"STORE_BUSY","message":"the store has too much to do"}}' };
+
+// The daemon refuses whatever the view asks for: it says so.
+async function checkErrors(context, daemon) {
+  const page = await openPage(context, daemon.origin);
+  for (const pattern of ['**/api/sweepstake*/**', '**/events/**', '**/metrics', '**/readyz*']) await page.route(pattern, (route) => route.fulfill(REFUSAL));
+  for (const [name, path] of Object.entries(await viewsOf(daemon))) {
+    await page.goto(`${daemon.origin}${path}`);
+    await isBadge(page, 'offline');
+    if (name !== 'health') await page.getByText('the store has too much to do').first().waitFor();
+    await page.screenshot({ path: join(pictures, `${name}-error.png`) });
+    await assertAccessible(page, `${name}, in error`);
+  }
+  assertNoTrouble(page, 'views in error');
+  await page.close();
+}
+
+// ---- Who may look.
+
+const orderStatus = (page, hasHeader) => page.evaluate(async (headers) => {
+  const body = JSON.stringify({ sessionId: 'any', mode: 'MODE_AI' });
+  return (await fetch('/api/sweepstake.v1.SessionsService/OrderSession', { method: 'POST', body, headers })).status;
+}, { 'Content-Type': 'application/json', ...(hasHeader && { 'X-Sweepstake': '1' }) });
+
+async function checkLogin(context) {
+  const daemon = daemonIn('tokens', ['--require-tokens']);
+  const token = daemon.makeToken('reader', 'watch');
+  await daemon.start();
+  const page = await openPage(context, daemon.origin);
+  await page.getByLabel('Token').fill('wrong');
+  await page.screenshot({ path: join(pictures, 'login.png') });
+  await assertAccessible(page, 'login');
+  await page.getByRole('button', { name: 'Log in' }).click();
+  await page.locator('.problem', { hasText: /./ }).waitFor();
+  await page.getByLabel('Token').fill(token);
+  await page.getByRole('button', { name: 'Log in' }).click();
+  await isBadge(page, 'live');
+  const kept = await page.evaluate(() => JSON.stringify([document.cookie, { ...localStorage }, { ...sessionStorage }]));
+  assert.ok(!kept.includes(token), 'scripts can read the token');
+  assert.equal(await page.evaluate(() => document.cookie), '', 'scripts can read the cookie');
+  assert.equal(await orderStatus(page, true), 403, 'a token that may watch orders');
+  assert.equal(await orderStatus(page, false), 403, 'the header that other sites cannot set is missing');
+  await page.getByRole('button', { name: 'reader' }).click();
+  await page.getByRole('button', { name: 'Log out' }).click();
+  await page.getByLabel('Token').waitFor();
+  assertNoTrouble(page, 'login');
+  await page.close();
+  await daemon.stop();
+}
+
+async function checkAll(browser) {
+  const daemon = await daemonIn('main').start();
+  const front = await (await fetch(daemon.origin)).text();
+  if (/without the dashboard/.test(front)) {
+    await daemon.stop();
+    return front;
+  }
+  await Promise.all([['arcade', 'arena'], ['arcade', HOSTILE], ['puzzle', '=1+2']].map(([project, scene]) =>
+    new Game(sweepstake, daemon, project, scene, { duration: '4s' }).ended()));
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true });
+  await checkSize(context, daemon);
+  const page = await openPage(context, daemon.origin);
+  await checkNumbers(page, daemon);
+  const game = await checkLive(page, daemon);
+  await checkHostileNames(page);
+  await checkRowsStay(page, daemon);
+  await checkViews(browser, daemon);
+  await game.quit();
+  for (const check of [checkAddress, checkKeys, checkDownload]) {
+    await check(page, daemon);
+    console.log(`${check.name}: passed`);
+  }
+  await page.goto(daemon.origin);
+  await checkReconnect(page, daemon);
+  assertNoTrouble(page, 'the dashboard');
+  await page.close();
+  await checkErrors(context, daemon);
+  await daemon.stop();
+  await checkEmptyViews(context);
+  await checkLogin(context);
+  return '';
+}
+
+if (!existsSync(chromiumPath)) skip(`there is no ${chromiumPath}; deploy/install_packages.sh chromium installs it`);
+mkdirSync(pictures, { recursive: true });
+const browser = await launch();
+let missing = '';
+try {
+  missing = await checkAll(browser);
+} finally {
+  await browser.close();
+}
+if (missing) skip(missing);
+rmSync(folder, { recursive: true, force: true });

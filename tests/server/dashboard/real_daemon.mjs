@@ -1,0 +1,109 @@
+// A real daemon and real games, as processes of this test.
+import { execFileSync, spawn } from 'node:child_process';
+import { existsSync, mkdirSync, openSync, readFileSync, rmSync } from 'node:fs';
+import { join } from 'node:path';
+
+export const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
+
+// Waits until `condition` gives something; `what` names it where it never does.
+export async function until(what, condition, patienceMs = 30_000) {
+  for (const end = Date.now() + patienceMs; Date.now() < end; await pause(50)) {
+    const found = await condition();
+    if (found) return found;
+  }
+  throw new Error(`never: ${what}`);
+}
+
+const children = new Set();
+process.on('exit', () => children.forEach((child) => child.kill('SIGKILL')));
+
+function begin(...command) {
+  const child = spawn(...command);
+  children.add(child);
+  child.once('exit', () => children.delete(child));
+  return child;
+}
+
+const ended = (child) => new Promise((resolve) => {
+  if (child.exitCode !== null || child.signalCode !== null) resolve();
+  else child.once('exit', resolve);
+});
+
+export class RealDaemon {
+  constructor(program, folder, flags = []) {
+    this.program = program;
+    this.folder = folder;
+    this.flags = flags;
+    this.ports = [0, 0];
+    mkdirSync(folder, { recursive: true });
+  }
+
+  // Listens where it listened before, if it has.
+  async start() {
+    const portFile = join(this.folder, 'ports');
+    rmSync(portFile, { force: true });
+    const log = openSync(join(this.folder, 'log'), 'a');
+    this.child = begin(this.program, ['--data', join(this.folder, 'data'), '--listen', `127.0.0.1:${this.ports[0]}`,
+      '--http', `127.0.0.1:${this.ports[1]}`, '--port-file', portFile, '--max-time-scale', '1000', ...this.flags],
+    { stdio: ['ignore', log, log] });
+    await until('the daemon listens', () => {
+      if (this.child.exitCode !== null) throw new Error(`the daemon ended at once:\n${readFileSync(join(this.folder, 'log'), 'utf8')}`);
+      return existsSync(portFile);
+    });
+    this.ports = readFileSync(portFile, 'utf8').trim().split(/\s+/).map(Number);
+    return this;
+  }
+
+  get address() { return `127.0.0.1:${this.ports[0]}`; }
+  get origin() { return `http://127.0.0.1:${this.ports[1]}`; }
+
+  freeze() { this.child.kill('SIGSTOP'); }
+  thaw() { this.child.kill('SIGCONT'); }
+
+  async stop() {
+    this.child.kill('SIGCONT');
+    this.child.kill('SIGTERM');
+    await ended(this.child);
+  }
+
+  // Calls an RPC over HTTP as the page does.
+  async call(method, request = {}) {
+    const response = await fetch(`${this.origin}/api/sweepstake.v1.${method}`, { method: 'POST', body: JSON.stringify(request),
+      headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' } });
+    const text = await response.text();
+    if (!response.ok) throw new Error(`${method}: ${response.status} ${text}`);
+    return JSON.parse(text);
+  }
+
+  makeToken(name, role) {
+    const file = join(this.folder, `${name}.token`);
+    execFileSync(this.program, ['token', 'create', name, '--role', role, '--out', file, '--data', join(this.folder, 'data')], { stdio: 'pipe' });
+    return readFileSync(file, 'utf8').trim();
+  }
+}
+
+// A game that plays a scene of a hundred objects; its decisions come a hundred times as fast.
+export class Game {
+  constructor(program, daemon, project, scene, { duration = '60s', mode = 'ai', scale = 100, more = [] } = {}) {
+    this.child = begin(program, ['run', '--scene', 'hurricane', '--objects', '100', '--daemon', daemon.address, '--mode', mode,
+      '--project', project, '--scene-name', scene, '--duration', duration, '--time-scale', String(scale), '--machine-class', 'test', ...more],
+    { stdio: ['ignore', 'ignore', 'pipe'] });
+    this.errors = '';
+    this.child.stderr.on('data', (text) => { this.errors += text; });
+  }
+
+  async ended() {
+    await ended(this.child);
+    if (this.child.exitCode) throw new Error(`a game failed:\n${this.errors}`);
+  }
+
+  // As a player does who closes the window.
+  async quit() {
+    this.child.kill('SIGINT');
+    await ended(this.child);
+  }
+}
+
+// What `sweepstake watch` says of the scenes.
+export const watched = (program, daemon) =>
+  JSON.parse(execFileSync(program, ['watch', '--daemon', daemon.address, '--json'], { encoding: 'utf8' })).scenes;

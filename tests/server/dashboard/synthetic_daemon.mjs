@@ -1,0 +1,146 @@
+// Speaks to the dashboard like a daemon with many scenes and sessions, whose games play as fast as one likes: what no real games could
+// do on one machine. For soak.mjs, and to draw pages by.
+import { readdirSync, readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { extname, join } from 'node:path';
+
+const ARMS = ['BruteForce', 'Grid', 'SAP', 'AxisSweep', 'DBVT', 'Tracy', 'KDTree'];
+const OUTCOMES = ['KEPT', 'KEPT', 'KEPT', 'HELD_COOLDOWN', 'HELD_GATE', 'HELD_TIE', 'SWITCHED', 'HELD_SETTLING'];
+const TICK_MS = 250;
+const WINDOW_MS = 2000;
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
+
+// A generator of numbers from 0 to 1, the same ones for a seed.
+export function randomOf(seed) {
+  let state = seed >>> 0;
+  return () => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
+}
+
+const histogramOf = (random, from) => ({ bucketSteps: [from, 1, 1, 2], counts: [3, 60 + Math.floor(random() * 40), 20, 2] });
+
+export class SyntheticDaemon {
+  // `speed`: how often a session decides, in decisions per WINDOW_MS.
+  constructor({ sceneCount, sessionCount, speed, folder, seed = 1 }) {
+    this.random = randomOf(seed);
+    this.speed = speed;
+    this.folder = folder;
+    this.boot = '00000000000000b0';
+    this.sequence = 0;
+    this.watchers = new Set();
+    this.decisionCount = 0;
+    this.scenes = Array.from({ length: sceneCount }, (_, i) => this.newScene(i));
+    this.sessions = Array.from({ length: sessionCount }, (_, i) => this.newSession(i));
+    this.server = createServer((request, response) => this.answer(request, response));
+  }
+
+  async listen() {
+    await new Promise((resolve) => { this.server.listen(0, '127.0.0.1', resolve); });
+    this.timer = setInterval(() => this.tick(), TICK_MS);
+    this.origin = `http://127.0.0.1:${this.server.address().port}`;
+    return this;
+  }
+
+  close() {
+    clearInterval(this.timer);
+    this.server.closeAllConnections();
+    this.server.close();
+  }
+
+  newScene(i) {
+    const best = 0.7 + 0.1 * this.random();
+    const evidence = 10 ** (1 + 5 * this.random());
+    return { project: `project-${i % 7}`, scene: `scene-${i}`, machineClass: 'desktop', rewardVersion: 3, sourceCount: String(1 + i % 40),
+      arms: ARMS.map((arm, j) => {
+        const mean = best - 0.004 * this.random() * j;
+        return { arm, backendVersion: 1, posterior: { alpha: mean * evidence, beta: (1 - mean) * evidence }, windowCount: String(Math.floor(evidence / 9)), visitCount: String(j * 3) };
+      }) };
+  }
+
+  newSession(i) {
+    const { project, scene } = this.scenes[i % this.scenes.length];
+    this.scenes[i % this.scenes.length].activeSessionCount = 1;
+    return { sessionId: `5e55${i.toString(16).padStart(28, '0')}`, project, scene, build: `build-${i % 3}`, clientAddress: 'ipv4:127.0.0.1:5', state: 'SESSION_STATE_CONNECTED',
+      activeArm: ARMS[i % ARMS.length], mode: 'MODE_AI', unixStartMs: String(Date.now() - 60_000 * i), unixLastMessageMs: String(Date.now()) };
+  }
+
+  stamp() {
+    return { boot: '176', sequence: String(++this.sequence), unixMs: String(Date.now()) };
+  }
+
+  decide(session, scene) {
+    const candidate = ARMS[Math.floor(this.random() * ARMS.length)];
+    const outcome = OUTCOMES[Math.floor(this.random() * OUTCOMES.length)];
+    const weights = ARMS.map(() => this.random() ** 4);
+    const sum = weights.reduce((total, each) => total + each, 0);
+    const decision = { sessionId: session.sessionId, project: scene.project, scene: scene.scene, machineClass: scene.machineClass, policy: 'adaptive',
+      decisionId: String(++this.decisionCount), activeArm: session.activeArm, candidateArm: candidate, outcome: `DECISION_OUTCOME_${outcome}`,
+      reward: 0.7 + 0.1 * this.random(), bestProbability: weights.map((each) => each / sum), expectedLossRatio: 0.01 * this.random(),
+      verdict: 'VERDICT_AMBIGUOUS', arms: ARMS,
+      standings: ARMS.map((_, i) => ({ liveWindowCount: String(i * 10), laneVisitCount: String(i * 20), effectiveWindowCount: 12.5, bestProbability: weights[i] / sum, costRatio: { median: 1.1, low: 0.9, high: 1.4 } })),
+      measurements: { frameTimeNs: histogramOf(this.random, 190), detectionTimeNs: histogramOf(this.random, 165), nativeBytes: histogramOf(this.random, 150) } };
+    if (outcome === 'SWITCHED') {
+      decision.reason = 'SWITCH_REASON_POLICY';
+      session.activeArm = candidate;
+    }
+    return decision;
+  }
+
+  // What happens in a tick: each session's decisions, and its scene's posterior.
+  tick() {
+    for (const [i, session] of this.sessions.entries()) {
+      const scene = this.scenes[i % this.scenes.length];
+      const count = Math.floor(this.speed * TICK_MS / WINDOW_MS + this.random());
+      const decisions = Array.from({ length: count }, () => this.decide(session, scene));
+      for (const arm of scene.arms) {
+        arm.posterior.alpha += count * this.random();
+        arm.posterior.beta += count * 0.3 * this.random();
+        arm.windowCount = String(Number(arm.windowCount) + count);
+      }
+      if (count > 0) this.publish('WatchPosteriors', { posterior: scene, decisions: decisions.slice(-100), stamp: this.stamp() });
+    }
+    this.publish('WatchSessions', { sessions: this.sessions.slice(0, 5), stamp: this.stamp() });
+  }
+
+  publish(method, message) {
+    const text = `id: ${this.boot}:${this.sequence}\ndata: ${JSON.stringify(message)}\n\n`;
+    for (const watcher of this.watchers) if (watcher.method === method && watcher.response.writableLength < 1e6) watcher.response.write(text);
+  }
+
+  watch(method, response) {
+    response.writeHead(200, { 'Content-Type': 'text/event-stream' });
+    response.write('event: snapshot-begin\ndata: {}\n\n');
+    const messages = method === 'WatchPosteriors' ? this.scenes.map((posterior) => ({ posterior, stamp: this.stamp() })) : [{ sessions: this.sessions, stamp: this.stamp() }];
+    for (const message of messages) response.write(`id: ${this.boot}:${this.sequence}\ndata: ${JSON.stringify(message)}\n\n`);
+    response.write(`event: snapshot-end\nid: ${this.boot}:${this.sequence}\ndata: {}\n\n`);
+    const watcher = { method, response };
+    this.watchers.add(watcher);
+    response.on('close', () => this.watchers.delete(watcher));
+  }
+
+  records() {
+    return this.scenes.slice(0, 200).flatMap((scene, i) => scene.arms.map(({ arm }, j) => ({ project: scene.project, scene: scene.scene, arm, backendVersion: 1,
+      machineClass: scene.machineClass, rewardVersion: 3, sourceId: this.sessions[i % this.sessions.length]?.sessionId ?? 'imported', sourceSequence: '3', measuredBy: j % 2 ? 'lane' : '',
+      alphaIncrement: 10 + j, betaIncrement: 3, windowCount: '12' })));
+  }
+
+  file(path) {
+    const name = readdirSync(this.folder, { recursive: true }).includes(path.slice(1)) ? path : '/index.html';
+    return [TYPES[extname(name)], readFileSync(join(this.folder, name))];
+  }
+
+  answer(request, response) {
+    const { pathname } = new URL(request.url, 'http://daemon');
+    const method = pathname.split('/').at(-1);
+    const send = (type, body) => response.writeHead(200, { 'Content-Type': type }).end(body);
+    if (pathname.startsWith('/events/')) return this.watch(method, response);
+    if (method === 'whoami') return send('application/json', '{"version":"0","asksForTokens":false,"loggedIn":false,"name":"","role":"admin","projects":[]}');
+    if (method === 'ExportPriors') return send('application/x-ndjson', `${JSON.stringify({ records: this.records() })}\n`);
+    if (pathname.startsWith('/api/')) return send('application/x-ndjson', '{}\n');
+    if (pathname === '/metrics') return send('text/plain', `sweepstake_sessions ${this.sessions.length}\nsweepstake_decisions_total ${this.decisionCount}\n`);
+    if (/^\/(livez|readyz)$/.test(pathname)) return send('text/plain', '[+]decision-loop ok\n[+]store ok\n[+]tls ok\nreadyz check passed\n');
+    return send(...this.file(pathname));
+  }
+}

@@ -1,0 +1,249 @@
+// The views of a scene, of a session and of the decisions, as somebody uses them: a real daemon, real games, Chromium.
+//
+//   node views_test.mjs SWEEPSTAKED SWEEPSTAKE
+import assert from 'node:assert/strict';
+import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+import { assertAccessible, assertNoTrouble, chromiumPath, launch, openPage } from './browser.mjs';
+import { Game, RealDaemon, until, watched } from './real_daemon.mjs';
+
+const [sweepstaked, sweepstake] = process.argv.slice(2);
+const folder = mkdtempSync(join(tmpdir(), 'sweepstake_views_'));
+const SCENE = '/scenes/arcade/arena?class=test&reward=3';
+
+function skip(why) {
+  rmSync(folder, { recursive: true, force: true });
+  console.log(`skipped: ${why}`);
+  process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
+}
+
+const chart = (page, id) => page.locator(`figure[data-chart=${id}]`);
+const query = (page) => new URL(page.url()).searchParams;
+
+// The cells of a table, by the titles of its columns.
+async function rowsOf(page, caption) {
+  const table = page.getByRole('region', { name: caption, exact: true });
+  const titles = (await table.locator('thead th').allInnerTexts()).map((title) => title.replace(/ [▲▼]$/, '').trim());
+  const rows = await table.locator('tbody tr[data-key]').evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.innerText.trim())));
+  return rows.map((cells) => Object.fromEntries(titles.map((title, i) => [title, cells[i]])));
+}
+
+const sessionsOf = async (daemon) => (await daemon.call('SessionsService/ListSessions')).sessions ?? [];
+const liveSession = (daemon) => until('a session is connected', async () => (await sessionsOf(daemon)).find(({ state, scene }) => state === 'SESSION_STATE_CONNECTED' && scene === 'arena'));
+const isSession = (daemon, id, what, test) => until(what, async () => (await sessionsOf(daemon)).some((session) => session.sessionId === id && test(session)));
+
+// ---- A scene.
+
+// The numbers are those that the command line computes from the same posteriors. No game plays meanwhile.
+async function checkNumbers(page, daemon) {
+  await page.goto(`${daemon.origin}${SCENE}`);
+  const scene = watched(sweepstake, daemon).find((each) => each.scene === 'arena');
+  assert.equal((await page.locator('.leader-probability').innerText()).trim(), scene.arms.find(({ arm }) => arm === scene.leader_arm).best_probability.toFixed(3));
+  assert.ok((await page.locator('main .chip').first().innerText()).includes(scene.verdict));
+  const rows = await rowsOf(page, 'Arms');
+  assert.equal(rows.length, scene.arms.length);
+  for (const arm of scene.arms) {
+    const row = rows.find(({ Arm }) => Arm === arm.arm);
+    assert.equal(row['P(best)'], arm.best_probability.toFixed(3), arm.arm);
+    assert.equal(row.Windows, String(arm.windows), arm.arm);
+    assert.equal(row['Lane visits'], String(arm.lane_visits), arm.arm);
+    assert.equal(row.Measured, arm.windows + arm.bail_outs > 0 ? 'live' : arm.lane_visits > 0 ? 'lane only' : 'never', arm.arm);
+    const [ratio] = row['Cost ÷ leader’s'].split(' ');
+    assert.ok(Math.abs(Number(ratio) / arm.cost_ratio - 1) < 0.006, `${arm.arm}: ${ratio} instead of ${arm.cost_ratio}`);
+  }
+  assert.equal(await chart(page, 'beliefs').locator('svg.picture title').count(), scene.arms.length, 'a ridge for each arm');
+}
+
+// An arm that never ran does not look as if it had.
+async function checkNeverRan(page) {
+  const arms = await rowsOf(page, 'Arms');
+  const unseen = arms.filter(({ Measured }) => Measured !== 'live');
+  const titles = await chart(page, 'beliefs').locator('svg.picture title').allTextContents();
+  for (const { Arm, Measured } of unseen) assert.ok(titles.some((title) => title.startsWith(`${Arm}: `) && /never/.test(title)), `${Arm} is ${Measured}`);
+  await page.getByRole('button', { name: 'Tell live and lane apart' }).click();
+  await chart(page, 'measured').locator('svg.picture').waitFor();
+  const measured = await chart(page, 'measured').locator('svg.picture title').allTextContents();
+  assert.ok(measured.some((title) => / live: /.test(title)), measured.join('\n'));
+  // A machine without a core to spare has no shadow lane.
+  const hasLane = arms.some((row) => row['Lane visits'] !== '0');
+  assert.equal(measured.some((title) => / lane: .*lane only/.test(title)), hasLane, measured.join('\n'));
+}
+
+async function checkFiles(page) {
+  const figure = chart(page, 'beliefs');
+  const [csv] = await Promise.all([page.waitForEvent('download'), figure.getByRole('button', { name: /CSV/ }).click()]);
+  assert.match(csv.suggestedFilename(), /^sweepstake_arcade_arena_beliefs\.csv$/);
+  assert.match(readFileSync(await csv.path(), 'utf8'), /^arm,backend version,measured,alpha,beta/);
+  const [png] = await Promise.all([page.waitForEvent('download'), figure.getByRole('button', { name: /PNG/ }).click()]);
+  const picture = readFileSync(await png.path());
+  assert.equal(picture.subarray(1, 4).toString(), 'PNG');
+  assert.ok(picture.length > 5000, `${picture.length} bytes`);
+  await figure.getByRole('button', { name: 'Table' }).click();
+  assert.ok(await figure.locator('tbody tr').count() > 1, 'the values are there as a table');
+}
+
+// While a game plays: charts grow, a drag zooms, a pause holds, an arm can be hidden; all of it is in the address.
+async function checkTime(page, daemon) {
+  await page.goto(`${daemon.origin}${SCENE}`);
+  const canvas = chart(page, 'best').locator('.u-over');
+  await canvas.waitFor({ timeout: 15_000 });
+  await canvas.scrollIntoViewIfNeeded();
+  const { x, y, width, height } = await canvas.boundingBox();
+  await page.mouse.move(x + width * 0.3, y + height / 2);
+  await page.mouse.down();
+  await page.mouse.move(x + width * 0.7, y + height / 2, { steps: 5 });
+  await page.mouse.up();
+  await until('the range is in the address', () => query(page).has('from') && query(page).has('to'), 3000);
+  assert.ok(Number(query(page).get('from')) < Number(query(page).get('to')));
+  await page.getByRole('button', { name: 'Show all' }).click();
+  assert.ok(!query(page).has('from'));
+  await chart(page, 'best').locator('.plot').focus();
+  await page.keyboard.press('ArrowLeft');
+  await until('the values at the crosshair are said', async () => /\d\.\d{3}/.test(await chart(page, 'best').locator('[role=status]').innerText()), 3000);
+  const arm = chart(page, 'bands').locator('button.entry').first();
+  await arm.click();
+  assert.equal(await arm.getAttribute('aria-pressed'), 'false');
+  assert.ok(query(page).has('hide'));
+  await page.getByRole('button', { name: 'Pause' }).click();
+  assert.ok(query(page).has('pause'));
+  const alphas = async () => (await rowsOf(page, 'Arms')).map(({ α }) => α).join();
+  const held = await alphas();
+  await page.waitForTimeout(1500);
+  assert.equal(await alphas(), held, 'figures change during a pause');
+  await page.getByRole('button', { name: 'Go on' }).click();
+  await until('figures change again', async () => await alphas() !== held);
+}
+
+// ---- A session.
+
+async function checkWhy(page, daemon, { sessionId }) {
+  await page.goto(`${daemon.origin}/sessions/${sessionId}`);
+  await chart(page, 'timeline').locator('rect.span').first().waitFor();
+  const why = page.getByRole('button', { name: 'Why this arm?' });
+  await until('there are decisions', () => why.isEnabled());
+  await why.click();
+  const panel = page.locator('section.why');
+  await panel.waitFor();
+  assert.match(await panel.innerText(), /is the best arm with a probability of \d/);
+  assert.ok(Number(query(page).get('decision')) > 0);
+  if (await panel.getByRole('button', { name: 'Read its audit row' }).count()) await panel.getByRole('button', { name: 'Read its audit row' }).click();
+  await panel.getByText('Its audit row').click();
+  assert.equal(await panel.locator('dt', { hasText: /^decision_id$/ }).locator('+ dd').innerText(), query(page).get('decision'));
+  await page.reload();
+  await panel.waitFor();
+  await panel.getByRole('button', { name: 'Close' }).click();
+  assert.ok(!query(page).has('decision'));
+}
+
+// Percentiles are there as soon as a decision is told, with the budgets of 60 and 30 frames per second.
+async function checkCosts(page) {
+  await until('percentiles of frames', async () => /p99\s*\d/.test(await chart(page, 'frame-time').locator('.legend').innerText()));
+  assert.match(await chart(page, 'memory').locator('.legend').innerText(), /[kM]?B/);
+  await until('checks of the log', async () => /checks\s*\d/.test(await chart(page, 'checks').locator('.legend').innerText()));
+}
+
+async function order(page, button, confirm) {
+  await page.getByRole('button', { name: button, exact: true }).click();
+  await page.getByRole('dialog').getByRole('button', { name: confirm, exact: true }).click();
+}
+
+async function checkOrders(page, daemon, { sessionId }) {
+  await page.getByLabel('Keep').selectOption('SAP');
+  await order(page, 'Pin this arm', 'Keep this arm');
+  await isSession(daemon, sessionId, 'the game keeps to SAP', ({ mode, activeArm }) => mode === 'MODE_MANUAL' && activeArm === 'SAP');
+  await page.locator('.toast', { hasText: 'Obeyed' }).getByRole('button', { name: 'Undo' }).click();
+  await isSession(daemon, sessionId, 'the daemon decides again', ({ mode }) => mode === 'MODE_AI');
+  await page.getByRole('button', { name: 'Pin this arm', exact: true }).click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Cancel' }).click();
+  assert.ok((await sessionsOf(daemon)).some((session) => session.sessionId === sessionId && session.mode === 'MODE_AI'), 'what was not confirmed is not done');
+}
+
+async function checkKick(page, daemon, { sessionId }) {
+  await order(page, 'End session', 'End session');
+  await until('the session has ended', async () => (await sessionsOf(daemon)).every((session) => session.sessionId !== sessionId));
+  await page.locator('.chip', { hasText: 'kicked' }).waitFor();
+  assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0, 'what is over takes no orders');
+}
+
+// ---- The decisions.
+
+async function checkDecisions(page, daemon, { sessionId }) {
+  await page.goto(`${daemon.origin}/decisions`);
+  await page.getByRole('link', { name: sessionId }).first().click();
+  await page.getByRole('region', { name: 'Rows' }).waitFor();
+  const all = await rowsOf(page, 'Rows');
+  assert.ok(all.length > 5 && all.every((row) => row['In words'].length > 10));
+  await page.getByLabel('Kind').selectOption('order');
+  await until('orders only', async () => { const rows = await rowsOf(page, 'Rows'); return rows.length === 2 && rows.every(({ Kind }) => Kind.includes('order')); });
+  assert.match((await rowsOf(page, 'Rows')).map((row) => row['In words']).join(' '), /keep to SAP.*let the daemon decide|let the daemon decide.*keep to SAP/);
+  await page.goBack();
+  await page.getByRole('region', { name: 'Rows' }).locator('tbody th a').first().click();
+  await page.locator('.why').waitFor();
+  const address = page.url();
+  await page.goto(daemon.origin);
+  await page.goto(address);
+  await page.locator('.why').waitFor();
+}
+
+// ---- Roles.
+
+async function checkRoles(context) {
+  const daemon = new RealDaemon(sweepstaked, join(folder, 'tokens'), ['--require-tokens']);
+  const watcher = daemon.makeToken('reader', 'watch');
+  const player = join(folder, 'tokens', 'player.token');
+  daemon.makeToken('player', 'ingest');
+  await daemon.start();
+  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--token-file', player] });
+  const page = await openPage(context, daemon.origin);
+  await page.getByLabel('Token').fill(watcher);
+  await page.getByRole('button', { name: 'Log in' }).click();
+  await page.getByRole('link', { name: 'arena' }).click();
+  await page.getByRole('region', { name: 'Sessions' }).locator('tbody a').first().click();
+  await page.getByText('Orders need the role operator; yours is watch.').waitFor();
+  assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0);
+  const sessionId = new URL(page.url()).pathname.split('/').at(-1);
+  const answer = await page.evaluate(async (id) => (await fetch('/api/sweepstake.v1.SessionsService/OrderSession', { method: 'POST',
+    headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' }, body: JSON.stringify({ sessionId: id, mode: 'MODE_AI' }) })).status, sessionId);
+  assert.equal(answer, 403, 'the daemon refuses what the page does not offer');
+  assertNoTrouble(page, 'a reader');
+  await page.close();
+  await game.quit();
+  await daemon.stop();
+}
+
+async function checkAll(browser) {
+  const daemon = await new RealDaemon(sweepstaked, join(folder, 'main')).start();
+  const front = await (await fetch(daemon.origin)).text();
+  if (/without the dashboard/.test(front)) {
+    await daemon.stop();
+    return front;
+  }
+  await new Game(sweepstake, daemon, 'arcade', 'arena', { duration: '4s' }).ended();
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true });
+  const page = await openPage(context, daemon.origin);
+  const passed = (check) => console.log(`${check.name}: passed`);
+  for (const check of [checkNumbers, checkNeverRan, checkFiles]) passed((await check(page, daemon), check));
+  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { duration: '300s', more: ['--allow-orders'] });
+  const session = await liveSession(daemon);
+  for (const check of [checkTime, checkWhy, checkCosts, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session), check));
+  await assertAccessible(page, 'decisions');
+  assertNoTrouble(page, 'the views');
+  await page.close();
+  await game.quit();
+  await daemon.stop();
+  passed((await checkRoles(context), checkRoles));
+  return '';
+}
+
+if (!existsSync(chromiumPath)) skip(`there is no ${chromiumPath}; deploy/install_packages.sh chromium installs it`);
+const browser = await launch();
+let missing = '';
+try {
+  missing = await checkAll(browser);
+} finally {
+  await browser.close();
+}
+if (missing) skip(missing);
+rmSync(folder, { recursive: true, force: true });
