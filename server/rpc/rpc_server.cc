@@ -145,6 +145,9 @@ absl::Status RpcServer::Listen(const std::string& address) {
   builder.RegisterService(&sessions_service_);
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) return absl::UnavailableError("gRPC could not start its server");
+  grpc::ChannelArguments own_answers;
+  own_answers.SetMaxReceiveMessageSize(-1);
+  in_process_ = std::make_shared<InProcessChannel>(server_->InProcessChannel(own_answers));
   if (absl::Status status = listener_->Listen(address); !status.ok()) return status;
   port_ = listener_->port();
   last_beat_ns_ = loop_.clock().NowNs();
@@ -155,12 +158,6 @@ absl::Status RpcServer::Listen(const std::string& address) {
 RpcServer::~RpcServer() {
   Drain(std::chrono::milliseconds(0));
   server_.reset();
-}
-
-std::shared_ptr<grpc::Channel> RpcServer::InProcessChannel() {
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(-1);  // It is the daemon's own answer.
-  return server_->InProcessChannel(arguments);
 }
 
 void RpcServer::Adjust(const RpcOptions& options) {
@@ -245,6 +242,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     admin_.Retry();
   });
   listener_.reset();
+  in_process_->Close();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
   server_->Wait();
   AwaitCommits(deadline);

@@ -22,6 +22,7 @@
 #include "absl/status/statusor.h"
 #include "server/rpc/common/access_control.h"
 #include "server/rpc/common/decision_loop.h"
+#include "server/rpc/in_process_channel.h"
 #include "server/rpc/services/audit_service.h"
 #include "server/rpc/services/posteriors_service.h"
 #include "server/rpc/services/priors_service.h"
@@ -55,9 +56,8 @@ class RpcServer {
   void RecordAction(std::string action, std::string who) {
     admin_.Record(std::move(action), std::move(who));
   }
-  // Returns a channel to this server without a connection, for the daemon's HTTP side. Its calls
-  // name in the metadata kCallerKey for whom they are. It may outlive the server.
-  std::shared_ptr<grpc::Channel> InProcessChannel();
+  // Calls through it name in the metadata kCallerKey for whom they are. It may outlive the server.
+  const std::shared_ptr<InProcessChannel>& in_process() const { return in_process_; }
   // Who speaks HTTP, as AccessControl says. Any thread may ask.
   absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
                                                    std::optional<std::string_view> token) {
@@ -113,7 +113,8 @@ class RpcServer {
   uint64_t lost_by_store_ = 0;            // audit rows that are counted; used on the loop
   uint64_t reported_lost_rows_ = 0;       // used on the loop
   int64_t next_loss_report_ns_ = 0;       // used on the loop
-  bool drained_ = false;                  // used by Drain's caller
+  std::shared_ptr<InProcessChannel> in_process_;
+  bool drained_ = false;  // used by Drain's caller
   // The loop is declared after everything that its tasks use, since its destructor runs the last
   // ones.
   DecisionLoop loop_;

@@ -24,15 +24,17 @@ class Upstream::Call final : public grpc::ClientBidiReactor<grpc::ByteBuffer, gr
  public:
   explicit Call(Upstream& upstream) : upstream_(upstream), io_(upstream.io_) {}
 
-  void Start(UpstreamRequest request) {
+  void Start(const std::shared_ptr<grpc::Channel>& channel, UpstreamRequest request) {
     self_ = shared_from_this();
     context_.AddMetadata(upstream_.caller_key_, request.caller);
     if (request.token)
       context_.AddMetadata("authorization", absl::StrCat("Bearer ", *request.token));
     message_ = std::move(request.message);
-    upstream_.stub_.PrepareBidiStreamingCall(&context_, request.path, {}, this);
+    grpc::GenericStub(channel).PrepareBidiStreamingCall(&context_, request.path, {}, this);
     AddHold();  // Reads begin on the server's thread, while gRPC knows of nothing to come.
+    held_ = true;
     StartWriteLast(&message_, {});
+    StartRead(&read_);
     StartCall();
   }
   void Read() { StartRead(&read_); }
@@ -55,11 +57,15 @@ class Upstream::Call final : public grpc::ClientBidiReactor<grpc::ByteBuffer, gr
   }
   void OnDone(const grpc::Status& status) override {
     const std::shared_ptr<Call> self = std::move(self_);
-    boost::asio::post(io_, [self, end = FromGrpc(status)] {
-      self->on_message = {};
-      if (const OnEnd told = std::exchange(self->on_end, {})) told(end);
-    });
+    End(FromGrpc(status));
     upstream_.Remove(this);
+  }
+  // Says how the call ended, or why it did not begin.
+  void End(const absl::Status& status) {
+    boost::asio::post(io_, [self = shared_from_this(), status] {
+      self->on_message = {};
+      if (const OnEnd told = std::exchange(self->on_end, {})) told(status);
+    });
   }
 
   // Used on the context's thread.
@@ -68,7 +74,7 @@ class Upstream::Call final : public grpc::ClientBidiReactor<grpc::ByteBuffer, gr
 
  private:
   void ReleaseHold() {
-    if (!released_.exchange(true)) RemoveHold();
+    if (held_.exchange(false)) RemoveHold();
   }
 
   Upstream& upstream_;
@@ -77,7 +83,7 @@ class Upstream::Call final : public grpc::ClientBidiReactor<grpc::ByteBuffer, gr
   grpc::ClientContext context_;
   grpc::ByteBuffer message_;
   grpc::ByteBuffer read_;
-  std::atomic<bool> released_{false};
+  std::atomic<bool> held_{false};
 };
 
 Upstream::Stream::~Stream() { call_->Abandon(); }
@@ -99,8 +105,11 @@ void Upstream::Start(const std::shared_ptr<Call>& call, UpstreamRequest request)
     const std::lock_guard lock(mutex_);
     calls_.insert(call.get());
   }
-  call->Start(std::move(request));
-  call->Read();
+  const bool begun =
+      with_channel_([&](const auto& channel) { call->Start(channel, std::move(request)); });
+  if (begun) return;
+  Remove(call.get());
+  call->End(absl::UnavailableError("the daemon is going away; try again"));
 }
 
 void Upstream::Remove(Call* call) {

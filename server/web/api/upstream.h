@@ -15,6 +15,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "absl/status/status.h"
 
@@ -26,6 +27,11 @@ struct UpstreamRequest {
   std::string caller;                // for whom, as gRPC names the other end
   std::optional<std::string> token;  // printable ASCII
 };
+
+// Has a call begun with a channel to the services. Returns false, and does nothing, if there is
+// none any more.
+using WithChannel =
+    std::function<bool(const std::function<void(const std::shared_ptr<grpc::Channel>&)>& begin)>;
 
 class Upstream {
  public:
@@ -53,9 +59,8 @@ class Upstream {
 
   // `caller_key` is the metadata that names the caller. The context must outlive this object, and
   // its thread must have ended when this object does, which ends all calls.
-  Upstream(std::shared_ptr<grpc::Channel> channel, std::string caller_key,
-           boost::asio::io_context& io)
-      : stub_(std::move(channel)), caller_key_(std::move(caller_key)), io_(io) {}
+  Upstream(WithChannel with_channel, std::string caller_key, boost::asio::io_context& io)
+      : with_channel_(std::move(with_channel)), caller_key_(std::move(caller_key)), io_(io) {}
   ~Upstream();
 
   // Calls a method with one answer.
@@ -68,7 +73,7 @@ class Upstream {
   void Start(const std::shared_ptr<Call>& call, UpstreamRequest request);
   void Remove(Call* call);
 
-  grpc::GenericStub stub_;
+  const WithChannel with_channel_;
   const std::string caller_key_;
   boost::asio::io_context& io_;
   std::mutex mutex_;  // guards what follows

@@ -33,6 +33,12 @@ const cellsOf = async (page, scene) => {
   return Object.fromEntries(titles.map((title, i) => [title.replace(/ [▲▼]$/, '').trim(), (cells[i] ?? '').trim()]));
 };
 
+// Times are judged where the machine has nothing else to do: where JUDGE_TIMES is set.
+function judge(what, ms, limit) {
+  console.log(`${what}: ${ms.toFixed(0)} ms`);
+  if (process.env.JUDGE_TIMES) assert.ok(ms <= limit, `${what}: ${ms} ms, more than ${limit}`);
+}
+
 // ---- Each check gets a page of its own, on which nothing may go wrong.
 
 // The first view needs few bytes.
@@ -49,8 +55,8 @@ async function checkSize(context, daemon) {
   assert.ok(sizes.length >= 3 && total > 10_000 && total < MAX_FIRST_LOAD, `${sizes} bytes`);
   await page.goto(`${daemon.origin}/scenes/arcade/arena?class=test&reward=3`);
   await page.locator('main figure svg, main figure canvas').first().waitFor();
-  const firstChartMs = await page.evaluate(() => performance.now());
-  console.log(`first load: ${total} bytes in ${sizes.length} files; first chart after ${firstChartMs.toFixed(0)} ms`);
+  console.log(`first load: ${total} bytes in ${sizes.length} files`);
+  judge('the first chart', await page.evaluate(() => performance.now()), 1000);
   await page.close();
 }
 
@@ -93,9 +99,11 @@ async function checkLive(page, daemon) {
   const game = new Game(sweepstake, daemon, 'arcade', 'late', { duration: '60s' });
   const find = async () => (await daemon.call('PosteriorsService/ListPosteriors')).scenes?.find(({ scene, activeSessionCount }) => scene === 'late' && activeSessionCount === 1);
   await until('the API knows the new scene', find);
-  await rowOf(page, 'late').waitFor({ timeout: 1000 });
+  const start = Date.now();
+  await rowOf(page, 'late').waitFor();
+  judge('a new scene is on the page', Date.now() - start, 1000);
   const before = (await cellsOf(page, 'late')).Evidence;
-  await until('its evidence grows', async () => (await cellsOf(page, 'late')).Evidence !== before, 3000);
+  await until('its evidence grows', async () => (await cellsOf(page, 'late')).Evidence !== before);
   return game;
 }
 
@@ -110,7 +118,7 @@ async function checkRowsStay(page, daemon) {
   assert.deepEqual((await names()).slice(0, before.length), before, 'rows moved under the pointer');
   await page.keyboard.press('/');
   await page.keyboard.type('a new one');
-  await until('a filter leaves what it names, under the pointer too', async () => (await names()).length === 1, 5000);
+  await until('a filter leaves what it names, under the pointer too', async () => (await names()).length === 1);
   await page.mouse.move(0, 0);
   await page.getByRole('searchbox').fill('');
   await game.quit();
@@ -127,7 +135,7 @@ async function checkReconnect(page, daemon) {
   await isBadge(page, 'live', 60_000);
   await checkNumbers(page, daemon);
   daemon.freeze();
-  await isBadge(page, 'stale', 15_000);
+  await isBadge(page, 'stale');
   assert.equal(await page.locator('main.old').count(), 1, 'what is old looks old');
   daemon.thaw();
   await isBadge(page, 'live');
@@ -173,7 +181,7 @@ async function checkKeys(page, daemon) {
   const focused = () => page.evaluate(() => document.activeElement.closest('tr')?.getAttribute('aria-rowindex'));
   const first = Number(await focused());
   await page.keyboard.press('ArrowDown');
-  await until('the next row has the focus', async () => Number(await focused()) === first + 1, 3000);
+  await until('the next row has the focus', async () => Number(await focused()) === first + 1);
 }
 
 async function checkDownload(page, daemon) {

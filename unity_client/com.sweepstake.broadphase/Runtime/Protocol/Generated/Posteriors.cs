@@ -34,54 +34,55 @@ namespace Sweepstake.Protocol.V1 {
             "amVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIVCg1tYWNoaW5lX2NsYXNzGAMg",
             "ASgJEhYKDnJld2FyZF92ZXJzaW9uGAQgASgNIkQKFEdldFBvc3RlcmlvclJl",
             "c3BvbnNlEiwKBXNjZW5lGAEgASgLMh0uc3dlZXBzdGFrZS52MS5TY2VuZVBv",
-            "c3RlcmlvciI4ChZXYXRjaFBvc3RlcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QY",
-            "ASABKAkSDQoFc2NlbmUYAiABKAkipgEKF1dhdGNoUG9zdGVyaW9yc1Jlc3Bv",
-            "bnNlEjAKCXBvc3RlcmlvchgBIAEoCzIdLnN3ZWVwc3Rha2UudjEuU2NlbmVQ",
-            "b3N0ZXJpb3ISLwoJZGVjaXNpb25zGAIgAygLMhwuc3dlZXBzdGFrZS52MS5E",
-            "ZWNpc2lvbkV2ZW50EigKBXN0YW1wGAMgASgLMhkuc3dlZXBzdGFrZS52MS5F",
-            "dmVudFN0YW1wIr4BCg5TY2VuZVBvc3RlcmlvchIPCgdwcm9qZWN0GAEgASgJ",
-            "Eg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkSFgoOcmV3",
-            "YXJkX3ZlcnNpb24YBCABKA0SKQoEYXJtcxgFIAMoCzIbLnN3ZWVwc3Rha2Uu",
-            "djEuQXJtUG9zdGVyaW9yEhwKFGFjdGl2ZV9zZXNzaW9uX2NvdW50GAYgASgN",
-            "EhQKDHNvdXJjZV9jb3VudBgHIAEoBCKoAQoMQXJtUG9zdGVyaW9yEgsKA2Fy",
-            "bRgBIAEoCRIXCg9iYWNrZW5kX3ZlcnNpb24YAiABKA0SLwoJcG9zdGVyaW9y",
-            "GAMgASgLMhwuc3dlZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEhQKDHdpbmRv",
-            "d19jb3VudBgEIAEoBBIWCg5iYWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNp",
-            "dF9jb3VudBgGIAEoBCKTBAoNRGVjaXNpb25FdmVudBISCgpzZXNzaW9uX2lk",
-            "GAEgASgJEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyABKAkSEwoLZGVj",
-            "aXNpb25faWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRh",
-            "dGVfYXJtGAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2VlcHN0YWtlLnYx",
-            "LkRlY2lzaW9uT3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5zd2VlcHN0YWtl",
-            "LnYxLlN3aXRjaFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgBARIVCg1tYWNo",
-            "aW5lX2NsYXNzGAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkYCyADKAESGwoT",
-            "ZXhwZWN0ZWRfbG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0GA0gASgOMhYu",
-            "c3dlZXBzdGFrZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgPIAEoCRI2CgxtZWFz",
-            "dXJlbWVudHMYECABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1l",
-            "bnRzEgwKBGFybXMYESADKAkSLQoJc3RhbmRpbmdzGBIgAygLMhouc3dlZXBz",
-            "dGFrZS52MS5Bcm1TdGFuZGluZ0IJCgdfcmV3YXJkSgQIDhAPUg5jb250ZXh0",
-            "X2J1Y2tldCKyAQoRRnJhbWVNZWFzdXJlbWVudHMSMgoNZnJhbWVfdGltZV9u",
-            "cxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjYKEWRldGVj",
-            "dGlvbl90aW1lX25zGAIgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dy",
-            "YW0SMQoMbmF0aXZlX2J5dGVzGAMgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dI",
-            "aXN0b2dyYW0iNAoMTG9nSGlzdG9ncmFtEhQKDGJ1Y2tldF9zdGVwcxgBIAMo",
-            "DRIOCgZjb3VudHMYAiADKA0qtwMKD0RlY2lzaW9uT3V0Y29tZRIgChxERUNJ",
-            "U0lPTl9PVVRDT01FX1VOU1BFQ0lGSUVEEAASGQoVREVDSVNJT05fT1VUQ09N",
-            "RV9LRVBUEAESHQoZREVDSVNJT05fT1VUQ09NRV9TV0lUQ0hFRBACEiIKHkRF",
-            "Q0lTSU9OX09VVENPTUVfSEVMRF9DT09MRE9XThADEiIKHkRFQ0lTSU9OX09V",
-            "VENPTUVfSEVMRF9TRVRUTElORxAEEh4KGkRFQ0lTSU9OX09VVENPTUVfTk9f",
-            "RlJBTUVTEAUSGwoXREVDSVNJT05fT1VUQ09NRV9NQU5VQUwQBhIeChpERUNJ",
-            "U0lPTl9PVVRDT01FX0VYUExPUklORxAHEh0KGURFQ0lTSU9OX09VVENPTUVf",
-            "UkVKRUNURUQQCBIeChpERUNJU0lPTl9PVVRDT01FX0hFTERfR0FURRAJEh0K",
-            "GURFQ0lTSU9OX09VVENPTUVfSEVMRF9USUUQDCIECAoQCiIECAsQCyobREVD",
-            "SVNJT05fT1VUQ09NRV9IRUxEX0dVQVJEKhxERUNJU0lPTl9PVVRDT01FX0hF",
-            "TERfVU5TQUZFMq8CChFQb3N0ZXJpb3JzU2VydmljZRJdCg5MaXN0UG9zdGVy",
-            "aW9ycxIkLnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXF1ZXN0GiUu",
-            "c3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1Jlc3BvbnNlElcKDEdldFBv",
-            "c3RlcmlvchIiLnN3ZWVwc3Rha2UudjEuR2V0UG9zdGVyaW9yUmVxdWVzdBoj",
-            "LnN3ZWVwc3Rha2UudjEuR2V0UG9zdGVyaW9yUmVzcG9uc2USYgoPV2F0Y2hQ",
-            "b3N0ZXJpb3JzEiUuc3dlZXBzdGFrZS52MS5XYXRjaFBvc3RlcmlvcnNSZXF1",
-            "ZXN0GiYuc3dlZXBzdGFrZS52MS5XYXRjaFBvc3RlcmlvcnNSZXNwb25zZTAB",
-            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "c3RlcmlvciJPChZXYXRjaFBvc3RlcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QY",
+            "ASABKAkSDQoFc2NlbmUYAiABKAkSFQoNbWFya19hbGxfdG9sZBgDIAEoCCK4",
+            "AQoXV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2USMAoJcG9zdGVyaW9yGAEgASgL",
+            "Mh0uc3dlZXBzdGFrZS52MS5TY2VuZVBvc3RlcmlvchIvCglkZWNpc2lvbnMY",
+            "AiADKAsyHC5zd2VlcHN0YWtlLnYxLkRlY2lzaW9uRXZlbnQSKAoFc3RhbXAY",
+            "AyABKAsyGS5zd2VlcHN0YWtlLnYxLkV2ZW50U3RhbXASEAoIYWxsX3RvbGQY",
+            "BCABKAgivgEKDlNjZW5lUG9zdGVyaW9yEg8KB3Byb2plY3QYASABKAkSDQoF",
+            "c2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgDIAEoCRIWCg5yZXdhcmRf",
+            "dmVyc2lvbhgEIAEoDRIpCgRhcm1zGAUgAygLMhsuc3dlZXBzdGFrZS52MS5B",
+            "cm1Qb3N0ZXJpb3ISHAoUYWN0aXZlX3Nlc3Npb25fY291bnQYBiABKA0SFAoM",
+            "c291cmNlX2NvdW50GAcgASgEIqgBCgxBcm1Qb3N0ZXJpb3ISCwoDYXJtGAEg",
+            "ASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgCIAEoDRIvCglwb3N0ZXJpb3IYAyAB",
+            "KAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0ZXJpb3ISFAoMd2luZG93X2Nv",
+            "dW50GAQgASgEEhYKDmJhaWxfb3V0X2NvdW50GAUgASgEEhMKC3Zpc2l0X2Nv",
+            "dW50GAYgASgEIpMECg1EZWNpc2lvbkV2ZW50EhIKCnNlc3Npb25faWQYASAB",
+            "KAkSDwoHcHJvamVjdBgCIAEoCRINCgVzY2VuZRgDIAEoCRITCgtkZWNpc2lv",
+            "bl9pZBgEIAEoBBISCgphY3RpdmVfYXJtGAUgASgJEhUKDWNhbmRpZGF0ZV9h",
+            "cm0YBiABKAkSLwoHb3V0Y29tZRgHIAEoDjIeLnN3ZWVwc3Rha2UudjEuRGVj",
+            "aXNpb25PdXRjb21lEisKBnJlYXNvbhgIIAEoDjIbLnN3ZWVwc3Rha2UudjEu",
+            "U3dpdGNoUmVhc29uEhMKBnJld2FyZBgJIAEoAUgAiAEBEhUKDW1hY2hpbmVf",
+            "Y2xhc3MYCiABKAkSGAoQYmVzdF9wcm9iYWJpbGl0eRgLIAMoARIbChNleHBl",
+            "Y3RlZF9sb3NzX3JhdGlvGAwgASgBEicKB3ZlcmRpY3QYDSABKA4yFi5zd2Vl",
+            "cHN0YWtlLnYxLlZlcmRpY3QSDgoGcG9saWN5GA8gASgJEjYKDG1lYXN1cmVt",
+            "ZW50cxgQIAEoCzIgLnN3ZWVwc3Rha2UudjEuRnJhbWVNZWFzdXJlbWVudHMS",
+            "DAoEYXJtcxgRIAMoCRItCglzdGFuZGluZ3MYEiADKAsyGi5zd2VlcHN0YWtl",
+            "LnYxLkFybVN0YW5kaW5nQgkKB19yZXdhcmRKBAgOEA9SDmNvbnRleHRfYnVj",
+            "a2V0IrIBChFGcmFtZU1lYXN1cmVtZW50cxIyCg1mcmFtZV90aW1lX25zGAEg",
+            "ASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dyYW0SNgoRZGV0ZWN0aW9u",
+            "X3RpbWVfbnMYAiABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRIx",
+            "CgxuYXRpdmVfYnl0ZXMYAyABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3Rv",
+            "Z3JhbSI0CgxMb2dIaXN0b2dyYW0SFAoMYnVja2V0X3N0ZXBzGAEgAygNEg4K",
+            "BmNvdW50cxgCIAMoDSq3AwoPRGVjaXNpb25PdXRjb21lEiAKHERFQ0lTSU9O",
+            "X09VVENPTUVfVU5TUEVDSUZJRUQQABIZChVERUNJU0lPTl9PVVRDT01FX0tF",
+            "UFQQARIdChlERUNJU0lPTl9PVVRDT01FX1NXSVRDSEVEEAISIgoeREVDSVNJ",
+            "T05fT1VUQ09NRV9IRUxEX0NPT0xET1dOEAMSIgoeREVDSVNJT05fT1VUQ09N",
+            "RV9IRUxEX1NFVFRMSU5HEAQSHgoaREVDSVNJT05fT1VUQ09NRV9OT19GUkFN",
+            "RVMQBRIbChdERUNJU0lPTl9PVVRDT01FX01BTlVBTBAGEh4KGkRFQ0lTSU9O",
+            "X09VVENPTUVfRVhQTE9SSU5HEAcSHQoZREVDSVNJT05fT1VUQ09NRV9SRUpF",
+            "Q1RFRBAIEh4KGkRFQ0lTSU9OX09VVENPTUVfSEVMRF9HQVRFEAkSHQoZREVD",
+            "SVNJT05fT1VUQ09NRV9IRUxEX1RJRRAMIgQIChAKIgQICxALKhtERUNJU0lP",
+            "Tl9PVVRDT01FX0hFTERfR1VBUkQqHERFQ0lTSU9OX09VVENPTUVfSEVMRF9V",
+            "TlNBRkUyrwIKEVBvc3RlcmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3Jz",
+            "EiQuc3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2Vl",
+            "cHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVy",
+            "aW9yEiIuc3dlZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dl",
+            "ZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3Rl",
+            "cmlvcnMSJS5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3Qa",
+            "Ji5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoC",
+            "FlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -89,8 +90,8 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListPosteriorsResponse), global::Sweepstake.Protocol.V1.ListPosteriorsResponse.Parser, new[]{ "Scenes", "NextPageToken" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorRequest), global::Sweepstake.Protocol.V1.GetPosteriorRequest.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorResponse), global::Sweepstake.Protocol.V1.GetPosteriorResponse.Parser, new[]{ "Scene" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene", "MarkAllTold" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp", "AllTold" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings" }, new[]{ "Reward" }, null, null, null),
@@ -1249,6 +1250,7 @@ namespace Sweepstake.Protocol.V1 {
     public WatchPosteriorsRequest(WatchPosteriorsRequest other) : this() {
       project_ = other.project_;
       scene_ = other.scene_;
+      markAllTold_ = other.markAllTold_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1288,6 +1290,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "mark_all_told" field.</summary>
+    public const int MarkAllToldFieldNumber = 3;
+    private bool markAllTold_;
+    /// <summary>
+    /// True: a message says when all scenes as they are now have been told (all_told). Absent: none does.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool MarkAllTold {
+      get { return markAllTold_; }
+      set {
+        markAllTold_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1305,6 +1322,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Project != other.Project) return false;
       if (Scene != other.Scene) return false;
+      if (MarkAllTold != other.MarkAllTold) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1314,6 +1332,7 @@ namespace Sweepstake.Protocol.V1 {
       int hash = 1;
       if (Project.Length != 0) hash ^= Project.GetHashCode();
       if (Scene.Length != 0) hash ^= Scene.GetHashCode();
+      if (MarkAllTold != false) hash ^= MarkAllTold.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1340,6 +1359,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(18);
         output.WriteString(Scene);
       }
+      if (MarkAllTold != false) {
+        output.WriteRawTag(24);
+        output.WriteBool(MarkAllTold);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1358,6 +1381,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(18);
         output.WriteString(Scene);
       }
+      if (MarkAllTold != false) {
+        output.WriteRawTag(24);
+        output.WriteBool(MarkAllTold);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1373,6 +1400,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Scene.Length != 0) {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
+      }
+      if (MarkAllTold != false) {
+        size += 1 + 1;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -1391,6 +1421,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.Scene.Length != 0) {
         Scene = other.Scene;
+      }
+      if (other.MarkAllTold != false) {
+        MarkAllTold = other.MarkAllTold;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1417,6 +1450,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 18: {
             Scene = input.ReadString();
+            break;
+          }
+          case 24: {
+            MarkAllTold = input.ReadBool();
             break;
           }
         }
@@ -1446,6 +1483,10 @@ namespace Sweepstake.Protocol.V1 {
             Scene = input.ReadString();
             break;
           }
+          case 24: {
+            MarkAllTold = input.ReadBool();
+            break;
+          }
         }
       }
     }
@@ -1454,7 +1495,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What has changed of one scene: it has a posterior or decisions. One with neither is of a newer protocol.
+  /// What has changed of one scene: it has a posterior or decisions, or is a mark. One with nothing is of a newer protocol.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class WatchPosteriorsResponse : pb::IMessage<WatchPosteriorsResponse>
@@ -1494,6 +1535,7 @@ namespace Sweepstake.Protocol.V1 {
       posterior_ = other.posterior_ != null ? other.posterior_.Clone() : null;
       decisions_ = other.decisions_.Clone();
       stamp_ = other.stamp_ != null ? other.stamp_.Clone() : null;
+      allTold_ = other.allTold_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1547,6 +1589,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "all_told" field.</summary>
+    public const int AllToldFieldNumber = 4;
+    private bool allTold_;
+    /// <summary>
+    /// True, once in a stream that asks for it: every matching scene has been told; what follows are changes. Absent: see posterior.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool AllTold {
+      get { return allTold_; }
+      set {
+        allTold_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1565,6 +1622,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(Posterior, other.Posterior)) return false;
       if(!decisions_.Equals(other.decisions_)) return false;
       if (!object.Equals(Stamp, other.Stamp)) return false;
+      if (AllTold != other.AllTold) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1575,6 +1633,7 @@ namespace Sweepstake.Protocol.V1 {
       if (posterior_ != null) hash ^= Posterior.GetHashCode();
       hash ^= decisions_.GetHashCode();
       if (stamp_ != null) hash ^= Stamp.GetHashCode();
+      if (AllTold != false) hash ^= AllTold.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1602,6 +1661,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(26);
         output.WriteMessage(Stamp);
       }
+      if (AllTold != false) {
+        output.WriteRawTag(32);
+        output.WriteBool(AllTold);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1621,6 +1684,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(26);
         output.WriteMessage(Stamp);
       }
+      if (AllTold != false) {
+        output.WriteRawTag(32);
+        output.WriteBool(AllTold);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1637,6 +1704,9 @@ namespace Sweepstake.Protocol.V1 {
       size += decisions_.CalculateSize(_repeated_decisions_codec);
       if (stamp_ != null) {
         size += 1 + pb::CodedOutputStream.ComputeMessageSize(Stamp);
+      }
+      if (AllTold != false) {
+        size += 1 + 1;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -1662,6 +1732,9 @@ namespace Sweepstake.Protocol.V1 {
           Stamp = new global::Sweepstake.Protocol.V1.EventStamp();
         }
         Stamp.MergeFrom(other.Stamp);
+      }
+      if (other.AllTold != false) {
+        AllTold = other.AllTold;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1700,6 +1773,10 @@ namespace Sweepstake.Protocol.V1 {
             input.ReadMessage(Stamp);
             break;
           }
+          case 32: {
+            AllTold = input.ReadBool();
+            break;
+          }
         }
       }
     #endif
@@ -1735,6 +1812,10 @@ namespace Sweepstake.Protocol.V1 {
               Stamp = new global::Sweepstake.Protocol.V1.EventStamp();
             }
             input.ReadMessage(Stamp);
+            break;
+          }
+          case 32: {
+            AllTold = input.ReadBool();
             break;
           }
         }
