@@ -80,5 +80,5 @@ const dashboard = {
 
 export default defineConfig(({ mode }) => ({
   ...(mode === 'report' ? report : dashboard),
-  test: { include: ['src/**/*.test.ts'] },
+  test: { include: ['src/**/*.test.ts'], testTimeout: 60_000 },
 }));

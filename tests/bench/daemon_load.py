@@ -217,27 +217,37 @@ class Browsers(threading.Thread):
             connection.close()
 
 
+def measure_midst(daemon, scenes, options, count):
+    """What the daemon takes, and what is counted, in a second in the midst of a load of one game for each scene."""
+    with subprocess.Popen(daemon.load(scenes, 4, 15, 10_000, scenes=scenes), stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL) as load:
+        try:
+            await_value("a game", lambda: daemon.metric("sweepstake_open_streams") == scenes)
+            time.sleep(3)  # until all have learnt
+            start, cpu_s, before = time.monotonic(), daemon.cpu_s(), count()
+            time.sleep(options.seconds)
+            elapsed_s, cpu_s, after = time.monotonic() - start, daemon.cpu_s() - cpu_s, count()
+        finally:
+            load.send_signal(signal.SIGINT)
+    return cpu_s / elapsed_s, [(now - then) / elapsed_s for then, now in zip(before, after)]
+
+
 def measure_browsers(daemon, watchers, scenes, options):
     """What browsers that watch scenes whose posteriors change four times a second cost the daemon, beside the games' own cost."""
-    alone = run_load(daemon.load(scenes, 4, 15, options.seconds, scenes=scenes))
+    alone, _ = measure_midst(daemon, scenes, options, lambda: [])
     browsers = Browsers(daemon, watchers, scenes)
     browsers.start()
     try:
         await_value("a browser", lambda: daemon.metric("sweepstake_http_watchers") == watchers)
-        before, encoded = browsers.event_count, daemon.metric("sweepstake_http_encoded_events_total")
-        start = time.monotonic()
-        watched = run_load(daemon.load(scenes, 4, 15, options.seconds, scenes=scenes))
-        elapsed_s = time.monotonic() - start
-        events, encoded = browsers.event_count - before, daemon.metric("sweepstake_http_encoded_events_total") - encoded
-        if daemon.metric("sweepstake_http_watchers") != watchers:
+        watched, (told, encoded) = measure_midst(
+            daemon, scenes, options, lambda: [browsers.event_count, daemon.metric("sweepstake_http_encoded_events_total")])
+        if not browsers.is_alive() or daemon.metric("sweepstake_http_watchers") != watchers:
             raise Failure("a browser has gone while the load was measured")
     finally:
         browsers.end()
-    cores = [figures["server_cpu_s"] / figures["measured_s"] for figures in (alone, watched)]
-    return {"browsers": watchers, "scenes": scenes, "posteriors_per_s": events / elapsed_s / watchers * scenes,
-            "told_per_s": events / elapsed_s, "encoded_per_s": encoded / elapsed_s,
-            "skips": daemon.metric("sweepstake_http_skips_total"), "server_cores_without": cores[0], "server_cores": cores[1],
-            "browser_cores": cores[1] - cores[0]}
+    return {"browsers": watchers, "scenes": scenes, "posteriors_per_s": told / watchers * scenes, "told_per_s": told,
+            "encoded_per_s": encoded, "skips": daemon.metric("sweepstake_http_skips_total"), "server_cores_without": alone,
+            "server_cores": watched, "browser_cores": watched - alone}
 
 
 def measure_hello(daemon, sources, options):
@@ -270,7 +280,7 @@ def plan(options):
     streams = options.streams
     scenes, browsers = max(streams // 40, 1), max(streams // 10, 1)
     # Each game's posterior changes at each tick of what watchers are told.
-    quick = {"server_options": ["--decision-interval-ms", "250", "--decision-settling-ms", "0", "--no-decision-explore"]}
+    quick = {"server_options": ["--decision-interval-ms", "200", "--decision-settling-ms", "0", "--no-decision-explore"]}
     return [
         ("full", f"{streams} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams, 1, 60, options), {}),
         ("half", f"{streams // 2} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams // 2, 1, 60, options), {}),

@@ -239,8 +239,9 @@ TEST_F(ConfigTest, PlainTextOffLoopbackMustBeAskedFor) {
 }
 
 TEST_F(ConfigTest, HttpHasTheNamesOfItsAddressAndThoseThatAreListed) {
-  const auto config =
-      FromFile("http = 'LocalHost:7434'\nhttp_hosts = ' dash.example.com,B_1 ,, [2001:db8::1]'\n");
+  const auto config = FromFile(
+      "http = 'LocalHost:7434'\ninsecure = true\n"
+      "http_hosts = ' dash.example.com,B_1 ,, [2001:db8::1]'\n");
   ASSERT_TRUE(config.ok()) << config.status();
   EXPECT_THAT(HttpHosts(*config),
               ::testing::ElementsAre("[2001:db8::1]", "b_1", "dash.example.com", "localhost"));

@@ -15,6 +15,7 @@ export async function launch() {
 // Opens a page that writes down whatever goes wrong in it: errors, breaches of its content security policy, requests to elsewhere.
 export async function openPage(context, origin, path = '/') {
   const page = await context.newPage();
+  page.setDefaultTimeout(90_000);  // a machine may have much else to do
   page.troubles = [];
   page.on('console', (message) => message.type() === 'error' && page.troubles.push(message.text()));
   page.on('pageerror', (error) => page.troubles.push(`${error.message}\n${error.stack}`));

@@ -132,7 +132,7 @@ async function checkReconnect(page, daemon) {
   await isBadge(page, 'offline');
   assert.ok(await rowOf(page, 'arena').count(), 'what was known is still there');
   await daemon.start();
-  await isBadge(page, 'live', 60_000);
+  await isBadge(page, 'live');
   await checkNumbers(page, daemon);
   daemon.freeze();
   await isBadge(page, 'stale');
@@ -336,9 +336,19 @@ async function checkAll(browser) {
 if (!existsSync(chromiumPath)) skip(`there is no ${chromiumPath}; deploy/install_packages.sh chromium installs it`);
 mkdirSync(pictures, { recursive: true });
 const browser = await launch();
+// What was on the pages when a check failed.
+async function drawFailure(error) {
+  const pages = browser.contexts().flatMap((context) => context.pages());
+  for (const [i, page] of pages.entries()) {
+    await page.screenshot({ path: join(pictures, `failure-${i}.png`) });
+    console.error(page.url(), page.troubles, `drawn in failure-${i}.png`);
+  }
+  throw error;
+}
+
 let missing = '';
 try {
-  missing = await checkAll(browser);
+  missing = await checkAll(browser).catch(drawFailure);
 } finally {
   await browser.close();
 }

@@ -6,7 +6,7 @@ import { join } from 'node:path';
 export const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
 // Waits until `condition` gives something; `what` names it where it never does.
-export async function until(what, condition, patienceMs = 30_000) {
+export async function until(what, condition, patienceMs = 90_000) {
   for (const end = Date.now() + patienceMs; Date.now() < end; await pause(50)) {
     const found = await condition();
     if (found) return found;

@@ -87,6 +87,9 @@ async function checkFiles(page) {
 // While a game plays: charts grow, a drag zooms, a pause holds, an arm can be hidden; all of it is in the address.
 async function checkTime(page, daemon) {
   await page.goto(`${daemon.origin}${SCENE}`);
+  const arms = async () => JSON.stringify((await daemon.call('PosteriorsService/ListPosteriors')).scenes.find(({ scene }) => scene === 'arena').arms);
+  const before = await arms();
+  await until('the game has taught something', async () => await arms() !== before, 120_000);
   const canvas = chart(page, 'best').locator('.u-over');
   await canvas.waitFor();
   await canvas.scrollIntoViewIfNeeded();

@@ -218,10 +218,11 @@ TEST(ShadowText, SaysWhyThereIsNoLaneOrWhatItCost) {
                     .visit_count = 9,
                     .busy_time_ns = 4 * kSecond,
                     .copy_time_ns = 8000,
+                    .slowdown_time_ns = kSecond,
                     .warm_switch_count = 1};
   EXPECT_EQ(ShadowText(summary),
-            "Shadow lane: running, 9 visits in 2 sweeps, 10.0 % of its thread's time, copying took "
-            "200 ns per frame; 1 warm and 0 cold switches");
+            "Shadow lane: running, 9 visits in 2 sweeps, 10.0 % of its thread's time, cost the "
+            "frame thread 2.50 %, copying took 200 ns per frame; 1 warm and 0 cold switches");
 }
 
 // 30 frames of SAP and 10 of Grid, which is believed to take twice as long: 1.25 on average, and

@@ -20,6 +20,11 @@ describe('pages of a log', () => {
     expect(pages[3]).toMatchObject({ matchCount: 250, rowCount: 250 });
   });
 
+  it('far back are there too, however long the log is', async () => {
+    const { rows } = await collectPage(log(5000), ALL, 7);
+    expect(numbers(rows)).toEqual(Array.from({ length: PAGE_ROWS }, (_, i) => 4300 - i));
+  });
+
   it('are of the rows that match', async () => {
     const { rows, matchCount } = await collectPage(log(1000), { ...ALL, kind: 'switch' }, 0);
     expect(matchCount).toBe(100);

@@ -25,6 +25,7 @@ describe('histograms of the daemon', () => {
     const buckets = bucketsOf({ bucketSteps: [10, 10, 10], counts: [50, 45, 5] });
     expect(percentile(buckets, 0.5)).toBe(middleOf(10));
     expect(percentile(buckets, 0.95)).toBe(middleOf(20));
+    expect(percentile(bucketsOf({ bucketSteps: [10, 10, 10], counts: [1, 1, 1] }), 0.5)).toBe(middleOf(20)); // the second of three
     expect(percentiles(buckets)).toEqual([middleOf(10), middleOf(20), middleOf(30)]);
   });
 
