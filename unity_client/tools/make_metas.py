@@ -4,7 +4,8 @@
     make_metas.py PACKAGE           writes what is missing; a .meta that is there stays, so that a GUID outlives a rename (git mv both)
     make_metas.py PACKAGE --check   fails when one is missing, belongs to nothing, or has the GUID of another
 
-Unity takes no file whose name begins with a dot and no folder whose name ends with ~. Plug-ins are placed by a build and are not in the
+Unity takes no file whose name begins with a dot and no folder whose name ends with ~. The samples in Samples~ have metas all the same: they
+are copied into a project together, and a sample's scene finds its scripts by their GUIDs. Plug-ins are placed by a build and are not in the
 repository: their metas say for which platform each of them is.
 """
 
@@ -56,7 +57,21 @@ guid: {guid}
   assetBundleVariant:
 """
 IMPORTERS = {".asmdef": "AssemblyDefinitionImporter", ".md": "TextScriptImporter", ".json": "TextScriptImporter", ".txt": "TextScriptImporter",
-             ".uss": "ScriptedImporter", ".uxml": "ScriptedImporter", ".shader": "ShaderImporter"}
+             ".shader": "ShaderImporter"}
+# Unity's own importer of style sheets is a script of the editor.
+STYLE = """\
+fileFormatVersion: 2
+guid: {guid}
+ScriptedImporter:
+  internalIDToNameTable: []
+  externalObjects: {{}}
+  serializedVersion: 2
+  userData:
+  assetBundleName:
+  assetBundleVariant:
+  script: {{fileID: 12385, guid: 0000000000000000e000000000000000, type: 0}}
+  disableValidation: 0
+"""
 
 
 def plugin_meta(guid, editor_os, editor_cpu, players):
@@ -71,8 +86,9 @@ def plugin_meta(guid, editor_os, editor_cpu, players):
 
 
 def is_seen(path):
-    """Whether Unity imports it."""
-    return not any(part.startswith(".") or part.endswith("~") for part in path.parts)
+    """Whether Unity imports it, there or, a sample, where it is copied to."""
+    parts = path.parts[1:] if path.parts[0] == "Samples~" else path.parts
+    return bool(parts) and not any(part.startswith(".") or part.endswith("~") for part in parts)
 
 
 def assets(package):
@@ -93,6 +109,8 @@ def meta_of(package, asset):
         return FOLDER.format(guid=guid)
     if asset.suffix == ".cs":
         return SCRIPT.format(guid=guid)
+    if asset.suffix == ".uss":
+        return STYLE.format(guid=guid)
     return OTHER.format(guid=guid, importer=IMPORTERS.get(asset.suffix, "DefaultImporter"))
 
 

@@ -118,6 +118,56 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void AFrozenSessionTakesTheBestArmOfItsPriorsAndReadsNoClock()
+        {
+            using var scene = Oracle.CrowdedScene("hurricane");
+            byte[] priors;
+            string leader;
+            using (var session = new BroadPhaseSession(new SessionOptions { SettlingNs = 1 }))
+            using (var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100, SourceId = "a" }, ownThread: false))
+            {
+                PlayAndPoll(session, decider, scene, 1200);
+                priors = decider.ExportPriors();
+                leader = BestOf(session, decider.Status.Beliefs.ToArray());
+            }
+            using var frozen = new BroadPhaseSession(new SessionOptions { InitialArm = "BruteForce" });
+            frozen.Freeze(new DeciderOptions { PriorsData = priors });
+            Play(frozen, scene);
+            Assert.That(frozen.Arms[frozen.ActiveArm], Is.EqualTo(leader));
+            Assert.That(frozen.Mode, Is.EqualTo(SessionMode.Manual));
+            Assert.That(frozen.LastSample.DetectionTimeNs, Is.EqualTo(0), "no clock is read");
+            frozen.SelectArm("SAP");
+            Play(frozen, scene);
+            Assert.That(frozen.Arms[frozen.ActiveArm], Is.EqualTo("SAP"));
+            frozen.Mode = SessionMode.Ai;
+            Play(frozen, scene);
+            Assert.That(frozen.LastSample.DetectionTimeNs, Is.GreaterThan(0));
+        }
+
+        [Test]
+        public void ASessionWithoutPriorsFreezesAtItsArmAndRefusesThoseOfAnotherProject()
+        {
+            using var scene = Oracle.CrowdedScene("brownian");
+            using var session = new BroadPhaseSession(new SessionOptions { InitialArm = "DBVT" });
+            var strange = new DeciderOptions { Project = "nowhere" };
+            Assert.That(Assert.Throws<SweepstakeException>(() => session.Freeze(strange))!.Code, Is.EqualTo(ResultCode.NotFound));
+            Play(session, scene);
+            Assert.That(session.LastSample.DetectionTimeNs, Is.GreaterThan(0), "it is as before");
+            session.Freeze();
+            Play(session, scene);
+            Assert.That(session.LastSample.DetectionTimeNs, Is.EqualTo(0));
+            Assert.That(session.Arms[session.ActiveArm], Is.EqualTo("DBVT"));
+        }
+
+        private static string BestOf(BroadPhaseSession session, Belief[] beliefs)
+        {
+            int best = 0;
+            for (int arm = 1; arm < beliefs.Length; ++arm)
+                best = beliefs[arm].Mean > beliefs[best].Mean ? arm : best;
+            return session.Arms[best];
+        }
+
+        [Test]
         public void TheDecidersThreadEndsWithItsSession()
         {
             var session = new BroadPhaseSession();

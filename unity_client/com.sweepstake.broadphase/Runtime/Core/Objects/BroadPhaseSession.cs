@@ -102,6 +102,26 @@ namespace Sweepstake
             Check(NativeMethods.swp_session_select_arm(Pointer, memory.Text(arm)));
         }
 
+        /// <summary>
+        /// For runs that repeat bit for bit (builds, replays, tournaments): takes the arm that the priors of these options expect to cost least,
+        /// from the next frame on, and from then on is in <see cref="SessionMode.Manual"/>, where nothing depends on time. No clock is read,
+        /// samples have no detection time, and commands and orders are refused. <see cref="SelectArm(int)"/> still chooses; setting
+        /// <see cref="Mode"/> ends it. A function of the frame thread.
+        /// </summary>
+        /// <param name="options">Null: it keeps its arm.</param>
+        /// <exception cref="SweepstakeException">The priors have nothing of the project with these arms; the session is as before.</exception>
+        public void Freeze(DeciderOptions? options = null)
+        {
+            if (options == null)
+            {
+                Check(NativeMethods.swp_session_freeze(Pointer, null));
+                return;
+            }
+            using var memory = new CallMemory();
+            NativeDeciderOptions native = options.With(memory);
+            Check(NativeMethods.swp_session_freeze(Pointer, &native));
+        }
+
         /// <summary>In <see cref="SessionMode.Manual"/> only the game's own choice counts. A function of the frame thread.</summary>
         public SessionMode Mode
         {

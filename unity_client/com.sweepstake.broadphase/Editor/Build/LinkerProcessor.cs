@@ -1,0 +1,33 @@
+#nullable enable
+using System.IO;
+using UnityEditor.Build;
+using UnityEditor.Build.Reporting;
+using UnityEditor.UnityLinker;
+
+namespace Sweepstake.Editor
+{
+    /// <summary>
+    /// Keeps what code stripping would take: the C ABI's structs, which native code reads, and protobuf's messages, which are found by
+    /// reflection. Unity ignores a link.xml of a package, so it is written for each build.
+    /// </summary>
+    internal sealed class LinkerProcessor : IUnityLinkerProcessor
+    {
+        internal const string Folder = "Library/com.sweepstake.broadphase";
+        internal const string Xml =
+            "<linker>\n" +
+            "    <assembly fullname=\"Sweepstake.Core\" preserve=\"all\"/>\n" +
+            "    <assembly fullname=\"Sweepstake.Protocol\" preserve=\"all\" ignoreIfMissing=\"1\"/>\n" +
+            "    <assembly fullname=\"Google.Protobuf\" preserve=\"all\" ignoreIfMissing=\"1\"/>\n" +
+            "</linker>\n";
+
+        public int callbackOrder => 0;
+
+        public string GenerateAdditionalLinkXmlFile(BuildReport report, UnityLinkerBuildPipelineData data)
+        {
+            Directory.CreateDirectory(Folder);
+            string path = Path.GetFullPath(Path.Combine(Folder, "link.xml"));
+            File.WriteAllText(path, Xml);
+            return path;
+        }
+    }
+}

@@ -1,0 +1,24 @@
+#nullable enable
+using Sweepstake.Unity;
+using UnityEditor;
+
+namespace Sweepstake.Editor
+{
+    /// <summary>Ends what is native before the managed code is loaded anew, at the end of play mode, and when the editor quits.</summary>
+    [InitializeOnLoad]
+    internal static class EditorLifetime
+    {
+        static EditorLifetime()
+        {
+            AssemblyReloadEvents.beforeAssemblyReload += SweepstakeManager.Shutdown;
+            EditorApplication.quitting += SweepstakeManager.Shutdown;
+            EditorApplication.playModeStateChanged += OnPlayModeChanged;
+        }
+
+        private static void OnPlayModeChanged(PlayModeStateChange change)
+        {
+            if (change == PlayModeStateChange.EnteredEditMode)
+                SweepstakeManager.Shutdown();
+        }
+    }
+}

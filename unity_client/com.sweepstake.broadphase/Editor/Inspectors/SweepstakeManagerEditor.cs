@@ -1,0 +1,123 @@
+#nullable enable
+using System.Collections.Generic;
+using System.IO;
+using System.Text;
+using Sweepstake.Unity;
+using UnityEditor;
+using UnityEditor.UIElements;
+using UnityEngine.UIElements;
+
+namespace Sweepstake.Editor
+{
+    /// <summary>
+    /// The fields as Unity draws them (undo, prefab overrides and several objects at once are theirs), and below, while the game plays, what
+    /// the manager does and what may be done to it.
+    /// </summary>
+    [CustomEditor(typeof(SweepstakeManager))]
+    [CanEditMultipleObjects]
+    internal sealed class SweepstakeManagerEditor : UnityEditor.Editor
+    {
+        private const long RefreshMs = 200;
+
+        private readonly StringBuilder text = new StringBuilder();
+        private StatusChip chip = new StatusChip();
+        private Label decision = new Label();
+        private HelpBox problem = new HelpBox();
+        private VisualElement live = new VisualElement();
+        private DropdownField mode = new DropdownField();
+        private DropdownField backend = new DropdownField();
+        private Button connection = new Button();
+
+        public override VisualElement CreateInspectorGUI()
+        {
+            var root = new VisualElement();
+            PackagePaths.AddStyle(root);
+            chip = new StatusChip();
+            root.Add(chip);
+            problem = new HelpBox("", HelpBoxMessageType.Error);
+            root.Add(problem);
+            InspectorElement.FillDefaultInspector(root, serializedObject, this);
+            root.Add(MakeLive());
+            root.Add(new Button(SweepstakeWindow.Open) { text = "Live Window", tooltip = "Charts of frame rate, detection time and pairs, and the daemon's posteriors." });
+            root.schedule.Execute(Refresh).Every(RefreshMs);
+            Refresh();
+            return root;
+        }
+
+        private VisualElement MakeLive()
+        {
+            live = new VisualElement();
+            mode = new DropdownField("Mode now", new List<string> { "AI Decides", "Manual" }, 0) { tooltip = "Until the end of play mode. Manual is never overruled." };
+            mode.RegisterValueChangedCallback(changed => Manager.Mode = changed.newValue == "Manual" ? SessionMode.Manual : SessionMode.Ai);
+            backend = new DropdownField("Backend now", new List<string>(), -1) { tooltip = "From the next frame on. In AI Decides the decider may change it again." };
+            backend.RegisterValueChangedCallback(changed => Select(changed.newValue));
+            decision = new Label();
+            decision.AddToClassList("sweepstake-text");
+            connection = new Button(ToggleConnection);
+            var export = new Button(Export) { text = "Export Priors…", tooltip = "What the game has learnt, for the config's 'Priors' or for `sweepstake priors import`." };
+            foreach (VisualElement part in new VisualElement[] { mode, backend, decision, connection, export })
+                live.Add(part);
+            return live;
+        }
+
+        private SweepstakeManager Manager => (SweepstakeManager)target;
+
+        private void Refresh()
+        {
+            if (target == null)
+                return;
+            bool isLive = !serializedObject.isEditingMultipleObjects && Manager.Session != null;
+            chip.Show(Manager.State);
+            problem.text = Manager.Problem;
+            problem.style.display = Manager.Problem.Length > 0 ? DisplayStyle.Flex : DisplayStyle.None;
+            live.style.display = isLive ? DisplayStyle.Flex : DisplayStyle.None;
+            if (isLive)
+                RefreshLive();
+        }
+
+        private void RefreshLive()
+        {
+            mode.SetValueWithoutNotify(Manager.Mode == SessionMode.Manual ? "Manual" : "AI Decides");
+            backend.choices = new List<string>(Manager.Backends);
+            backend.SetValueWithoutNotify(Manager.ActiveBackend);
+            text.Clear();
+            StatusText.AppendDecision(text, Manager);
+            text.Append('\n').Append(Advice.Of(Manager.Verdict.Kind));
+            decision.text = text.ToString();
+            connection.text = Manager.Connection == null ? "Connect" : "Disconnect";
+            connection.tooltip = Manager.Connection == null
+                ? "Lets the daemon of the config decide. From then on the game sends it measurements."
+                : "The game decides itself again, and sends nothing more.";
+        }
+
+        private void Select(string name)
+        {
+            if (Manager.Session != null && !string.IsNullOrEmpty(name))
+                Manager.SelectBackend(name);
+        }
+
+        private void ToggleConnection()
+        {
+            if (Manager.Connection == null)
+                Manager.Connect();
+            else
+                Manager.Disconnect();
+            Refresh();
+        }
+
+        private void Export()
+        {
+            if (Manager.Decider == null)
+            {
+                EditorUtility.DisplayDialog("Sweepstake", "A daemon keeps what is learnt now; ask it by `sweepstake priors export`.", "OK");
+                return;
+            }
+            byte[] priors = Manager.Decider.ExportPriors();
+            string path = EditorUtility.SaveFilePanel("Export priors", "Assets", "priors", "bytes");
+            if (path.Length == 0)
+                return;
+            File.WriteAllBytes(path, priors);
+            AssetDatabase.Refresh();
+        }
+    }
+}

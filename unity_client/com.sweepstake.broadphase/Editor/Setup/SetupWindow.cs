@@ -1,0 +1,106 @@
+#nullable enable
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using Sweepstake.Unity;
+using UnityEditor;
+using UnityEditor.Build;
+using UnityEditor.Compilation;
+using UnityEngine;
+using UnityEngine.UIElements;
+
+namespace Sweepstake.Editor
+{
+    /// <summary>Says what is missing and how to get it, sets the define of the connection, and cleans up before the package is removed.</summary>
+    [DocumentationPage("setup.md")]
+    internal sealed class SetupWindow : EditorWindow
+    {
+        private readonly VisualElement checks = new VisualElement();
+
+        [MenuItem(PackagePaths.MenuRoot + "Setup", priority = 2)]
+        internal static void Open()
+        {
+            SetupWindow window = GetWindow<SetupWindow>();
+            window.titleContent = new GUIContent("Sweepstake Setup");
+            window.minSize = new Vector2(320, 240);
+        }
+
+        [MenuItem(PackagePaths.MenuRoot + "Documents", priority = 3)]
+        internal static void OpenDocuments() => PackagePaths.OpenPage("index.md");
+
+        private void CreateGUI()
+        {
+            var scroll = new ScrollView();
+            PackagePaths.AddStyle(scroll);
+            rootVisualElement.Add(scroll);
+            scroll.Add(checks);
+            var buttons = new VisualElement();
+            buttons.AddToClassList("sweepstake-row");
+            buttons.Add(new Button(Refresh) { text = "Check Again" });
+            buttons.Add(new Button(() => Define(true)) { text = "Set Define", tooltip = $"Sets {SetupChecks.GrpcDefine} for the platform of the build settings, if gRPC's libraries are there." });
+            buttons.Add(new Button(() => Define(false)) { text = "Remove Define" });
+            buttons.Add(new Button(CleanUp) { text = "Clean Up", tooltip = "Removes the define and the package's project settings, before the package itself is removed." });
+            buttons.Add(new Button(DemoMenu.MakeDemoScene) { text = "New Demo Scene" });
+            scroll.Add(buttons);
+            Refresh();
+        }
+
+        private void OnFocus() => Refresh();
+
+        private void Refresh()
+        {
+            checks.Clear();
+            foreach (SetupCheck check in SetupChecks.Of(Facts()))
+            {
+                HelpBoxMessageType kind = check.State == SetupState.Ok ? HelpBoxMessageType.None :
+                    check.State == SetupState.Optional ? HelpBoxMessageType.Info : HelpBoxMessageType.Error;
+                checks.Add(new HelpBox($"{check.Title}: {check.Text}", kind));
+            }
+        }
+
+        private void Define(bool isSet)
+        {
+            if (isSet && SetupChecks.MissingAssemblies(Facts()).Count > 0)
+            {
+                EditorUtility.DisplayDialog("Sweepstake", "Install gRPC's libraries first; without them the define gives errors.", "OK");
+                return;
+            }
+            SetDefine(isSet);
+            Refresh();
+        }
+
+        private void CleanUp()
+        {
+            SetDefine(false);
+            FileUtil.DeleteFileOrDirectory(SweepstakeProjectSettings.File);
+            FileUtil.DeleteFileOrDirectory(LinkerProcessor.Folder);
+            Refresh();
+        }
+
+        private static SetupFacts Facts() => new SetupFacts
+        {
+            LibraryProblem = SweepstakeLibrary.FindProblem(),
+            IsWebGl = EditorUserBuildSettings.activeBuildTarget == BuildTarget.WebGL,
+            HasGrpcDefine = Defines().Contains(SetupChecks.GrpcDefine),
+            PrecompiledAssemblies = CompilationPipeline.GetPrecompiledAssemblyNames(),
+            HasHttpHandlerPackage = CompilationPipeline.GetAssemblyDefinitionFilePathFromAssemblyName("YetAnotherHttpHandler") != null,
+#if UNITY_6000_5_OR_NEWER
+            HasHttpHandlerOfUnity = true,
+#endif
+        };
+
+        private static NamedBuildTarget Target => NamedBuildTarget.FromBuildTargetGroup(EditorUserBuildSettings.selectedBuildTargetGroup);
+
+        private static List<string> Defines() =>
+            PlayerSettings.GetScriptingDefineSymbols(Target).Split(new[] { ';' }, StringSplitOptions.RemoveEmptyEntries).ToList();
+
+        private static void SetDefine(bool isSet)
+        {
+            List<string> defines = Defines();
+            defines.Remove(SetupChecks.GrpcDefine);
+            if (isSet)
+                defines.Add(SetupChecks.GrpcDefine);
+            PlayerSettings.SetScriptingDefineSymbols(Target, string.Join(";", defines));
+        }
+    }
+}

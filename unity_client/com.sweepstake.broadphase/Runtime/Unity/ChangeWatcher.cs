@@ -1,0 +1,56 @@
+#nullable enable
+
+namespace Sweepstake.Unity
+{
+    /// <summary>Remembers what was told, so that each change is told once.</summary>
+    internal sealed class ChangeWatcher
+    {
+        private int backend;
+        private ulong decisionId;
+        private ulong commandId;
+        private VerdictKind verdictKind;
+        private ConnectionStatus? status;
+
+        internal void Reset(BroadPhaseSession session)
+        {
+            backend = session.ActiveArm;
+            decisionId = commandId = 0;
+            verdictKind = VerdictKind.Unknown;
+            status = null;
+        }
+
+        internal bool HasOtherBackend(BroadPhaseSession session)
+        {
+            int active = session.ActiveArm;
+            bool isOther = active != backend;
+            backend = active;
+            return isOther;
+        }
+
+        /// <summary>A daemon tells the commands among its decisions, which have no id of a decision.</summary>
+        internal bool HasNewDecision(BroadPhaseSession session, out Decision decision)
+        {
+            decision = session.LastDecision;
+            bool isNew = decision.DecisionId != decisionId || decision.CommandId != commandId;
+            decisionId = decision.DecisionId;
+            commandId = decision.CommandId;
+            return isNew && decision.Outcome != DecisionOutcome.None;
+        }
+
+        internal bool HasOtherVerdict(BroadPhaseSession session, out Verdict verdict)
+        {
+            verdict = session.Verdict;
+            bool isOther = verdict.Kind != verdictKind;
+            verdictKind = verdict.Kind;
+            return isOther;
+        }
+
+        /// <summary>Whether this is the status that was asked about the last time.</summary>
+        internal bool IsSame(ConnectionStatus other)
+        {
+            bool isSame = ReferenceEquals(status, other);
+            status = other;
+            return isSame;
+        }
+    }
+}

@@ -1,0 +1,15 @@
+#nullable enable
+using UnityEngine;
+
+namespace Sweepstake.Unity
+{
+    /// <summary>The inspector offers the library's backends.</summary>
+    public sealed class BackendNameAttribute : PropertyAttribute
+    {
+    }
+
+    /// <summary>The inspector offers the library's scenes.</summary>
+    public sealed class MotionSceneNameAttribute : PropertyAttribute
+    {
+    }
+}

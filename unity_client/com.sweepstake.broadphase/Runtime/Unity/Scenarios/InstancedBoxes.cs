@@ -1,0 +1,82 @@
+#nullable enable
+using System;
+using UnityEngine;
+using UnityEngine.Rendering;
+
+namespace Sweepstake.Unity
+{
+    /// <summary>
+    /// Draws many boxes by GPU instancing, those that touch another one in a second colour. The material is a copy of the one that the
+    /// project's render pipeline gives a new cube, so that it is right in each pipeline. Once its arrays have grown, nothing allocates.
+    /// </summary>
+    internal sealed class InstancedBoxes : IDisposable
+    {
+        private const int BatchSize = 500;
+        private static readonly Color Resting = new Color(0.55f, 0.6f, 0.66f);
+        private static readonly Color Touching = new Color(0.95f, 0.5f, 0.15f);
+
+        private readonly Mesh mesh;
+        private readonly Material resting;
+        private readonly Material touching;
+        private bool[] touches = Array.Empty<bool>();
+        // Those that rest from the front, those that touch from the back.
+        private Matrix4x4[] places = Array.Empty<Matrix4x4>();
+
+        internal InstancedBoxes()
+        {
+            GameObject cube = GameObject.CreatePrimitive(PrimitiveType.Cube);
+            mesh = cube.GetComponent<MeshFilter>().sharedMesh;
+            Material ofPipeline = cube.GetComponent<Renderer>().sharedMaterial;
+            resting = Copy(ofPipeline, Resting);
+            touching = Copy(ofPipeline, Touching);
+            UnityEngine.Object.Destroy(cube);
+        }
+
+        internal void Draw(ReadOnlySpan<Aabb> boxes, ReadOnlySpan<OverlapPair> pairs)
+        {
+            if (touches.Length < boxes.Length)
+            {
+                touches = new bool[boxes.Length];
+                places = new Matrix4x4[boxes.Length];
+            }
+            Array.Clear(touches, 0, touches.Length);
+            foreach (OverlapPair pair in pairs)
+                touches[pair.A] = touches[pair.B] = true;
+            int front = 0;
+            int back = places.Length;
+            for (int index = 0; index < boxes.Length; ++index)
+                places[touches[index] ? --back : front++] = PlaceOf(boxes[index]);
+            Draw(resting, 0, front);
+            Draw(touching, back, places.Length);
+        }
+
+        public void Dispose()
+        {
+            UnityEngine.Object.Destroy(resting);
+            UnityEngine.Object.Destroy(touching);
+        }
+
+        private void Draw(Material material, int begin, int end)
+        {
+            var parameters = new RenderParams(material) { shadowCastingMode = ShadowCastingMode.Off };
+            for (int start = begin; start < end; start += BatchSize)
+                Graphics.RenderMeshInstanced(parameters, mesh, 0, places, Math.Min(BatchSize, end - start), start);
+        }
+
+        /// <summary>The unit cube at the place and of the size of a box.</summary>
+        private static Matrix4x4 PlaceOf(in Aabb box) => new Matrix4x4
+        {
+            m00 = box.MaxX - box.MinX, m11 = box.MaxY - box.MinY, m22 = box.MaxZ - box.MinZ, m33 = 1,
+            m03 = 0.5f * (box.MinX + box.MaxX), m13 = 0.5f * (box.MinY + box.MaxY), m23 = 0.5f * (box.MinZ + box.MaxZ),
+        };
+
+        private static Material Copy(Material material, Color color)
+        {
+            var copy = new Material(material) { enableInstancing = true, hideFlags = HideFlags.HideAndDontSave };
+            // Built-in calls it _Color, URP and HDRP _BaseColor.
+            copy.SetColor("_Color", color);
+            copy.SetColor("_BaseColor", color);
+            return copy;
+        }
+    }
+}

@@ -1,0 +1,151 @@
+#nullable enable
+using System;
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace Sweepstake.Unity
+{
+    /// <summary>
+    /// Lets the manager beside it search in a scene of moving boxes: one of the library's, or a recorded .aabbs file. One seed gives the same
+    /// boxes, step by step, on every machine. All of it may be changed while it plays, which begins the scene anew.
+    /// </summary>
+    [AddComponentMenu("Sweepstake/Sweepstake Scenario Player")]
+    [RequireComponent(typeof(SweepstakeManager))]
+    [DisallowMultipleComponent]
+    [DocumentationPage("samples.md")]
+    public sealed class ScenarioPlayer : MonoBehaviour, IBroadPhaseSource
+    {
+        [SerializeField]
+        [MotionSceneName]
+        [Tooltip("The scene by name, or the path of an .aabbs file.")]
+        private string scenario = "hurricane";
+        [SerializeField]
+        [Range(0, 100_000)]
+        [Tooltip("How many boxes there are.")]
+        private int objectCount = 3000;
+        [SerializeField]
+        [Tooltip("The same seed gives the same boxes.")]
+        private uint seed = 1;
+        [SerializeField]
+        [Min(1)]
+        [Tooltip("The world reaches from minus this to this on each axis, in units.")]
+        private float worldHalfExtent = 50;
+        [SerializeField]
+        [Min(0)]
+        [Tooltip("How fast the boxes are, in units per second.")]
+        private float speed = 10;
+        [SerializeField]
+        [Tooltip("Draws the boxes; those that touch another one in the second colour.")]
+        private bool isDrawn = true;
+
+        private MotionScene? scene;
+        private InstancedBoxes? drawing;
+        private bool isStale = true;
+        private float dueSeconds;
+
+        public string Scenario { get => scenario; set => Change(ref scenario, value); }
+        public int ObjectCount { get => objectCount; set => Change(ref objectCount, value); }
+        public uint Seed { get => seed; set => Change(ref seed, value); }
+        public float WorldHalfExtent { get => worldHalfExtent; set => Change(ref worldHalfExtent, value); }
+        public float Speed { get => speed; set => Change(ref speed, value); }
+        public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
+
+        /// <summary>Of this step's boxes: equal on every platform for one seed and step. 0: it does not play.</summary>
+        public ulong Hash => scene?.Hash ?? 0;
+        /// <summary>The number of steps since it began.</summary>
+        public ulong Step => scene?.FrameIndex ?? 0;
+
+        /// <summary>Begins anew at the next frame.</summary>
+        public void Restart() => isStale = true;
+
+        void IBroadPhaseSource.Search(BroadPhaseSession session)
+        {
+            MotionScene moved = Advanced();
+            session.FindPairs(moved.Boxes);
+            if (isDrawn)
+                (drawing ??= new InstancedBoxes()).Draw(moved.Boxes, session.Pairs);
+        }
+
+        void IBroadPhaseSource.Report()
+        {
+        }
+
+        bool IBroadPhaseSource.TryGetPair(int index, out Aabb a, out Aabb b)
+        {
+            a = b = default;
+            BroadPhaseSession? session = GetComponent<SweepstakeManager>().Session;
+            if (scene == null || session == null || scene.FrameIndex == 0 || index >= session.Pairs.Length)
+                return false;
+            a = scene.Boxes[(int)session.Pairs[index].A];
+            b = scene.Boxes[(int)session.Pairs[index].B];
+            return true;
+        }
+
+        void IBroadPhaseSource.CopyBoxes(List<Aabb> boxes)
+        {
+            boxes.Clear();
+            for (int index = 0; scene != null && index < scene.Boxes.Length; ++index)
+                boxes.Add(scene.Boxes[index]);
+        }
+
+        private void OnEnable()
+        {
+            var manager = GetComponent<SweepstakeManager>();
+            if (manager.Source != null)
+                Debug.LogError("Sweepstake: no scenario is played, because the manager has another source already.", this);
+            else
+                manager.Source = this;
+            isStale = true;
+        }
+
+        private void OnDisable()
+        {
+            var manager = GetComponent<SweepstakeManager>();
+            if (manager != null && ReferenceEquals(manager.Source, this))
+                manager.Source = null;
+            scene?.Dispose();
+            scene = null;
+            drawing?.Dispose();
+            drawing = null;
+        }
+
+        private void OnValidate() => isStale = true;
+
+        /// <summary>A step is of a fixed time, and a frame makes one at most, so that a slow frame does not make the next one slower.</summary>
+        private MotionScene Advanced()
+        {
+            if (isStale || scene == null)
+            {
+                scene?.Dispose();
+                scene = null;
+                scene = Made();
+                isStale = false;
+                dueSeconds = 0;
+            }
+            float step = scene.Options.FixedStepS;
+            dueSeconds = Math.Min(dueSeconds + Time.deltaTime, 2 * step);
+            if (scene.FrameIndex == 0 || dueSeconds >= step)
+            {
+                scene.Step();
+                dueSeconds -= step;
+            }
+            return scene;
+        }
+
+        private MotionScene Made()
+        {
+            SceneOptions options = SceneOptions.Default;
+            options.ObjectCount = (uint)objectCount;
+            options.SpawnSeed = options.MotionSeed = seed;
+            options.WorldHalfExtent = worldHalfExtent;
+            options.Speed = speed;
+            return new MotionScene(scenario, options);
+        }
+
+        private void Change<T>(ref T field, T value)
+        {
+            field = value;
+            isStale = true;
+        }
+    }
+}

@@ -1,0 +1,51 @@
+#nullable enable
+using UnityEngine;
+
+namespace Sweepstake.Unity
+{
+    /// <summary>Draws the boxes of pairs in the scene view, a few of them: off until it is asked for.</summary>
+    [AddComponentMenu("Sweepstake/Sweepstake Pair Gizmos")]
+    [RequireComponent(typeof(SweepstakeManager))]
+    [DisallowMultipleComponent]
+    [DocumentationPage("components.md")]
+    public sealed class PairGizmos : MonoBehaviour
+    {
+        [SerializeField]
+        [Tooltip("Draws the boxes of pairs, where gizmos are shown.")]
+        private bool isDrawn = false;
+        [SerializeField]
+        [Range(1, 2000)]
+        [Tooltip("How many pairs are drawn at most: they cost time in the editor.")]
+        private int maxPairs = 200;
+        [SerializeField]
+        [Tooltip("The colour of the boxes.")]
+        private Color color = new Color(0.95f, 0.5f, 0.15f);
+
+        public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
+
+        /// <summary>How many pairs were drawn the last time.</summary>
+        public int DrawnCount { get; private set; }
+
+        private void OnDrawGizmos()
+        {
+            DrawnCount = 0;
+            IBroadPhaseSource? source = isDrawn && Application.isPlaying ? GetComponent<SweepstakeManager>().Source : null;
+            if (source == null)
+                return;
+            Gizmos.color = color;
+            while (DrawnCount < maxPairs && source.TryGetPair(DrawnCount, out Aabb a, out Aabb b))
+            {
+                Draw(a);
+                Draw(b);
+                ++DrawnCount;
+            }
+        }
+
+        private static void Draw(in Aabb box)
+        {
+            var min = new Vector3(box.MinX, box.MinY, box.MinZ);
+            var max = new Vector3(box.MaxX, box.MaxY, box.MaxZ);
+            Gizmos.DrawWireCube(0.5f * (min + max), max - min);
+        }
+    }
+}

@@ -1,0 +1,71 @@
+#nullable enable
+using System.Text;
+using UnityEngine;
+
+namespace Sweepstake.Unity
+{
+    /// <summary>
+    /// Shows what a manager does in a corner of the screen, in builds too and with either input system. Its text is made a few times a
+    /// second, which is when it allocates; leave it out where no byte may be.
+    /// </summary>
+    [AddComponentMenu("Sweepstake/Sweepstake HUD")]
+    [DisallowMultipleComponent]
+    [DocumentationPage("components.md")]
+    public sealed class SweepstakeHud : MonoBehaviour
+    {
+        private const float Margin = 8;
+
+        [SerializeField]
+        [Tooltip("Whose state is shown. None: the first one that is enabled.")]
+        private SweepstakeManager? manager;
+        [SerializeField]
+        [Range(1, 10)]
+        [Tooltip("How often the text is made, per second.")]
+        private int refreshesPerSecond = 4;
+        [SerializeField]
+        [Range(8, 48)]
+        [Tooltip("The size of the font, in points of the screen.")]
+        private int fontSize = 14;
+
+        private readonly StringBuilder text = new StringBuilder(512);
+        private readonly GUIContent content = new GUIContent();
+        private GUIStyle? style;
+        private float sinceSeconds;
+        private int frames;
+
+        /// <summary>The text that is shown.</summary>
+        public string Text => content.text;
+
+        private void Awake() => useGUILayout = false;
+
+        private void Update()
+        {
+            sinceSeconds += Time.unscaledDeltaTime;
+            ++frames;
+            if (sinceSeconds * refreshesPerSecond < 1)
+                return;
+            Refresh(frames / sinceSeconds);
+            sinceSeconds = 0;
+            frames = 0;
+        }
+
+        private void OnGUI()
+        {
+            if (Event.current.type != EventType.Repaint || content.text.Length == 0)
+                return;
+            style ??= new GUIStyle(GUI.skin.box) { alignment = TextAnchor.UpperLeft, wordWrap = false };
+            style.fontSize = fontSize;
+            Vector2 size = style.CalcSize(content);
+            style.Draw(new Rect(Margin, Margin, Mathf.Min(size.x, Screen.width - 2 * Margin), size.y), content, false, false, false, false);
+        }
+
+        private void Refresh(double fps)
+        {
+            SweepstakeManager? shown = manager != null ? manager : SweepstakeManager.Enabled.Count > 0 ? SweepstakeManager.Enabled[0] : null;
+            text.Clear();
+            if (shown != null)
+                StatusText.Append(text, shown, fps);
+            content.text = text.ToString();
+        }
+    }
+}

@@ -1,0 +1,187 @@
+using System;
+using System.Collections.Generic;
+using UnityEditor.Build;
+using UnityEngine;
+using UnityEngine.UIElements;
+
+namespace UnityEditor
+{
+    [AttributeUsage(AttributeTargets.Class)]
+    public class FilePathAttribute : Attribute
+    {
+        public FilePathAttribute(string relativePath, Location location)
+        {
+        }
+
+        public enum Location
+        {
+            PreferencesFolder,
+            ProjectFolder,
+        }
+    }
+
+    public class ScriptableSingleton<T> : ScriptableObject
+        where T : ScriptableObject
+    {
+        private static T made;
+
+        public static T instance => made ??= CreateInstance<T>();
+
+        protected virtual void Save(bool saveAsText)
+        {
+        }
+    }
+
+    public enum SettingsScope
+    {
+        User,
+        Project,
+    }
+
+    [AttributeUsage(AttributeTargets.Method)]
+    public class SettingsProviderAttribute : Attribute
+    {
+    }
+
+    public class SettingsProvider
+    {
+        public SettingsProvider(string path, SettingsScope scopes)
+        {
+            settingsPath = path;
+        }
+
+        public string settingsPath { get; }
+        public string label { get; set; }
+        public IEnumerable<string> keywords { get; set; }
+        public Action<string, VisualElement> activateHandler { get; set; }
+    }
+
+    public enum BuildTarget
+    {
+        StandaloneWindows64 = 19,
+        WebGL = 20,
+        StandaloneLinux64 = 24,
+    }
+
+    public enum BuildTargetGroup
+    {
+        Standalone = 1,
+    }
+
+    public class EditorUserBuildSettings
+    {
+        public static BuildTarget activeBuildTarget { get; set; } = BuildTarget.StandaloneLinux64;
+        public static BuildTargetGroup selectedBuildTargetGroup => BuildTargetGroup.Standalone;
+    }
+
+    public sealed class PlayerSettings
+    {
+        private static string defines = "";
+
+        public static string GetScriptingDefineSymbols(NamedBuildTarget buildTarget) => defines;
+        public static void SetScriptingDefineSymbols(NamedBuildTarget buildTarget, string defines) => PlayerSettings.defines = defines;
+    }
+}
+
+namespace UnityEditor.Build
+{
+    public struct NamedBuildTarget
+    {
+        public static NamedBuildTarget FromBuildTargetGroup(BuildTargetGroup buildTargetGroup) => default;
+    }
+
+    public interface IOrderedCallback
+    {
+        int callbackOrder { get; }
+    }
+
+    public interface IUnityLinkerProcessor : IOrderedCallback
+    {
+        string GenerateAdditionalLinkXmlFile(Reporting.BuildReport report, UnityLinker.UnityLinkerBuildPipelineData data);
+    }
+}
+
+namespace UnityEditor.Build.Reporting
+{
+    public sealed class BuildReport : UnityEngine.Object
+    {
+    }
+}
+
+namespace UnityEditor.UnityLinker
+{
+    public sealed class UnityLinkerBuildPipelineData
+    {
+    }
+}
+
+namespace UnityEditor.Compilation
+{
+    public static class CompilationPipeline
+    {
+        /// <summary>What the project has; for tests.</summary>
+        public static string[] Precompiled { get; set; } = Array.Empty<string>();
+
+        public static string[] GetPrecompiledAssemblyNames() => Precompiled;
+        public static string GetAssemblyDefinitionFilePathFromAssemblyName(string assemblyName) => null;
+    }
+}
+
+namespace UnityEditor.UIElements
+{
+    public class ObjectField : BaseField<UnityEngine.Object>
+    {
+        public ObjectField(string label)
+        {
+        }
+
+        public Type objectType { get; set; }
+        public bool allowSceneObjects { get; set; }
+    }
+
+    public class InspectorElement : BindableElement
+    {
+        public InspectorElement(UnityEngine.Object obj)
+        {
+        }
+
+        public static void FillDefaultInspector(VisualElement container, SerializedObject serializedObject, Editor editor)
+        {
+        }
+    }
+
+    public static class BindingExtensions
+    {
+        public static void BindProperty(this IBindable field, SerializedProperty property)
+        {
+        }
+    }
+}
+
+namespace Unity.Profiling.Editor
+{
+    [AttributeUsage(AttributeTargets.Class)]
+    public class ProfilerModuleMetadataAttribute : Attribute
+    {
+        public ProfilerModuleMetadataAttribute(string displayName)
+        {
+        }
+    }
+
+    public readonly struct ProfilerCounterDescriptor
+    {
+        public ProfilerCounterDescriptor(string name, string categoryName)
+        {
+            Name = name;
+        }
+
+        public string Name { get; }
+    }
+
+    public abstract class ProfilerModule
+    {
+        protected ProfilerModule(ProfilerCounterDescriptor[] chartCounters)
+        {
+        }
+    }
+}

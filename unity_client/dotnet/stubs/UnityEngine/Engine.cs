@@ -1,0 +1,188 @@
+using System;
+using System.Collections.Generic;
+using UnityEngine.Rendering;
+
+namespace UnityEngine.Rendering
+{
+    public enum ShadowCastingMode
+    {
+        Off,
+        On,
+    }
+}
+
+namespace UnityEngine
+{
+    public class Time
+    {
+        public static float deltaTime { get; internal set; }
+        public static float unscaledDeltaTime { get; internal set; }
+        public static float realtimeSinceStartup { get; internal set; }
+        public static int frameCount { get; internal set; }
+        public static float timeScale { get; set; } = 1;
+    }
+
+    public class Application
+    {
+        public static bool isMobilePlatform { get; set; }
+        public static bool isEditor { get; set; }
+        public static bool isPlaying { get; set; } = true;
+        public static string version { get; set; } = "1.0";
+        public static string streamingAssetsPath { get; set; } = "";
+        public static string persistentDataPath { get; set; } = System.IO.Path.GetTempPath();
+
+        public static event Action quitting;
+
+        public static void OpenURL(string url)
+        {
+        }
+
+        /// <summary>Ends the player.</summary>
+        public static void SayQuitting() => quitting?.Invoke();
+    }
+
+    public class Debug
+    {
+        /// <summary>What was logged; for tests.</summary>
+        public static List<string> Lines { get; } = new List<string>();
+
+        public static void Log(object message, Object context) => Lines.Add("log: " + message);
+        public static void LogWarning(object message, Object context) => Lines.Add("warning: " + message);
+        public static void LogError(object message, Object context) => Lines.Add("error: " + message);
+        public static void LogException(Exception exception, Object context) => Lines.Add("exception: " + exception.Message);
+    }
+
+    public class Physics
+    {
+        private static readonly HashSet<(int, int)> Ignored = new HashSet<(int, int)>();
+
+        public static bool GetIgnoreLayerCollision(int layer1, int layer2) => Ignored.Contains((layer1, layer2));
+
+        public static void IgnoreLayerCollision(int layer1, int layer2, bool ignore)
+        {
+            foreach ((int, int) pair in new[] { (layer1, layer2), (layer2, layer1) })
+            {
+                if (ignore)
+                    Ignored.Add(pair);
+                else
+                    Ignored.Remove(pair);
+            }
+        }
+    }
+
+    public class Collider : Component
+    {
+        public bool enabled { get; set; } = true;
+        public bool isTrigger { get; set; }
+        public Bounds bounds => enabled && gameObject.activeInHierarchy ? new Bounds(transform.position, Size) : default;
+        internal virtual Vector3 Size => Vector3.one;
+    }
+
+    public class BoxCollider : Collider
+    {
+        public Vector3 size { get; set; } = Vector3.one;
+        internal override Vector3 Size => size;
+    }
+
+    public class SphereCollider : Collider
+    {
+    }
+
+    public sealed class Mesh : Object
+    {
+    }
+
+    public sealed class MeshFilter : Component
+    {
+        public Mesh sharedMesh { get; set; }
+    }
+
+    public class Renderer : Component
+    {
+        public Material sharedMaterial { get; set; } = new Material((Material)null);
+        public Material material => sharedMaterial;
+    }
+
+    public class MeshRenderer : Renderer
+    {
+    }
+
+    public class Material : Object
+    {
+        public Material(Material source)
+        {
+        }
+
+        public bool enableInstancing { get; set; }
+
+        public void SetColor(string name, Color value)
+        {
+        }
+    }
+
+    public enum LightType
+    {
+        Spot,
+        Directional,
+    }
+
+    public sealed class Light : Behaviour
+    {
+        public LightType type { get; set; }
+    }
+
+    public sealed class Camera : Behaviour
+    {
+        public static Camera main => null;
+    }
+
+    public struct RenderParams
+    {
+        public RenderParams(Material mat)
+        {
+            material = mat;
+            shadowCastingMode = ShadowCastingMode.On;
+        }
+
+        public Material material { get; set; }
+        public ShadowCastingMode shadowCastingMode { get; set; }
+    }
+
+    public class Graphics
+    {
+        /// <summary>Instances drawn; for tests.</summary>
+        public static int InstanceCount { get; set; }
+
+        public static void RenderMeshInstanced<T>(in RenderParams rparams, Mesh mesh, int submeshIndex, T[] instanceData, int instanceCount = -1, int startInstance = 0)
+            where T : unmanaged
+        {
+            if (instanceCount < 1 || startInstance + instanceCount > instanceData.Length || !rparams.material.enableInstancing)
+                throw new ArgumentException("Unity refuses this.");
+            InstanceCount += instanceCount;
+        }
+    }
+
+    public sealed class Gizmos
+    {
+        public static Color color { get; set; }
+
+        public static void DrawWireCube(Vector3 center, Vector3 size)
+        {
+        }
+    }
+
+    public sealed class Screen
+    {
+        public static int width => 1280;
+    }
+
+    public sealed class QualitySettings
+    {
+        public static int vSyncCount { get; set; }
+    }
+
+    public class TextAsset : Object
+    {
+        public byte[] bytes { get; set; } = Array.Empty<byte>();
+    }
+}

@@ -1,0 +1,22 @@
+#if UNITY_6000_5_OR_NEWER
+using System.Net.Http;
+using System.Threading;
+using System.Threading.Tasks;
+
+namespace UnityEngine.Networking
+{
+    public enum HttpForcedVersion
+    {
+        NotForced = 0,
+        HTTP2 = 3,
+    }
+
+    public sealed class UnityHttpMessageHandler : HttpMessageHandler
+    {
+        public HttpForcedVersion HttpForcedVersion { get; set; }
+
+        protected override Task<HttpResponseMessage> SendAsync(HttpRequestMessage request, CancellationToken cancellationToken) =>
+            Task.FromException<HttpResponseMessage>(new HttpRequestException("There is no network here."));
+    }
+}
+#endif

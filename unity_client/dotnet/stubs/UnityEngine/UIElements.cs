@@ -1,0 +1,227 @@
+using System;
+using System.Collections.Generic;
+
+namespace UnityEngine.UIElements
+{
+    public enum DisplayStyle
+    {
+        Flex,
+        None,
+    }
+
+    public struct StyleEnum<T>
+        where T : struct
+    {
+        public T value { get; set; }
+
+        public static implicit operator StyleEnum<T>(T v) => new StyleEnum<T> { value = v };
+    }
+
+    public struct StyleColor
+    {
+        public static implicit operator StyleColor(Color v) => default;
+    }
+
+    public interface IStyle
+    {
+        StyleEnum<DisplayStyle> display { get; set; }
+        StyleColor color { get; set; }
+    }
+
+    public class StyleSheet : ScriptableObject
+    {
+    }
+
+    public struct VisualElementStyleSheetSet
+    {
+        public void Add(StyleSheet styleSheet)
+        {
+        }
+    }
+
+    public interface IVisualElementScheduledItem
+    {
+        IVisualElementScheduledItem Every(long intervalMs);
+    }
+
+    public interface IVisualElementScheduler
+    {
+        IVisualElementScheduledItem Execute(Action updateEvent);
+    }
+
+    public class VisualElement
+    {
+        private readonly List<VisualElement> children = new List<VisualElement>();
+        private readonly HashSet<string> classes = new HashSet<string>();
+
+        public Rect contentRect => new Rect(0, 0, 300, 96);
+        public string tooltip { get; set; } = "";
+        public IStyle style { get; } = new Style();
+        public VisualElementStyleSheetSet styleSheets => default;
+        public IVisualElementScheduler schedule { get; } = new Scheduler();
+        public Action<MeshGenerationContext> generateVisualContent { get; set; }
+
+        public void Add(VisualElement child) => children.Add(child);
+        public void Clear() => children.Clear();
+        public IEnumerable<VisualElement> Children() => children;
+        public void AddToClassList(string className) => classes.Add(className);
+        public void RemoveFromClassList(string className) => classes.Remove(className);
+        public bool ClassListContains(string cls) => classes.Contains(cls);
+        public void MarkDirtyRepaint() => generateVisualContent?.Invoke(new MeshGenerationContext());
+
+        private sealed class Style : IStyle
+        {
+            public StyleEnum<DisplayStyle> display { get; set; }
+            public StyleColor color { get; set; }
+        }
+
+        private sealed class Scheduler : IVisualElementScheduler, IVisualElementScheduledItem
+        {
+            public IVisualElementScheduledItem Execute(Action updateEvent) => this;
+            public IVisualElementScheduledItem Every(long intervalMs) => this;
+        }
+    }
+
+    public class MeshGenerationContext
+    {
+        public Painter2D painter2D { get; } = new Painter2D();
+    }
+
+    public class Painter2D
+    {
+        /// <summary>Points that are no numbers; for tests.</summary>
+        public static int BadPointCount { get; set; }
+
+        public Color strokeColor { get; set; }
+        public Color fillColor { get; set; }
+        public float lineWidth { get; set; }
+
+        public void BeginPath()
+        {
+        }
+
+        public void ClosePath()
+        {
+        }
+
+        public void MoveTo(Vector2 pos) => LineTo(pos);
+        public void LineTo(Vector2 pos) => BadPointCount += float.IsFinite(pos.x) && float.IsFinite(pos.y) ? 0 : 1;
+
+        public void Stroke()
+        {
+        }
+
+        public void Fill()
+        {
+        }
+    }
+
+    public interface IBindable
+    {
+    }
+
+    public class BindableElement : VisualElement, IBindable
+    {
+    }
+
+    public class TextElement : BindableElement
+    {
+        public virtual string text { get; set; } = "";
+    }
+
+    public class Label : TextElement
+    {
+        public Label()
+        {
+        }
+
+        public Label(string text)
+        {
+            this.text = text;
+        }
+    }
+
+    public class Button : TextElement
+    {
+        public Button()
+        {
+        }
+
+        public Button(Action clickEvent)
+        {
+        }
+    }
+
+    public class ScrollView : VisualElement
+    {
+    }
+
+    public enum HelpBoxMessageType
+    {
+        None,
+        Info,
+        Warning,
+        Error,
+    }
+
+    public class HelpBox : VisualElement
+    {
+        public HelpBox()
+        {
+        }
+
+        public HelpBox(string text, HelpBoxMessageType messageType)
+        {
+            this.text = text;
+            this.messageType = messageType;
+        }
+
+        public string text { get; set; } = "";
+        public HelpBoxMessageType messageType { get; set; }
+    }
+
+    public delegate void EventCallback<in TEventType>(TEventType evt);
+
+    public class ChangeEvent<T>
+    {
+        public T newValue { get; protected set; }
+    }
+
+    public interface INotifyValueChanged<T>
+    {
+        T value { get; set; }
+        void SetValueWithoutNotify(T newValue);
+    }
+
+    public static class INotifyValueChangedExtensions
+    {
+        public static bool RegisterValueChangedCallback<T>(this INotifyValueChanged<T> control, EventCallback<ChangeEvent<T>> callback) => true;
+    }
+
+    public abstract class BaseField<TValueType> : BindableElement, INotifyValueChanged<TValueType>
+    {
+        public virtual TValueType value { get; set; }
+        public virtual void SetValueWithoutNotify(TValueType newValue) => value = newValue;
+    }
+
+    public class TextField : BaseField<string>
+    {
+        public TextField(string label)
+        {
+        }
+    }
+
+    public class DropdownField : BaseField<string>
+    {
+        public DropdownField()
+        {
+        }
+
+        public DropdownField(string label, List<string> choices, int defaultIndex)
+        {
+            this.choices = choices;
+        }
+
+        public virtual List<string> choices { get; set; }
+    }
+}

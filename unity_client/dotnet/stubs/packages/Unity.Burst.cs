@@ -1,0 +1,9 @@
+using System;
+
+namespace Unity.Burst
+{
+    [AttributeUsage(AttributeTargets.Struct | AttributeTargets.Class | AttributeTargets.Method)]
+    public class BurstCompileAttribute : Attribute
+    {
+    }
+}

@@ -1,0 +1,219 @@
+using System;
+using System.Collections.Generic;
+using System.IO;
+using System.Linq;
+using NUnit.Framework;
+using Sweepstake.Unity;
+using UnityEngine;
+
+namespace Sweepstake.Tests
+{
+    public sealed class ManagerTest : Stage
+    {
+        [Test]
+        public void OneComponentWorksWithDefaultsAndWithoutADaemon()
+        {
+            var manager = new GameObject("manager").AddComponent<SweepstakeManager>();
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Stopped).Or.EqualTo(SweepstakeState.Embedded));
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 200;
+            Frames(5);
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Embedded));
+            Assert.That(StatusText.Chip(manager.State), Does.StartWith("Offline"));
+            Assert.That(manager.Mode, Is.EqualTo(SessionMode.Ai));
+            Assert.That(manager.Backends, Is.EqualTo(SweepstakeLibrary.Backends));
+            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(200));
+            Assert.That(manager.Connection, Is.Null);
+            Assert.That(manager.Decider, Is.Not.Null);
+            Assert.That(Debug.Lines, Is.Empty, "all is well, and nobody has to be told");
+        }
+
+        [Test]
+        public void WithoutASourceNoFrameIsPlayed()
+        {
+            SweepstakeManager manager = MakeManager();
+            Frames(5);
+            Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(0));
+            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(0));
+        }
+
+        [Test]
+        public void EachBackendIsSelectableWhileTheGamePlaysAndFindsTheSamePairs()
+        {
+            SweepstakeManager manager = MakeManager(mode: SessionMode.Manual);
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 300;
+            var changes = new List<string>();
+            manager.BackendChanged += changes.Add;
+            foreach (string backend in manager.Backends.Reverse())
+            {
+                manager.SelectBackend(backend);
+                Frames(2);
+                Assert.That(manager.ActiveBackend, Is.EqualTo(backend));
+            }
+            Assert.That(changes, Is.EqualTo(manager.Backends.Reverse()));
+            Assert.That(Assert.Throws<SweepstakeException>(() => manager.SelectBackend("Quadtree")).Message, Does.Contain("SAP"));
+        }
+
+        [Test]
+        public void AiDecidesAndSaysWhyAndNeverOverrulesManual()
+        {
+            SweepstakeManager manager = MakeManager(config =>
+            {
+                config.decisions.intervalSeconds = 0.1f;
+                config.decisions.cooldownSeconds = 0;
+                config.decisions.settlingSeconds = 0;
+                config.decisions.policy = "paper";
+            });
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 100;
+            var decisions = new List<Decision>();
+            var verdicts = new List<Verdict>();
+            manager.Decided += decisions.Add;
+            manager.VerdictChanged += verdicts.Add;
+            FramesUntil(() => manager.Session.SwitchEpoch > 1 && decisions.Count > 3, "decided");
+            Assert.That(decisions.Select(decision => decision.DecisionId), Is.Ordered.And.Unique);
+            var text = new System.Text.StringBuilder();
+            StatusText.AppendDecision(text, manager);
+            Assert.That(text.ToString(), Does.Match(@"^Decision: .+; \w+ is the best with \d+ ?%, \d+ s ago$"));
+
+            manager.Mode = SessionMode.Manual;
+            manager.SelectBackend("BruteForce");
+            Frames(2);
+            uint epoch = manager.Session.SwitchEpoch;
+            ulong id = manager.LastDecision.DecisionId;
+            FramesUntil(() => manager.LastDecision.DecisionId > id + 2, "decided in Manual");
+            Assert.That(manager.ActiveBackend, Is.EqualTo("BruteForce"));
+            Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(epoch));
+            Assert.That(manager.LastDecision.Outcome, Is.EqualTo(DecisionOutcome.Manual));
+        }
+
+        [Test]
+        public void ABackendThatDoesNotExistFailsWithTheRemedyAndOnce()
+        {
+            SweepstakeManager manager = MakeManager(backend: "Quadtree");
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Failed));
+            Assert.That(manager.Problem, Does.Contain("Quadtree").And.Contain("KDTree"));
+            Frames(10);
+            Assert.That(Logged("error: "), Has.Exactly(1).Items);
+        }
+
+        [Test]
+        public void BrokenPriorsAreToldAndTheGamePlays()
+        {
+            SweepstakeManager manager = MakeManager(config =>
+            {
+                config.decisions.priors = (TextAsset)Activator.CreateInstance(typeof(TextAsset));
+                config.decisions.priors.bytes = new byte[] { 1, 2, 3 };
+            });
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
+            Frames(3);
+            Assert.That(manager.Problem, Is.Not.Empty);
+            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(50));
+        }
+
+        [Test]
+        public void TheDefaultsOfAConfigAreTheLibrarys()
+        {
+            var config = ScriptableObject.CreateInstance<SweepstakeConfig>();
+            var session = new SessionOptions();
+            var decider = new DeciderOptions();
+            var link = new LinkOptions();
+            SessionOptions ours = config.ToSessionOptions(SessionMode.Ai, "");
+            Assert.That((ours.BailOutNs, ours.SettlingNs), Is.EqualTo((session.BailOutNs, session.SettlingNs)));
+            DeciderOptions deciding = config.ToDeciderOptions("");
+            Assert.That(
+                (deciding.DecisionIntervalNs, deciding.CooldownNs, deciding.FpsFloor, deciding.Seed),
+                Is.EqualTo((decider.DecisionIntervalNs, decider.CooldownNs, decider.FpsFloor, decider.Seed)));
+            LinkOptions linked = config.ToLinkOptions("", "1.0");
+            Assert.That((linked.BatchIntervalMs, linked.BatchFrames), Is.EqualTo((link.BatchIntervalMs, link.BatchFrames)));
+            Assert.That(config.daemon.isUsed, Is.False, "nothing leaves the machine unless it is asked for");
+            Assert.That(config.daemon.address, Does.StartWith("127.0.0.1:"));
+            Assert.That(config.daemon.allowsOperatorOrders, Is.False);
+        }
+
+        [Test]
+        public void TheLaneIsOffOnMobileDevices()
+        {
+            var search = new SearchSettings();
+            Assert.That(search.Shadow, Is.EqualTo(ShadowMode.Auto));
+            Application.isMobilePlatform = true;
+            Assert.That(search.Shadow, Is.EqualTo(ShadowMode.Off));
+            search.lane = LaneChoice.On;
+            Assert.That(search.Shadow, Is.EqualTo(ShadowMode.On));
+        }
+
+        [Test]
+        public void NothingIsLearntFromAPauseTheBackgroundAndALoad()
+        {
+            SweepstakeManager manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
+            Frames(1);
+            Assert.That(manager.LastSample.Flags & FrameFlags.Loading, Is.EqualTo(FrameFlags.Loading), "the first frame has the time of the loading");
+            AssertFlags(manager, FrameFlags.None);
+            Player.Send("OnApplicationPause", true);
+            AssertFlags(manager, FrameFlags.Paused);
+            Player.Send("OnApplicationPause", false);
+            AssertFlags(manager, FrameFlags.Paused, FrameFlags.None);
+            Player.Send("OnApplicationFocus", false);
+            AssertFlags(manager, FrameFlags.Paused);
+            Player.Send("OnApplicationFocus", true);
+            AssertFlags(manager, FrameFlags.Paused, FrameFlags.None);
+            Time.timeScale = 0;
+            AssertFlags(manager, FrameFlags.Paused);
+            Time.timeScale = 1;
+            AssertFlags(manager, FrameFlags.Paused, FrameFlags.None);
+            manager.IsLoading = true;
+            AssertFlags(manager, FrameFlags.Loading);
+            manager.IsLoading = false;
+            AssertFlags(manager, FrameFlags.Loading, FrameFlags.None);
+            UnityEngine.SceneManagement.SceneManager.SayLoaded(UnityEngine.SceneManagement.SceneManager.Add("next level"));
+            AssertFlags(manager, FrameFlags.Loading, FrameFlags.None);
+            Application.isEditor = true;
+            Player.Send("OnApplicationFocus", false);
+            AssertFlags(manager, FrameFlags.None);
+        }
+
+        [Test]
+        public void AFrameAllocatesNothing()
+        {
+            SweepstakeManager manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 500;
+            manager.Decided += _ => { };
+            manager.VerdictChanged += _ => { };
+            Frames(60);
+            Assert.That(AllocatedBy(300), Is.EqualTo(0));
+        }
+
+        [Test]
+        public void AListenerThatThrowsStopsNothing()
+        {
+            SweepstakeManager manager = MakeManager(mode: SessionMode.Manual);
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
+            manager.BackendChanged += _ => throw new InvalidOperationException("a bug of the game");
+            manager.SelectBackend("KDTree");
+            Frames(5);
+            Assert.That(Logged("a bug of the game"), Has.Exactly(1).Items);
+            Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(4));
+        }
+
+        [Test]
+        public void FramesAreWrittenToACsvFile()
+        {
+            SweepstakeManager manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
+            string path = Path.GetTempFileName();
+            manager.StartCsv(path, "a scene", 7);
+            Frames(20);
+            manager.StopCsv();
+            Assert.That(File.ReadAllLines(path).Length, Is.EqualTo(21));
+            File.Delete(path);
+        }
+
+        private static void AssertFlags(SweepstakeManager manager, params FrameFlags[] expected)
+        {
+            foreach (FrameFlags flags in expected)
+            {
+                Player.Frame();
+                Assert.That(manager.LastSample.Flags & (FrameFlags.Paused | FrameFlags.Loading), Is.EqualTo(flags));
+            }
+        }
+    }
+}

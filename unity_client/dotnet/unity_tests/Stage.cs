@@ -1,0 +1,88 @@
+using System;
+using System.Collections.Generic;
+using System.Reflection;
+using NUnit.Framework;
+using Sweepstake.Unity;
+using UnityEngine;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>Play mode: begins before each test and ends after it, with nothing native left.</summary>
+    public abstract class Stage
+    {
+        private static readonly BindingFlags Fields = BindingFlags.Instance | BindingFlags.NonPublic | BindingFlags.Public;
+
+        [SetUp]
+        public void EnterPlayMode()
+        {
+            Debug.Lines.Clear();
+            Player.Begin(typeof(Stage).Assembly);
+        }
+
+        [TearDown]
+        public void LeavePlayMode()
+        {
+            Player.Stop();
+            Application.isMobilePlatform = false;
+            Application.isEditor = false;
+            Assert.That(SessionWork.RunningCount, Is.EqualTo(0), "nothing decides any more");
+            Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0), "nothing native is left");
+        }
+
+        /// <summary>A manager with short intervals.</summary>
+        protected static SweepstakeManager MakeManager(Action<SweepstakeConfig> change = null, SessionMode mode = SessionMode.Ai, string backend = "")
+        {
+            var made = new GameObject("manager");
+            made.SetActive(false);
+            var manager = made.AddComponent<SweepstakeManager>();
+            manager.Config = ScriptableObject.CreateInstance<SweepstakeConfig>();
+            change?.Invoke(manager.Config);
+            Set(manager, "mode", mode);
+            Set(manager, "backend", backend);
+            made.SetActive(true);
+            return manager;
+        }
+
+        /// <summary>What the inspector would set.</summary>
+        protected static void Set(object owner, string field, object value) => owner.GetType().GetField(field, Fields)!.SetValue(owner, value);
+
+        protected static void Frames(int count)
+        {
+            for (int frame = 0; frame < count; ++frame)
+                Player.Frame();
+        }
+
+        protected static void FramesUntil(Func<bool> condition, string what)
+        {
+            DateTime patience = DateTime.UtcNow.AddSeconds(60);
+            while (!condition())
+            {
+                Assert.That(DateTime.UtcNow, Is.LessThan(patience), "never " + what + "; " + string.Join("; ", Debug.Lines));
+                Player.Frame();
+                System.Threading.Thread.Sleep(1);
+            }
+        }
+
+        protected static BoxCollider MakeBox(Vector3 position, int layer = 0, bool isStatic = false, Transform parent = null)
+        {
+            var made = new GameObject("box") { layer = layer, isStatic = isStatic };
+            if (parent != null)
+                made.transform.SetParent(parent, false);
+            made.transform.position = position;
+            var box = made.AddComponent<BoxCollider>();
+            box.isTrigger = true;
+            return box;
+        }
+
+        /// <summary>Bytes of this thread over so many frames, after as many that warm up.</summary>
+        protected static long AllocatedBy(int frames)
+        {
+            Frames(frames);
+            long before = GC.GetAllocatedBytesForCurrentThread();
+            Frames(frames);
+            return GC.GetAllocatedBytesForCurrentThread() - before;
+        }
+
+        protected static IEnumerable<string> Logged(string part) => Debug.Lines.FindAll(line => line.Contains(part));
+    }
+}

@@ -1,0 +1,358 @@
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using NUnit.Framework;
+using Sweepstake.Unity;
+using UnityEngine;
+using UnityEngine.SceneManagement;
+using Object = UnityEngine.Object;
+
+namespace Sweepstake.Tests
+{
+    public sealed class TrackerTest : Stage
+    {
+        private static readonly Vector3 Here = Vector3.zero;
+        private static readonly Vector3 Away = new Vector3(10, 0, 0);
+
+        private readonly List<(Collider, Collider)> began = new List<(Collider, Collider)>();
+        private readonly List<(Collider, Collider)> ended = new List<(Collider, Collider)>();
+        private SweepstakeManager manager;
+        private ColliderTracker tracker;
+
+        [SetUp]
+        public void MakeTracker()
+        {
+            began.Clear();
+            ended.Clear();
+            manager = MakeManager();
+            tracker = manager.gameObject.AddComponent<ColliderTracker>();
+            tracker.PairBegan += pair => began.Add((pair.A, pair.B));
+            tracker.PairEnded += pair => ended.Add((pair.A, pair.B));
+        }
+
+        [TearDown]
+        public void ForgetMatrix()
+        {
+            for (int layer = 0; layer < 32; ++layer)
+            {
+                for (int other = 0; other < 32; ++other)
+                    Physics.IgnoreLayerCollision(layer, other, false);
+            }
+        }
+
+        [Test]
+        public void PairsBeginAndEndAsCollidersMove()
+        {
+            BoxCollider a = Tracked(Here);
+            BoxCollider b = Tracked(Away);
+            Frames(1);
+            Assert.That(began, Is.Empty);
+            b.transform.position = Here;
+            Frames(1);
+            Assert.That(began, Is.EqualTo(new[] { ((Collider)a, (Collider)b) }));
+            Frames(3);
+            Assert.That(began, Has.Count.EqualTo(1), "a pair begins once");
+            Assert.That(ended, Is.Empty);
+            b.transform.position = Away;
+            Frames(1);
+            Assert.That(ended, Has.Count.EqualTo(1));
+        }
+
+        [Test]
+        public void LayersAndTheCollisionMatrixDecide()
+        {
+            Physics.IgnoreLayerCollision(8, 9, true);
+            tracker.RefreshLayers();
+            BoxCollider a = Tracked(Here, 8);
+            BoxCollider b = Tracked(Here, 9);
+            Frames(1);
+            Assert.That(began, Is.Empty, "the matrix says so");
+            Physics.IgnoreLayerCollision(8, 9, false);
+            tracker.RefreshLayers();
+            Frames(1);
+            Assert.That(began, Has.Count.EqualTo(1));
+            tracker.Layers = 1 << 8;
+            Frames(1);
+            Assert.That(ended, Has.Count.EqualTo(1), "layer 9 is tracked no more");
+            tracker.Layers = ~0;
+            Frames(1);
+            Assert.That(began, Has.Count.EqualTo(2));
+            Physics.IgnoreLayerCollision(8, 10, true);
+            tracker.RefreshLayers();
+            b.gameObject.layer = 10;
+            Frames(3);
+            Assert.That(ended, Has.Count.EqualTo(2), "another layer is noticed");
+            Assert.That(tracker.IsTracked(a) && tracker.IsTracked(b), Is.True);
+        }
+
+        [Test]
+        public void EachPairOfLayersMeetsAsTheMatrixSays()
+        {
+            var random = new System.Random(5);
+            for (int layer = 0; layer < 32; ++layer)
+            {
+                for (int other = layer; other < 32; ++other)
+                    Physics.IgnoreLayerCollision(layer, other, random.Next(2) == 0);
+            }
+            tracker.RefreshLayers();
+            var boxes = new List<BoxCollider>();
+            for (int layer = 0; layer < 32; ++layer)
+            {
+                boxes.Add(Tracked(Here, layer));
+                boxes.Add(Tracked(Here, layer));
+            }
+            Frames(1);
+            var expected = from a in boxes
+                           from b in boxes
+                           where boxes.IndexOf(a) < boxes.IndexOf(b) && !Physics.GetIgnoreLayerCollision(a.gameObject.layer, b.gameObject.layer)
+                           select ((Collider)a, (Collider)b);
+            Assert.That(began, Is.EquivalentTo(expected));
+        }
+
+        [Test]
+        public void WithoutTheMatrixAllTrackedLayersMeet()
+        {
+            Physics.IgnoreLayerCollision(8, 9, true);
+            Set(tracker, "usesCollisionMatrix", false);
+            tracker.RefreshLayers();
+            Tracked(Here, 8);
+            Tracked(Here, 9);
+            Frames(1);
+            Assert.That(began, Has.Count.EqualTo(1));
+        }
+
+        [Test]
+        public void DisabledCollidersAndInactiveObjectsHaveNoPairs()
+        {
+            BoxCollider a = Tracked(Here);
+            BoxCollider b = Tracked(Here);
+            Frames(1);
+            a.enabled = false;
+            Frames(1);
+            Assert.That(ended, Has.Count.EqualTo(1));
+            a.enabled = true;
+            Frames(1);
+            Assert.That(began, Has.Count.EqualTo(2));
+            b.gameObject.SetActive(false);
+            Frames(1);
+            Assert.That(ended, Has.Count.EqualTo(2));
+            Assert.That(tracker.Count, Is.EqualTo(2), "they are tracked all the same");
+        }
+
+        [Test]
+        public void DestroyedCollidersEndTheirPairsAndAreDropped([Values] bool isStatic)
+        {
+            BoxCollider a = Tracked(Here);
+            BoxCollider b = Tracked(Here, 0, isStatic);
+            Frames(1);
+            Assert.That(began, Has.Count.EqualTo(1));
+            Object.DestroyImmediate(b.gameObject);
+            Frames(2);
+            Assert.That(tracker.Count, Is.EqualTo(1));
+            Assert.That(ended, Has.Count.EqualTo(1));
+            Assert.That(ReferenceEquals(ended[0].Item1, b) || ReferenceEquals(ended[0].Item2, b), Is.True, "who it was can be told");
+            Assert.That(a == null, Is.False);
+            Assert.That(b == null, Is.True);
+            Assert.That(Debug.Lines, Is.Empty);
+        }
+
+        [Test]
+        public void StaticCollidersMeetMovingOnesAndNotOneAnother()
+        {
+            BoxCollider wall = Tracked(Here, 0, true);
+            Tracked(Here, 0, true);
+            BoxCollider ball = Tracked(Away);
+            Frames(1);
+            Assert.That(began, Is.Empty);
+            ball.transform.position = Here;
+            Frames(1);
+            Assert.That(began, Has.Count.EqualTo(2));
+            wall.transform.position = Away;
+            Frames(1);
+            Assert.That(ended, Is.Empty, "a static collider is not read again by itself");
+            tracker.Refresh(wall);
+            Frames(1);
+            Assert.That(ended.Exists(pair => ReferenceEquals(pair.Item1, wall) || ReferenceEquals(pair.Item2, wall)), Is.True);
+        }
+
+        [Test]
+        public void ManyCollidersThatComeMoveAndGoFindTheOraclesPairs()
+        {
+            var random = new System.Random(3);
+            var boxes = new List<BoxCollider>();
+            for (int frame = 0; frame < 60; ++frame)
+            {
+                for (int made = 0; made < 5; ++made)
+                    boxes.Add(Tracked(Place(random), random.Next(3), random.Next(4) == 0));
+                BoxCollider gone = boxes[random.Next(boxes.Count)];
+                boxes.Remove(gone);
+                if (frame % 2 == 0)
+                    Assert.That(tracker.Unregister(gone), Is.True);
+                else
+                    Object.DestroyImmediate(gone.gameObject);
+                foreach (BoxCollider box in boxes.Where(box => !box.gameObject.isStatic))
+                    box.transform.position = Place(random);
+                Frames(1);
+                AssertPairs(boxes);
+            }
+            Assert.That(tracker.Count, Is.InRange(boxes.Count, boxes.Count + 5), "static ones that were destroyed are found in turn");
+        }
+
+        [Test]
+        public void TheScopeSaysWhatIsTrackedByItself()
+        {
+            BoxCollider below = MakeBox(Here, parent: tracker.transform);
+            BoxCollider elsewhere = MakeBox(Here);
+            elsewhere.isTrigger = false;
+            BoxCollider inactive = MakeBox(Here);
+            inactive.gameObject.SetActive(false);
+            Set(tracker, "scope", ColliderScope.Registered);
+            tracker.Scan();
+            Assert.That(tracker.Count, Is.EqualTo(0));
+            Set(tracker, "scope", ColliderScope.Children);
+            tracker.Scan();
+            Assert.That(tracker.IsTracked(below) && !tracker.IsTracked(elsewhere), Is.True);
+            Set(tracker, "scope", ColliderScope.LoadedScenes);
+            Set(tracker, "findsTriggersOnly", true);
+            tracker.Scan();
+            Assert.That(tracker.IsTracked(elsewhere), Is.False, "it is no trigger");
+            Set(tracker, "findsTriggersOnly", false);
+            tracker.Scan();
+            Assert.That(tracker.IsTracked(elsewhere) && tracker.IsTracked(inactive), Is.True);
+            Assert.That(tracker.Register(elsewhere), Is.False, "it is tracked already");
+            Assert.That(tracker.Unregister(elsewhere) && !tracker.Unregister(elsewhere), Is.True);
+
+            Scene next = SceneManager.Add("next level");
+            BoxCollider loaded = MakeBox(Here);
+            SceneManager.SayLoaded(next);
+            Assert.That(tracker.IsTracked(loaded), Is.True);
+        }
+
+        [Test]
+        public void AListenerMayDestroyRegisterAndThrow()
+        {
+            var boxes = Enumerable.Range(0, 6).Select(_ => Tracked(Here)).ToList();
+            BoxCollider late = MakeBox(Here);
+            tracker.PairBegan += pair =>
+            {
+                tracker.Register(late);
+                Object.DestroyImmediate(pair.A.gameObject);
+                throw new InvalidOperationException("a bug of the game");
+            };
+            Assert.DoesNotThrow(() => Frames(3));
+            Assert.That(tracker.IsTracked(late), Is.True);
+            Assert.That(Logged("a bug of the game"), Is.Not.Empty);
+            Assert.That(boxes.Count(box => box == null), Is.GreaterThan(0));
+        }
+
+        [Test]
+        public void QueriesFindWhatIsThereByLayer()
+        {
+            BoxCollider a = Tracked(Here, 8);
+            BoxCollider b = Tracked(Away, 9, true);
+            Frames(1);
+            var found = new List<Collider>();
+            tracker.OverlapBox(new Bounds(Here, new Vector3(1, 1, 1)), ~0, found);
+            Assert.That(found, Is.EqualTo(new[] { a }));
+            tracker.OverlapSphere(Away, 0.1f, ~0, found);
+            Assert.That(found, Is.EqualTo(new[] { b }));
+            tracker.OverlapSphere(Away, 0.1f, 1 << 8, found);
+            Assert.That(found, Is.Empty);
+            var ray = new Ray(new Vector3(-5, 0, 0), new Vector3(1, 0, 0));
+            Assert.That(tracker.Raycast(ray, float.PositiveInfinity, ~0, out Collider hit, out float distance), Is.True);
+            Assert.That(hit, Is.SameAs(a));
+            Assert.That(distance, Is.EqualTo(4.5f).Within(1e-4));
+            Assert.That(tracker.Raycast(ray, float.PositiveInfinity, 1 << 9, out hit, out distance), Is.True);
+            Assert.That(hit, Is.SameAs(b));
+            Assert.That(tracker.Raycast(ray, 1, ~0, out hit, out _), Is.False);
+            for (int index = 0; index < 200; ++index)
+                Tracked(Here, 8);
+            Frames(1);
+            tracker.OverlapBox(new Bounds(Here, new Vector3(1, 1, 1)), ~0, found);
+            Assert.That(found, Has.Count.EqualTo(201), "the buffer grows");
+        }
+
+        [Test]
+        public void AFrameAllocatesNothingWhilePairsBeginAndEnd()
+        {
+            var boxes = Enumerable.Range(0, 100).Select(index => Tracked(new Vector3(index % 10, index / 10, 0), index % 3, index % 7 == 0)).ToArray();
+            began.Capacity = ended.Capacity = 1 << 16;
+            var found = new List<Collider>(256);
+            manager.gameObject.AddComponent<Mover>().Boxes = boxes;
+            manager.gameObject.GetComponent<Mover>().Query = () => tracker.OverlapSphere(Here, 3, ~0, found);
+            Assert.That(AllocatedBy(200), Is.EqualTo(0));
+            Assert.That(began, Is.Not.Empty);
+            Assert.That(found, Is.Not.Empty);
+        }
+
+        [Test]
+        public void OneManagerHasOneSource()
+        {
+            manager.gameObject.AddComponent<ScenarioPlayer>();
+            Assert.That(Logged("another source"), Has.Exactly(1).Items);
+            Assert.That(manager.Source, Is.SameAs(tracker));
+            tracker.enabled = false;
+            Assert.That(manager.Source, Is.Null);
+        }
+
+        [Test]
+        public void GizmosAreOffAndCapped()
+        {
+            for (int index = 0; index < 50; ++index)
+                Tracked(Here);
+            var gizmos = manager.gameObject.AddComponent<PairGizmos>();
+            Player.CallAll("OnDrawGizmos");
+            Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "off until it is asked for");
+            gizmos.IsDrawn = true;
+            Player.CallAll("OnDrawGizmos");
+            Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "there was no search yet");
+            Frames(1);
+            Player.CallAll("OnDrawGizmos");
+            Assert.That(gizmos.DrawnCount, Is.EqualTo(200), "of 1,225");
+        }
+
+        private BoxCollider Tracked(Vector3 position, int layer = 0, bool isStatic = false)
+        {
+            BoxCollider box = MakeBox(position, layer, isStatic);
+            Assert.That(tracker.Register(box), Is.True);
+            return box;
+        }
+
+        private void AssertPairs(List<BoxCollider> boxes)
+        {
+            int expected = 0;
+            for (int a = 0; a < boxes.Count; ++a)
+            {
+                for (int b = a + 1; b < boxes.Count; ++b)
+                    expected += Overlap(boxes[a], boxes[b]) && !(boxes[a].gameObject.isStatic && boxes[b].gameObject.isStatic) ? 1 : 0;
+            }
+            Assert.That(began.Count - ended.Count, Is.EqualTo(expected));
+        }
+
+        private static bool Overlap(Collider a, Collider b)
+        {
+            Vector3 apart = a.transform.position - b.transform.position;
+            return Math.Abs(apart.x) <= 1 && Math.Abs(apart.y) <= 1 && Math.Abs(apart.z) <= 1;
+        }
+
+        /// <summary>On a grid of quarters, where boxes touch exactly.</summary>
+        private static Vector3 Place(System.Random random) =>
+            new Vector3(random.Next(20) * 0.25f, random.Next(20) * 0.25f, random.Next(20) * 0.25f);
+
+        private sealed class Mover : MonoBehaviour
+        {
+            private int frame;
+
+            internal BoxCollider[] Boxes { get; set; }
+            internal Action Query { get; set; }
+
+            private void Update()
+            {
+                ++frame;
+                for (int index = 0; index < Boxes.Length; ++index)
+                    Boxes[index].transform.position = new Vector3(index % 10 + (index + frame) % 5, index / 10, frame % 2);
+                Query();
+            }
+        }
+    }
+}
