@@ -39,6 +39,13 @@ readonly advice="NuGet could not restore the packages that unity_client/dotnet n
 
 restore core_tests || left_out "the C# tests of the Unity package. $advice"
 run core_tests "$@"
-restore daemon_tests || left_out "the C# tests of the Unity package that speak gRPC; those of its core have passed. $advice"
+compile_as_unity() { python3 "$repository/tests/unity_client/compile_test.py" "$repository" "$build"; }
+
+if ! restore daemon_tests || ! restore unity_tests; then
+  compile_as_unity
+  left_out "the C# tests of the Unity package that speak gRPC, and with them those of its components; those of its core have passed. $advice"
+fi
 python3 "$repository/unity_client/tools/make_protocol.py" "$repository" --check
 run daemon_tests "$@"
+run unity_tests "$@"
+compile_as_unity

@@ -3,10 +3,12 @@
 
     package.json    name, version (that of the CMake project), Unity 2022.3; samples exist
     .meta           each asset has one, each belongs to an asset, no GUID is there twice; plug-ins are for one platform each
-    .asmdef         named as its file, references what exists, gRPC behind SWEEPSTAKE_GRPC, no engine below Runtime/Unity
+    .asmdef         named as its file, references what exists, gRPC behind SWEEPSTAKE_GRPC, no engine below Runtime/Unity, Editor for the editor
+    samples         each folder is in the manifest and has an assembly and a scene; a scene's scripts are the package's
     CHANGELOG.md    Keep a Changelog, newest first, the version of the package unless it is unreleased
     paths           at most 140 characters; no link.xml, which Unity ignores in packages; no library of .NET
-    privacy.md      names each field of what a game sends, and no other
+    privacy.md      names each field of what a game and the editor's window send, and no other
+    proven.md       has each of the 47 points once, with a test that exists or with steps; a quick start has six steps at most
     links           of the documents lead somewhere
 
     package_test.py ROOT          checks the tree at ROOT
@@ -27,12 +29,21 @@ PACKAGE = "unity_client/com.sweepstake.broadphase"
 MAX_PATH = 140
 ENGINE_FREE = ("Runtime/Core", "Runtime/Protocol", "Runtime/GrpcNet")
 GRPC = ("Runtime/Protocol", "Runtime/GrpcNet")
-KNOWN_REFERENCES = {"UnityEngine.TestRunner", "UnityEditor.TestRunner", "Unity.Burst", "Unity.Collections", "Unity.Mathematics", "Unity.InputSystem"}
+KNOWN_REFERENCES = {"UnityEngine.TestRunner", "UnityEditor.TestRunner", "Unity.Burst", "Unity.Collections", "Unity.Mathematics", "Unity.InputSystem",
+                    "Unity.Profiling.Core", "YetAnotherHttpHandler"}
 VERSION_HEADING = re.compile(r"^## \[(Unreleased|\d+\.\d+\.\d+)\](?: - \d{4}-\d\d-\d\d)?$")
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 PROTO_MESSAGE = re.compile(r"^message (\w+) \{(.*?)^\}", re.MULTILINE | re.DOTALL)
 PROTO_FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+;", re.MULTILINE)
 PRIVACY_FIELD = re.compile(r"^\| `(\w+\.\w+)` \|", re.MULTILINE)
+# What a game sends, and what the editor's window asks.
+SENT_MESSAGES = ("StreamTelemetryRequest", "WatchPosteriorsRequest", "ListPosteriorsRequest")
+POINTS = 47
+POINT = re.compile(r"^\| (\d+) \| ([^|]+) \| ([^|]*) \| ([^|]*) \|$", re.MULTILINE)
+TEST_NAME = re.compile(r"`(\w+Test)(?:\.(\w+))?`")
+STEP = re.compile(r"^- \*\*([A-Z])\*\*", re.MULTILINE)
+SCENE_SCRIPT = re.compile(r"m_Script: \{fileID: 11500000, guid: (\w+), type: 3\}")
+MAX_QUICK_START_STEPS = 6
 
 
 def json_of(path):
@@ -85,8 +96,25 @@ def asmdef_errors(package):
                 yield f"{name}: '{reference}' is no assembly"
         if name.startswith(ENGINE_FREE) and not asmdef["noEngineReferences"]:
             yield f"{name}: knows UnityEngine"
+        if name.startswith("Editor/") and asmdef["includePlatforms"] != ["Editor"]:
+            yield f"{name}: is for the editor alone"
         if name.startswith(GRPC) and asmdef["defineConstraints"] != ["SWEEPSTAKE_GRPC"]:
             yield f"{name}: would not compile without the libraries of gRPC; its constraint is SWEEPSTAKE_GRPC"
+
+
+def sample_errors(package):
+    listed = {sample["path"] for sample in json_of(package / "package.json").get("samples", [])}
+    scripts = {make_metas.GUID.search(meta.read_text(encoding="utf-8"))[1] for meta in package.rglob("*.cs.meta")}
+    for folder in sorted(path for path in (package / "Samples~").iterdir() if path.is_dir()):
+        name = folder.relative_to(package).as_posix()
+        if name not in listed:
+            yield f"package.json: the sample {name} is not listed"
+        if not list(folder.glob("*.asmdef")) or not list(folder.glob("*.unity")):
+            yield f"{name}: a sample has an assembly and a scene"
+        for scene in sorted(folder.glob("*.unity")):
+            for guid in SCENE_SCRIPT.findall(scene.read_text(encoding="utf-8")):
+                if guid not in scripts:
+                    yield f"{scene.relative_to(package).as_posix()}: the script {guid} is not the package's"
 
 
 def path_errors(package):
@@ -111,9 +139,9 @@ def document_errors(package):
 
 
 def sent_fields(proto):
-    """Message.field of all that a request may hold."""
+    """Message.field of all that these requests may hold."""
     messages = {name: PROTO_FIELD.findall(body) for name, body in PROTO_MESSAGE.findall(proto)}
-    due, seen, fields = ["StreamTelemetryRequest"], set(), set()
+    due, seen, fields = list(SENT_MESSAGES), set(), set()
     while due:
         message = due.pop()
         if message in seen:
@@ -127,17 +155,37 @@ def sent_fields(proto):
 
 def privacy_errors(root, package):
     told = set(PRIVACY_FIELD.findall((package / "Documentation~/privacy.md").read_text(encoding="utf-8")))
-    sent = sent_fields((root / "proto/sweepstake/v1/telemetry.proto").read_text(encoding="utf-8"))
+    sent = sent_fields("".join((root / f"proto/sweepstake/v1/{name}.proto").read_text(encoding="utf-8") for name in ("telemetry", "posteriors")))
     for field in sorted(sent - told):
         yield f"Documentation~/privacy.md: `{field}` is sent, and not told"
     for field in sorted(told - sent):
         yield f"Documentation~/privacy.md: `{field}` is told, and not sent"
 
 
+def proof_errors(root, package):
+    page = (package / "Documentation~/proven.md").read_text(encoding="utf-8")
+    steps = set(STEP.findall(page))
+    rows = POINT.findall(page)
+    if [int(row[0]) for row in rows] != list(range(1, POINTS + 1)):
+        yield f"Documentation~/proven.md: the points 1 to {POINTS} have a row each, in order"
+    tests = {path.stem: path.read_text(encoding="utf-8") for path in sorted((root / "unity_client").rglob("*Test.cs"))}
+    for number, _, proof, editor in rows:
+        if not proof.strip() and not editor.strip():
+            yield f"Documentation~/proven.md: point {number} is proven by nothing"
+        for name, method in TEST_NAME.findall(proof):
+            if f" {method}(" not in tests.get(name, "") and not (name in tests and not method):
+                yield f"Documentation~/proven.md: the test {name}.{method} does not exist"
+        if editor.strip() and editor.strip()[0] not in steps:
+            yield f"Documentation~/proven.md: the steps {editor.strip()[0]} do not exist"
+    quick_start = re.search(r"^## Quick start\n(.*?)^## ", (package / "Documentation~/index.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    if not quick_start or not 1 <= len(re.findall(r"^\d+\. ", quick_start[1], re.MULTILINE)) <= MAX_QUICK_START_STEPS:
+        yield f"Documentation~/index.md: a quick start has at most {MAX_QUICK_START_STEPS} steps"
+
+
 def check(root):
     package = root / PACKAGE
     return [*manifest_errors(root, package), *make_metas.errors(package), *changelog_errors(package), *asmdef_errors(package),
-            *path_errors(package), *document_errors(package), *privacy_errors(root, package)]
+            *sample_errors(package), *path_errors(package), *document_errors(package), *privacy_errors(root, package), *proof_errors(root, package)]
 
 
 def edit(package, name, old, new):
@@ -151,7 +199,17 @@ def edit(package, name, old, new):
 BAD = [
     (lambda p: edit(p, "package.json", '"version": "', '"version": "9'), "the version is not"),
     (lambda p: edit(p, "package.json", '"2022.3"', '"2019.4"'), "the lowest Unity"),
-    (lambda p: edit(p, "package.json", '"dependencies"', '"samples": [{"path": "Samples~/None"}], "dependencies"'), "Samples~/None does not exist"),
+    (lambda p: edit(p, "package.json", "Samples~/QuickStart", "Samples~/None"), "Samples~/None does not exist"),
+    (lambda p: edit(p, "package.json", "Samples~/QuickStart", "Samples~/None"), "the sample Samples~/QuickStart is not listed"),
+    (lambda p: (p / "Samples~/QuickStart/QuickStart.unity").unlink(), "a sample has an assembly and a scene"),
+    (lambda p: edit(p, "Samples~/QuickStart/QuickStart.unity", "11500000, guid: ", "11500000, guid: 0"), "is not the package's"),
+    (lambda p: edit(p, "Editor/Sweepstake.Editor.asmdef", '["Editor"]', "[]"), "is for the editor alone"),
+    (lambda p: edit(p, "Documentation~/proven.md", "| 7 |", "| 77 |"), "the points 1 to 47"),
+    (lambda p: edit(p, "Documentation~/proven.md", "`SecurityTest`", "`InsecurityTest`"), "the test InsecurityTest. does not exist"),
+    (lambda p: edit(p, "Documentation~/proven.md", "- **G**", "- **X**"), "the steps G do not exist"),
+    (lambda p: edit(p, "Documentation~/proven.md", " | G |", " | |"), "point 25 is proven by nothing"),
+    (lambda p: edit(p, "Documentation~/index.md", "## Quick start\n", "## Quick start\n\n1. a\n2. b\n"), "at most 6 steps"),
+    (lambda p: edit(p, "Documentation~/privacy.md", "| `ListPosteriorsRequest.page_size` |", "| |"), "`ListPosteriorsRequest.page_size` is sent, and not told"),
     (lambda p: (p / "README.md.meta").unlink(), "README.md.meta is missing"),
     (lambda p: (p / "Gone.md.meta").write_text("guid: " + "0" * 32 + "\n"), "Gone.md.meta belongs to nothing"),
     (lambda p: shutil.copy(p / "README.md.meta", p / "LICENSE.md.meta"), "has the GUID of"),
@@ -175,7 +233,7 @@ def self_test(root):
     for change, error in BAD:
         with tempfile.TemporaryDirectory() as folder:
             copy = pathlib.Path(folder)
-            shutil.copytree(root / PACKAGE, copy / PACKAGE)
+            shutil.copytree(root / "unity_client", copy / "unity_client")
             shutil.copytree(root / "proto", copy / "proto", ignore=shutil.ignore_patterns("node_modules"))
             shutil.copy(root / "CMakeLists.txt", copy)
             change(copy / PACKAGE)

@@ -24,6 +24,7 @@ namespace Sweepstake.Tests
             Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(200));
             Assert.That(manager.Connection, Is.Null);
             Assert.That(manager.Decider, Is.Not.Null);
+            Assert.That(manager.ActiveBackend, Is.EqualTo(SweepstakeConfig.FirstBackend), "not brute force, which is the first");
             Assert.That(Debug.Lines, Is.Empty, "all is well, and nobody has to be told");
         }
 
@@ -39,7 +40,7 @@ namespace Sweepstake.Tests
         [Test]
         public void EachBackendIsSelectableWhileTheGamePlaysAndFindsTheSamePairs()
         {
-            SweepstakeManager manager = MakeManager(mode: SessionMode.Manual);
+            SweepstakeManager manager = MakeManager(mode: SessionMode.Manual, backend: "BruteForce");
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 300;
             var changes = new List<string>();
             manager.BackendChanged += changes.Add;
@@ -83,6 +84,25 @@ namespace Sweepstake.Tests
             Assert.That(manager.ActiveBackend, Is.EqualTo("BruteForce"));
             Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(epoch));
             Assert.That(manager.LastDecision.Outcome, Is.EqualTo(DecisionOutcome.Manual));
+        }
+
+        [Test]
+        public void CooldownAndSettlingHoldAndAreShown()
+        {
+            SweepstakeManager manager = MakeManager(config =>
+            {
+                config.decisions.intervalSeconds = 0.1f;
+                config.decisions.cooldownSeconds = 1000;
+                config.decisions.settlingSeconds = 1000;
+                config.decisions.policy = "paper";
+            });
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 100;
+            FramesUntil(() => manager.Session.SwitchEpoch > 0, "switched");
+            FramesUntil(() => manager.LastDecision.Outcome is DecisionOutcome.HeldSettling or DecisionOutcome.HeldCooldown, "held");
+            Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(1));
+            var text = new System.Text.StringBuilder();
+            StatusText.Append(text, manager, 60);
+            Assert.That(text.ToString(), Does.Contain("held: "));
         }
 
         [Test]
@@ -188,7 +208,7 @@ namespace Sweepstake.Tests
             SweepstakeManager manager = MakeManager(mode: SessionMode.Manual);
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
             manager.BackendChanged += _ => throw new InvalidOperationException("a bug of the game");
-            manager.SelectBackend("KDTree");
+            manager.SelectBackend("SAP");
             Frames(5);
             Assert.That(Logged("a bug of the game"), Has.Exactly(1).Items);
             Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(4));

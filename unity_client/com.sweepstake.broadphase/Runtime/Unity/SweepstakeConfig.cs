@@ -32,13 +32,16 @@ namespace Sweepstake.Unity
         [Tooltip("A daemon that decides and keeps what it learns. Off, nothing leaves the machine.")]
         public DaemonSettings daemon = new DaemonSettings();
 
+        /// <summary>What a game begins with that names no backend: seldom the slowest of them, whatever the scene.</summary>
+        public const string FirstBackend = "KDTree";
+
         /// <summary>The options of a session that begins in this mode with this backend.</summary>
-        /// <param name="initialBackend">"": the first.</param>
+        /// <param name="initialBackend">"": <see cref="FirstBackend"/> if all may be chosen, otherwise the first of the config's.</param>
         public SessionOptions ToSessionOptions(SessionMode mode, string initialBackend) => new SessionOptions
         {
             Mode = mode,
             Arms = string.Join(",", search.backends),
-            InitialArm = initialBackend,
+            InitialArm = initialBackend.Length == 0 && search.backends.Length == 0 ? FirstBackend : initialBackend,
             ThreadCount = (uint)search.threads,
             IsSorted = search.sortsPairs,
             Shadow = search.Shadow,
@@ -158,6 +161,6 @@ namespace Sweepstake.Unity
         public int batchIntervalMs = 250;
         [Tooltip("A batch is sent after so many frames.")]
         [Range(1, 240)]
-        public int batchFrames = 30;
+        public int batchFrames = 240;
     }
 }

@@ -26,7 +26,7 @@ namespace Sweepstake.Unity
         private SessionMode mode = SessionMode.Ai;
         [SerializeField]
         [BackendName]
-        [Tooltip("The backend to begin with, and the one of Manual. Empty: the first.")]
+        [Tooltip("The backend to begin with, and the one of Manual. Empty: KDTree, or the first of the config's.")]
         private string backend = "";
 
         private readonly FrameFlagger flagger = new FrameFlagger();

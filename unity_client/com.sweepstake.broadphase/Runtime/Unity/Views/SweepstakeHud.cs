@@ -16,7 +16,7 @@ namespace Sweepstake.Unity
         private const float Margin = 8;
 
         [SerializeField]
-        [Tooltip("Whose state is shown. None: the first one that is enabled.")]
+        [Tooltip("Whose state is shown. None: the one beside it, or the first one that is enabled.")]
         private SweepstakeManager? manager;
         [SerializeField]
         [Range(1, 10)]
@@ -36,7 +36,12 @@ namespace Sweepstake.Unity
         /// <summary>The text that is shown.</summary>
         public string Text => content.text;
 
-        private void Awake() => useGUILayout = false;
+        private void Awake()
+        {
+            useGUILayout = false;
+            if (manager == null)
+                manager = GetComponent<SweepstakeManager>();
+        }
 
         private void Update()
         {

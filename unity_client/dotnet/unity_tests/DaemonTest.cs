@@ -1,0 +1,137 @@
+using System;
+using System.IO;
+using System.Linq;
+using System.Threading;
+using NUnit.Framework;
+using Sweepstake.Editor;
+using Sweepstake.Unity;
+using UnityEngine;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>The manager and the window with a real daemon.</summary>
+    public sealed class DaemonTest : Stage
+    {
+        [Test]
+        public void ADaemonThatIsKilledAndComesBackIsOneLineEach()
+        {
+            using var daemon = new DaemonProcess();
+            SweepstakeManager manager = MakeConnected(daemon.Address);
+            FramesUntil(() => manager.State == SweepstakeState.Online, "online");
+            Assert.That(manager.Problem, Is.Empty);
+            daemon.Kill();
+            FramesUntil(() => manager.State == SweepstakeState.Offline, "offline");
+            ulong frame = manager.LastSample.FrameIndex;
+            Frames(300);
+            Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(frame + 300), "the game plays on");
+            Assert.That(manager.Problem, Is.Not.Empty);
+            daemon.Restart();
+            FramesUntil(() => manager.State == SweepstakeState.Online, "online again");
+            Assert.That(Debug.Lines, Has.Count.EqualTo(3), string.Join("\n", Debug.Lines));
+        }
+
+        [Test]
+        public void ADaemonThatIsAbsentIsOneLineAndNoError()
+        {
+            string address;
+            using (var probe = new DaemonProcess())
+                address = probe.Address;
+            SweepstakeManager manager = MakeConnected(address);
+            FramesUntil(() => manager.State == SweepstakeState.Offline, "told that nobody is there");
+            for (int wait = 0; wait < 100; ++wait)
+            {
+                Frames(1);
+                Thread.Sleep(5);
+            }
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Offline));
+            Assert.That(Debug.Lines, Has.Count.EqualTo(1), string.Join("\n", Debug.Lines));
+        }
+
+        [Test]
+        public void ConnectAndDisconnectWhileTheGamePlays()
+        {
+            using var daemon = new DaemonProcess();
+            SweepstakeManager manager = MakeManager(config => config.daemon.address = daemon.Address);
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
+            Frames(5);
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Embedded));
+            Assert.That(manager.Connection, Is.Null, "a config alone connects to nothing");
+            manager.Connect();
+            FramesUntil(() => manager.State == SweepstakeState.Online, "online");
+            Assert.That(manager.Decider, Is.Null);
+            manager.Disconnect();
+            Frames(5);
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Embedded));
+            Assert.That(manager.Decider, Is.Not.Null);
+        }
+
+        [Test]
+        public void AWrongSettingIsToldAndTheGameDecidesItself()
+        {
+            SweepstakeManager manager = MakeConnected("nowhere");
+            Frames(3);
+            if (manager.State == SweepstakeState.Embedded)
+                Assert.That(manager.Problem, Does.Contain("HOST:PORT"));
+            else
+                FramesUntil(() => manager.Problem.Contains("HOST:PORT"), "told what an address is");
+            Assert.That(manager.LastSample.FrameIndex, Is.GreaterThan(0));
+        }
+
+        [Test]
+        public void TheRightTokenLetsInAndAWrongOneIsRefused()
+        {
+            string token = null;
+            using var daemon = new DaemonProcess(
+                made => token = made.Run("token", "create", "default", "--role", "ingest"), new[] { "--require-tokens" });
+            string file = Path.Combine(daemon.Folder, "token");
+            File.WriteAllText(file, token);
+            SweepstakeManager right = MakeConnected(daemon.Address, file);
+            FramesUntil(() => right.State == SweepstakeState.Online, "online");
+            File.WriteAllText(file + "2", "swt_wrong");
+            SweepstakeManager wrong = MakeConnected(daemon.Address, file + "2");
+            FramesUntil(() => wrong.State == SweepstakeState.Refused, "refused");
+            Assert.That(wrong.Problem, Does.Contain("token"));
+            Assert.That(Logged("token"), Has.Exactly(1).Items);
+        }
+
+        [Test]
+        public void AFrameAllocatesNothingWhileTheManagerSends()
+        {
+            using var daemon = new DaemonProcess();
+            SweepstakeManager manager = MakeConnected(daemon.Address);
+            FramesUntil(() => manager.State == SweepstakeState.Online, "online");
+            Frames(300);
+            Assert.That(AllocatedBy(600), Is.EqualTo(0));
+        }
+
+        [Test]
+        public void TheWindowWatchesPosteriorsAndMeasuresTheRoundTrip()
+        {
+            using var daemon = new DaemonProcess();
+            SweepstakeManager manager = MakeConnected(daemon.Address);
+            using var watcher = new PosteriorWatcher();
+            Assert.That(watcher.IsRunning, Is.False, "it asks nothing unless it is asked to");
+            watcher.Start(manager.Config.daemon, manager.Config.project);
+            FramesUntil(() => watcher.Latest.Lines.Count > 0 && watcher.Latest.RoundTripMs > 0, "told the posteriors; " + watcher.Latest.Problem);
+            Assert.That(watcher.Latest.Lines.Select(line => line.Scene), Is.All.EqualTo("level"));
+            Assert.That(watcher.Latest.Lines.Select(line => line.Mean), Is.All.InRange(0, 1));
+            Assert.That(SweepstakeWindow.TextOf(watcher.Latest), Does.Contain("level").And.Contain("windows"));
+            daemon.Kill();
+            FramesUntil(() => watcher.Latest.Problem.Length > 0, "told that the daemon is gone");
+            Assert.That(watcher.Latest.Lines, Is.Not.Empty, "what was known stays");
+        }
+
+        private static SweepstakeManager MakeConnected(string address, string tokenFile = "")
+        {
+            SweepstakeManager manager = MakeManager(config =>
+            {
+                config.daemon.isUsed = true;
+                config.daemon.address = address;
+                config.daemon.tokenFile = tokenFile;
+                config.daemon.batchIntervalMs = 20;
+            });
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
+            return manager;
+        }
+    }
+}

@@ -1,0 +1,264 @@
+using System;
+using System.Collections.Generic;
+using System.IO;
+using System.Linq;
+using System.Reflection;
+using System.Text.RegularExpressions;
+using System.Xml.Linq;
+using NUnit.Framework;
+using Sweepstake.Editor;
+using Sweepstake.Unity;
+using UnityEditor;
+using UnityEngine;
+using UnityEngine.UIElements;
+
+namespace Sweepstake.Tests
+{
+    public sealed class EditorTest : Stage
+    {
+        private const BindingFlags All = BindingFlags.Instance | BindingFlags.Static | BindingFlags.NonPublic | BindingFlags.Public;
+
+        [Test]
+        public void AScaleIsRoundAndPassesOverGaps()
+        {
+            foreach ((float value, float max) in new[] { (0f, 1f), (0.04f, 0.05f), (1f, 1f), (1.01f, 2f), (16.7f, 20f), (60f, 100f), (2e9f, 2e9f) })
+                Assert.That(ChartScale.Of(SeriesOf(float.NaN, value, float.PositiveInfinity, -5)).Max, Is.EqualTo(max).Within(max * 1e-5), $"{value}");
+            Assert.That(ChartScale.Of(new Series()).IsEmpty, Is.True);
+            Assert.That(ChartScale.Of(SeriesOf(float.NaN)).IsEmpty, Is.True);
+            Assert.That(ChartScale.Of(SeriesOf(12)).Label("ms"), Is.EqualTo("20 ms"));
+            Assert.That(
+                ChartScale.Runs(SeriesOf(1, 2, float.NaN, 3, float.NaN, float.NaN, 4, 5)), Is.EqualTo(new[] { (0, 2), (3, 4), (6, 8) }));
+            Assert.That(ChartScale.Runs(SeriesOf(float.NaN, float.NaN)), Is.Empty);
+        }
+
+        [Test]
+        public void AFullSeriesForgetsTheOldest()
+        {
+            var series = new Series();
+            for (int value = 0; value < Series.Capacity + 5; ++value)
+                series.Add(value);
+            Assert.That(series.Count, Is.EqualTo(Series.Capacity));
+            Assert.That(series[0], Is.EqualTo(5));
+            Assert.That(series[Series.Capacity - 1], Is.EqualTo(Series.Capacity + 4));
+        }
+
+        [Test]
+        public void ChartsDrawWhateverTheSeriesHas()
+        {
+            Painter2D.BadPointCount = 0;
+            foreach (Series series in new[] { new Series(), SeriesOf(float.NaN), SeriesOf(1), SeriesOf(1, float.NaN, 2, float.PositiveInfinity), SeriesOf(0, 0, 0) })
+            {
+                new LineChart("Detection", "ms").Show(series);
+                var backends = new BackendChart();
+                backends.Name(new[] { "SAP", "DBVT" });
+                backends.Show(SeriesOf(0, 0, 1, 1, 0));
+            }
+            Assert.That(Painter2D.BadPointCount, Is.EqualTo(0));
+            Assert.That(Texts(new LineChart("Detection", "ms")), Has.Some.EqualTo("Detection (ms)").And.Some.Contains("60 s"), "the axes have units");
+        }
+
+        [Test]
+        public void TheWindowShowsAGameAndKeepsItWhenPlayModeEnds()
+        {
+            SweepstakeManager manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
+            var window = ScriptableObject.CreateInstance<SweepstakeWindow>();
+            Call(window, "CreateGUI");
+            for (int tick = 0; tick < 20; ++tick)
+            {
+                Frames(6);
+                Call(window, "Tick");
+            }
+            var history = (LiveHistory)window.GetType().GetField("history", All)!.GetValue(window);
+            Assert.That(history!.Pairs.Count, Is.EqualTo(20));
+            Assert.That(history.Fps[19], Is.EqualTo(60).Within(1));
+            Assert.That(history.Backends, Is.EqualTo(SweepstakeLibrary.Backends));
+            Assert.That(Texts(window.rootVisualElement), Has.Some.Contains("Offline (embedded)"));
+            Player.Stop();
+            Application.isPlaying = false;
+            Call(window, "Tick");
+            Application.isPlaying = true;
+            Assert.That(history.Pairs.Count, Is.EqualTo(20));
+            Assert.That(Texts(window.rootVisualElement), Has.Some.Contains("Enter play mode"));
+            Call(window, "OnDisable");
+        }
+
+        [Test]
+        public void TheInspectorShowsStateReasonAndWhatMayBeDone()
+        {
+            SweepstakeManager manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
+            Frames(3);
+            var inspector = ScriptableObject.CreateInstance<SweepstakeManagerEditor>();
+            inspector.target = manager;
+            VisualElement root = inspector.CreateInspectorGUI();
+            Assert.That(Texts(root), Has.Some.EqualTo("Offline (embedded)").And.Some.Contains("Decision: ").And.Some.EqualTo("Connect"));
+            Call(inspector, "ToggleConnection");
+            Assert.That(Texts(root), Has.Some.EqualTo("Disconnect"));
+            Call(inspector, "ToggleConnection");
+            Assert.That(Texts(root), Has.Some.EqualTo("Connect"));
+            Call(inspector, "Export");
+        }
+
+        [Test]
+        public void TheSetupSaysWhatIsMissingAndTheRemedy()
+        {
+            string[] libraries = { "Google.Protobuf.dll", "Grpc.Core.Api.dll", "Grpc.Net.Common.dll", "Grpc.Net.Client.dll", "Microsoft.Extensions.Logging.Abstractions.dll" };
+            AssertCheck(new SetupFacts(), "gRPC's libraries", SetupState.Optional, "Google.Protobuf.dll");
+            AssertCheck(new SetupFacts { PrecompiledAssemblies = libraries }, "gRPC's libraries", SetupState.Ok, "");
+            AssertCheck(new SetupFacts { PrecompiledAssemblies = libraries.Append("Google.Protobuf.dll").ToArray() }, "Duplicates", SetupState.Wrong, "Google.Protobuf.dll");
+            AssertCheck(new SetupFacts { HasGrpcDefine = true }, "SWEEPSTAKE_GRPC", SetupState.Wrong, "Remove it");
+            AssertCheck(new SetupFacts { HasGrpcDefine = true, PrecompiledAssemblies = libraries }, "SWEEPSTAKE_GRPC", SetupState.Ok, "");
+            AssertCheck(new SetupFacts(), "HTTP/2", SetupState.Optional, "com.cysharp.yetanotherhttphandler");
+            AssertCheck(new SetupFacts { HasHttpHandlerOfUnity = true }, "HTTP/2", SetupState.Ok, "");
+            AssertCheck(new SetupFacts { IsWebGl = true }, "Platform", SetupState.Wrong, "WebGL");
+            AssertCheck(new SetupFacts { LibraryProblem = new NativeLibraryException("It is gone.", "Put it back.") }, "Native library", SetupState.Wrong, "Put it back.");
+        }
+
+        [Test]
+        public void TheDefineIsSetOnlyWithItsLibrariesAndIsGoneAfterTheCleanup()
+        {
+            var window = ScriptableObject.CreateInstance<SetupWindow>();
+            Call(window, "CreateGUI");
+            PlayerSettings.SetScriptingDefineSymbols(default, "OTHER");
+            Call(window, "Define", true);
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(default), Is.EqualTo("OTHER"), "there are no libraries");
+            UnityEditor.Compilation.CompilationPipeline.Precompiled = SetupChecks.GrpcAssemblies;
+            Call(window, "Define", true);
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(default), Is.EqualTo("OTHER;SWEEPSTAKE_GRPC"));
+            Call(window, "CleanUp");
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(default), Is.EqualTo("OTHER"));
+            UnityEditor.Compilation.CompilationPipeline.Precompiled = Array.Empty<string>();
+        }
+
+        [Test]
+        public void TheSettingsPageIsFoundBySearchWords()
+        {
+            SettingsProvider page = SweepstakeSettingsProvider.Create();
+            Assert.That(page.settingsPath, Is.EqualTo("Project/Sweepstake"));
+            Assert.That(page.keywords, Does.Contain("broad phase").And.Contain("TLS").And.Contain("daemon"));
+            var root = new VisualElement();
+            page.activateHandler("", root);
+            Assert.That(root.Children(), Is.Not.Empty);
+        }
+
+        [Test]
+        public void MenusMakeAManagerATrackerAndADemoThatPlays()
+        {
+            DemoMenu.MakeManager(new MenuCommand(null));
+            Assert.That(Selection.activeGameObject.GetComponent<SweepstakeManager>(), Is.Not.Null);
+            DemoMenu.MakeTracker(new MenuCommand(null));
+            Assert.That(Selection.activeGameObject.GetComponent<ColliderTracker>(), Is.Not.Null);
+            DemoMenu.MakeDemoScene();
+            Frames(3);
+            var demo = Selection.activeGameObject.GetComponent<SweepstakeManager>();
+            Assert.That(demo.LastSample.ObjectCount, Is.EqualTo(3000));
+            Frames(30);
+            Assert.That(demo.GetComponent<SweepstakeHud>().Text, Does.Contain("3000 objects"));
+            Player.CallAll("OnGUI");
+        }
+
+        [Test]
+        public void TheLinkersFileIsWellFormedAndNamesAssembliesThatExist()
+        {
+            XElement linker = XElement.Parse(LinkerProcessor.Xml);
+            Assert.That(linker.Elements().Select(assembly => (string)assembly.Attribute("preserve")), Is.All.EqualTo("all"));
+            string[] ours = { "Sweepstake.Core", "Sweepstake.Protocol", "Google.Protobuf" };
+            Assert.That(linker.Elements().Select(assembly => (string)assembly.Attribute("fullname")), Is.EqualTo(ours));
+            Assert.That(ours.Select(Assembly.Load), Is.All.Not.Null);
+            string before = Directory.GetCurrentDirectory();
+            DirectoryInfo folder = Directory.CreateTempSubdirectory("sweepstake");
+            Directory.SetCurrentDirectory(folder.FullName);
+            try
+            {
+                Assert.That(File.ReadAllText(new LinkerProcessor().GenerateAdditionalLinkXmlFile(null, null)), Is.EqualTo(LinkerProcessor.Xml));
+            }
+            finally
+            {
+                Directory.SetCurrentDirectory(before);
+                folder.Delete(true);
+            }
+        }
+
+        [Test]
+        public void DrawersOfferTheLibrarysNamesAndKeepOthers()
+        {
+            Assert.That(new BackendNameDrawer().ChoicesFor("SAP"), Is.EqualTo(SweepstakeLibrary.Backends));
+            Assert.That(new BackendNameDrawer().ChoicesFor(""), Is.EqualTo(SweepstakeLibrary.Backends.Prepend("")));
+            Assert.That(new MotionSceneNameDrawer().ChoicesFor("level.aabbs"), Has.Exactly(1).EqualTo("level.aabbs"));
+            Assert.That(new MotionSceneNameDrawer().CreatePropertyGUI(new SerializedProperty { stringValue = "hurricane" }), Is.InstanceOf<DropdownField>());
+        }
+
+        [Test]
+        public void EachFieldOfTheInspectorHasATooltipAndEachComponentAPageThatExists()
+        {
+            foreach (Type type in Ours().Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) || typeof(SweepstakeConfig) == type || (type.Namespace == "Sweepstake.Unity" && type.Name.EndsWith("Settings"))))
+            {
+                foreach (FieldInfo field in type.GetFields(All).Where(IsOfInspector))
+                    Assert.That(field.GetCustomAttribute<TooltipAttribute>()?.tooltip, Does.EndWith("."), $"{type.Name}.{field.Name} has no tooltip");
+            }
+            string documents = Path.Combine(PackageFolder(), "Documentation~");
+            foreach (Type type in Ours().Where(type => type.Namespace != "Sweepstake.Samples" && typeof(MonoBehaviour).IsAssignableFrom(type) || typeof(EditorWindow).IsAssignableFrom(type) || type == typeof(SweepstakeConfig)))
+            {
+                var page = type.GetCustomAttribute<DocumentationPageAttribute>();
+                Assert.That(page, Is.Not.Null, $"{type.Name} has no page");
+                Assert.That(File.Exists(Path.Combine(documents, page!.Page)), Is.True, page.Page);
+                Assert.That(page.URL, Does.StartWith("file:///").And.EndsWith(page.Page));
+            }
+        }
+
+        [Test]
+        public void EachClassThatTheStyleSheetIsAskedForIsInIt()
+        {
+            string sheet = File.ReadAllText(Path.Combine(PackageFolder(), "Editor/Sweepstake.uss"));
+            foreach (string source in Directory.GetFiles(Path.Combine(PackageFolder(), "Editor"), "*.cs", SearchOption.AllDirectories))
+            {
+                foreach (Match used in Regex.Matches(File.ReadAllText(source), "\"(sweepstake-[a-z-]+[a-z])\""))
+                    Assert.That(sheet, Does.Contain("." + used.Groups[1].Value), source);
+            }
+            Assert.That(sheet, Does.Contain("var(--unity-colors-"), "the colours are the theme's");
+        }
+
+        private static IEnumerable<Type> Ours() => typeof(EditorTest).Assembly.GetTypes().Where(type =>
+            type.Namespace is "Sweepstake.Unity" or "Sweepstake.Editor" or "Sweepstake.Samples");
+
+        private static bool IsOfInspector(FieldInfo field) =>
+            !field.IsStatic && !field.IsInitOnly && (field.GetCustomAttribute<SerializeField>() != null || (field.IsPublic && !typeof(Delegate).IsAssignableFrom(field.FieldType)));
+
+        private static void AssertCheck(SetupFacts facts, string title, SetupState state, string text)
+        {
+            SetupCheck check = SetupChecks.Of(facts).Single(found => found.Title == title);
+            Assert.That(check.State, Is.EqualTo(state), check.Text);
+            Assert.That(check.Text, Does.Contain(text));
+        }
+
+        private static Series SeriesOf(params float[] values)
+        {
+            var series = new Series();
+            foreach (float value in values)
+                series.Add(value);
+            return series;
+        }
+
+        private static void Call(object owner, string method, params object[] arguments) => owner.GetType().GetMethod(method, All)!.Invoke(owner, arguments);
+
+        private static IEnumerable<string> Texts(VisualElement root)
+        {
+            foreach (VisualElement child in root.Children())
+            {
+                if (child is TextElement text)
+                    yield return text.text;
+                foreach (string below in Texts(child))
+                    yield return below;
+            }
+        }
+
+        internal static string PackageFolder()
+        {
+            DirectoryInfo folder = new DirectoryInfo(AppContext.BaseDirectory);
+            while (folder != null && !Directory.Exists(Path.Combine(folder.FullName, "unity_client/com.sweepstake.broadphase")))
+                folder = folder.Parent;
+            return Path.Combine(folder!.FullName, "unity_client/com.sweepstake.broadphase");
+        }
+    }
+}

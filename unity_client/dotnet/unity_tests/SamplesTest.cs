@@ -1,0 +1,225 @@
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.IO;
+using System.Linq;
+using NUnit.Framework;
+using Sweepstake.Samples;
+using Sweepstake.Unity;
+using UnityEngine;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>Each sample's component, played.</summary>
+    public sealed class SamplesTest : Stage
+    {
+        private string folder;
+
+        [SetUp]
+        public void MakeFolder()
+        {
+            folder = Directory.CreateTempSubdirectory("sweepstake").FullName;
+            Application.persistentDataPath = folder;
+        }
+
+        [TearDown]
+        public void RemoveFolder() => Directory.Delete(folder, true);
+
+        [Test]
+        public void TheQuickStartCountsItsPairs()
+        {
+            var sample = new GameObject("quick start").AddComponent<QuickStart>();
+            var tracker = sample.GetComponent<ColliderTracker>();
+            int open = 0;
+            tracker.PairBegan += _ => ++open;
+            tracker.PairEnded += _ => --open;
+            Frames(120);
+            var manager = sample.GetComponent<SweepstakeManager>();
+            Assert.That(tracker.Count, Is.EqualTo(300));
+            Assert.That(manager.LastSample.PairCount, Is.GreaterThan(0));
+            Assert.That(open, Is.EqualTo(tracker.Proxies.Pairs.Length));
+        }
+
+        [Test]
+        public void EachScenarioPlaysTenThousandBoxesAndDrawsEachOnce([Values(0, 1, 2, 3, 4)] int scenario)
+        {
+            var sample = new GameObject("five scenarios").AddComponent<FiveScenarios>();
+            var player = sample.GetComponent<ScenarioPlayer>();
+            player.Scenario = SweepstakeLibrary.Scenes[scenario];
+            Frames(2);
+            Graphics.InstanceCount = 0;
+            Frames(1);
+            Assert.That(Graphics.InstanceCount, Is.EqualTo(10_000));
+            Assert.That(sample.GetComponent<SweepstakeManager>().LastSample.ObjectCount, Is.EqualTo(10_000));
+        }
+
+        [Test]
+        public void TheSameSeedGivesTheSameBoxesWhateverTheFrameRate([Values(0, 1, 2, 3, 4)] int scenario)
+        {
+            ulong[] first = HashesOf(SweepstakeLibrary.Scenes[scenario], 7, 1 / 60f);
+            Assert.That(HashesOf(SweepstakeLibrary.Scenes[scenario], 7, 1 / 200f), Is.EqualTo(first));
+            Assert.That(HashesOf(SweepstakeLibrary.Scenes[scenario], 8, 1 / 60f), Is.Not.EqualTo(first));
+        }
+
+        [Test]
+        public void CountSpeedBoundsAndSeedChangeWhileItPlays()
+        {
+            var player = MakeManager().gameObject.AddComponent<ScenarioPlayer>();
+            var manager = player.GetComponent<SweepstakeManager>();
+            Frames(2);
+            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(3000));
+            player.ObjectCount = 100;
+            Frames(1);
+            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(100));
+            Assert.That(player.Step, Is.EqualTo(1), "it begins anew");
+            ulong hash = player.Hash;
+            foreach (Action change in new Action[] { () => player.Speed = 33, () => player.WorldHalfExtent = 12, () => player.Seed = 5, () => player.Scenario = "brownian" })
+            {
+                change();
+                Frames(1);
+                Assert.That(player.Hash, Is.Not.EqualTo(hash));
+                hash = player.Hash;
+            }
+            player.Scenario = "huricane";
+            Frames(2);
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Failed));
+            Assert.That(manager.Problem, Does.Contain("hurricane"));
+        }
+
+        [Test]
+        public void ManualVsAiGivesEachBackendItsTurnAndThenAi()
+        {
+            GameObject made = MakeManager().gameObject;
+            var sample = made.AddComponent<ManualVsAI>();
+            made.GetComponent<ScenarioPlayer>().ObjectCount = 50;
+            Set(sample, "secondsEach", 0.2f);
+            for (int frame = 0; frame < 500 && !sample.IsOver; ++frame)
+                Player.Frame();
+            Assert.That(sample.IsOver, Is.True);
+            string[] rows = sample.Table.TrimEnd().Split('\n');
+            Assert.That(
+                rows.Skip(1).Select(row => row.Split(',')[0]),
+                Is.EqualTo(SweepstakeLibrary.Backends.Where(backend => backend != "BruteForce").Append("AI Decides")));
+            Assert.That(rows.Skip(1).Select(row => int.Parse(row.Split(',')[1])), Is.All.GreaterThan(5));
+            Assert.That(Logged("AI Decides"), Has.Exactly(1).Items);
+        }
+
+        [Test]
+        public void JobsFindTheOraclesNeighbours()
+        {
+            var sample = new GameObject("jobs").AddComponent<JobBoids>();
+            Frames(30);
+            Aabb[] boxes = ((IEnumerable<Aabb>)Field(sample, "boxes")).ToArray();
+            int[] neighbours = ((IEnumerable<int>)Field(sample, "neighbours")).ToArray();
+            var expected = new int[boxes.Length];
+            for (int a = 0; a < boxes.Length; ++a)
+            {
+                for (int b = a + 1; b < boxes.Length; ++b)
+                {
+                    if (!boxes[a].Overlaps(boxes[b]))
+                        continue;
+                    ++expected[a];
+                    ++expected[b];
+                }
+            }
+            Assert.That(neighbours, Is.EqualTo(expected));
+            Assert.That(sample.TouchingCount, Is.EqualTo(expected.Count(count => count > 0)).And.GreaterThan(0));
+        }
+
+        [Test]
+        public void ARecordingIsWhatTheCommandLineMeasures()
+        {
+            GameObject made = MakeManager().gameObject;
+            made.AddComponent<ScenarioPlayer>().ObjectCount = 60;
+            var recorder = made.AddComponent<LevelRecorder>();
+            Frames(31);
+            recorder.enabled = false;
+            using var played = new MotionScene(recorder.FilePath);
+            using var original = new MotionScene("hurricane", Options(60));
+            for (int step = 0; step < 30; ++step)
+            {
+                original.Step();
+                Assert.That(played.Boxes.ToArray(), Is.EqualTo(original.Boxes.ToArray()));
+                played.Step();
+            }
+            string costs = Path.Combine(folder, "level.costs");
+            RunTool("trace", "--scene", recorder.FilePath, "--out", costs);
+            Assert.That(new FileInfo(costs).Length, Is.GreaterThan(0));
+            Assert.That(
+                RunTool("bench", "--scene", recorder.FilePath, "--frames", "20", "--warmup", "2", "--arms", "SAP", "--json"), Does.Contain("\"objects\": 60").Or.Contain("\"objects\":60"));
+        }
+
+        [Test]
+        public void ARecordingTakesCountsThatChangeAndBoxesThatAreBroken()
+        {
+            string path = Path.Combine(folder, "changing.aabbs");
+            var frames = new List<List<Aabb>>();
+            for (int frame = 0; frame < 10; ++frame)
+                frames.Add(Enumerable.Range(0, frame % 4 + 1).Select(index => new Aabb(index, 0, frame, index + 1, 1, frame + 1)).ToList());
+            frames[3][0] = new Aabb(float.NaN, 0, 0, 1, 1, 1);
+            using (var writer = new AabbsWriter(path, "level one\n"))
+            {
+                foreach (List<Aabb> frame in frames)
+                    writer.Write(frame);
+                Assert.That(File.Exists(path), Is.False, "the file appears when it is complete");
+                writer.Finish();
+            }
+            using var played = new MotionScene(path);
+            for (int frame = 0; frame < frames.Count; ++frame)
+            {
+                Aabb[] boxes = played.Boxes.ToArray();
+                Assert.That(boxes.Length, Is.EqualTo(frames[frame].Count));
+                Assert.That(boxes.Where(box => box.IsValid), Is.EqualTo(frames[frame].Where(box => box.IsValid)));
+                played.Step();
+            }
+            RunTool("check", "--scene", path);
+        }
+
+        [Test]
+        public void NothingToRecordIsSaidAndLeavesNoFile()
+        {
+            GameObject made = MakeManager().gameObject;
+            made.AddComponent<ColliderTracker>();
+            var recorder = made.AddComponent<LevelRecorder>();
+            Frames(3);
+            recorder.enabled = false;
+            Assert.That(Logged("nothing to record"), Has.Exactly(1).Items);
+            Assert.That(Directory.GetFiles(folder), Is.Empty);
+        }
+
+        private static ulong[] HashesOf(string scenario, uint seed, float frameSeconds)
+        {
+            var player = MakeManager().gameObject.AddComponent<ScenarioPlayer>();
+            player.Scenario = scenario;
+            player.ObjectCount = 100;
+            player.Seed = seed;
+            var hashes = new ulong[10];
+            while (player.Step < 10)
+            {
+                Player.Frame(frameSeconds);
+                hashes[player.Step - 1] = player.Hash;
+            }
+            UnityEngine.Object.DestroyImmediate(player.gameObject);
+            return hashes;
+        }
+
+        private static SceneOptions Options(uint objects)
+        {
+            SceneOptions options = SceneOptions.Default;
+            options.ObjectCount = objects;
+            return options;
+        }
+
+        private static object Field(object owner, string name) =>
+            owner.GetType().GetField(name, System.Reflection.BindingFlags.Instance | System.Reflection.BindingFlags.NonPublic)!.GetValue(owner);
+
+        private static string RunTool(params string[] arguments)
+        {
+            using Process process = Process.Start(new ProcessStartInfo(DaemonProcess.Program("sweepstake"), arguments) { RedirectStandardOutput = true });
+            string output = process!.StandardOutput.ReadToEnd();
+            process.WaitForExit();
+            Assert.That(process.ExitCode, Is.EqualTo(0), output);
+            return output;
+        }
+    }
+}
