@@ -1,6 +1,7 @@
 #nullable enable
 using System;
 using Sweepstake.Unity;
+using Unity.Profiling;
 using Unity.Profiling.Editor;
 
 namespace Sweepstake.Editor
@@ -21,6 +22,6 @@ namespace Sweepstake.Editor
         {
         }
 
-        private static ProfilerCounterDescriptor Counter(string name) => new ProfilerCounterDescriptor(name, SweepstakeProfiling.CategoryName);
+        private static ProfilerCounterDescriptor Counter(string name) => new ProfilerCounterDescriptor(name, ProfilerCategory.Scripts);
     }
 }

@@ -3,10 +3,12 @@ using Unity.Profiling;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>What the profiler shows: markers of the parts of a frame, and counters of each search. In a release player they cost nothing.</summary>
+    /// <summary>
+    /// What the profiler shows: markers of the parts of a frame, and counters of each search in the category of scripts. In a release player
+    /// they cost nothing.
+    /// </summary>
     public static class SweepstakeProfiling
     {
-        public const string CategoryName = "Sweepstake";
         public const string DetectionName = "Sweepstake Detection Time";
         public const string PairsName = "Sweepstake Pairs";
         public const string ObjectsName = "Sweepstake Objects";
@@ -17,7 +19,6 @@ namespace Sweepstake.Unity
         internal static readonly ProfilerMarker Boxes = new ProfilerMarker("Sweepstake.ReadBoxes");
         internal static readonly ProfilerMarker Events = new ProfilerMarker("Sweepstake.Events");
 
-        private static readonly ProfilerCategory Category = new ProfilerCategory(CategoryName);
         private static readonly ProfilerCounterValue<long> Detection = Counter(DetectionName, ProfilerMarkerDataUnit.TimeNanoseconds);
         private static readonly ProfilerCounterValue<long> Pairs = Counter(PairsName, ProfilerMarkerDataUnit.Count);
         private static readonly ProfilerCounterValue<long> Objects = Counter(ObjectsName, ProfilerMarkerDataUnit.Count);
@@ -34,6 +35,6 @@ namespace Sweepstake.Unity
         }
 
         private static ProfilerCounterValue<long> Counter(string name, ProfilerMarkerDataUnit unit) =>
-            new ProfilerCounterValue<long>(Category, name, unit, ProfilerCounterOptions.FlushOnEndOfFrame);
+            new ProfilerCounterValue<long>(ProfilerCategory.Scripts, name, unit, ProfilerCounterOptions.FlushOnEndOfFrame);
     }
 }

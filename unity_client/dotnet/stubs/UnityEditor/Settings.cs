@@ -170,7 +170,7 @@ namespace Unity.Profiling.Editor
 
     public readonly struct ProfilerCounterDescriptor
     {
-        public ProfilerCounterDescriptor(string name, string categoryName)
+        public ProfilerCounterDescriptor(string name, ProfilerCategory category)
         {
             Name = name;
         }

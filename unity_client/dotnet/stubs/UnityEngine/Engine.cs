@@ -56,6 +56,15 @@ namespace UnityEngine
     {
         private static readonly HashSet<(int, int)> Ignored = new HashSet<(int, int)>();
 
+        internal static List<Collider> Colliders { get; } = new List<Collider>();
+
+        /// <summary>Until then bounds are where the collider was.</summary>
+        public static void SyncTransforms()
+        {
+            for (int index = 0; index < Colliders.Count; ++index)
+                Colliders[index].Position = Colliders[index].transform.position;
+        }
+
         public static bool GetIgnoreLayerCollision(int layer1, int layer2) => Ignored.Contains((layer1, layer2));
 
         public static void IgnoreLayerCollision(int layer1, int layer2, bool ignore)
@@ -74,8 +83,11 @@ namespace UnityEngine
     {
         public bool enabled { get; set; } = true;
         public bool isTrigger { get; set; }
-        public Bounds bounds => enabled && gameObject.activeInHierarchy ? new Bounds(transform.position, Size) : default;
+        public Bounds bounds => enabled && gameObject.activeInHierarchy ? new Bounds(Position, Size) : default;
+        internal Vector3 Position { get; set; }
         internal virtual Vector3 Size => Vector3.one;
+
+        internal override void OnDestroyed() => Physics.Colliders.Remove(this);
     }
 
     public class BoxCollider : Collider

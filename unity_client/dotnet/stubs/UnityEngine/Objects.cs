@@ -144,6 +144,11 @@ namespace UnityEngine
             components.Add(added);
             if (added is MonoBehaviour behaviour)
                 Player.Add(behaviour);
+            if (added is Collider collider)
+            {
+                collider.Position = transform.position;
+                Physics.Colliders.Add(collider);
+            }
             return added;
         }
 

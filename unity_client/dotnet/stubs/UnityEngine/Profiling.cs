@@ -12,9 +12,7 @@ namespace Unity.Profiling
 
     public readonly struct ProfilerCategory
     {
-        public ProfilerCategory(string categoryName)
-        {
-        }
+        public static ProfilerCategory Scripts => default;
     }
 
     public struct ProfilerMarker

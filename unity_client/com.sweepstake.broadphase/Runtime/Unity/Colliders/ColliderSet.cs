@@ -100,9 +100,10 @@ namespace Sweepstake.Unity
                 Proxies.SetFilter(handles[slot], filters.Of(layers[slot]));
         }
 
-        /// <summary>Reads the boxes of this frame.</summary>
+        /// <summary>Reads the boxes of this frame. PhysX learns first where the transforms are: otherwise boxes are those of its latest step.</summary>
         internal void ReadBoxes()
         {
+            Physics.SyncTransforms();
             for (int slot = 0; slot < movingCount;)
             {
                 Collider collider = colliders[slot]!;

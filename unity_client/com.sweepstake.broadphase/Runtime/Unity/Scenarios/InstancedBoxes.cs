@@ -29,6 +29,7 @@ namespace Sweepstake.Unity
             Material ofPipeline = cube.GetComponent<Renderer>().sharedMaterial;
             resting = Copy(ofPipeline, Resting);
             touching = Copy(ofPipeline, Touching);
+            cube.SetActive(false);
             UnityEngine.Object.Destroy(cube);
         }
 
