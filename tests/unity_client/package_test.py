@@ -39,7 +39,7 @@ PRIVACY_FIELD = re.compile(r"^\| `(\w+\.\w+)` \|", re.MULTILINE)
 # What a game sends, and what the editor's window asks.
 SENT_MESSAGES = ("StreamTelemetryRequest", "WatchPosteriorsRequest", "ListPosteriorsRequest")
 POINTS = 47
-POINT = re.compile(r"^\| (\d+) \| ([^|]+) \| ([^|]*) \| ([^|]*) \|$", re.MULTILINE)
+POINT = re.compile(r"^\| (\d+) \|([^|]+)\|([^|]*)\|([^|]*)\|$", re.MULTILINE)
 TEST_NAME = re.compile(r"`(\w+Test)(?:\.(\w+))?`")
 STEP = re.compile(r"^- \*\*([A-Z])\*\*", re.MULTILINE)
 SCENE_SCRIPT = re.compile(r"m_Script: \{fileID: 11500000, guid: (\w+), type: 3\}")
@@ -207,7 +207,7 @@ BAD = [
     (lambda p: edit(p, "Documentation~/proven.md", "| 7 |", "| 77 |"), "the points 1 to 47"),
     (lambda p: edit(p, "Documentation~/proven.md", "`SecurityTest`", "`InsecurityTest`"), "the test InsecurityTest. does not exist"),
     (lambda p: edit(p, "Documentation~/proven.md", "- **G**", "- **X**"), "the steps G do not exist"),
-    (lambda p: edit(p, "Documentation~/proven.md", " | G |", " | |"), "point 25 is proven by nothing"),
+    (lambda p: edit(p, "Documentation~/proven.md", "| G |", "| |"), "point 25 is proven by nothing"),
     (lambda p: edit(p, "Documentation~/index.md", "## Quick start\n", "## Quick start\n\n1. a\n2. b\n"), "at most 6 steps"),
     (lambda p: edit(p, "Documentation~/privacy.md", "| `ListPosteriorsRequest.page_size` |", "| |"), "`ListPosteriorsRequest.page_size` is sent, and not told"),
     (lambda p: (p / "README.md.meta").unlink(), "README.md.meta is missing"),

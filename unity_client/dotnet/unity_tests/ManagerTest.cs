@@ -87,6 +87,24 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void WhatIsSetInTheInspectorHoldsWhileTheGamePlays()
+        {
+            SweepstakeManager manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
+            Frames(2);
+            Set(manager, "mode", SessionMode.Manual);
+            Set(manager, "backend", "Tracy");
+            Player.CallAll("OnValidate");
+            Frames(2);
+            Assert.That((manager.Mode, manager.ActiveBackend), Is.EqualTo((SessionMode.Manual, "Tracy")));
+            Set(manager, "backend", "Quadtree");
+            Player.CallAll("OnValidate");
+            Frames(2);
+            Assert.That(Logged("Quadtree"), Has.Exactly(1).Items);
+            Assert.That(manager.ActiveBackend, Is.EqualTo("Tracy"));
+        }
+
+        [Test]
         public void CooldownAndSettlingHoldAndAreShown()
         {
             SweepstakeManager manager = MakeManager(config =>
@@ -95,11 +113,15 @@ namespace Sweepstake.Tests
                 config.decisions.cooldownSeconds = 1000;
                 config.decisions.settlingSeconds = 1000;
                 config.decisions.policy = "paper";
+                config.search.backends = new[] { "SAP", "KDTree" };
             });
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 100;
             FramesUntil(() => manager.Session.SwitchEpoch > 0, "switched");
             FramesUntil(() => manager.LastDecision.Outcome is DecisionOutcome.HeldSettling or DecisionOutcome.HeldCooldown, "held");
-            Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(1));
+            uint epoch = manager.Session.SwitchEpoch;
+            ulong decided = manager.LastDecision.DecisionId;
+            FramesUntil(() => manager.LastDecision.DecisionId > decided + 5, "decided");
+            Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(epoch));
             var text = new System.Text.StringBuilder();
             StatusText.Append(text, manager, 60);
             Assert.That(text.ToString(), Does.Contain("held: "));

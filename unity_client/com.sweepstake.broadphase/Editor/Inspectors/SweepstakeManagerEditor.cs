@@ -24,7 +24,6 @@ namespace Sweepstake.Editor
         private Label decision = new Label();
         private HelpBox problem = new HelpBox();
         private VisualElement live = new VisualElement();
-        private DropdownField mode = new DropdownField();
         private DropdownField backend = new DropdownField();
         private Button connection = new Button();
 
@@ -47,15 +46,13 @@ namespace Sweepstake.Editor
         private VisualElement MakeLive()
         {
             live = new VisualElement();
-            mode = new DropdownField("Mode now", new List<string> { "AI Decides", "Manual" }, 0) { tooltip = "Until the end of play mode. Manual is never overruled." };
-            mode.RegisterValueChangedCallback(changed => Manager.Mode = changed.newValue == "Manual" ? SessionMode.Manual : SessionMode.Ai);
             backend = new DropdownField("Backend now", new List<string>(), -1) { tooltip = "From the next frame on. In AI Decides the decider may change it again." };
             backend.RegisterValueChangedCallback(changed => Select(changed.newValue));
             decision = new Label();
             decision.AddToClassList("sweepstake-text");
             connection = new Button(ToggleConnection);
             var export = new Button(Export) { text = "Export Priors…", tooltip = "What the game has learnt, for the config's 'Priors' or for `sweepstake priors import`." };
-            foreach (VisualElement part in new VisualElement[] { mode, backend, decision, connection, export })
+            foreach (VisualElement part in new VisualElement[] { backend, decision, connection, export })
                 live.Add(part);
             return live;
         }
@@ -77,7 +74,6 @@ namespace Sweepstake.Editor
 
         private void RefreshLive()
         {
-            mode.SetValueWithoutNotify(Manager.Mode == SessionMode.Manual ? "Manual" : "AI Decides");
             backend.choices = new List<string>(Manager.Backends);
             backend.SetValueWithoutNotify(Manager.ActiveBackend);
             text.Clear();

@@ -148,9 +148,10 @@ namespace Sweepstake.Unity
         /// <summary>Ends the native side of every manager, and of whatever else the process has of it. May be called at any time between frames.</summary>
         public static void Shutdown()
         {
+            // All at once, so that it is bounded whatever their number; what each has left then ends at once.
+            SweepstakeLibrary.Shutdown();
             foreach (SweepstakeManager manager in EnabledManagers)
                 manager.End();
-            SweepstakeLibrary.Shutdown();
         }
 
         private void OnEnable()
@@ -171,6 +172,16 @@ namespace Sweepstake.Unity
         {
             if (defaults != null)
                 Destroy(defaults);
+        }
+
+        /// <summary>What is set in the inspector while the game plays holds from the next frame on.</summary>
+        private void OnValidate()
+        {
+            if (host == null)
+                return;
+            host.Session.Mode = mode;
+            if (mode == SessionMode.Manual && backend.Length > 0)
+                Guarded(() => host!.Session.SelectArm(backend));
         }
 
         private void OnApplicationPause(bool isPaused) => flagger.IsPaused = isPaused;
