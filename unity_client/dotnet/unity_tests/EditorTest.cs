@@ -208,6 +208,25 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void EachMenuThatTheDocumentsNameExists()
+        {
+            var menus = Ours().SelectMany(type => type.GetMethods(All)).SelectMany(method => method.GetCustomAttributes<MenuItem>()).Select(menu => menu.menuItem).ToList();
+            menus.Add("Project Settings/Sweepstake");
+            int found = 0;
+            foreach (string document in Directory.GetFiles(Path.Combine(PackageFolder(), "Documentation~"), "*.md"))
+            {
+                string text = Regex.Replace(File.ReadAllText(document), @"\s+", " ");
+                foreach (Match named in Regex.Matches(text, @"\*((?:Window|GameObject|Project Settings) > Sweepstake[^*]*)\*"))
+                {
+                    string path = named.Groups[1].Value.Replace(" > ", "/");
+                    Assert.That(menus.Exists(menu => path == menu || path.StartsWith(menu + "/")), Is.True, $"{Path.GetFileName(document)}: {path}");
+                    ++found;
+                }
+            }
+            Assert.That(found, Is.GreaterThan(10));
+        }
+
+        [Test]
         public void EachClassThatTheStyleSheetIsAskedForIsInIt()
         {
             string sheet = File.ReadAllText(Path.Combine(PackageFolder(), "Editor/Sweepstake.uss"));

@@ -128,7 +128,7 @@ namespace Sweepstake.Unity
         [Tooltip("Frames per second below which even the best backend is not good enough. The verdict is Degraded then.")]
         [Range(0, 1000)]
         public float fpsFloor = 30;
-        [Tooltip("What earlier runs have learnt, as the inspector's Export or `sweepstake priors export` writes it, with the extension .bytes. None: it starts from nothing.")]
+        [Tooltip("What earlier runs have learnt, as 'Export Priors' of the inspector or `sweepstake priors export` writes it, with the extension .bytes. None: it starts from nothing.")]
         public TextAsset? priors;
     }
 
