@@ -20,12 +20,12 @@ namespace Sweepstake.Editor
         private const long RefreshMs = 200;
 
         private readonly StringBuilder text = new StringBuilder();
-        private StatusChip chip = new StatusChip();
-        private Label decision = new Label();
-        private HelpBox problem = new HelpBox();
-        private VisualElement live = new VisualElement();
-        private DropdownField backend = new DropdownField();
-        private Button connection = new Button();
+        private StatusChip chip = null!;
+        private Label decision = null!;
+        private HelpBox problem = null!;
+        private VisualElement live = null!;
+        private DropdownField backend = null!;
+        private Button connection = null!;
 
         public override VisualElement CreateInspectorGUI()
         {

@@ -15,7 +15,7 @@ namespace Sweepstake.Editor
     [DocumentationPage("setup.md")]
     internal sealed class SetupWindow : EditorWindow
     {
-        private readonly VisualElement checks = new VisualElement();
+        private VisualElement? checks;
 
         [MenuItem(PackagePaths.MenuRoot + "Setup", priority = 2)]
         internal static void Open()
@@ -33,6 +33,7 @@ namespace Sweepstake.Editor
             var scroll = new ScrollView();
             PackagePaths.AddStyle(scroll);
             rootVisualElement.Add(scroll);
+            checks = new VisualElement();
             scroll.Add(checks);
             var buttons = new VisualElement();
             buttons.AddToClassList("sweepstake-row");
@@ -49,6 +50,8 @@ namespace Sweepstake.Editor
 
         private void Refresh()
         {
+            if (checks == null)
+                return;
             checks.Clear();
             foreach (SetupCheck check in SetupChecks.Of(Facts()))
             {

@@ -21,15 +21,16 @@ namespace Sweepstake.Editor
 
         private readonly PosteriorWatcher watcher = new PosteriorWatcher();
         private readonly StringBuilder text = new StringBuilder();
-        private StatusChip chip = new StatusChip();
-        private Label status = new Label();
-        private Label posteriors = new Label();
-        private Button watch = new Button();
-        private LineChart fps = new LineChart("", "");
-        private LineChart detection = new LineChart("", "");
-        private LineChart pairs = new LineChart("", "");
-        private LineChart roundTrip = new LineChart("", "");
-        private BackendChart backend = new BackendChart();
+        // Elements are made by CreateGUI: Unity allows little in the constructor of a window.
+        private StatusChip chip = null!;
+        private Label status = null!;
+        private Label posteriors = null!;
+        private Button watch = null!;
+        private LineChart fps = null!;
+        private LineChart detection = null!;
+        private LineChart pairs = null!;
+        private LineChart roundTrip = null!;
+        private BackendChart backend = null!;
         private int lastFrame;
         private float lastSeconds;
         private bool wasPlaying;

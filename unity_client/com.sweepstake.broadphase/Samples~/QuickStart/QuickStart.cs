@@ -83,9 +83,10 @@ namespace Sweepstake.Samples
                 made.transform.SetParent(parent, false);
                 made.transform.position = reach * Direction(random);
                 velocity = speed * Direction(random);
-                Collider = made.GetComponent<Collider>();
+                // Each by its own type, so that code stripping leaves a sphere what it is made of.
+                Collider = made.GetComponent<SphereCollider>();
                 Collider.isTrigger = true;
-                material = made.GetComponent<Renderer>().material;
+                material = made.GetComponent<MeshRenderer>().material;
                 Show();
             }
 

@@ -26,9 +26,11 @@ namespace Sweepstake.Unity
         {
             GameObject cube = GameObject.CreatePrimitive(PrimitiveType.Cube);
             mesh = cube.GetComponent<MeshFilter>().sharedMesh;
-            Material ofPipeline = cube.GetComponent<Renderer>().sharedMaterial;
+            Material ofPipeline = cube.GetComponent<MeshRenderer>().sharedMaterial;
             resting = Copy(ofPipeline, Resting);
             touching = Copy(ofPipeline, Touching);
+            // Also named so that code stripping leaves a cube what it is made of.
+            cube.GetComponent<BoxCollider>().enabled = false;
             cube.SetActive(false);
             UnityEngine.Object.Destroy(cube);
         }
