@@ -240,11 +240,11 @@ TEST_F(ConfigTest, PlainTextOffLoopbackMustBeAskedFor) {
 
 TEST_F(ConfigTest, HttpHasTheNamesOfItsAddressAndThoseThatAreListed) {
   const auto config = FromFile(
-      "http = 'LocalHost:7434'\ninsecure = true\n"
-      "http_hosts = ' dash.example.com,B_1 ,, [2001:db8::1]'\n");
+      "insecure = true\nhttp = 'Build-Server:7434'\nhttp_hosts = ' dash.example.com,B_1 ,, "
+      "[2001:db8::1]'\n");
   ASSERT_TRUE(config.ok()) << config.status();
   EXPECT_THAT(HttpHosts(*config),
-              ::testing::ElementsAre("[2001:db8::1]", "b_1", "dash.example.com", "localhost"));
+              ::testing::ElementsAre("[2001:db8::1]", "b_1", "build-server", "dash.example.com"));
   EXPECT_TRUE(HttpHosts({}).empty());
   for (const char* wrong : {"https://dash", "dash:80", "a b", "*", "2001:db8::1", "a/"}) {
     EXPECT_THAT(Error(std::string("http_hosts = '") + wrong + "'\n"),

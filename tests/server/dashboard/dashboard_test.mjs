@@ -96,7 +96,7 @@ async function checkHostileNames(page) {
 
 // What a game sends is on the page within a second of the API having it.
 async function checkLive(page, daemon) {
-  const game = new Game(sweepstake, daemon, 'arcade', 'late', { duration: '60s' });
+  const game = new Game(sweepstake, daemon, 'arcade', 'late', { duration: '1h' });
   const find = async () => (await daemon.call('PosteriorsService/ListPosteriors')).scenes?.find(({ scene, activeSessionCount }) => scene === 'late' && activeSessionCount === 1);
   await until('the API knows the new scene', find);
   const start = Date.now();
@@ -113,7 +113,7 @@ async function checkRowsStay(page, daemon) {
   await page.locator('section[aria-labelledby=scenes-heading] thead').getByRole('button', { name: 'Changed' }).click();
   const before = await names();
   await page.locator('section[aria-labelledby=scenes-heading] tbody tr').first().hover();
-  const game = new Game(sweepstake, daemon, 'arcade', 'a new one', { duration: '60s' });
+  const game = new Game(sweepstake, daemon, 'arcade', 'a new one', { duration: '1h' });
   await until('the new row is there', async () => (await names()).length > before.length);
   assert.deepEqual((await names()).slice(0, before.length), before, 'rows moved under the pointer');
   await page.keyboard.press('/');
