@@ -466,13 +466,11 @@ TEST_F(AccessTest, ForWhomTheHttpSideCallsIsTakenFromItAlone) {
       << "over a connection it counts for nothing";
   std::shared_ptr<grpc::Channel> in_process;
   ASSERT_TRUE(server_->in_process()->Use([&](const auto& channel) { in_process = channel; }));
-  clock_.Advance(RefusalLog::kIntervalNs);  // The log has one line of a reason.
   for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i)
     EXPECT_EQ(list(in_process, "ipv4:192.0.2.7:1"), v1::ERROR_REASON_TOKEN_REFUSED);
   EXPECT_EQ(list(in_process, "ipv4:192.0.2.7:2"), v1::ERROR_REASON_TOO_MANY_FAILURES);
   EXPECT_EQ(list(in_process, "ipv4:192.0.2.8:1"), v1::ERROR_REASON_TOKEN_REFUSED)
       << "others have a count of their own";
-  EXPECT_THAT(logged_->text(), HasSubstr("192.0.2.7"));
   EXPECT_THAT(logged_->text(), ::testing::Not(HasSubstr("192.0.2.99")));
 }
 

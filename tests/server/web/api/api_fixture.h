@@ -80,7 +80,8 @@ class ApiTest : public rpc::RpcTest {
 
   Config config_;
   web::HttpLimits limits_{.patience = std::chrono::minutes(10)};
-  web::EventLimits event_limits_;
+  // With comments in between a test would wait for what never comes.
+  web::EventLimits event_limits_{.heartbeat = std::chrono::minutes(10)};
   const std::shared_ptr<web::EventCounters> events_ = std::make_shared<web::EventCounters>();
   std::unique_ptr<web::HttpServer> http_;
   uint64_t learnt_ = 0;

@@ -43,12 +43,14 @@ export function linearTicks(low: number, high: number, count: number): number[] 
   return ticks;
 }
 
-/** Returns values of 1, 2 and 5 times powers of ten within [low, high], at most some `count`; linear ones where they are close. */
+/** Returns values of 1, 2 and 5 times powers of ten within [low, high], at most some `count`, of many powers every few; linear ones where they are close. */
 export function logTicks(low: number, high: number, count: number): number[] {
   if (high / low < 5) return linearTicks(low, high, count);
   const all: number[] = [];
   for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); ++power) all.push(...[1, 2, 5].map((factor) => factor * 10 ** power));
   const within = all.filter((value) => value >= low && value <= high);
   const powersOnly = within.filter((value) => Math.abs(Math.log10(value) % 1) < 1e-9);
-  return within.length <= count || powersOnly.length < 2 ? within : powersOnly;
+  if (within.length <= count || powersOnly.length < 2) return within;
+  const step = Math.ceil(powersOnly.length / Math.max(count, 1));
+  return powersOnly.filter((_, i) => i % step === 0);
 }
