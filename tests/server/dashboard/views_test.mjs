@@ -203,7 +203,7 @@ async function checkRoles(context) {
   const page = await openPage(context, daemon.origin);
   await page.getByLabel('Token').fill(watcher);
   await page.getByRole('button', { name: 'Log in' }).click();
-  await page.getByRole('link', { name: 'arena' }).click();
+  await page.getByRole('link', { name: 'arena', exact: true }).click();
   await page.getByRole('region', { name: 'Sessions' }).locator('tbody a').first().click();
   await page.getByText('Orders need the role operator; yours is watch.').waitFor();
   assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0);
