@@ -19,7 +19,6 @@ using boost::asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr int kBadRequest = 400;
-constexpr int kMethodNotAllowed = 405;
 constexpr int kLengthRequired = 411;
 constexpr int kPayloadTooLarge = 413;
 constexpr int kHeaderTooLarge = 431;
