@@ -11,6 +11,13 @@ constexpr double kNewVariance = 0.3 * 0.3;  // by which a new regime widens the 
 constexpr double kTickWeight = 1.0 / 12;    // of the latest tick in shares and rates
 constexpr double kMaxChangeRate = 0.4;
 
+template <typename Weights>
+double TotalOf(const Weights& weights) {
+  double sum = 0;
+  for (const double weight : weights) sum += weight;
+  return sum;
+}
+
 }  // namespace
 
 bool RegimeBeliefs::Observe(const SceneDescriptor& descriptor) {
@@ -30,37 +37,28 @@ bool RegimeBeliefs::Observe(const SceneDescriptor& descriptor) {
   return changed || mixed || mixes_;
 }
 
-RegimeBeliefs::Weights RegimeBeliefs::CostShares(uint32_t arm) const {
-  Weights shares{};
-  double sum = 0;
-  for (uint32_t regime = 0; regime < filters_.size(); ++regime) {
-    shares[regime] = tick_shares_[regime] * math::Exp(filters_[regime].LogCost(arm).mean);
-    sum += shares[regime];
-  }
-  for (double& share : shares) share /= sum;
-  return shares;
+RegimeBeliefs::Weights RegimeBeliefs::CostsOf(uint32_t arm) const {
+  Weights costs{};
+  for (uint32_t regime = 0; regime < filters_.size(); ++regime)
+    costs[regime] = tick_shares_[regime] * math::Exp(filters_[regime].LogCost(arm).mean);
+  return costs;
 }
 
 NormalBelief RegimeBeliefs::LogCost(uint32_t arm) const {
   if (!mixes_) return filter().LogCost(arm);
-  double cost = 0;
-  double ticks = 0;
-  for (uint32_t regime = 0; regime < filters_.size(); ++regime) {
-    cost += tick_shares_[regime] * math::Exp(filters_[regime].LogCost(arm).mean);
-    ticks += tick_shares_[regime];
-  }
-  return {.mean = math::Log(cost / ticks), .variance = Covariance(arm, arm)};
+  return {.mean = math::Log(TotalOf(CostsOf(arm)) / TotalOf(tick_shares_)),
+          .variance = Covariance(arm, arm)};
 }
 
-// Regimes are believed to be independent.
+// Each regime counts by its share in the arms' costs. Regimes are believed to be independent.
 double RegimeBeliefs::Covariance(uint32_t a, uint32_t b) const {
   if (!mixes_) return filter().Covariance(a, b);
-  const Weights of_a = CostShares(a);
-  const Weights of_b = CostShares(b);
+  const Weights of_a = CostsOf(a);
+  const Weights of_b = CostsOf(b);
   double covariance = 0;
   for (uint32_t regime = 0; regime < filters_.size(); ++regime)
     covariance += of_a[regime] * of_b[regime] * filters_[regime].Covariance(a, b);
-  return covariance;
+  return covariance / (TotalOf(of_a) * TotalOf(of_b));
 }
 
 NormalBelief RegimeBeliefs::Difference(uint32_t a, uint32_t b) const {

@@ -42,8 +42,8 @@ class RegimeBeliefs {
  private:
   using Weights = std::array<double, RegimeMemory::kMaxRegimes>;
 
-  // The shares that the regimes have in the arm's mean cost.
-  Weights CostShares(uint32_t arm) const;
+  // What the arm costs in each regime, times the ticks that it has had.
+  Weights CostsOf(uint32_t arm) const;
 
   RegimeMemory memory_;
   std::vector<RelativeCostFilter> filters_;  // of each regime
