@@ -1,5 +1,5 @@
 // One colour and one symbol per algorithm, the same in every chart of every report. The colours
-// can be told apart with any colour vision; report.css holds them for both themes.
+// can be told apart with any colour vision; colours.css holds them for both themes.
 export const FAMILIES = ['BruteForce', 'Grid', 'SAP', 'AxisSweep', 'DBVT', 'Tracy', 'KDTree'];
 const SYMBOLS = ['circle', 'square', 'triangle', 'diamond', 'hexagon', 'star', 'cross'] as const;
 const TITLES: Record<string, string> = {

@@ -180,7 +180,7 @@ async function checkDecisions(page, daemon, { sessionId }) {
   const all = await rowsOf(page, 'Rows');
   assert.ok(all.length > 5 && all.every((row) => row['In words'].length > 10));
   await page.getByLabel('Kind').selectOption('order');
-  await until('orders only', async () => { const rows = await rowsOf(page, 'Rows'); return rows.length === 2 && rows.every(({ Kind }) => Kind.includes('order')); });
+  await until('orders only', async () => { const rows = await rowsOf(page, 'Rows'); return rows.length === 2 && rows.every(({ Kind }) => Kind?.includes('order')); });
   assert.match((await rowsOf(page, 'Rows')).map((row) => row['In words']).join(' '), /keep to SAP.*let the daemon decide|let the daemon decide.*keep to SAP/);
   await page.goBack();
   await page.getByRole('region', { name: 'Rows' }).locator('tbody th a').first().click();
