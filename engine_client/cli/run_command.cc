@@ -320,7 +320,7 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--mode", options.mode, "ai: the decider chooses; manual: --arm stays")
       ->check(OneOf(kModes))
       ->capture_default_str();
-  command.add_option("--arm", options.arm, "Arm to start with (default: the first)");
+  command.add_option("--arm", options.arm, "Arm to start with (default: KDTree)");
   AddDaemonOptions(command, options.daemon)->required(false);
   command.add_flag("--embedded", options.embedded, "Decide in this process, without a daemon");
   command.add_option("--priors", options.priors, "Priors file for --embedded");

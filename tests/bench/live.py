@@ -294,10 +294,11 @@ def text(document):
 
 
 def add_game_options(parser, seconds, rounds=None, near=None):
-    """What the commands that play live games have in common; rounds and near are for those that compare."""
+    """What the commands that play live games have in common; rounds are for those that compare, near for those that ask which arms."""
     if rounds is not None:
         parser.add_argument("--policy", default="default", help="(default: %(default)s)")
         parser.add_argument("--rounds", type=int, default=rounds, help="(default: %(default)s)")
+    if near is not None:
         parser.add_argument("--near", type=float, default=near, metavar="RATIO",
                             help="a fixed arm takes part if a short game's median frame, without other work, is within this of the best "
                             "(default: %(default)s)")

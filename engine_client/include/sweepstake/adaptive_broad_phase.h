@@ -78,7 +78,8 @@ Clock& SteadyClock();
 struct AdaptiveOptions {
   // Unique names from BroadPhaseNames(), at most 32. Empty: all.
   std::vector<std::string> arms = {};
-  std::string initial_arm = {};  // empty: the first
+  // Empty: the first of `arms`, or KDTree, seldom far from the best, if those are all.
+  std::string initial_arm = {};
   Mode mode = Mode::kAi;
   // A longer frame is flagged (paper §4), and whether it is a bail-out says the decider. Without
   // one, and where it would end an operator's order, it is if its arm is to blame: at least half of

@@ -66,7 +66,7 @@ typedef struct swp_session_options {
   swp_mode mode;
   const char* arms;        /* names of backends, each once, at most 32, for example "SAP,DBVT"; NULL
                               or "": all */
-  const char* initial_arm; /* NULL or "": the first */
+  const char* initial_arm; /* NULL or "": the first of `arms`, or KDTree if those are NULL or "" */
   uint64_t bail_out_ns;    /* a longer frame is flagged, and the decider says whether it is a
                               bail-out; without one, and for an operator's order, it is where its
                               arm is to blame: detection took at least half of it, and it was
@@ -197,8 +197,8 @@ typedef struct swp_decision {
   double best_probability[32]; /* of each arm to be the best; all 0: nothing is known */
 } swp_decision;
 
-/* Fills in the defaults: all arms, the first one first, SWP_MODE_AI, a bail-out limit of 5 s, 2 s
- * of settling, 4,096 samples, the calling thread alone, and no shadow lane. */
+/* Fills in the defaults: all arms, KDTree at first, SWP_MODE_AI, a bail-out limit of 5 s, 2 s of
+ * settling, 4,096 samples, the calling thread alone, and no shadow lane. */
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
 /* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends; SWP_RESOURCE_EXHAUSTED if

@@ -484,6 +484,16 @@ TEST(AdaptiveBroadPhaseCreate, RefusesRepeatedArmsBadLimitsAndAnUnknownInitialAr
   EXPECT_EQ(code(options), StatusCode::kNotFound);
 }
 
+TEST(AdaptiveBroadPhaseCreate, BeginsWithKdTreeOrWithTheFirstOfTheArmsThatAreNamed) {
+  const auto initial = [](const AdaptiveOptions& options) {
+    const auto adaptive = AdaptiveBroadPhase::Create(options, nullptr);
+    return adaptive.ok() ? (*adaptive)->arms()[(*adaptive)->active_arm()] : "";
+  };
+  EXPECT_EQ(initial({}), "KDTree");
+  EXPECT_EQ(initial({.initial_arm = "Grid"}), "Grid");
+  EXPECT_EQ(initial(OptionsOf({"SAP", "KDTree"})), "SAP");
+}
+
 TEST(AdaptiveBroadPhaseCreate, WorksWithoutASinkOnTheRealClock) {
   auto adaptive = AdaptiveBroadPhase::Create(OptionsOf({"BruteForce"}), nullptr);
   ASSERT_TRUE(adaptive.ok());
