@@ -58,7 +58,8 @@ ScriptedGame::ScriptedGame(const std::string& address, SessionOptions options, A
     : costs_ms_(std::move(costs_ms)),
       clock_(std::make_unique<ScriptedClock>()),
       session_(Must(MakeDaemonSession(address, options))),
-      adaptive_(Must(AdaptiveBroadPhase::Create({}, &session_->sink(), *clock_))) {
+      adaptive_(Must(
+          AdaptiveBroadPhase::Create({.initial_arm = "BruteForce"}, &session_->sink(), *clock_))) {
   const auto scene = Must(MakeScene("brownian", SceneOptions{.object_count = 16}));
   boxes_.assign(scene->aabbs().begin(), scene->aabbs().end());
   if (Status status = session_->Start(*adaptive_); !status.ok()) {
