@@ -48,14 +48,24 @@ bool LooksLikeToken(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
 
+// Returns the name of the daemon's cookie with its equals sign. Browsers keep one jar for all ports
+// of a host, so that daemons beside one another need names of their own. The port is the one that
+// the browser has asked for: that of a tunnel or a proxy, if one is between.
+std::string CookieName(const Request& request) {
+  const std::string_view host = request.Header("Host");
+  const std::string_view port = host.substr(host.find_last_not_of("0123456789") + 1);
+  const bool has_port = port.size() < host.size() && host[host.size() - port.size() - 1] == ':';
+  return absl::StrCat("sweepstake", has_port ? absl::StrCat("-", std::string(port)) : "", "=");
+}
+
 // Returns the value of the daemon's cookie; empty without one.
 std::string CookieOf(const Request& request) {
-  constexpr absl::string_view kName = "sweepstake=";
+  const std::string name = CookieName(request);
   const std::string_view cookies = request.Header("Cookie");
   for (absl::string_view cookie :
        absl::StrSplit(absl::string_view(cookies.data(), cookies.size()), ';')) {
     cookie = absl::StripAsciiWhitespace(cookie);
-    if (absl::StartsWith(cookie, kName)) return std::string(cookie.substr(kName.size()));
+    if (absl::StartsWith(cookie, name)) return std::string(cookie.substr(name.size()));
   }
   return {};
 }
@@ -64,7 +74,7 @@ std::string CookieOf(const Request& request) {
 std::pair<std::string, std::string> SetCookie(const Request& request, const std::string& value) {
   const bool is_safe = request.Header("X-Forwarded-Proto") == "https";
   return {"Set-Cookie",
-          absl::StrCat("sweepstake=", value, "; HttpOnly; SameSite=Strict; Path=/",
+          absl::StrCat(CookieName(request), value, "; HttpOnly; SameSite=Strict; Path=/",
                        is_safe ? "; Secure" : "", value.empty() ? "; Max-Age=0" : "")};
 }
 

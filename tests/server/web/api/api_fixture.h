@@ -43,19 +43,18 @@ class ApiTest : public rpc::RpcTest {
 
   // `more` are further headers, each with its line end.
   Answer Post(const std::string& path, const std::string& body, const std::string& more = "") {
-    return test_support::Exchange(
-        http_->port(), "POST " + path +
-                           " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nX-Sweepstake: "
-                           "1\r\nContent-Length: " +
-                           std::to_string(body.size()) + "\r\n" + more + "\r\n" + body);
+    return test_support::Exchange(http_->port(), "POST " + path + " HTTP/1.1\r\nHost: " + host_ +
+                                                     "\r\nConnection: close\r\nX-Sweepstake: "
+                                                     "1\r\nContent-Length: " +
+                                                     std::to_string(body.size()) + "\r\n" + more +
+                                                     "\r\n" + body);
   }
   Answer Call(const std::string& method, const std::string& body, const std::string& more = "") {
     return Post("/api/sweepstake.v1." + method, body, more);
   }
   Answer Get(const std::string& target, const std::string& more = "") {
-    return test_support::Exchange(
-        http_->port(),
-        "GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" + more + "\r\n");
+    return test_support::Exchange(http_->port(), "GET " + target + " HTTP/1.1\r\nHost: " + host_ +
+                                                     "\r\nConnection: close\r\n" + more + "\r\n");
   }
   static std::string Bearer(const std::string& token) {
     return "Authorization: Bearer " + token + "\r\n";
@@ -84,6 +83,7 @@ class ApiTest : public rpc::RpcTest {
   web::EventLimits event_limits_{.heartbeat = std::chrono::minutes(10)};
   const std::shared_ptr<web::EventCounters> events_ = std::make_shared<web::EventCounters>();
   std::unique_ptr<web::HttpServer> http_;
+  std::string host_ = "localhost";  // of requests
   uint64_t learnt_ = 0;
 };
 
@@ -102,7 +102,7 @@ class ApiTokensTest : public ApiTest {
   std::string LogIn(const std::string& token) {
     const Answer answer = Post("/login", "{\"token\":\"" + token + "\"}");
     EXPECT_EQ(answer.status, 204) << answer.body;
-    const size_t start = answer.head.find("sweepstake=");
+    const size_t start = answer.head.find("sweepstake");
     return "Cookie: other=1; " + answer.head.substr(start, answer.head.find(';', start) - start) +
            "\r\n";
   }

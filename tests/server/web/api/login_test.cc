@@ -45,6 +45,21 @@ TEST_F(ApiTokensTest, ALoginGivesACookieThatStandsForTheToken) {
             R"("role":"watch","projects":[]})");
 }
 
+// Browsers keep one jar for all ports of a host.
+TEST_F(ApiTokensTest, DaemonsBesideOneAnotherHaveCookiesOfTheirOwn) {
+  host_ = "localhost:7434";
+  const std::string cookie = LogIn("ann-token");
+  EXPECT_THAT(cookie, HasSubstr("; sweepstake-7434="));
+  EXPECT_EQ(Call(kList, "{}", cookie).status, 200);
+  EXPECT_THAT(Post("/logout", "", "").head, HasSubstr("Set-Cookie: sweepstake-7434=; "));
+  host_ = "localhost:7435";
+  EXPECT_EQ(Call(kList, "{}", cookie).status, 401) << "the other daemon's";
+  for (const char* without : {"127.0.0.1", "[::1]"}) {
+    host_ = without;
+    EXPECT_THAT(LogIn("ann-token"), HasSubstr("; sweepstake=")) << without;
+  }
+}
+
 TEST_F(ApiTokensTest, ThroughTlsTheCookieStaysThere) {
   const Answer login = Post("/login", R"({"token":"ann-token"})", "X-Forwarded-Proto: https\r\n");
   EXPECT_THAT(login.head, HasSubstr("; Path=/; Secure\r\n"));
