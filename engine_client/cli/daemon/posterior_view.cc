@@ -160,7 +160,7 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
        << scene.source_count() << " in all\n"
        << "verdict " << VerdictText(view) << '\n';
   TextTable table({"arm", "0" + std::string(kBarWidth - 2, ' ') + "1", "mean", "95_low", "95_high",
-                   "cost", "95_low", "95_high", "best", "windows", "visits", "bail-outs"});
+                   "cost", "95_low", "95_high", "best", "n", "windows", "visits", "bail-outs"});
   for (int i = 0; i < scene.arms_size(); ++i) {
     const v1::ArmPosterior& arm = scene.arms(i);
     const auto& [interval, best, ratio] = view.arms[static_cast<size_t>(i)];
@@ -168,8 +168,8 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
                   Fixed(interval.low, 3), Fixed(interval.high, 3),
                   ratio ? RatioText(ratio->median) : "-", ratio ? RatioText(ratio->low) : "-",
                   ratio ? RatioText(ratio->high) : "-", best ? Fixed(*best, 3) : "-",
-                  std::to_string(arm.window_count()), std::to_string(arm.visit_count()),
-                  std::to_string(arm.bail_out_count())});
+                  Fixed(arm.effective_window_count(), 1), std::to_string(arm.window_count()),
+                  std::to_string(arm.visit_count()), std::to_string(arm.bail_out_count())});
   }
   return text.str() + table.Text();
 }
@@ -204,6 +204,7 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
          {"cost_ratio_95", ratio ? IntervalJson({ratio->low, ratio->high}) : Json()},
          {"windows", arm.window_count()},
          {"lane_visits", arm.visit_count()},
+         {"n", arm.effective_window_count()},
          {"bail_outs", arm.bail_out_count()}});
   }
   return document;
@@ -277,6 +278,7 @@ Json DecisionJson(const v1::DecisionEvent& event) {
                    {"project", event.project()},
                    {"scene", event.scene()},
                    {"decision_id", event.decision_id()},
+                   {"unix_ms", event.unix_ms()},
                    {"active_arm", event.active_arm()},
                    {"candidate_arm", event.candidate_arm()},
                    {"outcome", decision::NameOf(decision::kOutcomeNames, event.outcome())}};

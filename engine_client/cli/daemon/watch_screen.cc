@@ -24,13 +24,12 @@ uint32_t RewardVersionOf(const std::string& policy) {
 
 void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
   if (event.has_posterior()) ShowPosterior(event.posterior());
-  const std::string time = UtcText(event.stamp().unix_ms()) + " ";
   for (const v1::DecisionEvent& decision : event.decisions()) {
     // A terminal has no room for it.
     const std::string session = redraws_ ? "" : decision.session_id() + " of ";
     latest_[{decision.project(), decision.scene(), decision.machine_class(),
              RewardVersionOf(decision.policy())}] = decision;
-    ShowDecision(time + session + DecisionText(decision));
+    ShowDecision(UtcText(decision.unix_ms()) + " " + session + DecisionText(decision));
   }
   if (!redraws_) out_ << std::flush;
   const auto now = std::chrono::steady_clock::now();

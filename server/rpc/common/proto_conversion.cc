@@ -143,11 +143,25 @@ std::vector<decision::EvidenceSum> PoolVersions(std::span<const priors::SceneEvi
   return pooled;
 }
 
+// Returns the evidence that a live window of the scene has on average; 0 if none is known. The
+// penalties of bail-outs are evidence without windows: arms that have some are left out.
+double WindowEvidence(std::span<const priors::SceneEvidence::Arm> arms) {
+  double evidence = 0;
+  double window_count = 0;
+  for (const auto& arm : arms) {
+    if (arm.live.bail_out_count > 0) continue;
+    evidence += arm.live.alpha + arm.live.beta;
+    window_count += static_cast<double>(arm.live.window_count);
+  }
+  return window_count > 0 ? evidence / window_count : 0;
+}
+
 }  // namespace
 
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   ToProto(scene.key, message);
   message.set_source_count(scene.source_count);
+  const double window_evidence = WindowEvidence(scene.arms);
   const std::vector<decision::EvidenceSum> pooled = PoolVersions(scene.arms);
   for (size_t i = 0; i < scene.arms.size(); ++i) {
     const priors::SceneEvidence::Arm& arm = scene.arms[i];
@@ -158,6 +172,8 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
     filled.set_window_count(arm.live.window_count);
     filled.set_visit_count(arm.lane.window_count);
     filled.set_bail_out_count(arm.live.bail_out_count);
+    if (window_evidence > 0)
+      filled.set_effective_window_count(pooled[i].evidence() / window_evidence);
   }
 }
 

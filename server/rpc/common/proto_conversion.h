@@ -48,6 +48,7 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
 std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::Arm> arms);
 // The posteriors are Beta(1,1) plus what that is. The caller sets active_session_count.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
+// The caller sets unix_ms.
 void ToProto(const decision::DecisionRecord& record, const SessionIdentity& identity,
              v1::DecisionEvent& message);
 void ToProto(const watch::FrameHistograms& frames, v1::FrameMeasurements& message);

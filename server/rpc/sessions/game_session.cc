@@ -424,6 +424,7 @@ void GameSession::TellWatchers(const decision::DecisionRecord& record) {
   if (!context_.watch_hub.Watches(identity_.scene)) return measured_.reset();
   v1::DecisionEvent event;
   ToProto(record, identity_, event);
+  event.set_unix_ms(priors::UnixNowMs());
   TellMeasurements(record.time_ns, event);
   context_.watch_hub.OnDecision(identity_.scene, event);
 }

@@ -55,7 +55,8 @@ export class SyntheticDaemon {
     return { project: `project-${i % 7}`, scene: `scene-${i}`, machineClass: 'desktop', rewardVersion: 3, sourceCount: String(1 + i % 40),
       arms: ARMS.map((arm, j) => {
         const mean = best - 0.004 * this.random() * j;
-        return { arm, backendVersion: 1, posterior: { alpha: mean * evidence, beta: (1 - mean) * evidence }, windowCount: String(Math.floor(evidence / 9)), visitCount: String(j * 3) };
+        return { arm, backendVersion: 1, posterior: { alpha: mean * evidence, beta: (1 - mean) * evidence }, windowCount: String(Math.floor(evidence / 9)), visitCount: String(j * 3),
+          effectiveWindowCount: evidence / 9 };
       }) };
   }
 
@@ -76,7 +77,7 @@ export class SyntheticDaemon {
     const weights = ARMS.map(() => this.random() ** 4);
     const sum = weights.reduce((total, each) => total + each, 0);
     const decision = { sessionId: session.sessionId, project: scene.project, scene: scene.scene, machineClass: scene.machineClass, policy: 'adaptive',
-      decisionId: String(++this.decisionCount), activeArm: session.activeArm, candidateArm: candidate, outcome: `DECISION_OUTCOME_${outcome}`,
+      decisionId: String(++this.decisionCount), unixMs: String(Date.now()), activeArm: session.activeArm, candidateArm: candidate, outcome: `DECISION_OUTCOME_${outcome}`,
       reward: 0.7 + 0.1 * this.random(), bestProbability: weights.map((each) => each / sum), expectedLossRatio: 0.01 * this.random(),
       verdict: 'VERDICT_AMBIGUOUS', arms: ARMS,
       standings: ARMS.map((_, i) => ({ liveWindowCount: String(i * 10), laneVisitCount: String(i * 20), effectiveWindowCount: 12.5, bestProbability: weights[i] / sum, costRatio: { median: 1.1, low: 0.9, high: 1.4 } })),

@@ -230,6 +230,8 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
   EXPECT_EQ(decision.standings(2).best_probability(), decision.best_probability(2));
   EXPECT_EQ(event.stamp().boot(), first.boot());
   EXPECT_GT(event.stamp().sequence(), first.sequence());
+  EXPECT_GE(decision.unix_ms(), first.unix_ms());
+  EXPECT_LE(decision.unix_ms(), event.stamp().unix_ms());
   EXPECT_GT(event.stamp().unix_ms(), 0);
   while (event.posterior().arms_size() < 2) ASSERT_TRUE(watcher->Read(&event));
   EXPECT_EQ(event.posterior().arms(0).arm(), "Grid");

@@ -137,6 +137,8 @@ TEST_F(RewardVersionTest, ASessionBeginsWithWhatTheLaneHasSeen) {
   EXPECT_EQ(shown.arms(1).arm(), "KDTree");
   EXPECT_EQ(shown.arms(1).window_count(), 0u);
   EXPECT_EQ(shown.arms(1).visit_count(), 1u);
+  EXPECT_GT(shown.arms(1).effective_window_count(), 0) << "what the lane tells is worth windows";
+  EXPECT_LT(shown.arms(1).effective_window_count(), 1);
   EXPECT_GT(shown.arms(1).posterior().alpha(), shown.arms(2).posterior().alpha());
 }
 

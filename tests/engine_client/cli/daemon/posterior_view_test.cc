@@ -31,6 +31,7 @@ v1::ScenePosterior SomeScene() {
   AddArm("SAP", 2, 30, 10, scene);
   scene.mutable_arms(0)->set_window_count(38);
   scene.mutable_arms(0)->set_visit_count(5);
+  scene.mutable_arms(0)->set_effective_window_count(39.25);
   return scene;
 }
 
@@ -46,6 +47,7 @@ TEST(PosteriorText, NamesTheSceneItsSourcesAndEachArm) {
               HasSubstr("game / arena, reward version 2: 0 sessions now, evidence of 3 in all\n"));
   EXPECT_THAT(text, HasSubstr("SAP"));
   EXPECT_THAT(text, HasSubstr("0.750"));
+  EXPECT_THAT(text, ContainsRegex("39.2 +38 +5 +0\n"));
 }
 
 TEST(PosteriorText, GivesTheExactIntervalAndTheVerdict) {
@@ -103,6 +105,7 @@ v1::DecisionEvent EventWithStandings() {
   event.set_session_id("0af3");
   event.set_scene("arena");
   event.set_decision_id(7);
+  event.set_unix_ms(1'800'000'000'123);
   event.set_policy("adaptive");
   event.set_active_arm("SAP");
   event.add_arms("SAP");
@@ -144,6 +147,7 @@ TEST(DecisionJson, HasWhatTheSessionHasLearntOfEachArm) {
   EXPECT_EQ(arms[0]["cost_ratio_95"], (std::vector<double>{1.0625, 12.5}));
   EXPECT_TRUE(arms[1]["cost_ratio"].is_null());
   EXPECT_TRUE(DecisionJson({})["arms"].empty());
+  EXPECT_EQ(DecisionJson(EventWithStandings())["unix_ms"], 1'800'000'000'123);
 }
 
 TEST(PosteriorJson, HoldsTheNumbersOfEachArm) {
@@ -151,6 +155,7 @@ TEST(PosteriorJson, HoldsTheNumbersOfEachArm) {
   EXPECT_EQ(document["arms"][0]["alpha"], 30);
   EXPECT_EQ(document["arms"][0]["windows"], 38);
   EXPECT_EQ(document["arms"][0]["lane_visits"], 5);
+  EXPECT_EQ(document["arms"][0]["n"], 39.25);
   EXPECT_EQ(document["sources"], 3);
 }
 

@@ -27,7 +27,7 @@ v1::WatchPosteriorsResponse ShownDecision(uint64_t id) {
   decision.set_scene("arena");
   decision.set_decision_id(id);
   decision.set_active_arm("SAP");
-  event.mutable_stamp()->set_unix_ms(1'700'000'000'000);
+  decision.set_unix_ms(1'700'000'000'000);
   return event;
 }
 

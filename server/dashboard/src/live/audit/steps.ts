@@ -6,7 +6,7 @@ import type { PlacedRow } from './log';
 import { type AuditRow, objectCountOf, type Setup, unixMsOf, type Visit, visitsOf, type WindowMeans, windowOf } from './rows';
 
 export interface Step {
-  timeMs: number; // by the daemon's clock where it is of the log, else when the page was told
+  timeMs: number; // by the daemon's clock
   kind: string; // of the audit log
   activeArm: string; // the arm that ran before it or, if the step is a switch, after it; '': not said
   decisionId: number; // 0: no decision
@@ -33,17 +33,6 @@ export function stepOfEvent(event: DecisionEvent, timeMs: number, rewardVersion:
   return { timeMs, kind: 'tick', activeArm: event.activeArm, decisionId: Number(event.decisionId), told: toldOfEvent(event, rewardVersion), event };
 }
 
-const arrivals = new WeakMap<DecisionEvent, number>();
-
-/** Returns when the page first asked about this event: as soon as it came, while a view that shows it is open. */
-export function arrivalOf(event: DecisionEvent): number {
-  const before = arrivals.get(event);
-  if (before !== undefined) return before;
-  const now = Date.now();
-  arrivals.set(event, now);
-  return now;
-}
-
 /** Returns the steps of the log, with what was told of them live, and then those that the log did not have yet. */
 export function mergedSteps(logged: readonly Step[], events: readonly DecisionEvent[], rewardVersion: number): Step[] {
   const byId = new Map(events.map((event): [number, DecisionEvent] => [Number(event.decisionId), event]));
@@ -54,7 +43,7 @@ export function mergedSteps(logged: readonly Step[], events: readonly DecisionEv
     return event ? { ...step, event } : step;
   });
   const later = events.filter(({ decisionId }) => Number(decisionId) > lastId).map((event) => {
-    lastMs = Math.max(lastMs, arrivalOf(event)); // two clocks may differ, and times ascend
+    lastMs = Math.max(lastMs, Number(event.unixMs)); // the daemon's clock may be set, and times ascend
     return stepOfEvent(event, lastMs, rewardVersion);
   });
   return [...known, ...later];

@@ -29,7 +29,7 @@ import { ArmTable } from './scene/arm_table';
 import { Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { Builds, buildStarts } from './scene/builds';
 import { MeasuredBy } from './scene/measured_by';
-import { armNames, type ArmRow, armRows, latestStandings, ridgeRows } from './scene/model';
+import { armNames, type ArmRow, armRows, ridgeRows } from './scene/model';
 import { verdictWord } from './words';
 
 function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdict }) {
@@ -47,7 +47,7 @@ function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdi
 
 function Facts({ state }: { state: SceneState }) {
   const { posterior, changedMs } = state;
-  const told = latestStandings(state.decisions);
+  const policy = state.decisions.at(-1)?.policy;
   return (
     <dl class="facts">
       <div><dt>Machines</dt><dd><Name text={posterior.machineClass} /></dd></div>
@@ -55,7 +55,7 @@ function Facts({ state }: { state: SceneState }) {
       <div><dt>Now</dt><dd>{counted(posterior.activeSessionCount, 'session', 'sessions')}</dd></div>
       <div><dt>Evidence of</dt><dd>{counted(Number(posterior.sourceCount), 'session', 'sessions')}</dd></div>
       <div><dt>Last change</dt><dd>{changedMs ? ago(changedMs, now.value) : 'none since you came'}</dd></div>
-      {told && <div><dt>Policy</dt><dd><Name text={told.policy} /></dd></div>}
+      {policy && <div><dt>Policy</dt><dd><Name text={policy} /></dd></div>}
     </dl>
   );
 }
@@ -64,9 +64,9 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   const title = 'What is believed of each arm';
   const ridges = useMemo(() => ridgeRows(rows, before), [rows]);
   const table = () => ({
-    header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'bail-outs'],
-    rows: rows.map(({ arm, backendVersion, measured, posterior: beta, view, windowCount, visitCount, bailOutCount }) =>
-      [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta), ...centralInterval(beta, 0.95), view.bestProbability, view.costRatio?.median, windowCount, visitCount, bailOutCount]),
+    header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'worth windows', 'bail-outs'],
+    rows: rows.map(({ arm, backendVersion, measured, posterior: beta, view, windowCount, visitCount, effectiveWindowCount, bailOutCount }) =>
+      [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta), ...centralInterval(beta, 0.95), view.bestProbability, view.costRatio?.median, windowCount, visitCount, effectiveWindowCount, bailOutCount]),
   });
   return (
     <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'Nothing is learnt of any arm yet.'}

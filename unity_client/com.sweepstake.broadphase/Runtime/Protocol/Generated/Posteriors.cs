@@ -44,45 +44,46 @@ namespace Sweepstake.Protocol.V1 {
             "c2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgDIAEoCRIWCg5yZXdhcmRf",
             "dmVyc2lvbhgEIAEoDRIpCgRhcm1zGAUgAygLMhsuc3dlZXBzdGFrZS52MS5B",
             "cm1Qb3N0ZXJpb3ISHAoUYWN0aXZlX3Nlc3Npb25fY291bnQYBiABKA0SFAoM",
-            "c291cmNlX2NvdW50GAcgASgEIqgBCgxBcm1Qb3N0ZXJpb3ISCwoDYXJtGAEg",
+            "c291cmNlX2NvdW50GAcgASgEIsgBCgxBcm1Qb3N0ZXJpb3ISCwoDYXJtGAEg",
             "ASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgCIAEoDRIvCglwb3N0ZXJpb3IYAyAB",
             "KAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0ZXJpb3ISFAoMd2luZG93X2Nv",
             "dW50GAQgASgEEhYKDmJhaWxfb3V0X2NvdW50GAUgASgEEhMKC3Zpc2l0X2Nv",
-            "dW50GAYgASgEIpMECg1EZWNpc2lvbkV2ZW50EhIKCnNlc3Npb25faWQYASAB",
-            "KAkSDwoHcHJvamVjdBgCIAEoCRINCgVzY2VuZRgDIAEoCRITCgtkZWNpc2lv",
-            "bl9pZBgEIAEoBBISCgphY3RpdmVfYXJtGAUgASgJEhUKDWNhbmRpZGF0ZV9h",
-            "cm0YBiABKAkSLwoHb3V0Y29tZRgHIAEoDjIeLnN3ZWVwc3Rha2UudjEuRGVj",
-            "aXNpb25PdXRjb21lEisKBnJlYXNvbhgIIAEoDjIbLnN3ZWVwc3Rha2UudjEu",
-            "U3dpdGNoUmVhc29uEhMKBnJld2FyZBgJIAEoAUgAiAEBEhUKDW1hY2hpbmVf",
-            "Y2xhc3MYCiABKAkSGAoQYmVzdF9wcm9iYWJpbGl0eRgLIAMoARIbChNleHBl",
-            "Y3RlZF9sb3NzX3JhdGlvGAwgASgBEicKB3ZlcmRpY3QYDSABKA4yFi5zd2Vl",
-            "cHN0YWtlLnYxLlZlcmRpY3QSDgoGcG9saWN5GA8gASgJEjYKDG1lYXN1cmVt",
-            "ZW50cxgQIAEoCzIgLnN3ZWVwc3Rha2UudjEuRnJhbWVNZWFzdXJlbWVudHMS",
-            "DAoEYXJtcxgRIAMoCRItCglzdGFuZGluZ3MYEiADKAsyGi5zd2VlcHN0YWtl",
-            "LnYxLkFybVN0YW5kaW5nQgkKB19yZXdhcmRKBAgOEA9SDmNvbnRleHRfYnVj",
-            "a2V0IrIBChFGcmFtZU1lYXN1cmVtZW50cxIyCg1mcmFtZV90aW1lX25zGAEg",
-            "ASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dyYW0SNgoRZGV0ZWN0aW9u",
-            "X3RpbWVfbnMYAiABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRIx",
-            "CgxuYXRpdmVfYnl0ZXMYAyABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3Rv",
-            "Z3JhbSI0CgxMb2dIaXN0b2dyYW0SFAoMYnVja2V0X3N0ZXBzGAEgAygNEg4K",
-            "BmNvdW50cxgCIAMoDSq3AwoPRGVjaXNpb25PdXRjb21lEiAKHERFQ0lTSU9O",
-            "X09VVENPTUVfVU5TUEVDSUZJRUQQABIZChVERUNJU0lPTl9PVVRDT01FX0tF",
-            "UFQQARIdChlERUNJU0lPTl9PVVRDT01FX1NXSVRDSEVEEAISIgoeREVDSVNJ",
-            "T05fT1VUQ09NRV9IRUxEX0NPT0xET1dOEAMSIgoeREVDSVNJT05fT1VUQ09N",
-            "RV9IRUxEX1NFVFRMSU5HEAQSHgoaREVDSVNJT05fT1VUQ09NRV9OT19GUkFN",
-            "RVMQBRIbChdERUNJU0lPTl9PVVRDT01FX01BTlVBTBAGEh4KGkRFQ0lTSU9O",
-            "X09VVENPTUVfRVhQTE9SSU5HEAcSHQoZREVDSVNJT05fT1VUQ09NRV9SRUpF",
-            "Q1RFRBAIEh4KGkRFQ0lTSU9OX09VVENPTUVfSEVMRF9HQVRFEAkSHQoZREVD",
-            "SVNJT05fT1VUQ09NRV9IRUxEX1RJRRAMIgQIChAKIgQICxALKhtERUNJU0lP",
-            "Tl9PVVRDT01FX0hFTERfR1VBUkQqHERFQ0lTSU9OX09VVENPTUVfSEVMRF9V",
-            "TlNBRkUyrwIKEVBvc3RlcmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3Jz",
-            "EiQuc3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2Vl",
-            "cHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVy",
-            "aW9yEiIuc3dlZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dl",
-            "ZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3Rl",
-            "cmlvcnMSJS5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3Qa",
-            "Ji5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoC",
-            "FlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
+            "dW50GAYgASgEEh4KFmVmZmVjdGl2ZV93aW5kb3dfY291bnQYByABKAEipAQK",
+            "DURlY2lzaW9uRXZlbnQSEgoKc2Vzc2lvbl9pZBgBIAEoCRIPCgdwcm9qZWN0",
+            "GAIgASgJEg0KBXNjZW5lGAMgASgJEhMKC2RlY2lzaW9uX2lkGAQgASgEEhIK",
+            "CmFjdGl2ZV9hcm0YBSABKAkSFQoNY2FuZGlkYXRlX2FybRgGIAEoCRIvCgdv",
+            "dXRjb21lGAcgASgOMh4uc3dlZXBzdGFrZS52MS5EZWNpc2lvbk91dGNvbWUS",
+            "KwoGcmVhc29uGAggASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24S",
+            "EwoGcmV3YXJkGAkgASgBSACIAQESFQoNbWFjaGluZV9jbGFzcxgKIAEoCRIY",
+            "ChBiZXN0X3Byb2JhYmlsaXR5GAsgAygBEhsKE2V4cGVjdGVkX2xvc3NfcmF0",
+            "aW8YDCABKAESJwoHdmVyZGljdBgNIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVy",
+            "ZGljdBIOCgZwb2xpY3kYDyABKAkSNgoMbWVhc3VyZW1lbnRzGBAgASgLMiAu",
+            "c3dlZXBzdGFrZS52MS5GcmFtZU1lYXN1cmVtZW50cxIMCgRhcm1zGBEgAygJ",
+            "Ei0KCXN0YW5kaW5ncxgSIAMoCzIaLnN3ZWVwc3Rha2UudjEuQXJtU3RhbmRp",
+            "bmcSDwoHdW5peF9tcxgTIAEoA0IJCgdfcmV3YXJkSgQIDhAPUg5jb250ZXh0",
+            "X2J1Y2tldCKyAQoRRnJhbWVNZWFzdXJlbWVudHMSMgoNZnJhbWVfdGltZV9u",
+            "cxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjYKEWRldGVj",
+            "dGlvbl90aW1lX25zGAIgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dy",
+            "YW0SMQoMbmF0aXZlX2J5dGVzGAMgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dI",
+            "aXN0b2dyYW0iNAoMTG9nSGlzdG9ncmFtEhQKDGJ1Y2tldF9zdGVwcxgBIAMo",
+            "DRIOCgZjb3VudHMYAiADKA0qtwMKD0RlY2lzaW9uT3V0Y29tZRIgChxERUNJ",
+            "U0lPTl9PVVRDT01FX1VOU1BFQ0lGSUVEEAASGQoVREVDSVNJT05fT1VUQ09N",
+            "RV9LRVBUEAESHQoZREVDSVNJT05fT1VUQ09NRV9TV0lUQ0hFRBACEiIKHkRF",
+            "Q0lTSU9OX09VVENPTUVfSEVMRF9DT09MRE9XThADEiIKHkRFQ0lTSU9OX09V",
+            "VENPTUVfSEVMRF9TRVRUTElORxAEEh4KGkRFQ0lTSU9OX09VVENPTUVfTk9f",
+            "RlJBTUVTEAUSGwoXREVDSVNJT05fT1VUQ09NRV9NQU5VQUwQBhIeChpERUNJ",
+            "U0lPTl9PVVRDT01FX0VYUExPUklORxAHEh0KGURFQ0lTSU9OX09VVENPTUVf",
+            "UkVKRUNURUQQCBIeChpERUNJU0lPTl9PVVRDT01FX0hFTERfR0FURRAJEh0K",
+            "GURFQ0lTSU9OX09VVENPTUVfSEVMRF9USUUQDCIECAoQCiIECAsQCyobREVD",
+            "SVNJT05fT1VUQ09NRV9IRUxEX0dVQVJEKhxERUNJU0lPTl9PVVRDT01FX0hF",
+            "TERfVU5TQUZFMq8CChFQb3N0ZXJpb3JzU2VydmljZRJdCg5MaXN0UG9zdGVy",
+            "aW9ycxIkLnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXF1ZXN0GiUu",
+            "c3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1Jlc3BvbnNlElcKDEdldFBv",
+            "c3RlcmlvchIiLnN3ZWVwc3Rha2UudjEuR2V0UG9zdGVyaW9yUmVxdWVzdBoj",
+            "LnN3ZWVwc3Rha2UudjEuR2V0UG9zdGVyaW9yUmVzcG9uc2USYgoPV2F0Y2hQ",
+            "b3N0ZXJpb3JzEiUuc3dlZXBzdGFrZS52MS5XYXRjaFBvc3RlcmlvcnNSZXF1",
+            "ZXN0GiYuc3dlZXBzdGFrZS52MS5XYXRjaFBvc3RlcmlvcnNSZXNwb25zZTAB",
+            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -93,8 +94,8 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene", "MarkAllTold" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp", "AllTold" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings" }, new[]{ "Reward" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs" }, new[]{ "Reward" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameMeasurements), global::Sweepstake.Protocol.V1.FrameMeasurements.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "NativeBytes" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LogHistogram), global::Sweepstake.Protocol.V1.LogHistogram.Parser, new[]{ "BucketSteps", "Counts" }, null, null, null, null)
           }));
@@ -2303,6 +2304,7 @@ namespace Sweepstake.Protocol.V1 {
       windowCount_ = other.windowCount_;
       bailOutCount_ = other.bailOutCount_;
       visitCount_ = other.visitCount_;
+      effectiveWindowCount_ = other.effectiveWindowCount_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2402,6 +2404,22 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "effective_window_count" field.</summary>
+    public const int EffectiveWindowCountFieldNumber = 7;
+    private double effectiveWindowCount_;
+    /// <summary>
+    /// The width of the posterior as a number: so many live windows, each worth as much as those of the scene are on average, would leave
+    /// it; finite, >= 0. What the lane tells is included. Absent: 0, or unknown, because nothing was live in the scene.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double EffectiveWindowCount {
+      get { return effectiveWindowCount_; }
+      set {
+        effectiveWindowCount_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2423,6 +2441,7 @@ namespace Sweepstake.Protocol.V1 {
       if (WindowCount != other.WindowCount) return false;
       if (BailOutCount != other.BailOutCount) return false;
       if (VisitCount != other.VisitCount) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(EffectiveWindowCount, other.EffectiveWindowCount)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2436,6 +2455,7 @@ namespace Sweepstake.Protocol.V1 {
       if (WindowCount != 0UL) hash ^= WindowCount.GetHashCode();
       if (BailOutCount != 0UL) hash ^= BailOutCount.GetHashCode();
       if (VisitCount != 0UL) hash ^= VisitCount.GetHashCode();
+      if (EffectiveWindowCount != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(EffectiveWindowCount);
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2478,6 +2498,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(48);
         output.WriteUInt64(VisitCount);
       }
+      if (EffectiveWindowCount != 0D) {
+        output.WriteRawTag(57);
+        output.WriteDouble(EffectiveWindowCount);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2512,6 +2536,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(48);
         output.WriteUInt64(VisitCount);
       }
+      if (EffectiveWindowCount != 0D) {
+        output.WriteRawTag(57);
+        output.WriteDouble(EffectiveWindowCount);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2539,6 +2567,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (VisitCount != 0UL) {
         size += 1 + pb::CodedOutputStream.ComputeUInt64Size(VisitCount);
+      }
+      if (EffectiveWindowCount != 0D) {
+        size += 1 + 8;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2572,6 +2603,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.VisitCount != 0UL) {
         VisitCount = other.VisitCount;
+      }
+      if (other.EffectiveWindowCount != 0D) {
+        EffectiveWindowCount = other.EffectiveWindowCount;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2619,6 +2653,10 @@ namespace Sweepstake.Protocol.V1 {
             VisitCount = input.ReadUInt64();
             break;
           }
+          case 57: {
+            EffectiveWindowCount = input.ReadDouble();
+            break;
+          }
         }
       }
     #endif
@@ -2663,6 +2701,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 48: {
             VisitCount = input.ReadUInt64();
+            break;
+          }
+          case 57: {
+            EffectiveWindowCount = input.ReadDouble();
             break;
           }
         }
@@ -2729,6 +2771,7 @@ namespace Sweepstake.Protocol.V1 {
       measurements_ = other.measurements_ != null ? other.measurements_.Clone() : null;
       arms_ = other.arms_.Clone();
       standings_ = other.standings_.Clone();
+      unixMs_ = other.unixMs_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -3007,6 +3050,21 @@ namespace Sweepstake.Protocol.V1 {
       get { return standings_; }
     }
 
+    /// <summary>Field number for the "unix_ms" field.</summary>
+    public const int UnixMsFieldNumber = 19;
+    private long unixMs_;
+    /// <summary>
+    /// When it was taken, by the daemon's wall clock, since 1970. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public long UnixMs {
+      get { return unixMs_; }
+      set {
+        unixMs_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -3039,6 +3097,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(Measurements, other.Measurements)) return false;
       if(!arms_.Equals(other.arms_)) return false;
       if(!standings_.Equals(other.standings_)) return false;
+      if (UnixMs != other.UnixMs) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -3063,6 +3122,7 @@ namespace Sweepstake.Protocol.V1 {
       if (measurements_ != null) hash ^= Measurements.GetHashCode();
       hash ^= arms_.GetHashCode();
       hash ^= standings_.GetHashCode();
+      if (UnixMs != 0L) hash ^= UnixMs.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -3140,6 +3200,10 @@ namespace Sweepstake.Protocol.V1 {
       }
       arms_.WriteTo(output, _repeated_arms_codec);
       standings_.WriteTo(output, _repeated_standings_codec);
+      if (UnixMs != 0L) {
+        output.WriteRawTag(152, 1);
+        output.WriteInt64(UnixMs);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3209,6 +3273,10 @@ namespace Sweepstake.Protocol.V1 {
       }
       arms_.WriteTo(ref output, _repeated_arms_codec);
       standings_.WriteTo(ref output, _repeated_standings_codec);
+      if (UnixMs != 0L) {
+        output.WriteRawTag(152, 1);
+        output.WriteInt64(UnixMs);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -3264,6 +3332,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       size += arms_.CalculateSize(_repeated_arms_codec);
       size += standings_.CalculateSize(_repeated_standings_codec);
+      if (UnixMs != 0L) {
+        size += 2 + pb::CodedOutputStream.ComputeInt64Size(UnixMs);
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -3324,6 +3395,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       arms_.Add(other.arms_);
       standings_.Add(other.standings_);
+      if (other.UnixMs != 0L) {
+        UnixMs = other.UnixMs;
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -3415,6 +3489,10 @@ namespace Sweepstake.Protocol.V1 {
             standings_.AddEntriesFrom(input, _repeated_standings_codec);
             break;
           }
+          case 152: {
+            UnixMs = input.ReadInt64();
+            break;
+          }
         }
       }
     #endif
@@ -3504,6 +3582,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 146: {
             standings_.AddEntriesFrom(ref input, _repeated_standings_codec);
+            break;
+          }
+          case 152: {
+            UnixMs = input.ReadInt64();
             break;
           }
         }

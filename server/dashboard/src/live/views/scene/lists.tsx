@@ -83,7 +83,7 @@ export function Latest({ decisions, rewardVersion }: { decisions: readonly Decis
     <ul class="latest">
       {shown.map((event) => (
         <li key={`${event.sessionId} ${event.decisionId}`}>
-          <a href={`${sessionHref(event.sessionId)}?decision=${event.decisionId}`}>{outcomeWord(event.outcome).name}</a>{' '}
+          {timeText(Number(event.unixMs))} <a href={`${sessionHref(event.sessionId)}?decision=${event.decisionId}`}>{outcomeWord(event.outcome).name}</a>{' '}
           <bdi>{visible(explained(toldOfEvent(event, rewardVersion))[0] ?? '')}</bdi>
         </li>
       ))}

@@ -1,20 +1,20 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
-import { DecisionEventSchema, ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
 import type { SceneState } from '../../state/scenes';
-import { armNames, armRows, latestStandings, measuredBy, ridgeRows } from './model';
+import { armNames, armRows, measuredBy, ridgeRows } from './model';
 
 const posterior = create(ScenePosteriorSchema, {
   rewardVersion: 3,
   arms: [
-    { arm: 'A', backendVersion: 1, posterior: { alpha: 60, beta: 40 }, windowCount: 5n, visitCount: 2n },
+    { arm: 'A', backendVersion: 1, posterior: { alpha: 60, beta: 40 }, windowCount: 5n, visitCount: 2n, effectiveWindowCount: 5.5 },
     { arm: 'A', backendVersion: 2, posterior: { alpha: 55, beta: 45 }, visitCount: 7n },
     { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 } },
   ],
 });
 const state: SceneState = {
   key: 'k', posterior, changedMs: 0, history: new Map([['A', { timesMs: [5, 9], alpha: [1, 55], beta: [1, 45] }], ['B', { timesMs: [5], alpha: [70], beta: [30] }]]),
-  decisions: [create(DecisionEventSchema, { arms: ['B', 'A'], standings: [{ effectiveWindowCount: 1 }, { effectiveWindowCount: 2 }] }), create(DecisionEventSchema, {})],
+  decisions: [],
 };
 
 describe('what measured an arm', () => {
@@ -30,7 +30,7 @@ describe('what measured an arm', () => {
 describe('the rows of a scene', () => {
   const rows = armRows(state);
   it('name the version of a backend where there are several', () => expect(rows.map(({ label, isOld }) => [label, isOld])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
-  it('have what the latest session that tells it has measured, by the arm’s name', () => expect(rows.map(({ standing }) => standing?.effectiveWindowCount)).toEqual([undefined, 2, 1]));
+  it('have as many windows as what is known is worth', () => expect(rows.map(({ effectiveWindowCount }) => effectiveWindowCount)).toEqual([5.5, 0, 0]));
   it('say when an arm changed, if it did since the page was opened', () => expect(rows.map(({ changedMs }) => changedMs)).toEqual([undefined, 9, undefined]));
   it('are drawn with the most probable arm first and old versions last', () => expect(ridgeRows(rows).map(({ label }) => label)).toEqual(['B', 'A v2', 'A v1']));
   it('have behind them what was believed before, where that was something else', () => {
@@ -38,5 +38,4 @@ describe('the rows of a scene', () => {
     expect(ridgeRows(rows, before).map(({ before: was }) => was?.alpha)).toEqual([undefined, 5, undefined]);
   });
   it('name each arm once', () => expect(armNames(rows)).toEqual(['A', 'B']));
-  it('without decisions have no standings', () => expect(latestStandings([])).toBeUndefined());
 });

@@ -1,6 +1,5 @@
 // What the view of a scene says of each arm, computed from what the daemon told.
-import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
-import type { ArmStanding } from '../../../gen/sweepstake/v1/telemetry_pb';
+import type { ArmPosterior, ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
 import type { Measured, RidgeRow } from '../../charts/ridgeline';
 import type { Beta } from '../../numbers/beta';
 import { type ArmView, isNewest, verdictOf } from '../../numbers/verdict';
@@ -18,7 +17,7 @@ export interface ArmRow {
   windowCount: number;
   visitCount: number;
   bailOutCount: number;
-  standing: ArmStanding | undefined; // in the session that decided last
+  effectiveWindowCount: number; // so many live windows would tell as much; 0: not known
   changedMs: number | undefined; // when the posterior changed last, by the daemon's clock; undefined: not since the page was opened
 }
 
@@ -28,13 +27,8 @@ export function measuredBy({ windowCount, visitCount, bailOutCount }: Pick<ArmPo
   return visitCount > 0n ? 'lane' : 'never';
 }
 
-/** Returns the latest decision that tells what its session has measured of each arm. */
-export const latestStandings = (decisions: readonly DecisionEvent[]): DecisionEvent | undefined =>
-  decisions.filter(({ arms, standings }) => standings.length > 0 && standings.length === arms.length).at(-1);
-
-export function armRows({ posterior: { arms }, posterior, decisions, history }: SceneState): ArmRow[] {
+export function armRows({ posterior: { arms }, posterior, history }: SceneState): ArmRow[] {
   const { arms: views } = verdictOf(posterior);
-  const told = latestStandings(decisions);
   return arms.flatMap((arm, place): ArmRow[] => {
     if (!arm.posterior) return [];
     const isOld = !isNewest(arms, arm);
@@ -52,7 +46,7 @@ export function armRows({ posterior: { arms }, posterior, decisions, history }: 
       windowCount: Number(arm.windowCount),
       visitCount: Number(arm.visitCount),
       bailOutCount: Number(arm.bailOutCount),
-      standing: isOld ? undefined : told?.standings[told.arms.indexOf(arm.arm)],
+      effectiveWindowCount: arm.effectiveWindowCount,
       changedMs: times.length > 1 ? times.at(-1) : undefined,
     }];
   });
