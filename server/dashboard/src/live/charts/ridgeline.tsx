@@ -23,7 +23,7 @@ export const MEASURED_WORDS: Readonly<Record<Measured, string>> = {
   live: '', lane: 'only in the shadow lane, never in the game', never: 'never measured: what is shown is assumed',
 };
 
-const ROW = 56;
+const ROW = 62;
 const CREST = 34;
 const TOP = 6;
 const AXIS = 34;
