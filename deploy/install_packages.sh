@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what the build and the tests need and is missing: with apt on Debian and Ubuntu, elsewhere lists it.
 # Does nothing, and needs no rights, when everything is there. Arguments: packages that are wanted besides; before them
-# --programs leaves out what only tests and the report's page need.
+# --programs leaves out what only tests need.
 set -euo pipefail
 
 packages=(
@@ -10,14 +10,14 @@ packages=(
   libhwy-dev libeigen3-dev libsqlite3-dev libcli11-dev libtomlplusplus-dev libspdlog-dev nlohmann-json3-dev libprotozero-dev
   libboost-dev libsystemd-dev prometheus-cpp-dev
 )
-tools=(c++ cmake ninja git protoc grpc_cpp_plugin)
+tools=(c++ cmake ninja git protoc grpc_cpp_plugin npm)
+# A Node.js that did not come from a package serves as well.
+command -v npm >/dev/null || packages+=(nodejs npm)
 if [ "${1:-}" = --programs ]; then
   shift
 else
   packages+=(python3 libgtest-dev libgmock-dev libbenchmark-dev clang-format)
-  tools+=(python3 npm clang-format)
-  # A Node.js that did not come from a package serves as well.
-  command -v npm >/dev/null || packages+=(nodejs npm)
+  tools+=(python3 clang-format)
 fi
 packages+=("$@")
 

@@ -1,50 +1,73 @@
 #!/usr/bin/env bash
-# From a fresh clone to learnt posteriors: installs what is missing, builds, starts the daemon, runs the Hurricane scene
-# with 3,000 objects in AI mode over the real gRPC stream, prints switches and posteriors as they happen, and stops
+# From a fresh clone to learnt posteriors: installs what is missing, builds, starts the daemon with its dashboard, runs the Hurricane
+# scene with 3,000 objects in AI mode over the real gRPC stream, prints switches and posteriors as they happen, and stops
 # everything it started. Run it again: it starts from the priors of the run before.
 #
-#   deploy/quickstart.sh            about a minute after the build
-#   deploy/quickstart.sh --fresh    forgets the priors of earlier runs first
+#   deploy/quickstart.sh              about a minute after the build
+#   deploy/quickstart.sh --fresh      forgets the priors of earlier runs first
+#   deploy/quickstart.sh --stay       a demo for the dashboard: plays seven scenes until Ctrl-C; prints the page's address
+#   deploy/quickstart.sh --bin DIR    takes sweepstaked and sweepstake from there and builds nothing
+#   deploy/quickstart.sh --data DIR   keeps priors, logs and the file of ports there; otherwise in build/quickstart/data
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-data=build/quickstart/data
-case ${1:-} in
-  '') ;;
-  --fresh) rm -rf "$data" ;;
-  --help)
-    sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
-    exit 0
-    ;;
-  *)
-    echo "Unknown option '$1'. Options: --fresh --help." >&2
-    exit 2
-    ;;
-esac
+data=$root/build/quickstart/data
+bin=
+fresh=
+stay=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --fresh) fresh=1 ;;
+    --stay) stay=1 ;;
+    --bin | --data)
+      [ $# -gt 1 ] || { echo "$1 needs a folder." >&2; exit 2; }
+      declare "${1#--}=$(realpath -m "$2")"
+      shift
+      ;;
+    --help)
+      sed -n '2,10s/^# \{0,1\}//p' "$root/deploy/quickstart.sh"
+      exit 0
+      ;;
+    *)
+      echo "Unknown option '$1'. Options: --fresh --stay --bin DIR --data DIR --help." >&2
+      exit 2
+      ;;
+  esac
+  shift
+done
 
-deploy/install_packages.sh --programs
-echo "== building the daemon and the command line without its laboratory (the first time takes a few minutes) =="
-cmake --preset quickstart >/dev/null
-cmake --build --preset quickstart -j "$(nproc)"
+cd "$root"
+if [ -z "$bin" ]; then
+  deploy/install_packages.sh --programs
+  echo "== building the daemon and the command line without its laboratory (the first time takes a few minutes) =="
+  cmake --preset quickstart >/dev/null
+  cmake --build --preset quickstart -j "$(nproc)"
+  bin=build/quickstart/bin
+fi
 
-bin=build/quickstart/bin
-port_file=$data/port
+[ -z "$fresh" ] || rm -rf "$data"
 mkdir -p "$data"
+port_file=$data/port
 rm -f "$port_file"
 daemon=
+games=()
 
-stop_daemon() {
+# The games first, so that each says goodbye to the daemon.
+stop_all() {
+  local status=0
+  ((${#games[@]} == 0)) || kill -TERM "${games[@]}" 2>/dev/null || true
+  ((${#games[@]} == 0)) || wait "${games[@]}" || true
+  games=()
   [ -n "$daemon" ] || return 0
   kill -TERM "$daemon" 2>/dev/null || true
-  local status=0
   wait "$daemon" || status=$?
   daemon=
   return "$status"
 }
-trap 'stop_daemon || true' EXIT
+trap 'stop_all || true' EXIT
 
 echo "== starting the daemon (data in $data, log in $data/daemon.log) =="
-"$bin/sweepstaked" --listen 127.0.0.1:0 --data "$data" --port-file "$port_file" --max-time-scale 8 \
+"$bin/sweepstaked" --listen 127.0.0.1:0 --http 127.0.0.1:0 --data "$data" --port-file "$port_file" --max-time-scale 8 \
   2>>"$data/daemon.log" &
 daemon=$!
 until [ -s "$port_file" ]; do
@@ -56,11 +79,37 @@ until [ -s "$port_file" ]; do
   }
   sleep 0.05
 done
-address=127.0.0.1:$(head -n 1 "$port_file")
+address=127.0.0.1:$(sed -n 1p "$port_file")
+echo "== the dashboard: http://127.0.0.1:$(sed -n 2p "$port_file")/ =="
 
 # A time scale of 8 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that the whole shows in 50 s.
-"$bin/sweepstake" run --daemon "$address" --project quickstart --scene hurricane --objects 3000 --seed 1 \
-  --mode ai --time-scale 8 --duration 50s
+play() {
+  exec "$bin/sweepstake" run --daemon "$address" --project "$1" --scene "$2" --objects "$3" --seed 1 --mode ai --time-scale 8 "${@:4}"
+}
 
-stop_daemon
-echo "== done: the daemon has stopped; run this again to start from what it learnt =="
+if [ -z "$stay" ]; then
+  (play quickstart hurricane 3000 --duration 50s)
+  stop_all
+  echo "== done: the daemon has stopped; run this again to start from what it learnt =="
+  exit
+fi
+
+trap 'exit 0' INT TERM
+while read -r project scene objects; do
+  play "$project" "$scene" "$objects" --fps 60 --duration 720h --allow-orders >>"$data/games.log" 2>&1 &
+  games+=($!)
+done <<'SCENES'
+arena storms 1200
+arena waves 900
+arena hurricane 1000
+city day-and-night 1500
+city arrivals 800
+physics gather-and-scatter 1000
+physics rest-and-motion 600
+SCENES
+echo "== ${#games[@]} games play (log in $data/games.log) until Ctrl-C =="
+wait "$daemon" || true
+daemon=
+echo "The daemon has ended. Its last words:" >&2
+tail -n 5 "$data/daemon.log" >&2
+exit 1

@@ -36,6 +36,7 @@ struct RunOptions {
   bool embedded = false;
   std::string priors;
   std::string duration = "60s";
+  uint32_t fps = 0;  // 0: frames are not paced
   std::string policy;
   double time_scale = 1;
   std::string project = "default";
@@ -123,6 +124,10 @@ Result<RunLogs> MakeLogs(const RunOptions& options) {
   logs.decisions = std::move(*decisions);
   logs.decisions->Write(std::string(decision::AuditHeader()) + '\n');
   return logs;
+}
+
+uint64_t FrameIntervalNs(const RunOptions& options) {
+  return options.fps == 0 ? 0 : 1'000'000'000 / options.fps;
 }
 
 ShadowMode ToShadowMode(const std::string& word) {
@@ -295,7 +300,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   adaptive.initial_arm = options.arm;
   adaptive.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
   adaptive.shadow = ScaledShadow(ToShadowMode(options.shadow), options.time_scale);
-  auto run = GameRun::Create(adaptive, **scene, (*session)->sink());
+  auto run = GameRun::Create(adaptive, **scene, (*session)->sink(), FrameIntervalNs(options));
   if (!run.ok()) return Fail(terminal, run.status());
   const Status started = (*session)->Start((*run)->adaptive());
   if (!started.ok()) return Fail(terminal, started);
@@ -325,6 +330,12 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_flag("--embedded", options.embedded, "Decide in this process, without a daemon");
   command.add_option("--priors", options.priors, "Priors file for --embedded");
   command.add_option("--duration", options.duration, "How long, as 500ms, 60s, 15m")
+      ->capture_default_str();
+  command
+      .add_option("--fps", options.fps,
+                  "Frames a second at most, as with vertical sync; 0: a frame takes as long as its "
+                  "work")
+      ->check(WholeUpTo(1000))
       ->capture_default_str();
   command.add_option("--policy", options.policy, "Policy (default: the decider's)");
   command
@@ -363,7 +374,9 @@ void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433\n"
       "  sweepstake run --scene h.aabbs --mode manual --arm SAP --embedded --csv out\n"
       "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433 --allow-orders\n"
-      "Frames are not paced: a frame takes as long as its work. Ctrl-C ends with the report.\n"
+      "  sweepstake run --scene suite-h --objects 1000 --daemon 127.0.0.1:7433 --fps 60 --duration "
+      "1h\n"
+      "Ctrl-C ends with the report.\n"
       "Exit code 3 when the daemon was never reached; the run goes on without it. Exit code 2 when "
       "it\n"
       "refuses what was asked for, as a policy that it does not know.",

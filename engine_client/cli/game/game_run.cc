@@ -1,6 +1,8 @@
 #include "engine_client/cli/game/game_run.h"
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 #include <utility>
 
 #include "server/audit/cell_text.h"
@@ -27,14 +29,15 @@ std::string VerdictName(Verdict verdict) {
   return decision::NameOf(decision::kVerdictNames, verdict);
 }
 
-GameRun::GameRun(Scene& scene, FrameSink& sink) : scene_(scene), sink_(sink) {
+GameRun::GameRun(Scene& scene, FrameSink& sink, uint64_t frame_interval_ns)
+    : scene_(scene), sink_(sink), frame_interval_ns_(frame_interval_ns) {
   // The frame thread never allocates for outcomes.
   outcomes_.reserve(kMaxOutcomes);
 }
 
 Result<std::unique_ptr<GameRun>> GameRun::Create(const AdaptiveOptions& options, Scene& scene,
-                                                 FrameSink& sink) {
-  std::unique_ptr<GameRun> run(new GameRun(scene, sink));
+                                                 FrameSink& sink, uint64_t frame_interval_ns) {
+  std::unique_ptr<GameRun> run(new GameRun(scene, sink, frame_interval_ns));
   auto adaptive = AdaptiveBroadPhase::Create(options, run.get());
   if (!adaptive.ok()) return adaptive.status();
   run->adaptive_ = std::move(*adaptive);
@@ -51,10 +54,19 @@ bool GameRun::Frame() {
   adaptive_->BeginFrame();
   adaptive_->FindPairs(scene_.aabbs());
   const uint64_t work_end_ns = SteadyClock().NowNs();
-  adaptive_->EndFrame({.frame_time_ns = work_end_ns - begin_ns + end_cost_ns_});
-  end_cost_ns_ = SteadyClock().NowNs() - work_end_ns;
+  const uint64_t frame_end_ns = Pace(work_end_ns);
+  adaptive_->EndFrame({.frame_time_ns = frame_end_ns - begin_ns + end_cost_ns_});
+  end_cost_ns_ = SteadyClock().NowNs() - frame_end_ns;
   Account(stepped_ns - begin_ns, work_end_ns - stepped_ns, adaptive_->last_sample());
   return Note(adaptive_->last_sample());
+}
+
+uint64_t GameRun::Pace(uint64_t now_ns) {
+  if (frame_interval_ns_ == 0) return now_ns;
+  // A frame that came too late delays those after it: none hurries to make up for it.
+  next_frame_ns_ = std::max(next_frame_ns_ + frame_interval_ns_, now_ns);
+  std::this_thread::sleep_for(std::chrono::nanoseconds(next_frame_ns_ - now_ns));
+  return SteadyClock().NowNs();
 }
 
 SwitchOutcome GameRun::OutcomeOf(uint32_t switch_epoch) const {

@@ -1,9 +1,10 @@
 // A game without rendering: each frame steps a scene and finds its pairs on the frame path. The run
 // records what happened for the report.
 //
-// The frame time is the measured time of the frame's work (step, detection, end of frame). Frames
-// are not paced, so a faster arm completes more frames. Not thread-safe: the thread that calls
-// Frame is the frame thread. The scene is borrowed.
+// The frame time is the measured time of the frame's work (step, detection, end of frame) and,
+// where frames are paced, of the wait for the next one, as with vertical sync. Where they are not,
+// a faster arm completes more frames. Not thread-safe: the thread that calls Frame is the frame
+// thread. The scene is borrowed.
 #pragma once
 
 #include <cstdint>
@@ -50,10 +51,10 @@ struct FrameProfile {
 
 class GameRun final : private FrameSink {
  public:
-  // `sink` gets what the frame path produces and is borrowed. Has the errors of
-  // AdaptiveBroadPhase::Create.
+  // `sink` gets what the frame path produces and is borrowed. A frame takes at least
+  // `frame_interval_ns`; with 0 frames are not paced. Has the errors of AdaptiveBroadPhase::Create.
   static Result<std::unique_ptr<GameRun>> Create(const AdaptiveOptions& options, Scene& scene,
-                                                 FrameSink& sink);
+                                                 FrameSink& sink, uint64_t frame_interval_ns = 0);
 
   // Runs one frame. Returns true if its arm differs from that of the previous frame; switches()
   // then has one more event.
@@ -76,19 +77,23 @@ class GameRun final : private FrameSink {
   SwitchOutcome OutcomeOf(uint32_t switch_epoch) const;
 
  private:
-  GameRun(Scene& scene, FrameSink& sink);
+  GameRun(Scene& scene, FrameSink& sink, uint64_t frame_interval_ns);
 
   void OnFrame(const FrameSample& sample) noexcept override;
   void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
   void OnModeChange(const ModeChange& change) noexcept override;
   void OnShadow(const ShadowSample& sample) noexcept override;
+  // Waits until the next frame is due. Returns the time.
+  uint64_t Pace(uint64_t now_ns);
   bool Note(const FrameSample& sample);
   void NoteVerdict(const FrameSample& sample);
   void Account(uint64_t step_ns, uint64_t path_ns, const FrameSample& sample);
 
   Scene& scene_;
   FrameSink& sink_;
+  const uint64_t frame_interval_ns_;
+  uint64_t next_frame_ns_ = 0;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
   uint64_t start_ns_ = 0;
   uint64_t end_cost_ns_ = 0;  // of the last EndFrame; counted in the next frame's time

@@ -86,6 +86,21 @@ TEST_F(GameRunTest, AccountsTheFramesToTheActiveArm) {
   EXPECT_GE(activity.active_ns, activity.detection_ns);
 }
 
+// The only bound that no load of the machine breaks: a paced frame is never shorter.
+TEST_F(GameRunTest, APacedFrameTakesAtLeastItsInterval) {
+  constexpr uint64_t kIntervalNs = 2'000'000;
+  scene_ = std::move(*OpenScene({"two", 2, 1}));
+  AdaptiveOptions options;
+  options.mode = Mode::kManual;
+  options.shadow.enabled = ShadowMode::kOff;
+  run_ = std::move(*GameRun::Create(options, *scene_, sink_, kIntervalNs));
+  for (int i = 0; i < 6; ++i) run_->Frame();
+  EXPECT_GE(run_->elapsed_ns(), 5 * kIntervalNs);
+  const ArmActivity& activity = run_->activities()[run_->adaptive().active_arm()];
+  EXPECT_GE(activity.active_ns, 5 * kIntervalNs) << "the wait is the frame's";
+  EXPECT_LT(activity.detection_ns, activity.active_ns);
+}
+
 TEST_F(GameRunTest, TheProfileCountsTheFirstFrameAsARebuild) {
   Start(Mode::kManual, "KDTree");
   run_->Frame();
