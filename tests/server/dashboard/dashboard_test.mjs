@@ -9,7 +9,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
 import { assertAccessible, assertNoTrouble, chromiumPath, launch, openPage, useTheme } from './browser.mjs';
-import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
+import { Game, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake, pictures] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'sweepstake_dashboard_'));
@@ -96,7 +96,7 @@ async function checkHostileNames(page) {
 
 // What a game sends is on the page within a second of the API having it.
 async function checkLive(page, daemon) {
-  const game = new Game(sweepstake, daemon, 'arcade', 'late', { duration: '1h' });
+  const game = new Game(sweepstake, daemon, 'arcade', 'late');
   const find = async () => (await daemon.call('PosteriorsService/ListPosteriors')).scenes?.find(({ scene, activeSessionCount }) => scene === 'late' && activeSessionCount === 1);
   await until('the API knows the new scene', find);
   const start = Date.now();
@@ -113,7 +113,7 @@ async function checkRowsStay(page, daemon) {
   await page.locator('section[aria-labelledby=scenes-heading] thead').getByRole('button', { name: 'Changed' }).click();
   const before = await names();
   await page.locator('section[aria-labelledby=scenes-heading] tbody tr').first().hover();
-  const game = new Game(sweepstake, daemon, 'arcade', 'a new one', { duration: '1h' });
+  const game = new Game(sweepstake, daemon, 'arcade', 'a new one');
   await until('the new row is there', async () => (await names()).length > before.length);
   assert.deepEqual((await names()).slice(0, before.length), before, 'rows moved under the pointer');
   await page.keyboard.press('/');
@@ -197,18 +197,15 @@ async function checkDownload(page, daemon) {
 
 // ---- All views: whole, empty, in error, in both themes, wide and narrow.
 
-const HEADINGS = { scene: /./, session: /./, decisions: 'Decisions', priors: 'Priors', health: 'Health of the daemon' };
+// What each view has once it shows something.
+const ROWS = 'main tbody tr[data-key]';
+const CURVE = 'main td.curve svg'; // figures of a rate need two readings
+const SHOWN = { overview: ROWS, scene: 'figure[data-chart=best] .u-over', session: 'figure[data-chart=frame-time] .u-over', decisions: ROWS, priors: ROWS, health: CURVE };
 
 async function viewsOf(daemon) {
   const { sessions = [] } = await daemon.call('SessionsService/ListSessions');
   const session = sessions[0]?.sessionId ?? 'none';
-  return { overview: '/', scene: '/scenes/arcade/arena?class=test&reward=3', session: `/sessions/${session}`, decisions: '/decisions', priors: '/priors', health: '/health' };
-}
-
-async function showView(page, daemon, name, path) {
-  await page.goto(`${daemon.origin}${path}`);
-  if (name === 'overview') await page.getByRole('heading', { name: 'Scenes' }).waitFor();
-  else await page.getByRole('heading', { name: HEADINGS[name], level: 1 }).first().waitFor();
+  return { overview: '/', scene: '/scenes/arcade/late?class=test&reward=3', session: `/sessions/${session}`, decisions: '/decisions', priors: '/priors', health: '/health' };
 }
 
 async function checkViews(browser, daemon) {
@@ -216,8 +213,8 @@ async function checkViews(browser, daemon) {
     const context = await browser.newContext({ viewport, reducedMotion: 'reduce' });
     for (const [name, path] of Object.entries(await viewsOf(daemon))) {
       const page = await openPage(context, daemon.origin);
-      await showView(page, daemon, name, path);
-      await pause(2500); // figures of a rate need two readings
+      await page.goto(`${daemon.origin}${path}`);
+      await page.locator(SHOWN[name]).first().waitFor();
       for (const theme of ['light', 'dark']) {
         await useTheme(page, theme);
         await page.screenshot({ path: join(pictures, `${name}-${size}-${theme}.png`), fullPage: true });
@@ -238,8 +235,10 @@ async function checkEmptyViews(context) {
   for (const [name, path] of Object.entries(paths)) {
     await page.goto(`${daemon.origin}${path}`);
     await isBadge(page, 'live');
-    await page.waitForTimeout(500);
-    const text = await page.locator('main').innerText();
+    const text = await until(`${name} is empty`, async () => {
+      const shown = await page.locator('main').innerText();
+      return shown && !shown.includes('Loading') && shown;
+    });
     assert.doesNotMatch(text, /NaN|undefined|null|Infinity/, name);
     if (name !== 'health') await page.locator('.state').first().waitFor();
     await page.screenshot({ path: join(pictures, `${name}-empty.png`) });

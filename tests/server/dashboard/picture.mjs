@@ -19,7 +19,7 @@ const daemon = await new RealDaemon(sweepstaked, folder).start();
 const browser = await launch();
 try {
   const page = await openPage(await browser.newContext({ viewport: { width: 1280, height: 640 }, reducedMotion: 'reduce' }), daemon.origin);
-  const games = SCENES.map(([project, scene], i) => new Game(sweepstake, daemon, project, scene, { duration: '10m', scale: 10 + 20 * i }));
+  const games = SCENES.map(([project, scene], i) => new Game(sweepstake, daemon, project, scene, { scale: 10 + 20 * i }));
   await pause(PLAY_MS);
   await useTheme(page, 'light');
   await page.mouse.move(0, 0);

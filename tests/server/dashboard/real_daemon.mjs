@@ -82,11 +82,12 @@ export class RealDaemon {
   }
 }
 
-// A game that plays a scene of a hundred objects; its decisions come a hundred times as fast.
+// A game that plays a scene of a hundred objects at 60 frames a second, until it quits or `duration` is over; its decisions come a
+// hundred times as fast, which is one a frame.
 export class Game {
-  constructor(program, daemon, project, scene, { duration = '60s', mode = 'ai', scale = 100, more = [] } = {}) {
+  constructor(program, daemon, project, scene, { duration = '1h', mode = 'ai', scale = 100, more = [] } = {}) {
     this.child = begin(program, ['run', '--scene', 'hurricane', '--objects', '100', '--daemon', daemon.address, '--mode', mode,
-      '--project', project, '--scene-name', scene, '--duration', duration, '--time-scale', String(scale), '--machine-class', 'test', ...more],
+      '--project', project, '--scene-name', scene, '--duration', duration, '--fps', '60', '--time-scale', String(scale), '--machine-class', 'test', ...more],
     { stdio: ['ignore', 'ignore', 'pipe'] });
     this.errors = '';
     this.child.stderr.on('data', (text) => { this.errors += text; });

@@ -115,7 +115,10 @@ async function checkTime(page, daemon) {
   assert.ok(query(page).has('pause'));
   const alphas = async () => (await rowsOf(page, 'Arms')).map(({ α }) => α).join();
   const held = await alphas();
-  await page.waitForTimeout(1500);
+  for (let i = 0; i < 5; ++i) {
+    const learnt = await arms();
+    await until('the game teaches on', async () => await arms() !== learnt);
+  }
   assert.equal(await alphas(), held, 'figures change during a pause');
   await page.getByRole('button', { name: 'Go on' }).click();
   await until('figures change again', async () => await alphas() !== held);
@@ -231,7 +234,7 @@ async function checkAll(browser) {
   const page = await openPage(context, daemon.origin);
   const passed = (check) => console.log(`${check.name}: passed`);
   for (const check of [checkNumbers, checkNeverRan, checkFiles]) passed((await check(page, daemon), check));
-  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { duration: '300s', more: ['--allow-orders'] });
+  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders'] });
   const session = await liveSession(daemon);
   for (const check of [checkTime, checkWhy, checkCosts, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session), check));
   await assertAccessible(page, 'decisions');
