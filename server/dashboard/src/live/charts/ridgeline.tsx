@@ -28,6 +28,7 @@ const CREST = 34;
 const TOP = 6;
 const AXIS = 34;
 const SIDE = 12;
+const TICK_SIDE = 26; // the text of a tick is whole
 
 // Costs rise to the right, as do rewards: a reward that tells costs is mirrored.
 interface Axis { low: number; high: number; x: (reward: number) => number; reward: (x: number) => number; tellsCosts: boolean }
@@ -97,7 +98,7 @@ function Ticks({ axis, width, y }: { axis: Axis; width: number; y: number }) {
       {rewards.map((reward) => (
         <g key={reward}>
           <line x1={axis.x(reward)} x2={axis.x(reward)} y1={0} y2={y} stroke="var(--rule)" />
-          <text x={axis.x(reward)} y={y + 14}>{rewardText(reward, axis.tellsCosts)}</text>
+          <text x={Math.min(Math.max(axis.x(reward), TICK_SIDE), width - TICK_SIDE)} y={y + 14}>{rewardText(reward, axis.tellsCosts)}</text>
         </g>
       ))}
       <text x={width / 2} y={y + 29}>{axis.tellsCosts ? 'detection time per frame (less is better)' : 'reward (more is better)'}</text>
