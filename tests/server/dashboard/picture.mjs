@@ -1,36 +1,55 @@
-// The picture of the dashboard in the READMEs: games play seven scenes for a while, and the overview is drawn.
+// The pictures of the dashboard in the READMEs: the demo of deploy/quickstart.sh plays for a while, then its overview and its first scene
+// are drawn.
 //
-//   node picture.mjs SWEEPSTAKED SWEEPSTAKE PICTURE.png
+//   node picture.mjs BIN FOLDER    writes FOLDER/overview.png and FOLDER/scene.png
+import { spawn } from 'node:child_process';
 import { mkdtempSync, rmSync, statSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { fileURLToPath } from 'node:url';
 
 import { launch, openPage, useTheme } from './browser.mjs';
-import { Game, pause, RealDaemon } from './real_daemon.mjs';
+import { pause } from './real_daemon.mjs';
 
-const [sweepstaked, sweepstake, picture] = process.argv.slice(2);
+const [bin, folder] = process.argv.slice(2);
 const MAX_BYTES = 200_000;
-const PLAY_MS = 60_000;
-const SCENES = [['arcade', 'asteroid belt'], ['arcade', 'boss arena'], ['arcade', 'debris'], ['racing', 'city at night'], ['racing', 'dust storm'],
-  ['racing', 'start grid'], ['strategy', 'siege of 3,000']];
+const PLAY_MS = 120_000;
+const quickstart = fileURLToPath(new URL('../../../deploy/quickstart.sh', import.meta.url));
 
-const folder = mkdtempSync(join(tmpdir(), 'sweepstake_picture_'));
-const daemon = await new RealDaemon(sweepstaked, folder).start();
-const browser = await launch();
-try {
-  const page = await openPage(await browser.newContext({ viewport: { width: 1280, height: 640 }, reducedMotion: 'reduce' }), daemon.origin);
-  const games = SCENES.map(([project, scene], i) => new Game(sweepstake, daemon, project, scene, { scale: 10 + 20 * i }));
-  await pause(PLAY_MS);
-  await useTheme(page, 'light');
+async function originOf(demo) {
+  for await (const line of createInterface(demo.stdout)) {
+    const found = /http:\/\/127\.0\.0\.1:\d+/.exec(line);
+    if (found) return found[0];
+  }
+  throw new Error('the demo has not begun');
+}
+
+async function draw(page, name) {
   await page.mouse.move(0, 0);
   await page.evaluate(() => document.activeElement.blur());
-  await pause(1000);
-  await page.screenshot({ path: picture });
-  await Promise.all(games.map((game) => game.quit()));
+  const path = join(folder, `${name}.png`);
+  await page.screenshot({ path });
+  const { size } = statSync(path);
+  if (size > MAX_BYTES) throw new Error(`${path} has ${size} bytes, more than ${MAX_BYTES}`);
+}
+
+const data = mkdtempSync(join(tmpdir(), 'sweepstake_picture_'));
+const demo = spawn(quickstart, ['--stay', '--bin', bin, '--data', data], { stdio: ['ignore', 'pipe', 'inherit'] });
+const ended = new Promise((resolve) => { demo.once('exit', resolve); });
+const browser = await launch();
+try {
+  const page = await openPage(await browser.newContext({ viewport: { width: 1400, height: 640 }, reducedMotion: 'reduce' }), await originOf(demo));
+  await useTheme(page, 'light');
+  await pause(PLAY_MS);
+  await draw(page, 'overview');
+  await page.setViewportSize({ width: 1400, height: 960 });
+  await page.locator('tbody tr[data-key] a').first().click();
+  await page.locator('figure[data-chart=beliefs] svg').waitFor();
+  await draw(page, 'scene');
 } finally {
   await browser.close();
-  await daemon.stop();
-  rmSync(folder, { recursive: true, force: true });
+  demo.kill('SIGTERM');
+  await ended;
+  rmSync(data, { recursive: true, force: true });
 }
-const { size } = statSync(picture);
-if (size > MAX_BYTES) throw new Error(`${picture} has ${size} bytes, more than ${MAX_BYTES}`);
