@@ -138,7 +138,7 @@ export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter 
       <div class="tools">
         {tools}
         <div class="side">
-          <span class="soft count">{grouped(rows.length)} {caption.toLowerCase()}</span>
+          <span class="soft count">{caption}: {grouped(rows.length)}</span>
           <button type="button" class={isOutdated ? 'quiet' : 'quiet hidden'} disabled={!isOutdated} onClick={() => sortAgain(sorting)}
             title="Rows keep their places while you are in the table">Sort again</button>
           <button type="button" class="quiet" onClick={() => download(`${fileName('sweepstake', caption)}.csv`, csvText(columns, sorted), 'text/csv')}>CSV</button>

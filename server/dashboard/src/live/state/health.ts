@@ -1,6 +1,6 @@
 // Follows the daemon's health while somebody looks: the checks on every view that names them, the figures on the view of its own.
-import { signal, type ReadonlySignal } from '@preact/signals';
-import { asApiError, type ApiError } from '../transport/calls';
+import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
+import { asApiError, parseError, type ApiError } from '../transport/calls';
 import { parseChecks, parseMetrics, type Check, type Metrics } from './metrics';
 
 const CHECKS_INTERVAL_MS = 10_000;
@@ -15,31 +15,35 @@ export interface Sample {
 
 const heldChecks = signal<readonly Check[] | undefined>(undefined);
 const heldSamples = signal<readonly Sample[]>([]);
-const heldError = signal<ApiError | undefined>(undefined);
+const checksError = signal<ApiError | undefined>(undefined);
+const figuresError = signal<ApiError | undefined>(undefined);
 export const checks: ReadonlySignal<readonly Check[] | undefined> = heldChecks;  // undefined: not known yet
 export const samples: ReadonlySignal<readonly Sample[]> = heldSamples;  // oldest first
-export const healthError: ReadonlySignal<ApiError | undefined> = heldError;
+export const healthError: ReadonlySignal<ApiError | undefined> = computed(() => checksError.value ?? figuresError.value);
 
-const get = (path: string) => fetch(path, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) });
-
-async function learn(task: () => Promise<void>): Promise<void> {
+// Asks for what `parse` finds in the answer's text. An answer in which it finds nothing is an error, whatever its status.
+async function learn<Found>(path: string, parse: (text: string) => Found | undefined, take: (found: Found) => void, problem: Signal<ApiError | undefined>): Promise<void> {
   try {
-    await task();
-    heldError.value = undefined;
+    const response = await fetch(path, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) });
+    const text = await response.text();
+    const found = parse(text);
+    if (found === undefined) throw parseError(text, `the daemon answered ${path} with ${response.status} ${response.statusText}`);
+    take(found);
+    problem.value = undefined;
   } catch (error) {
-    heldError.value = asApiError(error);
+    problem.value = asApiError(error);
   }
 }
 
-// A daemon that is not ready says so with 503, and lists its checks all the same.
-export const learnChecks = () => learn(async () => {
-  heldChecks.value = parseChecks(await (await get('/readyz?verbose')).text());
-});
+const checksIn = (text: string) => { const all = parseChecks(text); return all.length > 0 ? all : undefined; };
+const metricsIn = (text: string) => { const all = parseMetrics(text); return all.size > 0 ? all : undefined; };
 
-export const learnFigures = () => learn(async () => {
-  const metrics = parseMetrics(await (await get('/metrics')).text());
+// A daemon that is not ready says so with 503, and lists its checks all the same.
+export const learnChecks = () => learn('/readyz?verbose', checksIn, (all) => { heldChecks.value = all; }, checksError);
+
+export const learnFigures = () => learn('/metrics', metricsIn, (metrics) => {
   heldSamples.value = [...heldSamples.peek(), { atMs: Date.now(), metrics }].slice(-MAX_SAMPLES);
-});
+}, figuresError);
 
 function repeat(task: () => Promise<void>, intervalMs: number): () => void {
   void task();

@@ -1,7 +1,7 @@
 // The sessions that the daemon has in memory, and some that ended while the page was open.
 import { create } from '@bufbuild/protobuf';
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
-import type { DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
+import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEndedSchema, SessionState as Link, type SessionEnded, type SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
 import { keepLast, shareOf } from './bounds';
 import { groupedBy } from './scenes';
@@ -23,6 +23,14 @@ export const sessionInView = signal('');
 
 export const isConnected = ({ info, ended }: SessionState) => !ended && info.state === Link.CONNECTED;
 export const connectedSessions: ReadonlySignal<readonly SessionState[]> = computed(() => [...held.value.values()].filter(isConnected));
+
+// Returns when the daemon last had something of the session's game, as far as the page knows, by the daemon's clock; 0: not known. The
+// session itself is told when something else of it changes; a decision about new frames is told at once.
+export function lastMessageMs({ info, decisions }: SessionState): number {
+  let last = decisions.length - 1;
+  while (decisions[last]?.outcome === DecisionOutcome.NO_FRAMES) --last;
+  return Math.max(Number(info.unixLastMessageMs), Number(decisions[last]?.unixMs ?? 0n));
+}
 
 function forgetEnded(all: Map<string, SessionState>): Map<string, SessionState> {
   const ended = [...all].filter(([, session]) => session.ended);

@@ -1,6 +1,6 @@
 import { create } from '@bufbuild/protobuf';
 import { beforeEach, describe, expect, it } from 'vitest';
-import { DecisionEventSchema, ScenePosteriorSchema, type DecisionEvent, type ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
+import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema, type DecisionEvent, type ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEnd, SessionEndedSchema, SessionInfoSchema, SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { keepLast, MAX_DECISIONS, shareOf } from './bounds';
@@ -57,6 +57,14 @@ describe('sessions', () => {
   const info = (sessionId: string, state = Link.CONNECTED) => create(SessionInfoSchema, { sessionId, state });
   beforeEach(() => sessions.takeSnapshot([]));
   const ids = () => [...sessions.sessions.peek().keys()];
+
+  it('say when something of the game came last, also where only decisions tell of it', () => {
+    const session = { info: create(SessionInfoSchema, { unixLastMessageMs: 50n }), decisions: [] };
+    const decided = (unixMs: bigint, outcome: DecisionOutcome) => create(DecisionEventSchema, { unixMs, outcome });
+    expect(sessions.lastMessageMs(session)).toBe(50);
+    expect(sessions.lastMessageMs({ ...session, decisions: [decided(70n, DecisionOutcome.KEPT), decided(90n, DecisionOutcome.NO_FRAMES)] })).toBe(70);
+    expect(sessions.lastMessageMs({ ...session, decisions: [decided(90n, DecisionOutcome.NO_FRAMES)] })).toBe(50);
+  });
 
   it('end with a reason, or unseen, and a session that comes back goes on', () => {
     sessions.takeSnapshot([info('s1'), info('s2')]);

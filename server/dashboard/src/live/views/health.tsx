@@ -195,7 +195,7 @@ export function Health() {
     <>
       <header class="title"><h1>Health of the daemon</h1><CopyLink /></header>
       {error && <Failure what="The newest health" error={error} onRetry={() => { void learnChecks(); void learnFigures(); }} />}
-      <section class="card"><h2>Ready to serve</h2><Checks /></section>
+      {(checks.value || !error) && <section class="card"><h2>Ready to serve</h2><Checks /></section>}
       {all.length === 0 ? !error && <Loading what="the figures" /> : (
         <div class="cards">
           <Rows heading="Decision loop" rows={loopRows(all)} />

@@ -20,7 +20,7 @@ import { Empty, Failure, Loading } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { sceneKeyOf } from '../state/scenes';
-import { isConnected, sessionInView, sessions, type SessionState } from '../state/sessions';
+import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
@@ -53,7 +53,7 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
       {info && <div><dt>Build</dt><dd><Name text={info.build} /></dd></div>}
       {info && <div><dt>Address</dt><dd><Name text={info.clientAddress} /></dd></div>}
       {info && <div><dt>Began</dt><dd>{timeText(Number(info.unixStartMs))}</dd></div>}
-      {info && info.unixLastMessageMs > 0n && <div><dt>Last message</dt><dd>{ago(Number(info.unixLastMessageMs), now.value)}</dd></div>}
+      {state && lastMessageMs(state) > 0 && <div><dt>Last message</dt><dd>{ago(lastMessageMs(state), now.value)}</dd></div>}
       {info && <div><dt>Dropped frames</dt><dd>{String(info.droppedFrameCount)}</dd></div>}
     </dl>
   );

@@ -10,7 +10,7 @@ import { type Column, Table } from '../../parts/table';
 import { visible } from '../../parts/visible';
 import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
 import { sceneKey, type SceneName, type SceneState } from '../../state/scenes';
-import { isConnected, sessions, type SessionState } from '../../state/sessions';
+import { isConnected, lastMessageMs, sessions, type SessionState } from '../../state/sessions';
 import { summaries } from '../../state/summaries';
 import { explained, toldOfEvent } from '../../audit/explain';
 import { endWord, modeWord, outcomeWord, stateWord } from '../words';
@@ -61,8 +61,8 @@ const SESSION_COLUMNS: readonly Column<SessionState>[] = [
   { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name, cell: ({ info }) => modeWord(info.mode).name },
   { id: 'build', title: 'Build', isText: true, sort: ({ info }) => info.build, cell: ({ info }) => <Name text={info.build} /> },
   { id: 'start', title: 'Began', sort: ({ info }) => Number(info.unixStartMs), cell: ({ info }) => timeText(Number(info.unixStartMs)) },
-  { id: 'last', title: 'Last message', sort: ({ info }) => Number(info.unixLastMessageMs),
-    cell: ({ info }) => (info.unixLastMessageMs ? ago(Number(info.unixLastMessageMs), now.value) : '–') },
+  { id: 'last', title: 'Last message', sort: lastMessageMs,
+    cell: (session) => (lastMessageMs(session) > 0 ? ago(lastMessageMs(session), now.value) : '–') },
   { id: 'dropped', title: 'Dropped frames', hint: 'Frames that the game measured and could not send', sort: ({ info }) => Number(info.droppedFrameCount), cell: ({ info }) => String(info.droppedFrameCount) },
 ];
 
