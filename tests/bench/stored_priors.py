@@ -5,7 +5,8 @@ For each scene a game without a shadow lane, which tries every arm, teaches a re
 daemon ends. Each round starts daemons anew, on a copy of that store (right), on one that has imported its evidence with the
 arms' ranking reversed (wrong), and on an empty one (none), and lets AI Decides play the scene with each of them, and every
 fixed arm that comes near the best, in turns. Regret is the mean frame time ÷ that of the best fixed arm over the frames that
-all played, minus 1. Needs Linux and Python 3.11; nothing else should run meanwhile.
+all played, at equal speed and with what the lane took as live.py has it, minus 1. Needs Linux and Python 3.11; nothing else should
+run meanwhile.
 """
 
 import argparse
@@ -90,16 +91,19 @@ def play_with(game, store, kind, options, folder):
 def play_round(game, arms, stores, options, folder, number):
     names = [*KINDS, *arms]
     turn = number % len(names)
-    games = {}
+    games, rest_ns, lane_shares = {}, {}, {}
     for name in names[turn:] + names[:turn]:
         if name in KINDS:
             games[name] = play_with(game, stores[name], name, options, folder)
+            lane_shares[name] = game.summary["shadow"]["frame_share"]
         else:
             game.decider = ["--embedded"]
             games[name] = game.fixed(name, "--shadow", "off")
-    mean = live.means(games)
+        rest_ns[name] = game.rest_ns
+    reference = live.over_same_frames(list, rest_ns)[arms[0]]
+    mean = {name: live.at_equal_speed(games[name], rest_ns[name], reference) for name in games}
     best_ns = min(mean[arm] for arm in arms)
-    return {kind: mean[kind] / best_ns - 1 for kind in KINDS}
+    return {kind: mean[kind] / best_ns - 1 + lane_shares[kind] for kind in KINDS}
 
 
 def cell_of(game, options, folder, progress):
