@@ -39,7 +39,7 @@ namespace Sweepstake.Tests
         /// <summary>Runs in a domain of its own. The last end is without a word, as after an error; the next domain begins by ending what was left.</summary>
         public static void PlayAndEnd()
         {
-            if (!SweepstakeLibrary.Shutdown())
+            if (!SweepstakeLibrary.Shutdown() || SweepstakeLibrary.LiveCount() != 0)
                 throw new InvalidOperationException("Shutdown did not end what a former domain left.");
             for (int end = 0; end < EndsOfEach; ++end)
             {

@@ -4,6 +4,7 @@ using System.IO;
 using System.Linq;
 using System.Threading;
 using System.Threading.Tasks;
+using Google.Protobuf;
 using Grpc.Core;
 using NUnit.Framework;
 using Sweepstake.GrpcNet;
@@ -80,6 +81,16 @@ namespace Sweepstake.Tests
             Assert.That(game.Session.LastSample.FrameIndex, Is.EqualTo(game.FrameCount - 1), "each frame was played to its end");
             daemon.Continue();
             game.WaitForAcknowledgement();
+        }
+
+        [Test]
+        public void AGameOfAnotherProtocolIsRefusedWithTheReason()
+        {
+            using var daemon = new DaemonProcess();
+            using var game = new Game(new NewerGame(new GrpcTelemetryTransport(new DaemonEndpoint { Address = daemon.Address })));
+            game.PlayUntil(() => game.Status.Refusal.Length > 0, "refused");
+            Assert.That(game.Status.Refusal, Does.Contain("protocol versions").And.Contain("99 to 99"));
+            Assert.That(game.Status.Stats.ConnectionCount, Is.EqualTo(0));
         }
 
         [Test]
@@ -190,5 +201,38 @@ namespace Sweepstake.Tests
         }
 
         private static int Descriptors() => Directory.GetFileSystemEntries("/proc/self/fd").Length;
+
+        /// <summary>Says that it speaks version 99 alone.</summary>
+        private sealed class NewerGame : ITelemetryTransport, ITelemetryStream
+        {
+            private readonly ITelemetryTransport transport;
+            private ITelemetryStream stream;
+
+            internal NewerGame(ITelemetryTransport transport)
+            {
+                this.transport = transport;
+            }
+
+            public StreamEnd End => stream.End;
+
+            public ITelemetryStream Open()
+            {
+                stream = transport.Open();
+                return this;
+            }
+
+            public Task WriteAsync(ArraySegment<byte> message)
+            {
+                StreamTelemetryRequest request = StreamTelemetryRequest.Parser.ParseFrom(message.Array, message.Offset, message.Count);
+                request.Hello.ProtocolVersion = request.Hello.MinProtocolVersion = 99;
+                return stream.WriteAsync(request.ToByteArray());
+            }
+
+            public Task FinishAsync() => stream.FinishAsync();
+
+            public Task<byte[]> ReadAsync() => stream.ReadAsync();
+
+            void IDisposable.Dispose() => stream.Dispose();
+        }
     }
 }

@@ -4,6 +4,8 @@ using System.Diagnostics;
 using System.Globalization;
 using System.IO;
 using System.Linq;
+using System.Net.Http;
+using System.Text.RegularExpressions;
 using System.Threading.Tasks;
 using NUnit.Framework;
 using Sweepstake.GrpcNet;
@@ -18,73 +20,133 @@ namespace Sweepstake.Tests
         private const int WindowMembers = 11;
         private static readonly int[] Summed = { 0, 1, 2, 3, 7, 8, 9 };
         private static readonly TimeSpan AfterTheLastFrame = TimeSpan.FromMilliseconds(500);
+        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(60);
+
+        private DaemonProcess overCpp;
+        private DaemonProcess overCSharp;
+
+        [SetUp]
+        public void StartDaemons()
+        {
+            overCpp = new DaemonProcess("--http", "127.0.0.1:0");
+            overCSharp = new DaemonProcess("--http", "127.0.0.1:0");
+        }
+
+        [TearDown]
+        public void EndDaemons()
+        {
+            overCpp.Dispose();
+            overCSharp.Dispose();
+        }
 
         [Test]
         public async Task ARunOverCppAndOverCSharpIsTheSameAcknowledgedEvidence()
         {
-            using var first = new DaemonProcess();
-            using var second = new DaemonProcess();
-            using var tap = new Http2Tap(first.Address, AfterTheLastFrame);
-            Run(
-                "run", "--scene", "hurricane", "--objects", "2000", "--mode", "manual", "--arm", "SAP", "--shadow", "off", "--duration", "2s",
-                "--time-scale", "50", "--daemon", tap.Address);
+            StreamTelemetryRequest[] sent = await PlayBothWays("--mode", "manual", "--arm", "SAP", "--shadow", "off", "--duration", "2s");
+            double[] learnt = WindowSums(overCpp);
+            Assert.That(WindowSums(overCSharp), Is.EqualTo(learnt));
+            double frames = sent.Where(message => message.FrameBatch != null).Sum(message => message.FrameBatch.FrameTimeNs.Count);
+            Assert.That(learnt[0], Is.GreaterThan(0).And.LessThanOrEqualTo(frames), "those that settle are not learnt from");
+        }
+
+        /// <summary>When each daemon decides is its own affair, and so is how it cuts frames into windows. What it decides from is the game's.</summary>
+        [Test]
+        public async Task ARunOfAiDecidesWithTheLaneIsTheSameEvidenceToo()
+        {
+            StreamTelemetryRequest[] sent = await PlayBothWays("--mode", "ai", "--arm", "BruteForce", "--shadow", "on", "--duration", "4s");
+            string[] visits = Visits(overCpp);
+            Assert.That(visits, Has.Length.EqualTo(sent.Sum(message => message.FrameBatch?.ShadowSamples.Count ?? 0)).And.Not.Empty);
+            Assert.That(Visits(overCSharp), Is.EqualTo(visits));
+            string[] switches = Switches(overCpp);
+            Assert.That(switches, Has.Some.Contains("policy"), "the daemon has decided");
+            Assert.That(Switches(overCSharp), Is.EqualTo(switches));
+        }
+
+        /// <summary>Plays over C++ to one daemon, and sends the same messages over C# to the other one; returns them.</summary>
+        private async Task<StreamTelemetryRequest[]> PlayBothWays(params string[] arguments)
+        {
+            using var tap = new Http2Tap(overCpp.Address, AfterTheLastFrame);
+            Run(new[] { "run", "--scene", "hurricane", "--objects", "3000", "--time-scale", "50", "--daemon", tap.Address }.Concat(arguments).ToArray());
             await tap.Passing;
             StreamTelemetryRequest[] sent = tap.Messages.Select(message => StreamTelemetryRequest.Parser.ParseFrom(message)).ToArray();
             Assert.That(sent.First().Hello, Is.Not.Null);
             Assert.That(sent.Last().Goodbye, Is.Not.Null);
-            ulong last = sent.Max(message => message.Sequence);
-            Assert.That(await Replay(tap.Messages, second.Address, last), Is.EqualTo(last), "all of it is acknowledged");
 
-            double[] overCpp = Evidence(first);
-            double[] overCSharp = Evidence(second);
-            Assert.That(overCSharp, Is.EqualTo(overCpp));
-            double frames = sent.Where(message => message.FrameBatch != null).Sum(message => message.FrameBatch.FrameTimeNs.Count);
-            Assert.That(overCpp[0], Is.GreaterThan(0).And.LessThanOrEqualTo(frames), "those that settle are not learnt from");
+            using var secondTap = new Http2Tap(overCSharp.Address, AfterTheLastFrame);
+            await Replay(tap.Messages, secondTap.Address, sent.Max(message => message.Sequence));
+            await secondTap.Passing;
+            Assert.That(secondTap.Messages, Is.EqualTo(tap.Messages), "byte by byte");
+            string[] counters = Counters(overCpp);
+            Assert.That(counters, Has.Some.Match("accepted_frames_total [1-9]"));
+            Assert.That(Counters(overCSharp), Is.EqualTo(counters));
+            return sent;
         }
 
-        /// <summary>Sends these messages as they are. Returns the last sequence that the daemon acknowledged.</summary>
-        private static async Task<ulong> Replay(List<byte[]> messages, string address, ulong last)
+        /// <summary>Sends these messages as they are, and the goodbye once everything else is acknowledged.</summary>
+        private static async Task Replay(List<byte[]> messages, string address, ulong last)
         {
             using var transport = new GrpcTelemetryTransport(new DaemonEndpoint { Address = address, Handler = Game.Sockets });
             using ITelemetryStream stream = transport.Open();
-            ulong acknowledged = 0;
+            var acknowledged = new TaskCompletionSource();
             await stream.WriteAsync(messages[0]);
             Assert.That(Parsed(await stream.ReadAsync()).Welcome, Is.Not.Null);
             Task reading = Task.Run(async () =>
             {
-                while (acknowledged < last && await stream.ReadAsync() is byte[] response)
-                    acknowledged = Math.Max(acknowledged, Parsed(response).Acknowledgement?.Sequence ?? 0);
+                while (await stream.ReadAsync() is byte[] response)
+                {
+                    if (Parsed(response).Acknowledgement?.Sequence >= last)
+                        acknowledged.TrySetResult();
+                }
             });
             for (int index = 1; index < messages.Count - 1; ++index)
                 await stream.WriteAsync(messages[index]);
-            await Task.WhenAny(reading, Task.Delay(TimeSpan.FromSeconds(30)));
-            await Task.Delay(AfterTheLastFrame);
+            await acknowledged.Task.WaitAsync(Patience);
             await stream.WriteAsync(messages[messages.Count - 1]);
             await stream.FinishAsync();
-            return acknowledged;
+            await reading.WaitAsync(Patience);
         }
 
         private static StreamTelemetryResponse Parsed(byte[] response) => StreamTelemetryResponse.Parser.ParseFrom(response);
 
-        /// <summary>What all windows of the audit log amount to: frames, times, checks and pairs do not depend on where a window ended.</summary>
-        private static double[] Evidence(DaemonProcess daemon)
+        /// <summary>What the daemon has taken from games.</summary>
+        private static string[] Counters(DaemonProcess daemon)
         {
-            string path = Path.Combine(daemon.Folder, "decisions.csv");
-            Run("audit", "export", "--daemon", daemon.Address, "--out", path);
-            string[] rows = File.ReadAllLines(path);
-            int kind = Array.IndexOf(rows[0].Split(','), "kind");
+            using var browser = new HttpClient();
+            string[] lines = browser.GetStringAsync($"http://{daemon.HttpAddress}/metrics").Result.Split('\n');
+            return lines.Where(line => Regex.IsMatch(line, "^sweepstake_(accepted|applied|dropped|invalid|malformed|refused|rejected|replayed)_")).ToArray();
+        }
+
+        /// <summary>What all windows amount to: frames, times, checks and pairs do not depend on where a window ended.</summary>
+        private static double[] WindowSums(DaemonProcess daemon)
+        {
             var sums = new double[Summed.Length];
-            foreach (string[] cells in rows.Select(Cells).Where(cells => cells[kind] == "tick"))
+            foreach (string[] runs in Rows(daemon, "tick", "runs"))
             {
-                string[] members = cells[kind + 3].Split(' ')[1].Split(':');
+                string[] members = runs[0].Split(' ')[1].Split(':');
                 for (int index = 0; index < Summed.Length; ++index)
                     sums[index] += double.Parse(members[members.Length - WindowMembers + Summed[index]], CultureInfo.InvariantCulture);
             }
             return sums;
         }
 
-        /// <summary>A tick has no commas within its first cells.</summary>
-        private static string[] Cells(string row) => row.Split(',');
+        /// <summary>Each visit of the lane, in the order of their coming.</summary>
+        private static string[] Visits(DaemonProcess daemon) =>
+            Rows(daemon, "tick", "shadow").SelectMany(cells => cells[0].Split(' ', StringSplitOptions.RemoveEmptyEntries)).ToArray();
+
+        private static string[] Switches(DaemonProcess daemon) =>
+            Rows(daemon, "switch", "arm", "reason", "switch_epoch", "rebuild_time_ns", "settling_cost_ns").Select(cells => string.Join(' ', cells)).ToArray();
+
+        /// <summary>These cells of each row of a kind in the audit log. None of those before them has a comma in it.</summary>
+        private static IEnumerable<string[]> Rows(DaemonProcess daemon, string kind, params string[] columns)
+        {
+            string path = Path.Combine(daemon.Folder, "decisions.csv");
+            Run("audit", "export", "--daemon", daemon.Address, "--out", path);
+            string[] rows = File.ReadAllLines(path);
+            string[] header = rows[0].Split(',');
+            int kindColumn = Array.IndexOf(header, "kind");
+            int[] indices = columns.Select(column => Array.IndexOf(header, column)).ToArray();
+            return rows.Select(row => row.Split(',')).Where(cells => cells[kindColumn] == kind).Select(cells => indices.Select(index => cells[index]).ToArray());
+        }
 
         private static void Run(params string[] arguments)
         {

@@ -4,7 +4,9 @@ using System.Diagnostics;
 using System.IO;
 using System.Linq;
 using System.Net.Http;
+using System.Text.Json;
 using System.Text.RegularExpressions;
+using Google.Protobuf;
 using NUnit.Framework;
 using Sweepstake.GrpcNet;
 using Sweepstake.Protocol.V1;
@@ -14,29 +16,35 @@ namespace Sweepstake.Tests
     /// <summary>The whole way: the sample plays Hurricane with 3,000 objects through C#, and the daemon's own tools look at what came of it.</summary>
     public sealed class HeadlessTest
     {
-        [Test]
-        public void HurricaneIsLearntAndItsDecisionsDeriveAgain()
+        private const string Scene = "hurricane-3000";
+
+        /// <summary>The policy of AI Decides, with the lane, and the paper's.</summary>
+        [TestCase("adaptive")]
+        [TestCase("paper")]
+        public void HurricaneIsLearntShownAndDerivedAgainAsThatOfTheCppClient(string policy)
         {
             using var daemon = new DaemonProcess("--http", "127.0.0.1:0");
             string output = Headless(
-                0, "--daemon", daemon.Address, "--objects", "3000", "--frames", "1500", "--time-scale", "100", "--policy", "paper");
+                0, "--daemon", daemon.Address, "--objects", "3000", "--frames", "1500", "--time-scale", "100", "--policy", policy);
             Match sent = Regex.Match(output, @"(\d+) frames sent, (\d+) dropped, 0 refused");
             Assert.That(sent.Success, Is.True, output);
             Assert.That(int.Parse(sent.Groups[1].Value) + int.Parse(sent.Groups[2].Value), Is.EqualTo(1500));
-            Match session = Regex.Match(output, @"session (\S+)");
 
             using var client = new DaemonClient(new DaemonEndpoint { Address = daemon.Address });
-            ScenePosterior scene = client.Posteriors.GetPosterior(
-                new GetPosteriorRequest { Project = "default", Scene = "hurricane-3000", RewardVersion = 1 }).Scene;
-            Assert.That(scene.Arms.Sum(arm => (long)arm.WindowCount), Is.GreaterThan(0));
-            using var browser = new HttpClient();
-            Assert.That(browser.GetStringAsync($"http://{daemon.HttpAddress}/metrics").Result, Does.Match(@"sweepstake_\w*frames\w*(\{[^}]*\})? [1-9]"));
+            var request = new ListPosteriorsRequest { Project = "default" };
+            ListPosteriorsResponse learnt = client.Posteriors.ListPosteriors(request);
+            Assert.That(learnt.Scenes.Single().Scene, Is.EqualTo(Scene));
+            Assert.That(learnt.Scenes.Single().Arms.Sum(arm => (long)arm.WindowCount), Is.GreaterThan(0));
+            using var browser = new HttpClient { BaseAddress = new Uri($"http://{daemon.HttpAddress}") };
+            Assert.That(PostedList(browser, request), Is.EqualTo(learnt), "HTTP says what gRPC says");
+            Assert.That(DashboardScenes(browser), Is.EqualTo(new[] { Scene }), "what the dashboard's pages watch");
 
-            string decisions = Path.Combine(daemon.Folder, "decisions.csv");
-            RunTool("audit", "export", "--daemon", daemon.Address, "--out", decisions);
-            string[] rows = File.ReadAllLines(decisions);
-            Assert.That(rows.Count(row => row.Contains(session.Groups[1].Value)), Is.GreaterThan(3));
-            RunTool("replay", "--log", decisions);
+            RunTool(
+                "run", "--daemon", daemon.Address, "--scene", "hurricane", "--objects", "3000", "--mode", "ai", "--policy", policy,
+                "--time-scale", "100", "--duration", "3s");
+            string ofCSharp = Regex.Match(output, @"session (\S+)").Groups[1].Value;
+            Assert.That(DecisionsDerivedAgain(daemon, 1, "--session", ofCSharp), Is.GreaterThan(3));
+            Assert.That(DecisionsDerivedAgain(daemon, 2), Is.GreaterThan(DecisionsDerivedAgain(daemon, 1, "--session", ofCSharp) + 3));
         }
 
         [Test]
@@ -64,10 +72,45 @@ namespace Sweepstake.Tests
             return Run("dotnet", exitCode, new List<string> { program }.Concat(arguments));
         }
 
-        private static void RunTool(params string[] arguments)
+        private static ListPosteriorsResponse PostedList(HttpClient browser, ListPosteriorsRequest request)
         {
-            Run(DaemonProcess.Program("sweepstake"), 0, arguments);
+            using var post = new HttpRequestMessage(HttpMethod.Post, "/api/sweepstake.v1.PosteriorsService/ListPosteriors")
+            {
+                Content = new StringContent(JsonFormatter.Default.Format(request)),
+            };
+            post.Headers.Add("X-Sweepstake", "1");
+            using HttpResponseMessage response = browser.Send(post);
+            return ListPosteriorsResponse.Parser.ParseJson(response.EnsureSuccessStatusCode().Content.ReadAsStringAsync().Result);
         }
+
+        /// <summary>The scenes of the first snapshot of the events.</summary>
+        private static string[] DashboardScenes(HttpClient browser)
+        {
+            const string Data = "data: ";
+            using var events = new StreamReader(browser.GetStreamAsync("/events/sweepstake.v1.PosteriorsService/WatchPosteriors?request=%7B%7D").Result);
+            var scenes = new List<string>();
+            for (string line = events.ReadLine(); line != "event: snapshot-end"; line = events.ReadLine())
+            {
+                Assert.That(line, Is.Not.Null, "the events have ended");
+                if (line.StartsWith(Data) && WatchPosteriorsResponse.Parser.ParseJson(line.Substring(Data.Length)).Posterior is ScenePosterior told)
+                    scenes.Add(told.Scene);
+            }
+            return scenes.ToArray();
+        }
+
+        /// <summary>How many decisions of so many sessions the audit log has, all of which follow from it.</summary>
+        private static long DecisionsDerivedAgain(DaemonProcess daemon, long sessions, params string[] filter)
+        {
+            string log = Path.Combine(daemon.Folder, "decisions.csv");
+            RunTool(new[] { "audit", "export", "--daemon", daemon.Address, "--out", log }.Concat(filter).ToArray());
+            using JsonDocument report = JsonDocument.Parse(RunTool("replay", "--log", log, "--json"));
+            long Member(string name) => report.RootElement.GetProperty(name).GetInt64();
+            Assert.That(report.RootElement.GetProperty("equal").GetBoolean(), Is.True);
+            Assert.That((Member("sessions"), Member("underived_decisions")), Is.EqualTo((sessions, 0L)));
+            return Member("decisions");
+        }
+
+        private static string RunTool(params string[] arguments) => Run(DaemonProcess.Program("sweepstake"), 0, arguments);
 
         private static string Run(string program, int exitCode, IEnumerable<string> arguments)
         {

@@ -1,10 +1,13 @@
 using System;
 using System.IO;
 using System.Linq;
+using System.Net.Http;
+using System.Runtime.CompilerServices;
 using System.Threading;
 using NUnit.Framework;
 using Sweepstake.Editor;
 using Sweepstake.Unity;
+using UnityEditor;
 using UnityEngine;
 
 namespace Sweepstake.Tests
@@ -66,6 +69,26 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void ARecompilationWhileConnectedEndsTheStreamAndTheGameConnectsAgain()
+        {
+            using var daemon = new DaemonProcess("--http", "127.0.0.1:0");
+            SweepstakeManager manager = MakeConnected(daemon.Address);
+            FramesUntil(() => manager.State == SweepstakeState.Online, "online");
+            string session = manager.Connection.Status.SessionId;
+            RuntimeHelpers.RunClassConstructor(typeof(EditorLifetime).TypeHandle);
+            AssemblyReloadEvents.SayReload();
+            Assert.That((SweepstakeLibrary.LiveCount(), SessionWork.RunningCount), Is.EqualTo((0, 0)));
+            FramesUntil(() => HasOpenStreams(daemon, 0), "without a stream");
+
+            manager.gameObject.SetActive(false);
+            manager.gameObject.SetActive(true);
+            FramesUntil(() => manager.State == SweepstakeState.Online, "online in the new domain");
+            Assert.That(manager.Connection.Status.SessionId, Is.Not.EqualTo(session));
+            Assert.That(HasOpenStreams(daemon, 1), Is.True);
+            Assert.That(Debug.Lines, Has.Count.EqualTo(2), string.Join("\n", Debug.Lines));
+        }
+
+        [Test]
         public void AWrongSettingIsToldAndTheGameDecidesItself()
         {
             SweepstakeManager manager = MakeConnected("nowhere");
@@ -119,6 +142,12 @@ namespace Sweepstake.Tests
             daemon.Kill();
             FramesUntil(() => watcher.Latest.Problem.Length > 0, "told that the daemon is gone");
             Assert.That(watcher.Latest.Lines, Is.Not.Empty, "what was known stays");
+        }
+
+        private static bool HasOpenStreams(DaemonProcess daemon, int count)
+        {
+            using var browser = new HttpClient();
+            return browser.GetStringAsync($"http://{daemon.HttpAddress}/metrics").Result.Contains($"\nsweepstake_open_streams {count}\n");
         }
 
         private static SweepstakeManager MakeConnected(string address, string tokenFile = "")

@@ -9,6 +9,7 @@ using NUnit.Framework;
 using Sweepstake.Editor;
 using Sweepstake.Unity;
 using UnityEditor;
+using UnityEditor.Build;
 using UnityEngine;
 using UnityEngine.UIElements;
 
@@ -120,14 +121,17 @@ namespace Sweepstake.Tests
         {
             var window = ScriptableObject.CreateInstance<SetupWindow>();
             Call(window, "CreateGUI");
-            PlayerSettings.SetScriptingDefineSymbols(default, "OTHER");
+            NamedBuildTarget chosen = NamedBuildTarget.FromBuildTargetGroup(EditorUserBuildSettings.selectedBuildTargetGroup);
+            PlayerSettings.SetScriptingDefineSymbols(chosen, "OTHER");
+            PlayerSettings.SetScriptingDefineSymbols(NamedBuildTarget.Android, "SWEEPSTAKE_GRPC;OTHER");
             Call(window, "Define", true);
-            Assert.That(PlayerSettings.GetScriptingDefineSymbols(default), Is.EqualTo("OTHER"), "there are no libraries");
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER"), "there are no libraries");
             UnityEditor.Compilation.CompilationPipeline.Precompiled = SetupChecks.GrpcAssemblies;
             Call(window, "Define", true);
-            Assert.That(PlayerSettings.GetScriptingDefineSymbols(default), Is.EqualTo("OTHER;SWEEPSTAKE_GRPC"));
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER;SWEEPSTAKE_GRPC"));
             Call(window, "CleanUp");
-            Assert.That(PlayerSettings.GetScriptingDefineSymbols(default), Is.EqualTo("OTHER"));
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER"));
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(NamedBuildTarget.Android), Is.EqualTo("OTHER"), "another platform's, too");
             UnityEditor.Compilation.CompilationPipeline.Precompiled = Array.Empty<string>();
         }
 

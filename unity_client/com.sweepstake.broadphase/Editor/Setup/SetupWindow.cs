@@ -15,6 +15,12 @@ namespace Sweepstake.Editor
     [DocumentationPage("setup.md")]
     internal sealed class SetupWindow : EditorWindow
     {
+        /// <summary>Those for which there may be a native library.</summary>
+        private static readonly NamedBuildTarget[] Targets =
+        {
+            NamedBuildTarget.Standalone, NamedBuildTarget.Server, NamedBuildTarget.EmbeddedLinux, NamedBuildTarget.Android, NamedBuildTarget.iOS,
+        };
+
         private VisualElement? checks;
 
         [MenuItem(PackagePaths.MenuRoot + "Setup", priority = 2)]
@@ -40,7 +46,7 @@ namespace Sweepstake.Editor
             buttons.Add(new Button(Refresh) { text = "Check Again" });
             buttons.Add(new Button(() => Define(true)) { text = "Set Define", tooltip = $"Sets {SetupChecks.GrpcDefine} for the platform of the build settings, if gRPC's libraries are there." });
             buttons.Add(new Button(() => Define(false)) { text = "Remove Define" });
-            buttons.Add(new Button(CleanUp) { text = "Clean Up", tooltip = "Removes the define and the package's project settings, before the package itself is removed." });
+            buttons.Add(new Button(CleanUp) { text = "Clean Up", tooltip = "Removes the define, of each platform, and the package's project settings, before the package itself is removed." });
             buttons.Add(new Button(DemoMenu.MakeDemoScene) { text = "New Demo Scene" });
             scroll.Add(buttons);
             Refresh();
@@ -68,13 +74,14 @@ namespace Sweepstake.Editor
                 EditorUtility.DisplayDialog("Sweepstake", "Install gRPC's libraries first; without them the define gives errors.", "OK");
                 return;
             }
-            SetDefine(isSet);
+            SetDefine(Target, isSet);
             Refresh();
         }
 
         private void CleanUp()
         {
-            SetDefine(false);
+            foreach (NamedBuildTarget target in Targets.Append(Target))
+                SetDefine(target, false);
             FileUtil.DeleteFileOrDirectory(SweepstakeProjectSettings.File);
             FileUtil.DeleteFileOrDirectory(LinkerProcessor.Folder);
             Refresh();
@@ -84,7 +91,7 @@ namespace Sweepstake.Editor
         {
             LibraryProblem = SweepstakeLibrary.FindProblem(),
             IsWebGl = EditorUserBuildSettings.activeBuildTarget == BuildTarget.WebGL,
-            HasGrpcDefine = Defines().Contains(SetupChecks.GrpcDefine),
+            HasGrpcDefine = Defines(Target).Contains(SetupChecks.GrpcDefine),
             PrecompiledAssemblies = CompilationPipeline.GetPrecompiledAssemblyNames(),
             HasHttpHandlerPackage = CompilationPipeline.GetAssemblyDefinitionFilePathFromAssemblyName("YetAnotherHttpHandler") != null,
 #if UNITY_6000_5_OR_NEWER
@@ -94,16 +101,19 @@ namespace Sweepstake.Editor
 
         private static NamedBuildTarget Target => NamedBuildTarget.FromBuildTargetGroup(EditorUserBuildSettings.selectedBuildTargetGroup);
 
-        private static List<string> Defines() =>
-            PlayerSettings.GetScriptingDefineSymbols(Target).Split(new[] { ';' }, StringSplitOptions.RemoveEmptyEntries).ToList();
+        private static List<string> Defines(NamedBuildTarget target) =>
+            PlayerSettings.GetScriptingDefineSymbols(target).Split(new[] { ';' }, StringSplitOptions.RemoveEmptyEntries).ToList();
 
-        private static void SetDefine(bool isSet)
+        private static void SetDefine(NamedBuildTarget target, bool isSet)
         {
-            List<string> defines = Defines();
-            defines.Remove(SetupChecks.GrpcDefine);
+            List<string> defines = Defines(target);
+            if (defines.Contains(SetupChecks.GrpcDefine) == isSet)
+                return;
             if (isSet)
                 defines.Add(SetupChecks.GrpcDefine);
-            PlayerSettings.SetScriptingDefineSymbols(Target, string.Join(";", defines));
+            else
+                defines.Remove(SetupChecks.GrpcDefine);
+            PlayerSettings.SetScriptingDefineSymbols(target, string.Join(";", defines));
         }
     }
 }

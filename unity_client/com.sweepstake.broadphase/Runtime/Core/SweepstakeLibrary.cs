@@ -69,12 +69,9 @@ namespace Sweepstake
         /// <exception cref="NativeLibraryException">It is missing, of another ABI, or there is none for this platform.</exception>
         public static void EnsureLoaded()
         {
-            if (isChecked)
-                return;
             NativeLibraryException? problem = FindProblem();
             if (problem != null)
                 throw problem;
-            isChecked = true;
         }
 
         /// <summary>As <see cref="EnsureLoaded"/>, for user interfaces: null if all is well.</summary>
@@ -116,14 +113,15 @@ namespace Sweepstake
         /// <summary>
         /// Ends all connections and deciders, then every native object of the process with its threads and memory, in about the given time
         /// at most: before a domain reload, at the end of play mode and of the game. No frame, job or query may be under way. What is made
-        /// afterwards lives; wrappers that are left over throw. May be called more than once, and where the library was never loaded.
+        /// afterwards lives; wrappers that are left over throw. May be called more than once, where there is no library that fits, and first
+        /// of all in a new domain: what the former one has left behind ends, too.
         /// </summary>
         /// <returns>Whether all has ended; false: some call had not returned in time, and a later Shutdown goes on.</returns>
         public static bool Shutdown(int timeoutMs = 500)
         {
             ulong endNs = SteadyClock.NowNs + (ulong)Math.Max(0, timeoutMs) * 1_000_000;
             SessionWork[] stopped = SessionWork.StopAll(endNs);
-            if (!isChecked)
+            if (FindProblem() != null)
                 return true;
             ulong nowNs = SteadyClock.NowNs;
             uint leftMs = nowNs < endNs ? (uint)((endNs - nowNs) / 1_000_000) : 0;
@@ -144,7 +142,8 @@ namespace Sweepstake
             }
             var problems = new LayoutProblems();
             NativeLayouts.Check(problems);
-            return problems.IsEmpty ? null : new NativeLibraryException($"The native library 'sweepstake' does not fit: {problems}.", Install);
+            isChecked = problems.IsEmpty;
+            return isChecked ? null : new NativeLibraryException($"The native library 'sweepstake' does not fit: {problems}.", Install);
         }
     }
 }

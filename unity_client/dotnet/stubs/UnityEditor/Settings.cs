@@ -76,10 +76,10 @@ namespace UnityEditor
 
     public sealed class PlayerSettings
     {
-        private static string defines = "";
+        private static readonly Dictionary<string, string> Defines = new Dictionary<string, string>();
 
-        public static string GetScriptingDefineSymbols(NamedBuildTarget buildTarget) => defines;
-        public static void SetScriptingDefineSymbols(NamedBuildTarget buildTarget, string defines) => PlayerSettings.defines = defines;
+        public static string GetScriptingDefineSymbols(NamedBuildTarget buildTarget) => Defines.GetValueOrDefault(buildTarget.TargetName, "");
+        public static void SetScriptingDefineSymbols(NamedBuildTarget buildTarget, string defines) => Defines[buildTarget.TargetName] = defines;
     }
 }
 
@@ -87,7 +87,20 @@ namespace UnityEditor.Build
 {
     public struct NamedBuildTarget
     {
-        public static NamedBuildTarget FromBuildTargetGroup(BuildTargetGroup buildTargetGroup) => default;
+        public static readonly NamedBuildTarget Standalone = new NamedBuildTarget("Standalone");
+        public static readonly NamedBuildTarget Server = new NamedBuildTarget("Server");
+        public static readonly NamedBuildTarget EmbeddedLinux = new NamedBuildTarget("EmbeddedLinux");
+        public static readonly NamedBuildTarget Android = new NamedBuildTarget("Android");
+        public static readonly NamedBuildTarget iOS = new NamedBuildTarget("iPhone");
+
+        private NamedBuildTarget(string targetName)
+        {
+            TargetName = targetName;
+        }
+
+        public string TargetName { get; }
+
+        public static NamedBuildTarget FromBuildTargetGroup(BuildTargetGroup buildTargetGroup) => Standalone;
     }
 
     public interface IOrderedCallback
