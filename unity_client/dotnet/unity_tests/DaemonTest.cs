@@ -118,6 +118,22 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void FilesOfAConfigAreBelowStreamingAssetsUnlessTheyAreAbsolute()
+        {
+            Application.streamingAssetsPath = "/game/StreamingAssets";
+            var endpoint = DaemonTransport.EndpointOf(new DaemonSettings
+            {
+                address = "host:1", usesTls = true, caFile = "ca.pem", certFile = "/etc/cert.pem", keyFile = "keys/key.pem", tokenFile = "token",
+            });
+            Assert.That((endpoint.Address, endpoint.TokenFile), Is.EqualTo(("host:1", "/game/StreamingAssets/token")));
+            Assert.That(endpoint.Tls.CaFile, Is.EqualTo("/game/StreamingAssets/ca.pem"));
+            Assert.That((endpoint.Tls.CertFile, endpoint.Tls.KeyFile), Is.EqualTo(("/etc/cert.pem", "/game/StreamingAssets/keys/key.pem")));
+            endpoint = DaemonTransport.EndpointOf(new DaemonSettings());
+            Assert.That((endpoint.Tls, endpoint.TokenFile), Is.EqualTo(((object)null, (string)null)));
+            Assert.That(endpoint.IsLoopback, Is.True);
+        }
+
+        [Test]
         public void AFrameAllocatesNothingWhileTheManagerSends()
         {
             using var daemon = new DaemonProcess();

@@ -25,6 +25,7 @@ namespace Sweepstake.Tests
             Player.Stop();
             Application.isMobilePlatform = false;
             Application.isEditor = false;
+            Application.streamingAssetsPath = "";
             Assert.That(SessionWork.RunningCount, Is.EqualTo(0), "nothing decides any more");
             Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0), "nothing native is left");
         }

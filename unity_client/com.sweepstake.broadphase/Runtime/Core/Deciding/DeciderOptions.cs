@@ -34,12 +34,13 @@ namespace Sweepstake
         public string? PriorsFile { get; set; }
         /// <summary>Priors as <see cref="EmbeddedDecider.ExportPriors"/> and `sweepstake priors export` write them.</summary>
         public byte[]? PriorsData { get; set; }
+        /// <summary>Of all draws: the same seed and the same measurements give the same decisions.</summary>
         public ulong Seed { get => native.Seed; set => native.Seed = value; }
         /// <summary>1 to 1000: every interval but the bail-out limit is divided by it.</summary>
         public double TimeScale { get => native.TimeScale; set => native.TimeScale = value; }
-        /// <summary>From one decision to the next.</summary>
+        /// <summary>From one decision to the next, in nanoseconds.</summary>
         public ulong DecisionIntervalNs { get => native.DecisionIntervalNs; set => native.DecisionIntervalNs = value; }
-        /// <summary>Between switches that the policy chooses.</summary>
+        /// <summary>Between switches that the policy chooses, in nanoseconds.</summary>
         public ulong CooldownNs { get => native.CooldownNs; set => native.CooldownNs = value; }
         /// <summary><see cref="VerdictKind.Degraded"/> if the best arm has fewer frames/s, 0 to 1000.</summary>
         public double FpsFloor { get => native.FpsFloor; set => native.FpsFloor = value; }

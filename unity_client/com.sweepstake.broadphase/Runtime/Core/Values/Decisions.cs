@@ -68,7 +68,7 @@ namespace Sweepstake
         public DecisionOutcome Outcome;
         /// <summary>From 1; 0: a daemon's, which tells its commands alone.</summary>
         public ulong DecisionId;
-        /// <summary>On the clock of <see cref="SteadyClock"/>, so that its age is the time since then.</summary>
+        /// <summary>In nanoseconds on the clock of <see cref="SteadyClock"/>, so that its age is the time since then.</summary>
         public ulong TimeNs;
         public uint ActiveArm;
         /// <summary>What the policy proposed, or <see cref="NoArm"/>.</summary>
@@ -139,13 +139,14 @@ namespace Sweepstake
         public ulong SweepCount;
         /// <summary>Visits of one arm each.</summary>
         public ulong VisitCount;
+        /// <summary>Of these, those that a cap ended early.</summary>
         public ulong CappedVisitCount;
-        /// <summary>Of the lane's thread.</summary>
+        /// <summary>Of the lane's thread, in nanoseconds.</summary>
         public ulong BusyTimeNs;
         /// <summary>Held now.</summary>
         public ulong MemoryBytes;
         public ulong CopiedFrameCount;
-        /// <summary>On the frame thread.</summary>
+        /// <summary>On the frame thread, in nanoseconds.</summary>
         public ulong CopyTimeNs;
         /// <summary>Switches that the lane prepared.</summary>
         public ulong WarmSwitchCount;

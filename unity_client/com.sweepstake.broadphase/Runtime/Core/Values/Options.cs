@@ -45,7 +45,7 @@ namespace Sweepstake
         /// <summary>As in <see cref="WorldOptions"/>.</summary>
         public uint ThreadCount;
         internal IntPtr Executor;
-        /// <summary>A pair's end is told when the boxes are farther apart than this on an axis; the pairs themselves stay exact.</summary>
+        /// <summary>In world units: a pair's end is told when the boxes are farther apart on an axis. The pairs themselves stay exact.</summary>
         public float EventMargin;
         internal uint Reserved;
 
@@ -90,8 +90,9 @@ namespace Sweepstake
         public ulong MotionSeed;
         /// <summary>The world is ± this on each axis.</summary>
         public float WorldHalfExtent;
-        /// <summary>One step.</summary>
+        /// <summary>Of one step.</summary>
         public float FixedStepS;
+        /// <summary>Half of a box's size on each axis is drawn from here to the next one.</summary>
         public float HalfExtentMin;
         public float HalfExtentMax;
         /// <summary>Characteristic speed, units/s.</summary>

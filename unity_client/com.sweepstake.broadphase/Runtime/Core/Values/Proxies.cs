@@ -84,7 +84,7 @@ namespace Sweepstake
         public ProxyHandle B;
     }
 
-    /// <summary>The points origin + t · direction, t from 0 to MaxDistance; all values are finite.</summary>
+    /// <summary>The points origin + t · direction, t from 0 to MaxDistance: world units where the direction has length 1. All values are finite.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct RayQuery
     {
