@@ -33,6 +33,16 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void WhatAScriptHasForgottenEndsWithPlayMode()
+        {
+            System.Runtime.CompilerServices.RuntimeHelpers.RunClassConstructor(typeof(Editor.EditorLifetime).TypeHandle);
+            var forgotten = new BroadPhaseSession();
+            EditorApplication.Say(PlayModeStateChange.EnteredEditMode);
+            Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0));
+            Assert.Throws<SweepstakeException>(forgotten.BeginFrame);
+        }
+
+        [Test]
         public void ARecompilationWhileItPlaysEndsWhatIsNative()
         {
             SweepstakeManager manager = MakeManager();

@@ -32,7 +32,8 @@ namespace Sweepstake.Editor
             return new ChartScale(hasValue ? RoundUp(max) : 0);
         }
 
-        internal static bool IsShown(float value) => !float.IsNaN(value) && !float.IsInfinity(value) && value >= 0;
+        /// <summary>NaN is neither.</summary>
+        internal static bool IsShown(float value) => value >= 0 && value < float.PositiveInfinity;
 
         /// <summary>0 at the bottom, 1 at the top.</summary>
         internal float HeightOf(float value) => IsEmpty ? 0 : Math.Min(value / Max, 1);
