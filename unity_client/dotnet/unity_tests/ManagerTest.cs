@@ -24,7 +24,7 @@ namespace Sweepstake.Tests
             Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(200));
             Assert.That(manager.Connection, Is.Null);
             Assert.That(manager.Decider, Is.Not.Null);
-            Assert.That(manager.ActiveBackend, Is.EqualTo(SweepstakeConfig.FirstBackend), "not brute force, which is the first");
+            Assert.That(manager.ActiveBackend, Is.EqualTo("KDTree"), "not brute force, which is the first");
             Assert.That(Debug.Lines, Is.Empty, "all is well, and nobody has to be told");
         }
 

@@ -32,16 +32,13 @@ namespace Sweepstake.Unity
         [Tooltip("A daemon that decides and keeps what it learns. Off, nothing leaves the machine.")]
         public DaemonSettings daemon = new DaemonSettings();
 
-        /// <summary>What a game begins with that names no backend: seldom the slowest of them, whatever the scene.</summary>
-        public const string FirstBackend = "KDTree";
-
         /// <summary>The options of a session that begins in this mode with this backend.</summary>
-        /// <param name="initialBackend">"": <see cref="FirstBackend"/> if all may be chosen, otherwise the first of the config's.</param>
+        /// <param name="initialBackend">"": KDTree if all may be chosen, otherwise the first of the config's.</param>
         public SessionOptions ToSessionOptions(SessionMode mode, string initialBackend) => new SessionOptions
         {
             Mode = mode,
             Arms = string.Join(",", search.backends),
-            InitialArm = initialBackend.Length == 0 && search.backends.Length == 0 ? FirstBackend : initialBackend,
+            InitialArm = initialBackend,
             ThreadCount = (uint)search.threads,
             IsSorted = search.sortsPairs,
             Shadow = search.Shadow,

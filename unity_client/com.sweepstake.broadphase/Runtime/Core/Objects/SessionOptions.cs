@@ -19,7 +19,7 @@ namespace Sweepstake
 
         /// <summary>Names of backends, each once, separated by commas; null or empty: all.</summary>
         public string? Arms { get; set; }
-        /// <summary>Null or empty: the first arm.</summary>
+        /// <summary>Null or empty: the first of <see cref="Arms"/>, or KDTree if those are all.</summary>
         public string? InitialArm { get; set; }
         public SessionMode Mode { get => native.Mode; set => native.Mode = value; }
         /// <summary>In nanoseconds, above 0: a longer frame is flagged, and a bail-out where its arm is to blame. A welcome replaces it.</summary>
