@@ -66,7 +66,7 @@ namespace Sweepstake.Tests
             using var game = new Game(new ScriptedDaemon(() => stream), null, session => session.Mode = SessionMode.Manual);
             game.PlayUntil(() => stream.Sent(request => request.SwitchOutcome).Any(), "answered");
             Assert.That(stream.Sent(request => request.SwitchOutcome).First().Executed, Is.False);
-            Assert.That(game.Session.Arms[game.Session.ActiveArm], Is.EqualTo("KDTree"), "what it began with");
+            Assert.That(game.Session.ActiveArm, Is.EqualTo(0));
         }
 
         [Test]

@@ -75,7 +75,7 @@ namespace Sweepstake.Tests
         [Test]
         public void AiDecidesAndSaysWhy()
         {
-            using var session = new BroadPhaseSession(new SessionOptions { SettlingNs = 1 });
+            using var session = new BroadPhaseSession(new SessionOptions { InitialArm = "BruteForce", SettlingNs = 1 });
             using var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100 }, ownThread: false);
             using var scene = Oracle.CrowdedScene("hurricane");
             PlayAndPoll(session, decider, scene, 1200);
