@@ -108,7 +108,7 @@ TEST_F(EventsTest, AWatcherSeesTheStateAndThenWhatChanges) {
   EXPECT_THAT(LastIdIn(state), MatchesRegex("[0-9a-f]{16}:[0-9]+"));
   Learn(client, 1);
   ASSERT_TRUE(TickUntil([&] { return events_->encoded_count >= 3; }));
-  const std::string news = watch.Until("\"windowCount\":\"1\"}");
+  const std::string news = watch.Until("\"windowCount\":\"1\",");
   EXPECT_THAT(news, AllOf(HasSubstr("data: {\"decisions\":[{\"sessionId\""), HasSubstr("\nid: "),
                           HasSubstr("\"scene\":\"harbour\"")));
   EXPECT_EQ(LastIdIn(news).substr(0, 16), LastIdIn(state).substr(0, 16)) << "the same boot";
@@ -166,10 +166,10 @@ TEST_F(EventsTest, WhoLostItsConnectionGetsWhatItMissed) {
   ASSERT_TRUE(Eventually([&] { return events_->open_watcher_count == 0; }));
   LearnAndTell(client, 1);
   EventReader again = Watch(kPosteriors, "Last-Event-ID: " + last_id + "\r\n");
-  const std::string missed = again.Until("\"windowCount\":\"1\"}");
+  const std::string missed = again.Until("\"windowCount\":\"1\",");
   EXPECT_THAT(missed, AllOf(HasSubstr("decisions"), Not(HasSubstr("snapshot"))));
   LearnAndTell(client, 2);
-  EXPECT_THAT(again.Until("\"windowCount\":\"2\"}"), Not(HasSubstr("snapshot")));
+  EXPECT_THAT(again.Until("\"windowCount\":\"2\","), Not(HasSubstr("snapshot")));
   EventReader unknown = Watch(kPosteriors, "Last-Event-ID: 0000000000000000:7\r\n");
   EXPECT_THAT(unknown.Snapshot(), HasSubstr("\"windowCount\":\"2\""));
 }
@@ -388,7 +388,7 @@ TEST_F(EventsTest, AThousandWatchersShareOneStreamAndOneEncoding) {
   EXPECT_EQ(events_->encoded_count, 1u);
   LearnAndTell(client, 1);
   EXPECT_EQ(events_->encoded_count, 3u);
-  for (const auto& watcher : watchers) watcher->Until("\"windowCount\":\"1\"}");
+  for (const auto& watcher : watchers) watcher->Until("\"windowCount\":\"1\",");
 }
 
 }  // namespace
