@@ -25,10 +25,10 @@ namespace Sweepstake.Tests
         {
             using var daemon = new DaemonProcess("--http", "127.0.0.1:0");
             string output = Headless(
-                0, "--daemon", daemon.Address, "--objects", "3000", "--frames", "1500", "--time-scale", "100", "--policy", policy);
+                0, "--daemon", daemon.Address, "--objects", "3000", "--frames", "6000", "--time-scale", "100", "--policy", policy);
             Match sent = Regex.Match(output, @"(\d+) frames sent, (\d+) dropped, 0 refused");
             Assert.That(sent.Success, Is.True, output);
-            Assert.That(int.Parse(sent.Groups[1].Value) + int.Parse(sent.Groups[2].Value), Is.EqualTo(1500));
+            Assert.That(int.Parse(sent.Groups[1].Value) + int.Parse(sent.Groups[2].Value), Is.EqualTo(6000));
 
             using var client = new DaemonClient(new DaemonEndpoint { Address = daemon.Address });
             var request = new ListPosteriorsRequest { Project = "default" };
