@@ -229,15 +229,75 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void AListenerThatThrowsStopsNothing()
+        public void AListenerThatThrowsStopsNothingAndKeepsNothingFromTheOthers()
         {
-            SweepstakeManager manager = MakeManager(mode: SessionMode.Manual);
+            SweepstakeManager manager = MakeManager(config =>
+            {
+                config.decisions.intervalSeconds = 0.1f;
+                config.daemon.isUsed = true;
+                config.daemon.address = "127.0.0.1:9";
+            });
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
-            manager.BackendChanged += _ => throw new InvalidOperationException("a bug of the game");
+            var told = new List<object>();
+            manager.BackendChanged += _ => throw new InvalidOperationException("a bug of backends");
+            manager.BackendChanged += backend => told.Add(backend);
+            manager.Decided += _ => throw new InvalidOperationException("a bug of decisions");
+            manager.Decided += decision => told.Add(decision);
+            manager.StateChanged += _ => throw new InvalidOperationException("a bug of states");
+            manager.StateChanged += state => told.Add(state);
+            manager.Mode = SessionMode.Manual;
+            manager.Disconnect();
             manager.SelectBackend("SAP");
             Frames(5);
-            Assert.That(Logged("a bug of the game"), Has.Exactly(1).Items);
+            Assert.That(told, Is.EqualTo(new object[] { SweepstakeState.Embedded, "SAP" }));
+            Assert.That(Logged("a bug of backends").Count() + Logged("a bug of states").Count(), Is.EqualTo(2));
             Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(4));
+            FramesUntil(() => told[told.Count - 1] is Decision, "told of a decision");
+            Assert.That(Logged("a bug of decisions"), Has.Exactly(told.OfType<Decision>().Count()).Items);
+        }
+
+        [Test]
+        public void AListenerMayDisableTheManager()
+        {
+            SweepstakeManager manager = MakeManager(config =>
+            {
+                config.daemon.isUsed = true;
+                config.daemon.address = "127.0.0.1:9";
+            });
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
+            manager.StateChanged += Disable;
+            manager.Disconnect();
+            Assert.DoesNotThrow(() => Frames(3));
+            manager.StateChanged -= Disable;
+            Assert.That((manager.State, manager.Session), Is.EqualTo((SweepstakeState.Stopped, (BroadPhaseSession)null)));
+
+            manager.Config.daemon.isUsed = false;
+            manager.enabled = true;
+            manager.BackendChanged += _ => manager.enabled = false;
+            manager.SelectBackend("SAP");
+            Frames(3);
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Stopped));
+            Assert.That(Logged("exception: "), Is.Empty);
+
+            void Disable(SweepstakeState state) => manager.enabled = false;
+        }
+
+        [Test]
+        public void AShutdownEndsEveryManagerWhateverTheListenersDo([Values] bool throws)
+        {
+            SweepstakeManager[] managers = { MakeManager(), MakeManager(), MakeManager() };
+            foreach (SweepstakeManager manager in managers)
+            {
+                manager.StateChanged += _ =>
+                {
+                    if (throws)
+                        throw new InvalidOperationException("a bug of the game");
+                    managers[0].enabled = managers[2].enabled = false;
+                };
+            }
+            Assert.DoesNotThrow(SweepstakeManager.Shutdown);
+            Assert.That(managers.Select(manager => manager.State), Is.All.EqualTo(SweepstakeState.Stopped));
+            Assert.That(managers.Select(manager => manager.Session), Is.All.Null);
         }
 
         [Test]

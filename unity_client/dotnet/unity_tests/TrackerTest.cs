@@ -246,6 +246,22 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void AListenerThatThrowsKeepsNothingFromTheOthers()
+        {
+            var told = new List<ColliderPair>();
+            tracker.PairBegan += _ => throw new InvalidOperationException("a bug of the game");
+            tracker.PairBegan += told.Add;
+            Enumerable.Range(0, 4).ToList().ForEach(_ => Tracked(Here));
+            Frames(1);
+            Assert.That(told.Select(pair => (pair.A, pair.B)), Is.EqualTo(began).And.Exactly(6).Items);
+            Assert.That(Logged("a bug of the game"), Has.Exactly(6).Items);
+            tracker.PairBegan -= told.Add;
+            Tracked(Here);
+            Frames(1);
+            Assert.That((began.Count, told.Count), Is.EqualTo((10, 6)), "who listens no more is told no more");
+        }
+
+        [Test]
         public void QueriesFindWhatIsThereByLayer()
         {
             BoxCollider a = Tracked(Here, 8);

@@ -31,6 +31,10 @@ namespace Sweepstake.Unity
 
         private readonly FrameFlagger flagger = new FrameFlagger();
         private readonly ChangeWatcher changes = new ChangeWatcher();
+        private readonly Listeners<SweepstakeState> stateChanged = new Listeners<SweepstakeState>();
+        private readonly Listeners<string> backendChanged = new Listeners<string>();
+        private readonly Listeners<Verdict> verdictChanged = new Listeners<Verdict>();
+        private readonly Listeners<Decision> decided = new Listeners<Decision>();
         private SessionHost? host;
         private IBroadPhaseSource? source;
         private SweepstakeConfig? defaults;
@@ -38,13 +42,13 @@ namespace Sweepstake.Unity
         private ulong endedNs;
 
         /// <summary>The state is another one.</summary>
-        public event Action<SweepstakeState>? StateChanged;
+        public event Action<SweepstakeState>? StateChanged { add => stateChanged.Add(value); remove => stateChanged.Remove(value); }
         /// <summary>Another backend is active; by name.</summary>
-        public event Action<string>? BackendChanged;
+        public event Action<string>? BackendChanged { add => backendChanged.Add(value); remove => backendChanged.Remove(value); }
         /// <summary>The verdict is of another kind; <see cref="Advice.Of(VerdictKind)"/> says what to do about it.</summary>
-        public event Action<Verdict>? VerdictChanged;
+        public event Action<Verdict>? VerdictChanged { add => verdictChanged.Add(value); remove => verdictChanged.Remove(value); }
         /// <summary>There is a new decision.</summary>
-        public event Action<Decision>? Decided;
+        public event Action<Decision>? Decided { add => decided.Add(value); remove => decided.Remove(value); }
 
         /// <summary>The managers that are enabled, in the order of their enabling.</summary>
         public static IReadOnlyList<SweepstakeManager> Enabled => EnabledManagers;
@@ -150,8 +154,12 @@ namespace Sweepstake.Unity
         {
             // All at once, so that it is bounded whatever their number; what each has left then ends at once.
             SweepstakeLibrary.Shutdown();
-            foreach (SweepstakeManager manager in EnabledManagers)
-                manager.End();
+            // A listener may disable any of them meanwhile.
+            for (int index = EnabledManagers.Count - 1; index >= 0; --index)
+            {
+                if (index < EnabledManagers.Count)
+                    EnabledManagers[index].End();
+            }
         }
 
         private void OnEnable()
@@ -193,7 +201,8 @@ namespace Sweepstake.Unity
             if (host == null)
                 return;
             UpdateState();
-            if (source == null)
+            // A listener may have disabled this.
+            if (host == null || source == null)
                 return;
             try
             {
@@ -240,14 +249,15 @@ namespace Sweepstake.Unity
             }
         }
 
+        /// <summary>Until a listener ends the session.</summary>
         private void RaiseChanges(BroadPhaseSession session)
         {
             if (changes.HasOtherBackend(session))
-                BackendChanged?.Invoke(session.Arms[session.ActiveArm]);
-            if (changes.HasNewDecision(session, out Decision decision))
-                Decided?.Invoke(decision);
-            if (changes.HasOtherVerdict(session, out Verdict verdict))
-                VerdictChanged?.Invoke(verdict);
+                backendChanged.Tell(session.Arms[session.ActiveArm], this);
+            if (Session == session && changes.HasNewDecision(session, out Decision decision))
+                decided.Tell(decision, this);
+            if (Session == session && changes.HasOtherVerdict(session, out Verdict verdict))
+                verdictChanged.Tell(verdict, this);
         }
 
         private void Begin()
@@ -323,7 +333,7 @@ namespace Sweepstake.Unity
                 return;
             State = state;
             Log(state, problem);
-            StateChanged?.Invoke(state);
+            stateChanged.Tell(state, this);
         }
 
         /// <summary>One line for each change that somebody has to know of.</summary>

@@ -46,14 +46,16 @@ namespace Sweepstake.Unity
         private readonly PairList ended = new PairList();
         private readonly List<Collider> found = new List<Collider>();
         private readonly List<GameObject> roots = new List<GameObject>();
+        private readonly Listeners<ColliderPair> beganListeners = new Listeners<ColliderPair>();
+        private readonly Listeners<ColliderPair> endedListeners = new Listeners<ColliderPair>();
         private ColliderSet? colliders;
         private ColliderQueries? queries;
         private bool hasPairs;
 
         /// <summary>Two boxes overlap since this frame. For their shapes ask Physics.ComputePenetration.</summary>
-        public event Action<ColliderPair>? PairBegan;
+        public event Action<ColliderPair>? PairBegan { add => beganListeners.Add(value); remove => beganListeners.Remove(value); }
         /// <summary>Two boxes overlap no more, or one of the colliders was disabled, removed or destroyed.</summary>
-        public event Action<ColliderPair>? PairEnded;
+        public event Action<ColliderPair>? PairEnded { add => endedListeners.Add(value); remove => endedListeners.Remove(value); }
 
         /// <summary>How many colliders are tracked.</summary>
         public int Count => colliders?.Count ?? 0;
@@ -130,8 +132,8 @@ namespace Sweepstake.Unity
             began.Take(colliders, colliders.Proxies.Added);
             ended.Take(colliders, colliders.Proxies.Removed);
             colliders.ForgetRemoved();
-            ended.Raise(PairEnded, this);
-            began.Raise(PairBegan, this);
+            ended.Tell(endedListeners, this);
+            began.Tell(beganListeners, this);
         }
 
         bool IBroadPhaseSource.TryGetPair(int index, out Aabb a, out Aabb b)

@@ -1,6 +1,5 @@
 #nullable enable
 using System;
-using UnityEngine;
 
 namespace Sweepstake.Unity
 {
@@ -20,22 +19,10 @@ namespace Sweepstake.Unity
                 pairs[index] = new ColliderPair(colliders.OwnerOf(taken[index].A), colliders.OwnerOf(taken[index].B));
         }
 
-        /// <summary>What a listener throws is logged, and the others are told all the same.</summary>
-        internal void Raise(Action<ColliderPair>? listeners, UnityEngine.Object context)
+        internal void Tell(Listeners<ColliderPair> listeners, UnityEngine.Object context)
         {
-            if (listeners == null)
-                return;
             for (int index = 0; index < count; ++index)
-            {
-                try
-                {
-                    listeners(pairs[index]);
-                }
-                catch (Exception problem)
-                {
-                    Debug.LogException(problem, context);
-                }
-            }
+                listeners.Tell(pairs[index], context);
         }
     }
 }
