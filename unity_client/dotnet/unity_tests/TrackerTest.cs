@@ -122,21 +122,35 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void DisabledCollidersAndInactiveObjectsHaveNoPairs()
+        public void DisabledCollidersAndInactiveObjectsHaveNoPairs([Values] bool isStatic)
         {
-            BoxCollider a = Tracked(Here);
-            BoxCollider b = Tracked(Here);
+            Tracked(Here);
+            BoxCollider b = Tracked(Here, 0, isStatic);
             Frames(1);
-            a.enabled = false;
+            b.enabled = false;
             Frames(1);
             Assert.That(ended, Has.Count.EqualTo(1));
-            a.enabled = true;
+            b.enabled = true;
             Frames(1);
             Assert.That(began, Has.Count.EqualTo(2));
             b.gameObject.SetActive(false);
             Frames(1);
             Assert.That(ended, Has.Count.EqualTo(2));
             Assert.That(tracker.Count, Is.EqualTo(2), "they are tracked all the same");
+        }
+
+        [Test]
+        public void StaticCollidersThatWereInactiveWhenScannedHavePairsOnceTheyAreActive()
+        {
+            var walls = Enumerable.Range(0, 200).Select(_ => MakeBox(Here, 0, true)).ToList();
+            walls.ForEach(wall => wall.gameObject.SetActive(false));
+            tracker.Scan();
+            Tracked(Here);
+            Frames(1);
+            Assert.That(began, Is.Empty);
+            walls.ForEach(wall => wall.gameObject.SetActive(true));
+            Frames(4);
+            Assert.That(began, Has.Count.EqualTo(200));
         }
 
         [Test]
@@ -262,6 +276,30 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void QueriesFindNoColliderThatIsDestroyed([Values] bool isStatic)
+        {
+            BoxCollider gone = Tracked(Here, 0, isStatic);
+            BoxCollider behind = Tracked(new Vector3(1, 0, 0));
+            Frames(1);
+            Object.DestroyImmediate(gone.gameObject);
+            var found = new List<Collider>();
+            tracker.OverlapBox(new Bounds(Here, new Vector3(9, 9, 9)), ~0, found);
+            Assert.That(found, Is.EqualTo(new[] { behind }));
+            tracker.OverlapSphere(Here, 5, ~0, found);
+            Assert.That(found, Is.EqualTo(new[] { behind }));
+            var ray = new Ray(new Vector3(-5, 0, 0), new Vector3(1, 0, 0));
+            Assert.That(tracker.Raycast(ray, 100, ~0, out Collider hit, out float distance), Is.True);
+            Assert.That(hit, Is.SameAs(behind));
+            Assert.That(distance, Is.EqualTo(5.5f).Within(1e-4), "what is destroyed does not hide what is behind it");
+            Object.DestroyImmediate(behind.gameObject);
+            Assert.That(tracker.Raycast(ray, 100, ~0, out hit, out distance), Is.False);
+            Assert.That((hit is null, distance), Is.EqualTo((true, 0f)));
+            Frames(1);
+            Assert.That(tracker.Count, Is.EqualTo(0));
+            Assert.That(ended, Has.Count.EqualTo(1), "the end of their pair is told all the same");
+        }
+
+        [Test]
         public void QueriesFindWhatIsThereByLayer()
         {
             BoxCollider a = Tracked(Here, 8);
@@ -325,6 +363,27 @@ namespace Sweepstake.Tests
             Frames(1);
             Player.CallAll("OnDrawGizmos");
             Assert.That(gizmos.DrawnCount, Is.EqualTo(200), "of 1,225");
+        }
+
+        [Test]
+        public void GizmosOutliveARemovalSinceTheSearch([Values] bool isRefresh)
+        {
+            Tracked(Here);
+            Tracked(Here);
+            tracker.PairBegan += pair => Change(pair.A, isRefresh);
+            var gizmos = manager.gameObject.AddComponent<PairGizmos>();
+            gizmos.IsDrawn = true;
+            Frames(1);
+            Assert.DoesNotThrow(() => Player.CallAll("OnDrawGizmos"));
+            Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "until the next search");
+        }
+
+        private void Change(Collider collider, bool isRefresh)
+        {
+            if (isRefresh)
+                tracker.Refresh(collider);
+            else
+                tracker.Unregister(collider);
         }
 
         private BoxCollider Tracked(Vector3 position, int layer = 0, bool isStatic = false)

@@ -15,7 +15,7 @@ namespace Sweepstake.Unity
         /// <summary>After the frame: the place to raise events. What it throws is logged, and the frames go on.</summary>
         void Report();
 
-        /// <summary>For debug views: the boxes of a pair of the latest search; false beyond the last one.</summary>
+        /// <summary>For debug views: the boxes of a pair of the latest search; false beyond the last one, and once objects of them are gone.</summary>
         bool TryGetPair(int index, out Aabb a, out Aabb b);
 
         /// <summary>For recordings: replaces the content of the list by the boxes of the latest search, static ones included.</summary>

@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Queries over tracked colliders in Unity's types. Once its buffer has grown, nothing allocates.</summary>
+    /// <summary>Queries over tracked colliders in Unity's types: none gives one that was destroyed. Once its buffer has grown, nothing allocates.</summary>
     internal sealed class ColliderQueries
     {
         private readonly ColliderSet colliders;
@@ -51,11 +51,18 @@ namespace Sweepstake.Unity
                 DirectionX = direction.x, DirectionY = direction.y, DirectionZ = direction.z,
                 MaxDistance = Math.Min(maxDistance, float.MaxValue),
             };
-            Prepared().Rays(rays, LayerFilters.Query(layers), hits);
+            do
+            {
+                Prepared().Rays(rays, LayerFilters.Query(layers), hits);
+                hit = hits[0].Proxy.IsNone ? null : colliders.OwnerOf(hits[0].Proxy);
+            }
+            while (HasDropped(hit));
             distance = hits[0].Distance;
-            hit = hits[0].Proxy.IsNone ? null : colliders.OwnerOf(hits[0].Proxy);
-            return !hits[0].Proxy.IsNone;
+            return !(hit is null);
         }
+
+        /// <summary>One that was destroyed since the latest frame must not hide what is behind it.</summary>
+        private bool HasDropped(Collider? hit) => !(hit is null) && hit == null && colliders.Remove(hit!);
 
         private ProxyQueries Prepared()
         {
@@ -70,7 +77,11 @@ namespace Sweepstake.Unity
         {
             result.Clear();
             for (int index = 0; index < (int)ends[0]; ++index)
-                result.Add(colliders.OwnerOf(found[index]));
+            {
+                Collider owner = colliders.OwnerOf(found[index]);
+                if (owner != null)
+                    result.Add(owner);
+            }
         }
     }
 }

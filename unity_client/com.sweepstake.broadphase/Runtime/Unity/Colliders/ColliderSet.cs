@@ -19,8 +19,9 @@ namespace Sweepstake.Unity
     }
 
     /// <summary>
-    /// Colliders as proxies. Those of static game objects are read when they are added; the boxes of all others in each frame. A collider that
-    /// is disabled has no box and ends its pairs; one that was destroyed is dropped by itself. In steady state nothing allocates.
+    /// Colliders as proxies. Those of static game objects are read when they are added and when they become active or disabled; the boxes of all
+    /// others in each frame. A collider that is disabled has no box and ends its pairs; one that was destroyed is dropped by itself. In steady
+    /// state nothing allocates.
     /// </summary>
     internal sealed class ColliderSet : IDisposable
     {
@@ -53,6 +54,8 @@ namespace Sweepstake.Unity
 
         internal ProxySet Proxies { get; }
         internal int Count => count;
+        /// <summary>False: none were searched, or the pairs of the latest search have proxies that are gone.</summary>
+        internal bool HasPairs { get; private set; }
 
         /// <returns>False: it is in already.</returns>
         internal bool Add(Collider collider)
@@ -119,6 +122,12 @@ namespace Sweepstake.Unity
             Proxies.SetBoxes(handles.AsSpan(0, movingCount), boxes.AsSpan(0, movingCount));
         }
 
+        internal void FindPairs(BroadPhaseSession session)
+        {
+            Proxies.FindPairs(session);
+            HasPairs = true;
+        }
+
         /// <summary>The collider of a handle of the latest search's pairs.</summary>
         internal Collider OwnerOf(ProxyHandle handle) => owners[handle.Value];
 
@@ -147,13 +156,24 @@ namespace Sweepstake.Unity
                 Collider collider = colliders[slot]!;
                 if (collider == null)
                     RemoveAt(slot);
-                else if (collider.gameObject.layer != layers[slot])
-                    Proxies.SetFilter(handles[slot], filters.Of(layers[slot] = collider.gameObject.layer));
+                else
+                    Check(slot, collider);
             }
+        }
+
+        private void Check(int slot, Collider collider)
+        {
+            if (collider.gameObject.layer != layers[slot])
+                Proxies.SetFilter(handles[slot], filters.Of(layers[slot] = collider.gameObject.layer));
+            if (slot < movingCount || boxes[slot].IsValid == (collider.enabled && collider.gameObject.activeInHierarchy))
+                return;
+            boxes[slot] = BoxOf(collider);
+            Proxies.SetBoxes(handles.AsSpan(slot, 1), boxes.AsSpan(slot, 1));
         }
 
         private void RemoveAt(int slot)
         {
+            HasPairs = false;
             removed.Add(handles[slot].Value);
             slots.Remove(colliders[slot]!);
             Proxies.Remove(handles[slot]);

@@ -50,7 +50,6 @@ namespace Sweepstake.Unity
         private readonly Listeners<ColliderPair> endedListeners = new Listeners<ColliderPair>();
         private ColliderSet? colliders;
         private ColliderQueries? queries;
-        private bool hasPairs;
 
         /// <summary>Two boxes overlap since this frame. For their shapes ask Physics.ComputePenetration.</summary>
         public event Action<ColliderPair>? PairBegan { add => beganListeners.Add(value); remove => beganListeners.Remove(value); }
@@ -121,8 +120,7 @@ namespace Sweepstake.Unity
         {
             using (SweepstakeProfiling.Boxes.Auto())
                 colliders!.ReadBoxes();
-            colliders.Proxies.FindPairs(session);
-            hasPairs = true;
+            colliders.FindPairs(session);
         }
 
         void IBroadPhaseSource.Report()
@@ -139,7 +137,7 @@ namespace Sweepstake.Unity
         bool IBroadPhaseSource.TryGetPair(int index, out Aabb a, out Aabb b)
         {
             a = b = default;
-            if (colliders == null || !hasPairs || index >= colliders.Proxies.Pairs.Length)
+            if (colliders == null || !colliders.HasPairs || index >= colliders.Proxies.Pairs.Length)
                 return false;
             OverlapPair pair = colliders.Proxies.Pairs[index];
             a = colliders.Proxies.Get(colliders.Proxies.HandleOf(pair.A), out _);
@@ -163,7 +161,6 @@ namespace Sweepstake.Unity
             filters.Read(layers, usesCollisionMatrix);
             colliders = new ColliderSet(filters);
             queries = new ColliderQueries(colliders);
-            hasPairs = false;
             Scan();
             SceneManager.sceneLoaded += OnSceneLoaded;
             manager.Source = this;
