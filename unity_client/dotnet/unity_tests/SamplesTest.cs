@@ -176,6 +176,42 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void ARecordedColliderHasOneIndexForLifeWhateverComesAndGoes()
+        {
+            var tracker = MakeManager().gameObject.AddComponent<ColliderTracker>();
+            var recorder = tracker.gameObject.AddComponent<LevelRecorder>();
+            var random = new System.Random(11);
+            var live = new List<BoxCollider>();
+            var frames = new List<float[]>();
+            for (int made = 0; frames.Count < 40; ++made)
+            {
+                live.Add(MakeBox(new Vector3(0, 3 * made, 0), 0, random.Next(3) == 0));
+                tracker.Scan();
+                tracker.Refresh(live[random.Next(live.Count)]);
+                BoxCollider gone = live[random.Next(live.Count)];
+                if (random.Next(3) > 0 && live.Remove(gone))
+                    UnityEngine.Object.DestroyImmediate(gone.gameObject);
+                Frames(1);
+                frames.Add(live.Select(box => box.bounds.min.y).ToArray());
+            }
+            recorder.enabled = false;
+            using var played = new MotionScene(recorder.FilePath);
+            var indices = new Dictionary<float, int>();
+            foreach (float[] expected in frames)
+            {
+                List<Aabb> boxes = played.Boxes.ToArray().ToList();
+                Assert.That(boxes.Where(box => box.IsValid).Select(box => box.MinY), Is.EquivalentTo(expected));
+                foreach (float height in expected)
+                {
+                    int index = boxes.FindIndex(box => box.IsValid && box.MinY == height);
+                    Assert.That(index, Is.EqualTo(indices.TryAdd(height, index) ? index : indices[height]));
+                }
+                played.Step();
+            }
+            Assert.That(indices.Values.Max(), Is.LessThan(frames.Max(expected => expected.Length) + 1), "free indices are used again");
+        }
+
+        [Test]
         public void NothingToRecordIsSaidAndLeavesNoFile()
         {
             GameObject made = MakeManager().gameObject;

@@ -18,7 +18,10 @@ namespace Sweepstake.Unity
         /// <summary>For debug views: the boxes of a pair of the latest search; false beyond the last one, and once objects of them are gone.</summary>
         bool TryGetPair(int index, out Aabb a, out Aabb b);
 
-        /// <summary>For recordings: replaces the content of the list by the boxes of the latest search, static ones included.</summary>
+        /// <summary>
+        /// For recordings: replaces the content of the list by the boxes of the latest search, static ones included. An object's index is the
+        /// same as long as it is there; one that nobody has holds an invalid box.
+        /// </summary>
         void CopyBoxes(List<Aabb> boxes);
     }
 }

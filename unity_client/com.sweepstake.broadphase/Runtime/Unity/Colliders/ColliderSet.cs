@@ -34,12 +34,15 @@ namespace Sweepstake.Unity
         /// <summary>Whose handle it is; a removed one stays until the ends of its pairs were told.</summary>
         private readonly Dictionary<ulong, Collider> owners = new Dictionary<ulong, Collider>();
         private readonly List<ulong> removed = new List<ulong>();
+        private readonly Stack<int> freePlaces = new Stack<int>();
 
         // Moving colliders come first, static ones behind them.
         private Collider?[] colliders = new Collider?[64];
         private ProxyHandle[] handles = new ProxyHandle[64];
         private Aabb[] boxes = new Aabb[64];
         private int[] layers = new int[64];
+        /// <summary>Where a collider's box is in recordings, as long as it is tracked.</summary>
+        private int[] places = new int[64];
         private int movingCount;
         private int count;
         private int nextCheck;
@@ -68,13 +71,14 @@ namespace Sweepstake.Unity
             Aabb box = BoxOf(collider);
             ProxyHandle handle = Proxies.Add(box, new ProxyOptions(filters.Of(layer), isStatic ? ProxyFlags.Static : ProxyFlags.None));
             owners.Add(handle.Value, collider);
+            int place = freePlaces.Count > 0 ? freePlaces.Pop() : count;
             int slot = count++;
             if (!isStatic)
             {
                 Move(movingCount, slot);
                 slot = movingCount++;
             }
-            Put(slot, collider, handle, box, layer);
+            Put(slot, collider, handle, box, layer, place);
             return true;
         }
 
@@ -142,8 +146,10 @@ namespace Sweepstake.Unity
         internal void CopyBoxes(List<Aabb> copy)
         {
             copy.Clear();
+            for (int place = count + freePlaces.Count; place > 0; --place)
+                copy.Add(NoBox);
             for (int slot = 0; slot < count; ++slot)
-                copy.Add(boxes[slot]);
+                copy[places[slot]] = boxes[slot];
         }
 
         public void Dispose() => Proxies.Dispose();
@@ -174,6 +180,7 @@ namespace Sweepstake.Unity
         private void RemoveAt(int slot)
         {
             HasPairs = false;
+            freePlaces.Push(places[slot]);
             removed.Add(handles[slot].Value);
             slots.Remove(colliders[slot]!);
             Proxies.Remove(handles[slot]);
@@ -190,15 +197,16 @@ namespace Sweepstake.Unity
         private void Move(int from, int to)
         {
             if (from != to)
-                Put(to, colliders[from]!, handles[from], boxes[from], layers[from]);
+                Put(to, colliders[from]!, handles[from], boxes[from], layers[from], places[from]);
         }
 
-        private void Put(int slot, Collider collider, ProxyHandle handle, in Aabb box, int layer)
+        private void Put(int slot, Collider collider, ProxyHandle handle, in Aabb box, int layer, int place)
         {
             colliders[slot] = collider;
             handles[slot] = handle;
             boxes[slot] = box;
             layers[slot] = layer;
+            places[slot] = place;
             slots[collider] = slot;
         }
 
@@ -211,6 +219,7 @@ namespace Sweepstake.Unity
             Array.Resize(ref handles, size);
             Array.Resize(ref boxes, size);
             Array.Resize(ref layers, size);
+            Array.Resize(ref places, size);
         }
 
         /// <summary>Unity gives a collider that is disabled, or whose game object is not active, a box of no size.</summary>
