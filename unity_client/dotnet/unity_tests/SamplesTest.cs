@@ -80,10 +80,43 @@ namespace Sweepstake.Tests
                 Assert.That(player.Hash, Is.Not.EqualTo(hash));
                 hash = player.Hash;
             }
+        }
+
+        [Test]
+        public void WhatCannotBePlayedIsToldOnceAndTheFormerSceneGoesOn()
+        {
+            var player = MakeManager().gameObject.AddComponent<ScenarioPlayer>();
+            var manager = player.GetComponent<SweepstakeManager>();
+            player.ObjectCount = 100;
+            Frames(5);
             player.Scenario = "huricane";
+            Frames(5);
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Embedded));
+            Assert.That(Logged("hurricane"), Has.Exactly(1).Items, "with the names that there are");
+            Assert.That((player.Step, manager.LastSample.ObjectCount), Is.EqualTo((10UL, 100U)));
+            player.Scenario = "brownian";
+            player.ObjectCount = -1;
             Frames(2);
-            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Failed));
-            Assert.That(manager.Problem, Does.Contain("hurricane"));
+            Assert.That((player.ObjectCount, player.Step, manager.LastSample.ObjectCount), Is.EqualTo((0, 2UL, 0U)));
+            player.ObjectCount = int.MaxValue;
+            Assert.That(player.ObjectCount, Is.EqualTo(ScenarioPlayer.MaxObjects));
+            player.ObjectCount = 10;
+            Frames(2);
+            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(10));
+            Assert.That(Logged(""), Has.Exactly(1).Items);
+        }
+
+        [Test]
+        public void WithoutAnySceneNoBoxesArePlayed()
+        {
+            var player = MakeManager().gameObject.AddComponent<ScenarioPlayer>();
+            var manager = player.GetComponent<SweepstakeManager>();
+            player.Scenario = "nowhere.aabbs";
+            Frames(3);
+            Assert.That((manager.State, manager.LastSample.ObjectCount), Is.EqualTo((SweepstakeState.Embedded, 0U)));
+            player.Scenario = "hurricane";
+            Frames(1);
+            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(3000));
         }
 
         [Test]

@@ -7,7 +7,8 @@ namespace Sweepstake.Unity
 {
     /// <summary>
     /// Lets the manager beside it search in a scene of moving boxes: one of the library's, or a recorded .aabbs file. One seed gives the same
-    /// boxes, step by step, on every machine. All of it may be changed while it plays, which begins the scene anew.
+    /// boxes, step by step, on every machine. All of it may be changed while it plays, which begins the scene anew; what cannot be played is
+    /// logged, and the former scene goes on.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Scenario Player")]
     [RequireComponent(typeof(SweepstakeManager))]
@@ -15,12 +16,15 @@ namespace Sweepstake.Unity
     [DocumentationPage("samples.md")]
     public sealed class ScenarioPlayer : MonoBehaviour, IBroadPhaseSource
     {
+        /// <summary>More boxes are not played.</summary>
+        public const int MaxObjects = 100_000;
+
         [SerializeField]
         [MotionSceneName]
         [Tooltip("The scene by name, or the path of an .aabbs file.")]
         private string scenario = "hurricane";
         [SerializeField]
-        [Range(0, 100_000)]
+        [Range(0, MaxObjects)]
         [Tooltip("How many boxes there are.")]
         private int objectCount = 3000;
         [SerializeField]
@@ -44,7 +48,8 @@ namespace Sweepstake.Unity
         private float dueSeconds;
 
         public string Scenario { get => scenario; set => Change(ref scenario, value); }
-        public int ObjectCount { get => objectCount; set => Change(ref objectCount, value); }
+        /// <summary>From 0 to <see cref="MaxObjects"/>; others become the nearest of these.</summary>
+        public int ObjectCount { get => objectCount; set => Change(ref objectCount, Math.Min(Math.Max(value, 0), MaxObjects)); }
         public uint Seed { get => seed; set => Change(ref seed, value); }
         public float WorldHalfExtent { get => worldHalfExtent; set => Change(ref worldHalfExtent, value); }
         public float Speed { get => speed; set => Change(ref speed, value); }
@@ -60,7 +65,12 @@ namespace Sweepstake.Unity
 
         void IBroadPhaseSource.Search(BroadPhaseSession session)
         {
-            MotionScene moved = Advanced();
+            MotionScene? moved = Advanced();
+            if (moved == null)
+            {
+                session.FindPairs(ReadOnlySpan<Aabb>.Empty);
+                return;
+            }
             session.FindPairs(moved.Boxes);
             if (isDrawn)
                 (drawing ??= new InstancedBoxes()).Draw(moved.Boxes, session.Pairs);
@@ -112,16 +122,12 @@ namespace Sweepstake.Unity
         private void OnValidate() => isStale = true;
 
         /// <summary>A step is of a fixed time, and a frame makes one at most, so that a slow frame does not make the next one slower.</summary>
-        private MotionScene Advanced()
+        private MotionScene? Advanced()
         {
-            if (isStale || scene == null)
-            {
-                scene?.Dispose();
-                scene = null;
-                scene = Made();
-                isStale = false;
-                dueSeconds = 0;
-            }
+            if (isStale)
+                Begin();
+            if (scene == null)
+                return null;
             float step = scene.Options.FixedStepS;
             dueSeconds = Math.Min(dueSeconds + Time.deltaTime, 2 * step);
             if (scene.FrameIndex == 0 || dueSeconds >= step)
@@ -130,6 +136,22 @@ namespace Sweepstake.Unity
                 dueSeconds -= step;
             }
             return scene;
+        }
+
+        private void Begin()
+        {
+            isStale = false;
+            try
+            {
+                MotionScene made = Made();
+                scene?.Dispose();
+                scene = made;
+                dueSeconds = 0;
+            }
+            catch (SweepstakeException problem)
+            {
+                Debug.LogError("Sweepstake: the scenario cannot be played. " + problem.Message, this);
+            }
         }
 
         private MotionScene Made()
