@@ -71,9 +71,7 @@ namespace Sweepstake.Tests
             manager.VerdictChanged += verdicts.Add;
             FramesUntil(() => manager.Session.SwitchEpoch > 1 && decisions.Count > 3, "decided");
             Assert.That(decisions.Select(decision => decision.DecisionId), Is.Ordered.And.Unique);
-            var text = new System.Text.StringBuilder();
-            StatusText.AppendDecision(text, manager);
-            Assert.That(text.ToString(), Does.Match(@"^Decision: .+; \w+ is the best with \d+ ?%, \d+ s ago$"));
+            FramesUntil(() => SaysWhoIsTheBest(manager), "sure of a backend that is not the active one");
 
             manager.Mode = SessionMode.Manual;
             manager.SelectBackend("BruteForce");
@@ -117,11 +115,49 @@ namespace Sweepstake.Tests
             });
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 100;
             FramesUntil(() => manager.Session.SwitchEpoch > 0, "switched");
-            FramesUntil(() => ShownText(manager).Contains("held: the "), "shown as held");
+            FramesUntil(() => ShownText(manager).Contains("held: the ") && manager.LastDecision.CandidateArm != Decision.NoArm, "shown as held");
+            Assert.That(ShownText(manager), Does.Match("held: the [^;]+; candidate: (SAP|KDTree);"));
             uint epoch = manager.Session.SwitchEpoch;
             ulong decided = manager.LastDecision.DecisionId;
             FramesUntil(() => manager.LastDecision.DecisionId > decided + 5, "decided");
             Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(epoch));
+        }
+
+        /// <summary>Whether the latest decision has a leader other than the active arm, which the text then names with its own probability.</summary>
+        private static bool SaysWhoIsTheBest(SweepstakeManager manager)
+        {
+            Decision decision = manager.LastDecision;
+            int leader = (int)decision.Verdict.LeaderArm;
+            if (decision.Verdict.LeaderProbability <= 0 || leader == decision.ActiveArm)
+                return false;
+            var text = new System.Text.StringBuilder();
+            StatusText.AppendDecision(text, manager);
+            string best = string.Format(
+                System.Globalization.CultureInfo.InvariantCulture, "{0} is the best with {1:P0}", manager.Backends[leader], decision.ProbabilityOf(leader));
+            string named = decision.CommandArm == Decision.NoArm ? "(candidate: \\w+; )?" : $"command: {manager.Backends[(int)decision.CommandArm]}; ";
+            Assert.That(text.ToString(), Does.Match($@"^Decision: [^;]+; {named}{System.Text.RegularExpressions.Regex.Escape(best)}; \d+ s ago$"));
+            return true;
+        }
+
+        [Test]
+        public void ADecisionWithoutALeaderNamesNone()
+        {
+            SweepstakeManager manager = MakeManager(config => config.decisions.policy = "paper");
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 100;
+            FramesUntil(() => manager.LastDecision.Outcome != DecisionOutcome.None, "decided");
+            if (manager.LastDecision.Verdict.LeaderProbability == 0)
+                Assert.That(ShownText(manager), Does.Not.Contain("is the best with"));
+            Assert.That(ShownText(manager), Does.Not.Contain("with 0 %"));
+        }
+
+        [Test]
+        public void VSyncIsTold()
+        {
+            SweepstakeManager manager = MakeManager();
+            Assert.That(ShownText(manager), Does.Not.Contain("vSync"));
+            QualitySettings.vSyncCount = 1;
+            Assert.That(ShownText(manager), Does.Contain("\nvSync is on"));
+            QualitySettings.vSyncCount = 0;
         }
 
         private static string ShownText(SweepstakeManager manager)

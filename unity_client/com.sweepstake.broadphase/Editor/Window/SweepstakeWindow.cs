@@ -97,8 +97,6 @@ namespace Sweepstake.Editor
                 text.Append("Enter play mode in a scene with a Sweepstake Manager.");
             else
                 StatusText.Append(text, manager, history.Fps.Count > 0 ? history.Fps[history.Fps.Count - 1] : 0);
-            if (manager != null && QualitySettings.vSyncCount > 0)
-                text.Append("\nvSync is on: it caps the frame rate, and with it what a faster backend can gain.");
             status.text = text.ToString();
         }
 

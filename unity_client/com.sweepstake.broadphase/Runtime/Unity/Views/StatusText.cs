@@ -1,7 +1,7 @@
 #nullable enable
-using System;
 using System.Globalization;
 using System.Text;
+using UnityEngine;
 
 namespace Sweepstake.Unity
 {
@@ -36,19 +36,31 @@ namespace Sweepstake.Unity
                 sample.DetectionTimeNs / 1e6, fps > 0 ? 1000 / fps : 0, fps, sample.ObjectCount, sample.PairCount, manager.Session.SwitchEpoch);
             AppendDecision(text, manager);
             text.Append('\n').Append(Advice.Of(manager.Verdict.Kind));
+            if (QualitySettings.vSyncCount > 0)
+                text.Append("\nvSync is on: it caps the frame rate, and with it what a faster backend can gain.");
         }
 
-        /// <summary>Appends backend, confidence, reason and age of the latest decision.</summary>
+        /// <summary>
+        /// Appends the latest decision: its reason, the backend that it commands or holds back, the one that is the best with its
+        /// probability, as far as they are known, and its age.
+        /// </summary>
         public static void AppendDecision(StringBuilder text, SweepstakeManager manager)
         {
             Decision decision = manager.LastDecision;
             text.Append("Decision: ").Append(Advice.Of(decision.Outcome));
             if (decision.Outcome == DecisionOutcome.None || manager.Session == null)
                 return;
-            int arm = (int)(decision.CommandArm != Decision.NoArm ? decision.CommandArm : decision.ActiveArm);
-            text.AppendFormat(
-                CultureInfo.InvariantCulture, "; {0} is the best with {1:P0}, {2:F0} s ago",
-                arm < manager.Backends.Count ? manager.Backends[arm] : "?", decision.ProbabilityOf(Math.Min(arm, 31)), AgeSeconds(decision));
+            if (decision.CommandArm != Decision.NoArm)
+                text.Append("; command: ").Append(NameOf(manager, decision.CommandArm));
+            else if (IsHeld(decision.Outcome) && decision.CandidateArm != Decision.NoArm)
+                text.Append("; candidate: ").Append(NameOf(manager, decision.CandidateArm));
+            Verdict verdict = decision.Verdict;
+            if (verdict.LeaderProbability > 0)
+            {
+                text.AppendFormat(
+                    CultureInfo.InvariantCulture, "; {0} is the best with {1:P0}", NameOf(manager, verdict.LeaderArm), verdict.LeaderProbability);
+            }
+            text.AppendFormat(CultureInfo.InvariantCulture, "; {0:F0} s ago", AgeSeconds(decision));
         }
 
         public static double AgeSeconds(in Decision decision)
@@ -56,5 +68,11 @@ namespace Sweepstake.Unity
             ulong nowNs = SteadyClock.NowNs;
             return decision.TimeNs == 0 || decision.TimeNs > nowNs ? 0 : (nowNs - decision.TimeNs) / 1e9;
         }
+
+        private static bool IsHeld(DecisionOutcome outcome) =>
+            outcome == DecisionOutcome.HeldCooldown || outcome == DecisionOutcome.HeldSettling || outcome == DecisionOutcome.HeldGate ||
+            outcome == DecisionOutcome.HeldTie;
+
+        private static string NameOf(SweepstakeManager manager, uint arm) => arm < manager.Backends.Count ? manager.Backends[(int)arm] : "?";
     }
 }
