@@ -134,6 +134,18 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void WhereStreamingAssetsAreNoFilesTheConfigSaysWhatToDo()
+        {
+            Application.streamingAssetsPath = "jar:file:///data/app/game/base.apk!/assets";
+            var settings = new DaemonSettings { address = "host:1", tokenFile = "arcade.token" };
+            Assert.That(
+                Assert.Throws<SweepstakeException>(() => DaemonTransport.EndpointOf(settings)).Message,
+                Does.Contain("'arcade.token'").And.Contain("persistentDataPath"));
+            settings.tokenFile = "/data/user/0/game/files/arcade.token";
+            Assert.That(DaemonTransport.EndpointOf(settings).TokenFile, Is.EqualTo(settings.tokenFile));
+        }
+
+        [Test]
         public void AFrameAllocatesNothingWhileTheManagerSends()
         {
             using var daemon = new DaemonProcess();
@@ -158,6 +170,38 @@ namespace Sweepstake.Tests
             daemon.Kill();
             FramesUntil(() => watcher.Latest.Problem.Length > 0, "told that the daemon is gone");
             Assert.That(watcher.Latest.Lines, Is.Not.Empty, "what was known stays");
+        }
+
+        [Test]
+        public void AWatchThatEndsLeavesNothingToTheNextOne()
+        {
+            using var daemon = new DaemonProcess();
+            SweepstakeManager manager = MakeConnected(daemon.Address);
+            using var watcher = new PosteriorWatcher();
+            DaemonSettings settings = manager.Config.daemon;
+            watcher.Start(settings, manager.Config.project);
+            FramesUntil(() => watcher.Latest.Lines.Count > 0 && watcher.Latest.RoundTripMs > 0, "told the posteriors; " + watcher.Latest.Problem);
+            watcher.Dispose();
+            Assert.That(watcher.IsRunning, Is.False);
+            Assert.That(watcher.Latest.Lines, Is.Not.Empty, "what was known stays");
+            Assert.That(watcher.Latest.RoundTripMs, Is.NaN, "nothing is measured any more");
+            watcher.Start(settings, "another project");
+            Assert.That(watcher.Latest.Lines, Is.Empty);
+            FramesUntil(() => watcher.Latest.RoundTripMs > 0, "answered");
+            Assert.That((watcher.Latest.Lines.Count, watcher.Latest.Problem), Is.EqualTo((0, "")));
+            watcher.Start(settings, manager.Config.project);
+            FramesUntil(() => watcher.Latest.Lines.Count > 0, "told the posteriors again");
+        }
+
+        [Test]
+        public void WhatNobodyExpectsIsToldAndEndsTheWatch()
+        {
+            using var daemon = new DaemonProcess();
+            using var watcher = new PosteriorWatcher();
+            watcher.Start(new DaemonSettings { address = daemon.Address }, null);
+            FramesUntil(() => !watcher.IsRunning, "ended");
+            Assert.That(watcher.Latest.Problem, Is.Not.Empty);
+            Assert.That(watcher.Latest.RoundTripMs, Is.NaN);
         }
 
         private static bool HasOpenStreams(DaemonProcess daemon, int count)

@@ -30,6 +30,8 @@ namespace Sweepstake.Unity
         }
 
 #if HAS_GRPC
+        /// <summary>Where the daemon of a config is and how it is spoken to, with the handler that this Unity needs.</summary>
+        /// <exception cref="SweepstakeException">A setting cannot work here; the message says what to do.</exception>
         public static DaemonEndpoint EndpointOf(DaemonSettings settings)
         {
             TlsFiles? tls = !settings.usesTls ? null : new TlsFiles
@@ -42,7 +44,19 @@ namespace Sweepstake.Unity
             };
         }
 
-        private static string? FileOf(string path) => path.Length == 0 ? null : Path.Combine(Application.streamingAssetsPath, path);
+        private static string? FileOf(string path)
+        {
+            if (path.Length == 0 || Path.IsPathRooted(path))
+                return path.Length == 0 ? null : path;
+            // Android's are in the application's archive, of which this is an address.
+            if (Application.streamingAssetsPath.Contains("://"))
+            {
+                throw new SweepstakeException(
+                    ResultCode.FailedPrecondition,
+                    $"'{path}' cannot be read: StreamingAssets are no files here. Write it below Application.persistentDataPath and give the config its whole path.");
+            }
+            return Path.Combine(Application.streamingAssetsPath, path);
+        }
 
 #if SWEEPSTAKE_YET_ANOTHER_HTTP_HANDLER
         private static Func<HttpMessageHandler>? HandlerFor(TlsFiles? tls) => () => new Cysharp.Net.Http.YetAnotherHttpHandler

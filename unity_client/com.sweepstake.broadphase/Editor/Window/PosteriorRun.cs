@@ -1,0 +1,137 @@
+#if SWEEPSTAKE_GRPC
+#nullable enable
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Linq;
+using System.Threading;
+using System.Threading.Tasks;
+using Grpc.Core;
+using Sweepstake.GrpcNet;
+using Sweepstake.Protocol.V1;
+
+namespace Sweepstake.Editor
+{
+    /// <summary>Asks one daemon about one project until it is disposed of. What it learns is its own, so that no run shows another's.</summary>
+    internal sealed class PosteriorRun : IDisposable
+    {
+        private const int RoundTripIntervalMs = 1000;
+        private const int RetryMs = 2000;
+
+        private readonly DaemonClient client;
+        private readonly string project;
+        private readonly CancellationTokenSource end = new CancellationTokenSource();
+        private readonly SortedDictionary<string, ScenePosterior> scenes = new SortedDictionary<string, ScenePosterior>(StringComparer.Ordinal);
+        private readonly object gate = new object();
+        private volatile PosteriorSnapshot latest = PosteriorSnapshot.Empty;
+        private volatile bool isWatching;
+        private volatile bool hasEnded;
+
+        /// <param name="client">From now on the run's own.</param>
+        internal PosteriorRun(DaemonClient client, string project)
+        {
+            this.client = client;
+            this.project = project;
+            _ = Run();
+        }
+
+        internal PosteriorSnapshot Latest => latest;
+
+        /// <summary>Whether it asks no more.</summary>
+        internal bool HasEnded => hasEnded;
+
+        public void Dispose() => end.Cancel();
+
+        private async Task Run()
+        {
+            using (client)
+                await Task.WhenAll(Task.Run(() => Guarded(Watch)), Task.Run(() => Guarded(MeasureRoundTrips))).ConfigureAwait(false);
+        }
+
+        /// <summary>What nobody expects is told, and ends both.</summary>
+        private async Task Guarded(Func<CancellationToken, Task> work)
+        {
+            try
+            {
+                await work(end.Token).ConfigureAwait(false);
+            }
+            catch (Exception problem)
+            {
+                if (!end.IsCancellationRequested)
+                    Publish(float.NaN, problem.Message);
+            }
+            finally
+            {
+                hasEnded = true;
+                end.Cancel();
+            }
+        }
+
+        private async Task Watch(CancellationToken token)
+        {
+            while (!token.IsCancellationRequested)
+            {
+                try
+                {
+                    using AsyncServerStreamingCall<WatchPosteriorsResponse> call =
+                        client.Posteriors.WatchPosteriors(new WatchPosteriorsRequest { Project = project }, cancellationToken: token);
+                    isWatching = true;
+                    while (await call.ResponseStream.MoveNext(token).ConfigureAwait(false))
+                        Take(call.ResponseStream.Current.Posterior);
+                }
+                catch (RpcException problem) when (!token.IsCancellationRequested)
+                {
+                    isWatching = false;
+                    Publish(float.NaN, problem.Status.Detail.Length > 0 ? problem.Status.Detail : problem.StatusCode.ToString());
+                }
+                isWatching = false;
+                await Wait(RetryMs, token).ConfigureAwait(false);
+            }
+        }
+
+        /// <summary>Says nothing of what is wrong: the other call does, and it is over once that one lives on beside an answer to this.</summary>
+        private async Task MeasureRoundTrips(CancellationToken token)
+        {
+            while (!token.IsCancellationRequested)
+            {
+                try
+                {
+                    bool wasWatching = isWatching;
+                    var watch = Stopwatch.StartNew();
+                    await client.Posteriors.ListPosteriorsAsync(
+                        new ListPosteriorsRequest { Project = project, PageSize = 1 }, cancellationToken: token).ResponseAsync.ConfigureAwait(false);
+                    Publish((float)watch.Elapsed.TotalMilliseconds, wasWatching && isWatching ? "" : null);
+                }
+                catch (RpcException) when (!token.IsCancellationRequested)
+                {
+                    Publish(float.NaN, null);
+                }
+                await Wait(RoundTripIntervalMs, token).ConfigureAwait(false);
+            }
+        }
+
+        private void Take(ScenePosterior? posterior)
+        {
+            if (posterior == null)
+                return;
+            lock (gate)
+            {
+                scenes[$"{posterior.Scene}\n{posterior.MachineClass}\n{posterior.RewardVersion}"] = posterior;
+                latest = new PosteriorSnapshot(scenes.Values.SelectMany(LinesOf).ToArray(), latest.RoundTripMs, "");
+            }
+        }
+
+        /// <param name="problem">Null: as it was.</param>
+        private void Publish(float roundTripMs, string? problem)
+        {
+            lock (gate)
+                latest = new PosteriorSnapshot(latest.Lines, roundTripMs, problem ?? latest.Problem);
+        }
+
+        private static IEnumerable<PosteriorLine> LinesOf(ScenePosterior scene) => scene.Arms.Select(arm => new PosteriorLine(
+            scene.Scene, scene.MachineClass, arm.Arm, arm.Posterior.Alpha, arm.Posterior.Beta, arm.WindowCount));
+
+        private static Task Wait(int ms, CancellationToken token) => Task.Delay(ms, token).ContinueWith(_ => { }, TaskScheduler.Default);
+    }
+}
+#endif
