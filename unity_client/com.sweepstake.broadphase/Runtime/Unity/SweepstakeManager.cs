@@ -130,7 +130,7 @@ namespace Sweepstake.Unity
             host.DecideThere(transport, options);
         }
 
-        /// <summary>Ends a connection; the game decides itself again.</summary>
+        /// <summary>Ends a connection, which sends what is left and takes half a second at most; the game decides itself again.</summary>
         public void Disconnect()
         {
             if (host != null)
@@ -147,18 +147,25 @@ namespace Sweepstake.Unity
             host.StartCsv(path, scene, seed);
         }
 
+        /// <summary>Writes the rest of the rows, for which it waits two seconds at most.</summary>
         public void StopCsv() => host?.StopCsv();
 
-        /// <summary>Ends the native side of every manager, and of whatever else the process has of it. May be called at any time between frames.</summary>
+        /// <summary>
+        /// Ends the native side of every manager, and of whatever else the process has of it, in about half a second at most. May be called
+        /// at any time between frames.
+        /// </summary>
         public static void Shutdown()
         {
             // All at once, so that it is bounded whatever their number; what each has left then ends at once.
+            ulong endNs = SessionHost.DeadlineNs();
+            foreach (SweepstakeManager manager in EnabledManagers)
+                manager.host?.BeginEnd();
             SweepstakeLibrary.Shutdown();
             // A listener may disable any of them meanwhile.
             for (int index = EnabledManagers.Count - 1; index >= 0; --index)
             {
                 if (index < EnabledManagers.Count)
-                    EnabledManagers[index].End();
+                    EnabledManagers[index].End(endNs);
             }
         }
 
@@ -274,9 +281,11 @@ namespace Sweepstake.Unity
             UpdateState();
         }
 
-        private void End()
+        private void End() => End(SessionHost.DeadlineNs());
+
+        private void End(ulong endNs)
         {
-            host?.Dispose();
+            host?.End(endNs);
             host = null;
             SetState(SweepstakeState.Stopped, "");
         }

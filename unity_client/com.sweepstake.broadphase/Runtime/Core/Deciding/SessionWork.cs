@@ -21,6 +21,7 @@ namespace Sweepstake
         private readonly object wakeGate = new object();
         private bool isWoken;
         private bool isReleased;
+        private volatile bool isAbandoned;
         private Thread? thread;
 
         private protected SessionWork(BroadPhaseSession session)
@@ -50,7 +51,10 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Ends it as orderly as the time allows. May be called more than once. Not in the midst of a frame.</summary>
+        /// <summary>
+        /// Ends it as orderly as the time allows. May be called more than once: a thread that has outlived one stop is not waited for again.
+        /// Not in the midst of a frame.
+        /// </summary>
         /// <returns>Whether its thread has ended; one that has not makes no more native calls.</returns>
         public bool Stop(int timeoutMs)
         {
@@ -150,7 +154,8 @@ namespace Sweepstake
 
         private bool EndStop(ulong endNs)
         {
-            bool hasEnded = thread == null || thread.Join(MsUntil(endNs));
+            bool hasEnded = thread == null || thread.Join(isAbandoned ? 0 : MsUntil(endNs));
+            isAbandoned = !hasEnded;
             Close();
             Wake();
             return hasEnded;

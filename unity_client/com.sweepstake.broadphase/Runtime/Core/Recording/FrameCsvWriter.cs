@@ -19,6 +19,8 @@ namespace Sweepstake
     {
         /// <summary>Raised by each change of the columns.</summary>
         public const int FormatVersion = 1;
+        /// <summary>How long Dispose waits at most, in milliseconds.</summary>
+        public const int DisposeTimeoutMs = 2000;
         private const int FlushIntervalMs = 100;
         private const string Header =
             "frame,arm,switch_epoch,frame_time_ns,detection_time_ns,aabb_check_count,pair_count,object_count,native_bytes,flags," +
@@ -78,15 +80,21 @@ namespace Sweepstake
             Volatile.Write(ref written, index + 1);
         }
 
-        /// <summary>Writes what was taken and closes the file; waits two seconds at most.</summary>
-        public void Dispose()
+        /// <summary>Writes what was taken and closes the file. May be called more than once.</summary>
+        /// <returns>Whether that is done; if not, its thread goes on with it, and <see cref="Failure"/> says what became of it.</returns>
+        public bool Stop(int timeoutMs)
         {
             lock (wakeGate)
             {
                 isEnding = true;
                 Monitor.Pulse(wakeGate);
             }
-            thread.Join(2000);
+            return thread.Join(Math.Max(0, timeoutMs));
+        }
+
+        public void Dispose()
+        {
+            Stop(DisposeTimeoutMs);
         }
 
         /// <summary>A field as RFC 4180 has it.</summary>

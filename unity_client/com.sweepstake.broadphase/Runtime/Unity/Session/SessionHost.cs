@@ -1,10 +1,8 @@
 #nullable enable
-using System;
-
 namespace Sweepstake.Unity
 {
     /// <summary>A session with whatever decides for it: made from a config, and changed while the game runs. Main thread.</summary>
-    internal sealed class SessionHost : IDisposable
+    internal sealed class SessionHost
     {
         private readonly SweepstakeConfig config;
         private readonly string sceneName;
@@ -24,14 +22,14 @@ namespace Sweepstake.Unity
         /// <summary>From now on the game decides itself.</summary>
         internal void DecideHere()
         {
-            EndWork();
+            EndWork(SessionWork.DisposeTimeoutMs);
             Decider = new EmbeddedDecider(Session, config.ToDeciderOptions(sceneName));
         }
 
         /// <summary>From now on a daemon decides. If the connection cannot even be made, the game decides itself.</summary>
         internal void DecideThere(ITelemetryTransport transport, LinkOptions options)
         {
-            EndWork();
+            EndWork(SessionWork.DisposeTimeoutMs);
             try
             {
                 Connection = new DaemonConnection(Session, transport, options);
@@ -61,19 +59,33 @@ namespace Sweepstake.Unity
             csv = null;
         }
 
-        /// <summary>May be called again, and after <see cref="SweepstakeLibrary.Shutdown"/>.</summary>
-        public void Dispose()
+        /// <summary>Lets the CSV file be written to its end, without waiting for it.</summary>
+        internal void BeginEnd() => csv?.Stop(0);
+
+        /// <summary>Is over by then, on <see cref="SteadyClock"/>, or at once after <see cref="SweepstakeLibrary.Shutdown"/>.</summary>
+        internal void End(ulong endNs)
         {
-            StopCsv();
-            EndWork();
+            BeginEnd();
+            EndWork(MsUntil(endNs));
+            csv?.Stop(MsUntil(endNs));
+            csv = null;
             Session.Dispose();
         }
 
-        private void EndWork()
+        /// <summary>When an end that begins now is over.</summary>
+        internal static ulong DeadlineNs() => SteadyClock.NowNs + (ulong)SessionWork.DisposeTimeoutMs * 1_000_000;
+
+        private static int MsUntil(ulong endNs)
         {
-            Decider?.Dispose();
+            ulong nowNs = SteadyClock.NowNs;
+            return nowNs < endNs ? (int)((endNs - nowNs) / 1_000_000) : 0;
+        }
+
+        private void EndWork(int timeoutMs)
+        {
+            Decider?.Stop(timeoutMs);
             Decider = null;
-            Connection?.Dispose();
+            Connection?.Stop(timeoutMs);
             Connection = null;
         }
     }

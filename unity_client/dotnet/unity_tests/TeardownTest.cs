@@ -1,0 +1,77 @@
+using System;
+using System.Diagnostics;
+using System.IO;
+using System.Linq;
+using System.Threading;
+using NUnit.Framework;
+using Sweepstake.Unity;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>The end of managers whose threads hang: it waits once for all of them, not for each.</summary>
+    public sealed class TeardownTest : Stage
+    {
+        private const int ManagerCount = 8;
+        // Of 500 ms, and far from what 8 managers took one after another.
+        private static readonly TimeSpan Bound = TimeSpan.FromSeconds(2.5);
+
+        [Test]
+        public void ManyManagersWithAStuckTransportEndWithinOneDeadline()
+        {
+            using var release = new ManualResetEventSlim();
+            using var stuck = new CountdownEvent(ManagerCount);
+            for (int index = 0; index < ManagerCount; ++index)
+            {
+                SweepstakeManager manager = MakeManager();
+                manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
+                manager.Connect(new StuckTransport(stuck, release), new LinkOptions { Project = "p", Scene = "s" });
+            }
+            FramesUntil(() => stuck.IsSet, "stuck");
+            var watch = Stopwatch.StartNew();
+            SweepstakeManager.Shutdown();
+            TimeSpan taken = watch.Elapsed;
+            release.Set();
+            Assert.That(taken, Is.LessThan(Bound));
+        }
+
+        [Test]
+        public void ACsvFileIsCompleteWhenItsManagerHasEnded()
+        {
+            string path = Path.GetTempFileName();
+            SweepstakeManager manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
+            manager.StartCsv(path);
+            Frames(2000);
+            SweepstakeManager.Shutdown();
+            Assert.That(File.ReadLines(path).Count(), Is.EqualTo(2001));
+            File.Delete(path);
+        }
+
+        /// <summary>Its call never begins, until it is let go.</summary>
+        private sealed class StuckTransport : ITelemetryTransport
+        {
+            private readonly CountdownEvent stuck;
+            private readonly ManualResetEventSlim release;
+            private bool isStuck;
+
+            internal StuckTransport(CountdownEvent stuck, ManualResetEventSlim release)
+            {
+                this.stuck = stuck;
+                this.release = release;
+            }
+
+            public ITelemetryStream Open()
+            {
+                if (!isStuck)
+                    stuck.Signal();
+                isStuck = true;
+                release.Wait();
+                throw new SweepstakeException(ResultCode.Unavailable, "There is no network.");
+            }
+
+            public void Dispose()
+            {
+            }
+        }
+    }
+}
