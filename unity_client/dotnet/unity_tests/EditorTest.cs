@@ -185,12 +185,25 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void DrawersOfferTheLibrarysNamesAndKeepOthers()
+        public void DrawersTakeAnyTextAndOfferTheLibrarysNames()
         {
-            Assert.That(new BackendNameDrawer().ChoicesFor("SAP"), Is.EqualTo(SweepstakeLibrary.Backends));
-            Assert.That(new BackendNameDrawer().ChoicesFor(""), Is.EqualTo(SweepstakeLibrary.Backends.Prepend("")));
-            Assert.That(new MotionSceneNameDrawer().ChoicesFor("level.aabbs"), Has.Exactly(1).EqualTo("level.aabbs"));
-            Assert.That(new MotionSceneNameDrawer().CreatePropertyGUI(new SerializedProperty { stringValue = "hurricane" }), Is.InstanceOf<DropdownField>());
+            foreach ((NameChoiceDrawer drawer, IReadOnlyList<string> names) in new (NameChoiceDrawer, IReadOnlyList<string>)[]
+            {
+                (new BackendNameDrawer(), SweepstakeLibrary.Backends), (new MotionSceneNameDrawer(), SweepstakeLibrary.Scenes),
+            })
+            {
+                VisualElement row = drawer.CreatePropertyGUI(new SerializedProperty { tooltip = "A name." });
+                TextField text = row.Children().OfType<TextField>().Single();
+                DropdownField choice = row.Children().OfType<DropdownField>().Single();
+                Assert.That((text.tooltip, choice.choices), Is.EqualTo(("A name.", names)));
+                text.value = "level.aabbs";
+                Assert.That(text.value, Is.EqualTo("level.aabbs"));
+                choice.value = names[1];
+                Assert.That((text.value, choice.value), Is.EqualTo((names[1], "")));
+                text.value = "level.aabbs";
+                choice.value = names[1];
+                Assert.That(text.value, Is.EqualTo(names[1]), "chosen again");
+            }
         }
 
         [Test]

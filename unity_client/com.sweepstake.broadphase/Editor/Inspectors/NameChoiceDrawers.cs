@@ -19,28 +19,38 @@ namespace Sweepstake.Editor
         protected override IReadOnlyList<string> Names() => SweepstakeLibrary.Scenes;
     }
 
-    /// <summary>Offers names of the library; without it, and for a value that is none of them, the text itself.</summary>
+    /// <summary>A text, and beside it the names of the library, one of which fills it; without the library, the text alone.</summary>
     internal abstract class NameChoiceDrawer : PropertyDrawer
     {
         protected abstract IReadOnlyList<string> Names();
 
         public override VisualElement CreatePropertyGUI(SerializedProperty property)
         {
-            List<string>? choices = SweepstakeLibrary.FindProblem() == null ? ChoicesFor(property.stringValue) : null;
-            BindableElement field = choices == null
-                ? (BindableElement)new TextField(property.displayName)
-                : new DropdownField(property.displayName, choices, choices.IndexOf(property.stringValue));
-            field.tooltip = property.tooltip;
-            field.BindProperty(property);
-            return field;
+            var text = new TextField(property.displayName) { tooltip = property.tooltip };
+            text.AddToClassList("sweepstake-choice-text");
+            text.BindProperty(property);
+            var row = new VisualElement();
+            PackagePaths.AddStyle(row);
+            row.AddToClassList("sweepstake-choice");
+            row.Add(text);
+            if (SweepstakeLibrary.FindProblem() == null)
+                row.Add(ChoiceFor(text));
+            return row;
         }
 
-        internal List<string> ChoicesFor(string value)
+        private DropdownField ChoiceFor(TextField text)
         {
-            var choices = new List<string>(Names());
-            if (!choices.Contains(value))
-                choices.Insert(0, value);
-            return choices;
+            var choice = new DropdownField { choices = new List<string>(Names()), tooltip = "The names of the library." };
+            choice.AddToClassList("sweepstake-choice-names");
+            choice.RegisterValueChangedCallback(change =>
+            {
+                if (string.IsNullOrEmpty(change.newValue))
+                    return;
+                text.value = change.newValue;
+                // Nothing stays chosen here, so that each name can be chosen again.
+                choice.SetValueWithoutNotify("");
+            });
+            return choice;
         }
     }
 }

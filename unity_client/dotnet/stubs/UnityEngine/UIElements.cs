@@ -185,6 +185,8 @@ namespace UnityEngine.UIElements
     public class ChangeEvent<T>
     {
         public T newValue { get; protected set; }
+
+        internal static ChangeEvent<T> To(T value) => new ChangeEvent<T> { newValue = value };
     }
 
     public interface INotifyValueChanged<T>
@@ -195,13 +197,32 @@ namespace UnityEngine.UIElements
 
     public static class INotifyValueChangedExtensions
     {
-        public static bool RegisterValueChangedCallback<T>(this INotifyValueChanged<T> control, EventCallback<ChangeEvent<T>> callback) => true;
+        public static bool RegisterValueChangedCallback<T>(this INotifyValueChanged<T> control, EventCallback<ChangeEvent<T>> callback)
+        {
+            ((BaseField<T>)control).Changed += callback;
+            return true;
+        }
     }
 
     public abstract class BaseField<TValueType> : BindableElement, INotifyValueChanged<TValueType>
     {
-        public virtual TValueType value { get; set; }
-        public virtual void SetValueWithoutNotify(TValueType newValue) => value = newValue;
+        private TValueType held;
+
+        internal event EventCallback<ChangeEvent<TValueType>> Changed;
+
+        public virtual TValueType value
+        {
+            get => held;
+            set
+            {
+                if (EqualityComparer<TValueType>.Default.Equals(held, value))
+                    return;
+                SetValueWithoutNotify(value);
+                Changed?.Invoke(ChangeEvent<TValueType>.To(value));
+            }
+        }
+
+        public virtual void SetValueWithoutNotify(TValueType newValue) => held = newValue;
     }
 
     public class TextField : BaseField<string>
