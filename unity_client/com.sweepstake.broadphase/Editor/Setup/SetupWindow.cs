@@ -46,7 +46,7 @@ namespace Sweepstake.Editor
             buttons.Add(new Button(Refresh) { text = "Check Again" });
             buttons.Add(new Button(() => Define(true)) { text = "Set Define", tooltip = $"Sets {SetupChecks.GrpcDefine} for the platform of the build settings, if gRPC's libraries are there." });
             buttons.Add(new Button(() => Define(false)) { text = "Remove Define" });
-            buttons.Add(new Button(CleanUp) { text = "Clean Up", tooltip = "Removes the define, of each platform, and the package's project settings, before the package itself is removed." });
+            buttons.Add(new Button(CleanUp) { text = "Clean Up", tooltip = "Removes the package's project settings, and the define for each platform that may have the native library and for that of the build settings, before the package itself is removed." });
             buttons.Add(new Button(DemoMenu.MakeDemoScene) { text = "New Demo Scene" });
             scroll.Add(buttons);
             Refresh();

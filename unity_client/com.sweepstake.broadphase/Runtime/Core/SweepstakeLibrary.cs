@@ -22,7 +22,7 @@ namespace Sweepstake
     public static unsafe class SweepstakeLibrary
     {
         private const string Install =
-            "Put the plug-in of this package's version into Runtime/Plugins (Documentation~/native-library.md says how it is built).";
+            "Put the plug-in of this package's version into Runtime/Plugins, or Assets/Plugins (Documentation~/native-library.md says how it is built).";
 
         private static volatile bool isChecked;
         private static IReadOnlyList<string>? backends;
