@@ -44,9 +44,10 @@ namespace Sweepstake.Unity
         /// Appends the latest decision: its reason, the backend that it commands or holds back, the one that is the best with its
         /// probability, as far as they are known, and its age.
         /// </summary>
-        public static void AppendDecision(StringBuilder text, SweepstakeManager manager)
+        public static void AppendDecision(StringBuilder text, SweepstakeManager manager) => AppendDecision(text, manager, manager.LastDecision);
+
+        internal static void AppendDecision(StringBuilder text, SweepstakeManager manager, in Decision decision)
         {
-            Decision decision = manager.LastDecision;
             text.Append("Decision: ").Append(Advice.Of(decision.Outcome));
             if (decision.Outcome == DecisionOutcome.None || manager.Session == null)
                 return;
