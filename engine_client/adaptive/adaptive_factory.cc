@@ -11,8 +11,8 @@
 namespace sweepstake {
 namespace {
 
-// What a game begins with that names no arms: the cheapest one in most scenes, at 300 objects as at
-// 20,000 (tests/bench/worth.py).
+// What a game begins with that names no arms: more often the cheapest one than any other is, at 300
+// objects as at 20,000 (tests/bench/worth.py).
 constexpr char kInitialArm[] = "KDTree";
 
 Status ValidateArms(std::span<const std::string> arms) {
