@@ -5,25 +5,12 @@
 #include <cmath>
 
 #include "server/decision/policy/log_cost.h"
+#include "tests/server/decision/policy/evidence_sums.h"
 
 namespace sweepstake::decision {
 namespace {
 
 constexpr double kNoise = 0.02 * 0.02;
-
-// So many windows or visits that each measured this cost.
-EvidenceSum SumOf(double cost_us, double count) {
-  const Increment one = LogCostIncrement(0, RewardOf(std::log(cost_us)), kNoise);
-  return {.alpha = count * one.alpha, .beta = count * one.beta};
-}
-
-double CostUs(const EvidenceSum& sum) {
-  return std::exp(LogCostOfReward(sum.alpha / sum.evidence()));
-}
-
-double DeviationOf(const EvidenceSum& sum) {
-  return std::sqrt(BeliefOf({sum.alpha, sum.beta}).variance);
-}
 
 TEST(ScenePrior, IsWhatTheWindowsSayWhereTheLaneWasOff) {
   const ArmEvidence arms[] = {{.live = {7, 3}}, {.live = {2, 8}, .bail_out_count = 1}, {}};
