@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <compare>
 #include <cstdint>
 #include <functional>
@@ -56,6 +57,15 @@ inline Evidence& Evidence::operator+=(const Evidence& other) {
   return *this;
 }
 
+// Returns the evidence in whole units of 2⁻²⁰, as stores keep it: sums up to 2³³ are exact then, in
+// any order, so that what is taken out again leaves no trace.
+inline Evidence InUnits(Evidence evidence) {
+  constexpr double kUnitsPerOne = 0x1p20;
+  evidence.alpha = std::round(evidence.alpha * kUnitsPerOne) / kUnitsPerOne;
+  evidence.beta = std::round(evidence.beta * kUnitsPerOne) / kUnitsPerOne;
+  return evidence;
+}
+
 struct KeyedEvidence {
   EvidenceKey key;
   Evidence evidence;
@@ -76,12 +86,21 @@ struct SourceProgress {
   friend bool operator==(const SourceProgress&, const SourceProgress&) = default;
 };
 
+// Where a source comes from. It is kept from the source's first update on.
+struct SourceOrigin {
+  std::string build;     // of the game; empty if unknown
+  int64_t token_id = 0;  // that the session began with; 0 for none
+
+  friend bool operator==(const SourceOrigin&, const SourceOrigin&) = default;
+};
+
 // One atomic step of one source.
 struct SourceUpdate {
   SourceProgress progress;
   uint64_t unix_time_s = 0;               // the wall clock's time of the step, below 2^63
   std::vector<KeyedEvidence> increments;  // may be empty; a key occurs at most once
   AuditRows audit;
+  SourceOrigin origin = {};
 };
 
 // The state of a source in a store.
@@ -94,18 +113,6 @@ struct SourceState {
   // kept are 0.
   uint64_t created_unix_s = 0;
   uint64_t last_seen_unix_s = 0;
-};
-
-// The evidence of one key, summed over its sources.
-struct PriorSum {
-  Evidence evidence;
-  uint64_t source_count = 0;  // those whose evidence was folded count as one per month
-};
-
-// The sums of several keys.
-struct PriorSums {
-  std::vector<PriorSum> sums;  // has the order of the given keys
-  uint64_t source_count = 0;   // sources of the keys' scenes, of those with evidence of a key
 };
 
 // Names the posteriors of a scene. Keys are ordered by project, scene, machine class and reward
@@ -149,6 +156,14 @@ inline SceneEvidence::Arm& SceneEvidence::ArmOf(const std::string& name, uint32_
                       {.name = name, .backend_version = backend_version, .live = {}, .lane = {}});
 }
 
+// What one source taught about one scene on one class of machines.
+struct SceneSource {
+  std::string id;                 // of what was folded, that of the month
+  std::string build;              // empty if unknown
+  uint64_t last_seen_unix_s = 0;  // 0 if unknown
+  SceneEvidence evidence;         // of the one source
+};
+
 // An empty field matches everything.
 struct SceneFilter {
   std::string project;
@@ -176,6 +191,8 @@ struct PriorRecord {
   std::string source_id;
   uint64_t source_sequence = 0;  // the last commit of the source that is included, from 1
   Evidence evidence;
+  std::string build = {};         // of the source; empty if unknown
+  uint64_t last_seen_unix_s = 0;  // when the source taught last; 0 if unknown
 
   friend bool operator==(const PriorRecord&, const PriorRecord&) = default;
 };
@@ -200,13 +217,40 @@ struct ImportResult {
   uint64_t unchanged_count = 0;  // records that were known, or of a session or a revoked source
 };
 
+// Of which sources a scene's new sessions learn.
+inline constexpr uint32_t kSourcesOfScene = 32;
+inline constexpr uint32_t kSourcesOfOtherClass = 4;
+inline constexpr uint32_t kOtherClasses = 8;
+
+// Which sources; what is not set matches all.
+struct SourceFilter {
+  std::string id = {};
+  std::string project = {};  // those with evidence of it, of which that of others stays
+  std::string build = {};
+  int64_t token_id = 0;
+  uint64_t from_unix_s = 0;  // that began then or later; an imported source began at 0
+  uint64_t until_unix_s = (1ull << 63) - 1;  // that began then or before
+};
+
+struct RevokeResult {
+  uint64_t source_count = 0;  // that were not revoked before
+  uint64_t record_count = 0;  // what folding has made of several counts once
+  uint64_t window_count = 0;  // visits of the lane count, too
+
+  friend bool operator==(const RevokeResult&, const RevokeResult&) = default;
+};
+
 // What a store has. Errors: UNAVAILABLE (the disk cannot read, or the file is locked), DATA_LOSS
 // (what was asked for is damaged).
 class PriorReader {
  public:
   virtual ~PriorReader() = default;
 
-  virtual absl::StatusOr<PriorSums> LoadPriors(std::span<const EvidenceKey> keys) = 0;
+  // Returns what sources taught about the scene on any class of machines, with this version of the
+  // reward: of each arm what the latest kSourcesOfScene sources of its class say, and the latest
+  // kSourcesOfOtherClass of each of kOtherClasses others. The cost does not depend on how many
+  // sources there are.
+  virtual absl::StatusOr<std::vector<SceneSource>> LoadSources(const SceneKey& scene) = 0;
 
   // Returns nothing if the source was never committed here (an imported source is not a session of
   // this store) or is revoked.
@@ -273,10 +317,11 @@ class PriorStore : public PriorReader {
   // record of a source that was committed here is ignored: the store's own evidence is newer.
   virtual absl::StatusOr<ImportResult> Import(std::span<const PriorRecord> records) = 0;
 
-  // Removes exactly the source's evidence, and bars the source from later commits and imports.
-  // Returns the number of records removed; it is 0 for an unknown source, which is barred too.
-  // Evidence that was folded stays.
-  virtual absl::StatusOr<uint64_t> Revoke(const std::string& source_id) = 0;
+  // Removes exactly the evidence of the sources, and bars them from later commits and imports; an
+  // unknown id is barred, too, unless a project is named. What was folded of their evidence stays,
+  // unless all sources of a build are meant. The log of administrators is no source. With `preview`
+  // nothing changes. REQUIRES: an id, a build, a token or a time.
+  virtual absl::StatusOr<RevokeResult> Revoke(const SourceFilter& filter, bool preview) = 0;
 };
 
 // A PriorStore that runs on threads of its own, one that writes and one that reads. Thread-safe.

@@ -177,34 +177,58 @@ MemoryPriorStore::Source& MemoryPriorStore::FindSource(const std::string& id) {
   return source;
 }
 
+std::vector<std::pair<std::string, MemoryPriorStore::Entry>> MemoryPriorStore::Latest(
+    const EntriesBySource& entries, size_t limit) const {
+  std::vector<std::pair<std::string, Entry>> latest(entries.begin(), entries.end());
+  std::sort(latest.begin(), latest.end(), [&](const auto& a, const auto& b) {
+    return sources_.at(a.first).number > sources_.at(b.first).number;
+  });
+  if (latest.size() > limit)
+    latest.erase(latest.begin() + static_cast<ptrdiff_t>(limit), latest.end());
+  return latest;
+}
+
 void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
   if (!Applies(update)) return;
   Source& source = FindSource(update.progress.source_id);
   source.progress = update.progress;
-  if (!source.is_session) source.created_unix_s = update.unix_time_s;
+  if (!source.is_session) {
+    source.created_unix_s = update.unix_time_s;
+    source.origin = update.origin;
+  }
   source.last_seen_unix_s = update.unix_time_s;
   source.is_session = true;
   for (const auto& increment : update.increments) {
     Entry& entry = evidence_[increment.key][update.progress.source_id];
     entry.sequence = update.progress.commit_sequence;
-    entry.evidence += increment.evidence;
+    entry.evidence += priors::InUnits(increment.evidence);
   }
   lost_audit_row_count_ += audit_.Append(update);
 }
 
-absl::StatusOr<priors::PriorSums> MemoryPriorStore::LoadPriors(std::span<const EvidenceKey> keys) {
-  priors::PriorSums result;
-  std::set<SceneKey> scenes;
-  for (const EvidenceKey& key : keys) {
-    priors::PriorSum& sum = result.sums.emplace_back();
-    const auto found = evidence_.find(key);
-    if (found == evidence_.end()) continue;
-    for (const auto& [source_id, entry] : found->second) Add(sum.evidence, entry.evidence);
-    sum.source_count = found->second.size();
-    scenes.insert(SceneOf(key));
+absl::StatusOr<std::vector<priors::SceneSource>> MemoryPriorStore::LoadSources(
+    const SceneKey& scene) {
+  std::map<std::pair<std::string, uint64_t>, priors::SceneSource> found;
+  for (const auto& [key, entries] : evidence_) {
+    SceneKey wanted = scene;
+    wanted.machine_class = key.machine_class;
+    if (SceneOf(key) != wanted) continue;
+    for (const auto& [source_id, entry] :
+         Latest(entries, key.machine_class == scene.machine_class ? priors::kSourcesOfScene
+                                                                  : priors::kSourcesOfOtherClass)) {
+      const Source& stored = sources_.at(source_id);
+      priors::SceneSource& source = found[{key.machine_class, stored.number}];
+      source.id = source_id;
+      source.build = stored.origin.build;
+      source.last_seen_unix_s = stored.last_seen_unix_s;
+      source.evidence.key = wanted;
+      source.evidence.source_count = 1;
+      source.evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) = entry.evidence;
+    }
   }
-  for (const SceneKey& scene : scenes) result.source_count += Sum(scene).source_count;
-  return result;
+  std::vector<priors::SceneSource> sources;
+  for (auto& [place, source] : found) sources.push_back(std::move(source));
+  return sources;
 }
 
 absl::StatusOr<std::optional<priors::SourceState>> MemoryPriorStore::LoadSource(
@@ -289,7 +313,12 @@ absl::StatusOr<priors::ExportPage> MemoryPriorStore::Export(const SceneFilter& f
     for (const auto& [source_id, entry] : entries) {
       const std::pair place(key, sources_.at(source_id).number);
       if (place > std::pair(after.key, after.source_number))
-        records[place] = {key, source_id, entry.sequence, entry.evidence};
+        records[place] = {key,
+                          source_id,
+                          entry.sequence,
+                          entry.evidence,
+                          sources_.at(source_id).origin.build,
+                          sources_.at(source_id).last_seen_unix_s};
     }
   }
   priors::ExportPage page{.records = {}, .next = after};
@@ -302,11 +331,16 @@ absl::StatusOr<priors::ExportPage> MemoryPriorStore::Export(const SceneFilter& f
 }
 
 bool MemoryPriorStore::ImportOne(const PriorRecord& record) {
+  const bool is_new = sources_.find(record.source_id) == sources_.end();
   Source& source = FindSource(record.source_id);
+  if (is_new) {
+    source.origin.build = record.build;
+    source.last_seen_unix_s = record.last_seen_unix_s;
+  }
   if (source.revoked || source.is_session) return false;
   Entry& entry = evidence_[record.key][record.source_id];
   if (record.source_sequence <= entry.sequence) return false;
-  entry = {record.source_sequence, record.evidence};
+  entry = {record.source_sequence, priors::InUnits(record.evidence)};
   return true;
 }
 
@@ -321,14 +355,45 @@ absl::StatusOr<priors::ImportResult> MemoryPriorStore::Import(
   return result;
 }
 
-absl::StatusOr<uint64_t> MemoryPriorStore::Revoke(const std::string& source_id) {
-  FindSource(source_id).revoked = true;
-  uint64_t removed = 0;
+bool MemoryPriorStore::HasEvidence(const std::string& source_id, const std::string& project) const {
+  return std::any_of(evidence_.begin(), evidence_.end(), [&](const auto& entries) {
+    return entries.first.project == project && entries.second.contains(source_id);
+  });
+}
+
+bool MemoryPriorStore::Matches(const std::string& source_id,
+                               const priors::SourceFilter& filter) const {
+  const Source& source = sources_.at(source_id);
+  return !source.revoked && source_id != decision::kAdminSession &&
+         (filter.id.empty() || filter.id == source_id) &&
+         (filter.build.empty() || filter.build == source.origin.build) &&
+         (filter.token_id == 0 || filter.token_id == source.origin.token_id) &&
+         source.created_unix_s >= filter.from_unix_s &&
+         source.created_unix_s <= filter.until_unix_s &&
+         (filter.project.empty() || HasEvidence(source_id, filter.project));
+}
+
+absl::StatusOr<priors::RevokeResult> MemoryPriorStore::Revoke(const priors::SourceFilter& filter,
+                                                              bool preview) {
+  std::set<std::string> matching;
+  for (const auto& [id, source] : sources_) {
+    if (Matches(id, filter)) matching.insert(id);
+  }
+  priors::RevokeResult result{.source_count = matching.size()};
   for (auto entries = evidence_.begin(); entries != evidence_.end();) {
-    removed += entries->second.erase(source_id);
+    const bool is_meant = filter.project.empty() || filter.project == entries->first.project;
+    std::erase_if(entries->second, [&](const auto& entry) {
+      if (!is_meant || !matching.contains(entry.first)) return false;
+      ++result.record_count;
+      result.window_count += entry.second.evidence.window_count;
+      return !preview;
+    });
     entries = entries->second.empty() ? evidence_.erase(entries) : std::next(entries);
   }
-  return removed;
+  if (preview) return result;
+  for (const std::string& id : matching) FindSource(id).revoked = true;
+  if (BarsUnknown(filter)) FindSource(filter.id).revoked = true;
+  return result;
 }
 
 absl::StatusOr<std::vector<priors::AuditSegment>> MemoryPriorStore::ListAudit(

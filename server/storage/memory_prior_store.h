@@ -58,7 +58,8 @@ class MemoryPriorStore : public priors::PriorStore {
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
-  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override;
+  absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
+      const priors::SceneKey& scene) override;
   absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
       const std::string& source_id) override;
   absl::StatusOr<std::vector<priors::SceneEvidence>> List(
@@ -73,7 +74,8 @@ class MemoryPriorStore : public priors::PriorStore {
                                             uint32_t limit) override;
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override;
-  absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
+  absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
+                                              bool preview) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;
@@ -85,6 +87,7 @@ class MemoryPriorStore : public priors::PriorStore {
   struct Source {
     uint64_t number = 0;
     priors::SourceProgress progress;
+    priors::SourceOrigin origin;
     uint64_t created_unix_s = 0;
     uint64_t last_seen_unix_s = 0;
     bool is_session = false;
@@ -103,6 +106,10 @@ class MemoryPriorStore : public priors::PriorStore {
   // Error: INVALID_ARGUMENT (the evidence of a source would grow beyond what a record may hold).
   absl::Status CheckSums(std::span<const priors::SourceUpdate> updates) const;
   void Apply(const priors::SourceUpdate& update);
+  std::vector<std::pair<std::string, Entry>> Latest(const EntriesBySource& entries,
+                                                    size_t limit) const;
+  bool HasEvidence(const std::string& source_id, const std::string& project) const;
+  bool Matches(const std::string& source_id, const priors::SourceFilter& filter) const;
   bool ImportOne(const priors::PriorRecord& record);
   priors::SceneEvidence Sum(const priors::SceneKey& key) const;
 

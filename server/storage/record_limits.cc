@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "server/audit/audit_log.h"
 #include "server/decision/math/names.h"
 #include "server/decision/policy/scene_prior.h"
 
@@ -52,6 +53,9 @@ absl::string_view WrongUpdate(const priors::SourceUpdate& update) {
     wrong = "decision_count must be below 2^63";
   if (wrong.empty() && progress.frame_count > kMaxCount) wrong = "frame_count must be below 2^63";
   if (wrong.empty() && update.unix_time_s > kMaxCount) wrong = "unix_time_s must be below 2^63";
+  if (wrong.empty() && !IsOptionalName(update.origin.build))
+    wrong = "build must be absent or a name";
+  if (wrong.empty() && update.origin.token_id < 0) wrong = "token_id must not be negative";
   for (const auto& increment : update.increments) {
     if (wrong.empty()) wrong = WrongKey(increment.key);
     if (wrong.empty()) wrong = WrongEvidence(increment.evidence);
@@ -62,6 +66,9 @@ absl::string_view WrongUpdate(const priors::SourceUpdate& update) {
 absl::string_view WrongRecord(const priors::PriorRecord& record) {
   absl::string_view wrong = WrongKey(record.key);
   if (wrong.empty()) wrong = WrongSource(record.source_id, record.source_sequence);
+  if (wrong.empty() && !IsOptionalName(record.build)) wrong = "build must be absent or a name";
+  if (wrong.empty() && record.last_seen_unix_s > kMaxCount)
+    wrong = "unix_last_seen_s must be below 2^63";
   if (wrong.empty()) wrong = WrongEvidence(record.evidence);
   return wrong;
 }
@@ -89,6 +96,10 @@ absl::Status CheckRecords(std::span<const priors::PriorRecord> records) {
     if (!wrong.empty()) return absl::InvalidArgumentError(absl::StrCat("record ", i, ": ", wrong));
   }
   return absl::OkStatus();
+}
+
+bool BarsUnknown(const priors::SourceFilter& filter) {
+  return !filter.id.empty() && filter.id != decision::kAdminSession && filter.project.empty();
 }
 
 bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row) {

@@ -17,6 +17,10 @@ inline constexpr uint64_t kMaxCount = (1ull << 63) - 1;
 absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates);
 absl::Status CheckRecords(std::span<const priors::PriorRecord> records);
 
+// Returns whether a revocation bars a source that the store has nothing of. One that is about a
+// project does not, since the source may be another project's.
+bool BarsUnknown(const priors::SourceFilter& filter);
+
 // Returns whether one of the rows can be stored. If a name of theirs is invalid, none can be.
 bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row);
 

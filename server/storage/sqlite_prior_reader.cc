@@ -1,6 +1,6 @@
 #include "server/storage/sqlite_prior_reader.h"
 
-#include <unordered_set>
+#include <map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -54,31 +54,71 @@ absl::StatusOr<SqlitePriorReader> SqlitePriorReader::Prepare(SqliteDatabase& dat
 absl::StatusOr<StoredKey> SqlitePriorReader::FindKey(const EvidenceKey& key) {
   StoredKey stored;
   absl::Status status = statements_.find_key.ForEachRow(
-      [&](const SqliteRow& row) {
-        stored = {.id = row.Integer(0),
-                  .scene_id = row.Integer(1),
-                  .sum = {.evidence = EvidenceOf(row, 2), .source_count = row.Unsigned(6)},
-                  .scene_source_count = row.Unsigned(7),
-                  .damaged = row.Integer(8) == 0};
-      },
+      [&](const SqliteRow& row) { stored = {.id = row.Integer(0), .scene_id = row.Integer(1)}; },
       key.project, key.scene, key.measured_by, key.arm, key.backend_version, key.machine_class,
       key.reward_version);
   if (!status.ok()) return status;
   return stored;
 }
 
-absl::StatusOr<priors::PriorSums> SqlitePriorReader::LoadPriors(std::span<const EvidenceKey> keys) {
-  priors::PriorSums result;
-  std::unordered_set<int64_t> scenes;
-  for (const EvidenceKey& key : keys) {
-    auto stored = FindKey(key);
-    if (!stored.ok()) return stored.status();
-    if (stored->damaged) return DamagedScene(key.project, key.scene);
-    result.sums.push_back(stored->sum);
-    if (stored->sum.source_count > 0 && scenes.insert(stored->scene_id).second)
-      result.source_count += stored->scene_source_count;
+absl::StatusOr<std::vector<priors::SceneSource>> SqlitePriorReader::LoadSources(
+    const SceneKey& scene) {
+  std::vector<std::pair<int64_t, SceneKey>> classes;
+  bool whole = true;
+  absl::Status status = statements_.scene_classes.ForEachRow(
+      [&](const SqliteRow& row) {
+        classes.emplace_back(row.Integer(0), scene);
+        classes.back().second.machine_class = row.Text(1);
+        whole = whole && row.Integer(2) != 0;
+      },
+      scene.project, scene.scene, scene.machine_class, scene.reward_version,
+      1 + priors::kOtherClasses);
+  if (!whole) return DamagedScene(scene.project, scene.scene);
+  std::vector<priors::SceneSource> sources;
+  for (const auto& [id, key] : classes) {
+    const uint32_t limit = key == scene ? priors::kSourcesOfScene : priors::kSourcesOfOtherClass;
+    if (status.ok()) status = AppendSources(id, key, limit, sources);
   }
-  return result;
+  if (!status.ok()) return status;
+  return sources;
+}
+
+absl::Status SqlitePriorReader::AppendSources(int64_t scene_id, const SceneKey& scene,
+                                              uint32_t limit,
+                                              std::vector<priors::SceneSource>& sources) {
+  std::vector<std::pair<int64_t, EvidenceKey>> keys;
+  bool whole = true;
+  absl::Status status = statements_.scene_keys.ForEachRow(
+      [&](const SqliteRow& row) {
+        EvidenceKey& key = keys.emplace_back(row.Integer(0), EvidenceKey()).second;
+        key.arm = row.Text(1);
+        key.backend_version = static_cast<uint32_t>(row.Integer(2));
+        key.measured_by = row.Text(3);
+        whole = whole && row.Integer(4) != 0;
+      },
+      scene_id);
+  std::map<int64_t, priors::SceneSource> by_number;
+  for (const auto& [id, key] : keys) {
+    if (!status.ok()) return status;
+    status = statements_.latest_evidence.ForEachRow(
+        [&, key = key](const SqliteRow& row) {
+          if (row.Integer(8) == 0) return;  // not what was written, and in no sum either
+          priors::SceneSource& source = by_number[row.Integer(0)];
+          source.id = row.Text(1);
+          source.build = row.Text(2);
+          source.last_seen_unix_s = row.Unsigned(3);
+          source.evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) =
+              EvidenceOf(row, 4);
+        },
+        id, limit);
+  }
+  if (status.ok() && !whole) return DamagedScene(scene.project, scene.scene);
+  for (auto& [number, source] : by_number) {
+    source.evidence.key = scene;
+    source.evidence.source_count = 1;
+    sources.push_back(std::move(source));
+  }
+  return status;
 }
 
 absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorReader::LoadSource(
@@ -228,7 +268,8 @@ absl::Status SqlitePriorReader::AppendEvidence(const ExportKey& key, uint32_t li
   absl::Status status = statements_.key_evidence.ForEachRow(
       [&](const SqliteRow& row) {
         damaged = damaged || row.Integer(7) == 0;
-        page.records.push_back({key.key, row.Text(1), row.Unsigned(2), EvidenceOf(row, 3)});
+        page.records.push_back({key.key, row.Text(1), row.Unsigned(2), EvidenceOf(row, 3),
+                                row.Text(8), row.Unsigned(9)});
         page.next = {key.key, row.Unsigned(0)};
       },
       key.id, first, limit - static_cast<uint32_t>(page.records.size()));

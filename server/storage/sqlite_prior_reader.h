@@ -2,8 +2,8 @@
 // it, which sees what the store has committed and is never in its way. Used by one thread at a
 // time.
 //
-// LoadPriors, LoadScene and List read sums that the writers keep, so their cost does not depend on
-// the number of sources.
+// LoadScene and List read sums that the writers keep, and LoadSources the latest sources alone, so
+// their cost does not depend on the number of sources.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,10 @@
 
 namespace sweepstake::storage {
 
-// A key's row and its sums.
+// A key's row.
 struct StoredKey {
   int64_t id = 0;
   int64_t scene_id = 0;
-  priors::PriorSum sum;
-  uint64_t scene_source_count = 0;
-  bool damaged = false;  // the values cannot be trusted
 };
 
 // The database must outlive it.
@@ -45,7 +42,8 @@ class SqlitePriorReader final : public priors::PriorReader {
   // If there is no such key, its id is 0.
   absl::StatusOr<StoredKey> FindKey(const priors::EvidenceKey& key);
 
-  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override;
+  absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
+      const priors::SceneKey& scene) override;
   absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
       const std::string& source_id) override;
   absl::StatusOr<std::vector<priors::SceneEvidence>> List(
@@ -80,6 +78,9 @@ class SqlitePriorReader final : public priors::PriorReader {
       : statements_(std::move(statements)), audit_(std::move(audit)) {}
 
   absl::Status LoadArms(int64_t scene_id, priors::SceneEvidence& scene);
+  // Appends what the latest `limit` sources of each key say of the scene in that row.
+  absl::Status AppendSources(int64_t scene_id, const priors::SceneKey& scene, uint32_t limit,
+                             std::vector<priors::SceneSource>& sources);
   // Returns the first matching key from `first` on, but with the given reward version.
   absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
                                     const priors::EvidenceKey& first, int64_t first_reward_version);

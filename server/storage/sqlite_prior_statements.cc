@@ -18,8 +18,9 @@ struct StatementText {
 // readers need not visit the sources. Counts are added by total() or up to their max, because an
 // overflow would make a scene unreadable after two imported records.
 //
-// Evidence that was folded belongs to a source per month whose name begins with a control character
-// (FoldSources). No session and no record has such a name, and all of theirs sort behind ' '.
+// Evidence that was folded belongs to a source per month and build, whose name begins with a
+// control character (FoldSources). No session and no record has such a name, and all of theirs sort
+// behind ' '.
 //
 // Whoever writes a row writes its hash (sqlite_schema.h): row_hash of the new values where the row
 // is new, and where it is changed next_hash, which leaves a wrong hash wrong.
@@ -27,16 +28,19 @@ constexpr StatementText<PriorStatements> kStatements[] = {
     {&PriorStatements::advance_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
                             explored_arm_count, decision_count, frame_count, seed,
-                            created_unix_s, last_seen_unix_s, hash)
-        VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8,
-                row_hash(?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8))
+                            created_unix_s, last_seen_unix_s, build, token_id, hash)
+        VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8, ?9, ?10,
+                row_hash(?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8, ?9, ?10))
         ON CONFLICT (name) DO UPDATE
           SET is_session = 1, commit_sequence = ?2, message_sequence = ?3, explored_arm_count = ?4,
               decision_count = ?5, frame_count = ?6, seed = ?7,
               created_unix_s = iif(is_session, created_unix_s, ?8), last_seen_unix_s = ?8,
+              build = iif(is_session, build, ?9), token_id = iif(is_session, token_id, ?10),
               hash = next_hash(hash, content_hash,
                                row_hash(name, 1, revoked, ?2, ?3, ?4, ?5, ?6, ?7,
-                                        iif(is_session, created_unix_s, ?8), ?8))
+                                        iif(is_session, created_unix_s, ?8), ?8,
+                                        iif(is_session, build, ?9),
+                                        iif(is_session, token_id, ?10)))
           WHERE revoked = 0 AND ?2 > commit_sequence
         RETURNING id)sql"},
     {&PriorStatements::add_scene, R"sql(
@@ -100,8 +104,10 @@ constexpr StatementText<PriorStatements> kStatements[] = {
         RETURNING project, scene, source_count)sql"},
     {&PriorStatements::import_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
-                            explored_arm_count, decision_count, frame_count, seed, hash)
-        VALUES (?1, 0, 0, 0, 0, 0, 0, 0, 0, row_hash(?1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0))
+                            explored_arm_count, decision_count, frame_count, seed, build, last_seen_unix_s,
+                            hash)
+        VALUES (?1, 0, 0, 0, 0, 0, 0, 0, 0, ?2, ?3,
+                row_hash(?1, 0, 0, 0, 0, 0, 0, 0, 0, 0, ?3, ?2, 0))
         ON CONFLICT (name) DO UPDATE SET name = name WHERE revoked = 0 AND is_session = 0
         RETURNING id)sql"},
     {&PriorStatements::import_evidence, R"sql(
@@ -116,35 +122,53 @@ constexpr StatementText<PriorStatements> kStatements[] = {
     {&PriorStatements::revoke_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
                             explored_arm_count, decision_count, frame_count, seed, hash)
-        VALUES (?1, 0, 1, 0, 0, 0, 0, 0, 0, row_hash(?1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0))
+        VALUES (?1, 0, 1, 0, 0, 0, 0, 0, 0, row_hash(?1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, '', 0))
         ON CONFLICT (name) DO UPDATE
           SET revoked = 1,
               hash = next_hash(hash, content_hash,
                                row_hash(name, is_session, 1, commit_sequence, message_sequence,
                                         explored_arm_count, decision_count, frame_count, seed,
-                                        created_unix_s, last_seen_unix_s))
+                                        created_unix_s, last_seen_unix_s, build, token_id))
         RETURNING id)sql"},
+    // Of sources whose names begin with a control character only where all of a build are meant.
+    {&PriorStatements::matching_sources, R"sql(
+        SELECT id, name FROM source
+        WHERE revoked = 0 AND (?1 = '' OR name = ?1) AND (?2 = '' OR build = ?2)
+          AND (?3 = 0 OR token_id = ?3) AND created_unix_s BETWEEN ?4 AND ?5
+          AND (name >= ' ' OR ?6) AND name <> ?8
+          AND (?7 = '' OR name < ' '
+               OR EXISTS (SELECT 1 FROM scene_source j JOIN scene s ON s.id = scene_id
+                          WHERE source_id = source.id AND project = ?7)))sql"},
+    // A source whose evidence was folded stays counted where that is, unless that goes, too.
     {&PriorStatements::leave_scenes, R"sql(
         UPDATE scene
         SET source_count = source_count - 1,
             hash = next_hash(hash, content_hash,
                              row_hash(project, scene, machine_class, reward_version,
                                       source_count - 1))
-        WHERE id IN (SELECT k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id
-                     WHERE source_id = ?1))sql"},
-    // A source whose evidence was folded stays counted where that is.
+        WHERE (?2 = '' OR project = ?2)
+          AND id IN (SELECT scene_id FROM scene_source j
+                     WHERE source_id = ?1
+                       AND (?3 OR EXISTS (SELECT 1 FROM evidence_key k JOIN evidence e
+                                            ON e.key_id = k.id AND e.source_id = ?1
+                                          WHERE k.scene_id = j.scene_id))))sql"},
     {&PriorStatements::forget_scenes, R"sql(
-        DELETE FROM scene_source
+        DELETE FROM scene_source AS j
         WHERE source_id = ?1
-          AND scene_id IN (SELECT k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id
-                           WHERE source_id = ?1))sql"},
-    {&PriorStatements::delete_evidence,
-     "DELETE FROM evidence WHERE source_id = ?1 RETURNING key_id"},
+          AND (?2 = '' OR (SELECT project FROM scene WHERE id = scene_id) = ?2)
+          AND (?3 OR EXISTS (SELECT 1 FROM evidence_key k JOIN evidence e
+                               ON e.key_id = k.id AND e.source_id = ?1
+                             WHERE k.scene_id = j.scene_id)))sql"},
+    {&PriorStatements::delete_evidence, R"sql(
+        DELETE FROM evidence
+        WHERE source_id = ?1
+          AND (?2 = '' OR (SELECT project FROM evidence_key WHERE id = key_id) = ?2)
+        RETURNING key_id, window_count)sql"},
     // The month is empty where the evidence is to stay as it is.
     {&PriorStatements::next_evidence, R"sql(
         SELECT e.source_id, e.key_id,
                iif(is_session = 1 AND last_seen_unix_s BETWEEN 1 AND ?3 AND hash = content_hash,
-                   strftime('%Y-%m', last_seen_unix_s, 'unixepoch'), '')
+                   strftime('%Y-%m', last_seen_unix_s, 'unixepoch'), ''), build
         FROM (SELECT source_id, key_id FROM evidence
               WHERE source_id >= ?1 AND (source_id > ?1 OR key_id > ?2)
               ORDER BY source_id, key_id LIMIT ?4) e
@@ -152,8 +176,8 @@ constexpr StatementText<PriorStatements> kStatements[] = {
         ORDER BY 1, 2)sql"},
     {&PriorStatements::add_folded_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
-                            explored_arm_count, decision_count, frame_count, seed, hash)
-        VALUES (?1, 0, 0, 0, 0, 0, 0, 0, 0, row_hash(?1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0))
+                            explored_arm_count, decision_count, frame_count, seed, build, hash)
+        VALUES (?1, 0, 0, 0, 0, 0, 0, 0, 0, ?2, row_hash(?1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ?2, 0))
         ON CONFLICT (name) DO UPDATE SET name = name
         RETURNING id)sql"},
     // A folded row's sequence is the number of rows that were added to it. What is damaged stays
@@ -183,12 +207,23 @@ constexpr StatementText<PriorStatements> kStatements[] = {
 };
 
 constexpr StatementText<PriorReadStatements> kReadStatements[] = {
+    // The scene's classes of machines: the given one first, then the ones that came last.
+    {&PriorReadStatements::scene_classes, R"sql(
+        SELECT id, machine_class, hash = content_hash FROM scene
+        WHERE project = ?1 AND scene = ?2 AND reward_version = ?4 AND source_count > 0
+        ORDER BY machine_class = ?3 DESC, id DESC LIMIT ?5)sql"},
+    {&PriorReadStatements::scene_keys, R"sql(
+        SELECT id, arm, backend_version, measured_by, hash = content_hash FROM evidence_key
+        WHERE scene_id = ?1 AND source_count > 0)sql"},
+    {&PriorReadStatements::latest_evidence, R"sql(
+        SELECT s.id, name, build, last_seen_unix_s, alpha, beta, window_count,
+               bail_out_count, e.hash = e.content_hash AND s.hash = s.content_hash
+        FROM (SELECT * FROM evidence WHERE key_id = ?1 ORDER BY source_id DESC LIMIT ?2) e
+             CROSS JOIN source s ON s.id = e.source_id)sql"},
     {&PriorReadStatements::find_key, R"sql(
-        SELECT k.id, k.scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, k.source_count,
-               s.source_count, k.hash = k.content_hash AND s.hash = s.content_hash
-        FROM evidence_key k JOIN scene s ON s.id = k.scene_id
-        WHERE k.project = ?1 AND k.scene = ?2 AND k.measured_by = ?3 AND k.arm = ?4
-          AND k.backend_version = ?5 AND k.machine_class = ?6 AND k.reward_version = ?7)sql"},
+        SELECT id, scene_id FROM evidence_key
+        WHERE project = ?1 AND scene = ?2 AND measured_by = ?3 AND arm = ?4
+          AND backend_version = ?5 AND machine_class = ?6 AND reward_version = ?7)sql"},
     {&PriorReadStatements::load_source, R"sql(
         SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
                frame_count, seed, created_unix_s, last_seen_unix_s, hash = content_hash,
@@ -255,7 +290,7 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         ORDER BY 1, 2, 3, 4, 5, 6, 7 LIMIT 1)sql"},
     {&PriorReadStatements::key_evidence, R"sql(
         SELECT s.id, name, sequence, alpha, beta, window_count, bail_out_count,
-               e.hash = e.content_hash AND s.hash = s.content_hash
+               e.hash = e.content_hash AND s.hash = s.content_hash, build, last_seen_unix_s
         FROM evidence e CROSS JOIN source s ON s.id = source_id
         WHERE key_id = ?1 AND source_id > ?2 AND name >= ' '
         ORDER BY source_id LIMIT ?3)sql"},

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/audit/audit_log.h"
+#include "server/storage/folding/sqlite_folding.h"
 #include "server/storage/private_file.h"
 #include "server/storage/record_limits.h"
 #include "server/storage/sqlite_audit_log.h"
@@ -32,13 +34,14 @@ struct OpenFile {
 };
 
 using SceneCounts = std::map<std::string, priors::SceneCount>;  // by project
-using FoldedSources = std::map<std::string, int64_t>;           // ids, by month
+// Such a source has the folded evidence of others.
+bool IsFolded(const std::string& source) { return source.front() < ' '; }
 
-// A row of evidence that a fold looks at.
-struct FoldRow {
-  FoldPlace place;
-  std::string month;  // empty if it stays
-};
+// Whether all sources of a build are meant.
+bool MeansABuild(const priors::SourceFilter& filter) {
+  return !filter.build.empty() && filter.id.empty() && filter.token_id == 0 &&
+         filter.from_unix_s == 0 && filter.until_unix_s == priors::SourceFilter().until_unix_s;
+}
 
 class SqlitePriorStore final : public priors::PriorStore {
  public:
@@ -53,8 +56,8 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   absl::Status CheckPlace() override;
   uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
-  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
-    return reader_->LoadPriors(keys);
+  absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(const SceneKey& scene) override {
+    return reader_->LoadSources(scene);
   }
   absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
       const std::string& source_id) override {
@@ -76,7 +79,8 @@ class SqlitePriorStore final : public priors::PriorStore {
     return reader_->Export(filter, after, limit);
   }
   absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override;
-  absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
+  absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
+                                              bool preview) override;
   absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s, uint32_t row_count);
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
@@ -108,16 +112,13 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status JoinScene(int64_t source, int64_t scene);
   absl::Status CountSource(int64_t scene);
   absl::Status RecountSums(const KeyIds& keys);
-  // Bars the source and inserts the keys that it had evidence of into `changed`.
-  absl::Status RemoveEvidence(const std::string& source_id, KeyIds& changed);
+  // Returns the ids and names of those that are not revoked.
+  absl::StatusOr<std::map<int64_t, std::string>> Matching(const priors::SourceFilter& filter);
+  absl::StatusOr<priors::RevokeResult> RevokeAll(const priors::SourceFilter& filter);
+  // Removes the source's evidence and inserts the keys of it into `changed`.
+  absl::Status RemoveEvidence(int64_t source, const priors::SourceFilter& filter,
+                              priors::RevokeResult& result, KeyIds& changed);
   absl::StatusOr<StoredKey> FindOrAddKey(const EvidenceKey& key);
-  absl::StatusOr<std::vector<FoldRow>> NextToFold(const FoldPlace& after, uint64_t last_unix_s,
-                                                  uint32_t row_count);
-  // Returns the id of the source that has the month's folded evidence. `known` is filled.
-  absl::StatusOr<int64_t> FoldedSource(const std::string& month, FoldedSources& known);
-  // Returns whether the row was folded.
-  absl::StatusOr<bool> FoldOne(const FoldRow& row, FoldedSources& known);
-
   SqliteDatabase database_;
   // Statements must be destroyed before the database, so they stand after it.
   PriorStatements statements_;
@@ -247,7 +248,8 @@ absl::StatusOr<bool> SqlitePriorStore::Apply(const priors::SourceUpdate& update)
   absl::Status status = statements_.advance_source.ForEachRow(
       [&](const SqliteRow& row) { source = row.Integer(0); }, progress.source_id,
       progress.commit_sequence, progress.message_sequence, progress.explored_arm_count,
-      progress.decision_count, progress.frame_count, progress.seed, update.unix_time_s);
+      progress.decision_count, progress.frame_count, progress.seed, update.unix_time_s,
+      update.origin.build, update.origin.token_id);
   if (!status.ok()) return status;
   if (source == 0) return false;
   for (const auto& increment : update.increments) {
@@ -258,7 +260,7 @@ absl::StatusOr<bool> SqlitePriorStore::Apply(const priors::SourceUpdate& update)
 
 absl::Status SqlitePriorStore::Add(int64_t source, uint64_t sequence,
                                    const priors::KeyedEvidence& increment) {
-  const Evidence& evidence = increment.evidence;
+  const Evidence evidence = priors::InUnits(increment.evidence);
   auto key = FindOrAddKey(increment.key);
   if (!key.ok()) return key.status();
   bool is_new = true;
@@ -327,14 +329,15 @@ absl::StatusOr<StoredKey> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key)
 absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record, priors::ImportResult& result,
                                          KeyIds& changed) {
   int64_t source = 0;
-  absl::Status status = statements_.import_source.ForEachRow(
-      [&](const SqliteRow& row) { source = row.Integer(0); }, record.source_id);
+  absl::Status status =
+      statements_.import_source.ForEachRow([&](const SqliteRow& row) { source = row.Integer(0); },
+                                           record.source_id, record.build, record.last_seen_unix_s);
   if (!status.ok()) return status;
   bool applied = false;
   if (source != 0) {
     auto key = FindOrAddKey(record.key);
     if (!key.ok()) return key.status();
-    const Evidence& evidence = record.evidence;
+    const Evidence evidence = priors::InUnits(record.evidence);
     status = statements_.import_evidence.ForEachRow(
         [&](const SqliteRow&) { applied = true; }, key->id, source, record.source_sequence,
         evidence.alpha, evidence.beta, evidence.window_count, evidence.bail_out_count);
@@ -360,88 +363,71 @@ absl::StatusOr<priors::ImportResult> SqlitePriorStore::Import(
   return result;
 }
 
-absl::StatusOr<uint64_t> SqlitePriorStore::Revoke(const std::string& source_id) {
-  KeyIds changed;
+// A preview is a revocation that is not committed.
+absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::SourceFilter& filter,
+                                                              bool preview) {
   scene_counts_.clear();  // fewer may have evidence then
-  absl::Status status = InTransaction([&] { return RemoveEvidence(source_id, changed); });
-  if (!status.ok()) return status;
-  return changed.size();
+  absl::StatusOr<priors::RevokeResult> result;
+  absl::Status status = InTransaction([&] {
+    result = RevokeAll(filter);
+    return result.ok() && preview ? absl::CancelledError("a preview") : result.status();
+  });
+  return status.ok() || (result.ok() && preview) ? result : status;
 }
 
-absl::Status SqlitePriorStore::RemoveEvidence(const std::string& source_id, KeyIds& changed) {
-  int64_t source = 0;
-  absl::Status status = statements_.revoke_source.ForEachRow(
-      [&](const SqliteRow& row) { source = row.Integer(0); }, source_id);
-  if (status.ok()) status = statements_.leave_scenes.Run(source);
-  if (status.ok()) status = statements_.forget_scenes.Run(source);
+absl::StatusOr<std::map<int64_t, std::string>> SqlitePriorStore::Matching(
+    const priors::SourceFilter& filter) {
+  std::map<int64_t, std::string> sources;
+  absl::Status status = statements_.matching_sources.ForEachRow(
+      [&](const SqliteRow& row) { sources.emplace(row.Integer(0), row.Text(1)); }, filter.id,
+      filter.build, filter.token_id, filter.from_unix_s, filter.until_unix_s,
+      uint32_t{MeansABuild(filter)}, filter.project, decision::kAdminSession);
   if (!status.ok()) return status;
-  status = statements_.delete_evidence.ForEachRow(
-      [&](const SqliteRow& row) { changed.insert(row.Integer(0)); }, source);
-  return status.ok() ? RecountSums(changed) : status;
+  return sources;
+}
+
+absl::StatusOr<priors::RevokeResult> SqlitePriorStore::RevokeAll(
+    const priors::SourceFilter& filter) {
+  auto sources = Matching(filter);
+  if (!sources.ok()) return sources.status();
+  if (sources->empty() && BarsUnknown(filter)) sources->emplace(0, filter.id);
+  priors::RevokeResult result;
+  KeyIds changed;
+  for (const auto& [id, name] : *sources) {
+    absl::Status status = RemoveEvidence(id, filter, result, changed);
+    if (!status.ok()) return status;
+    if (IsFolded(name)) continue;
+    result.source_count += id == 0 ? 0 : 1;
+    status = statements_.revoke_source.ForEachRow([](const SqliteRow&) {}, name);
+    if (!status.ok()) return status;
+  }
+  if (absl::Status status = RecountSums(changed); !status.ok()) return status;
+  return result;
+}
+
+absl::Status SqlitePriorStore::RemoveEvidence(int64_t source, const priors::SourceFilter& filter,
+                                              priors::RevokeResult& result, KeyIds& changed) {
+  const uint32_t of_build = MeansABuild(filter) ? 1 : 0;
+  absl::Status status = statements_.leave_scenes.Run(source, filter.project, of_build);
+  if (status.ok()) status = statements_.forget_scenes.Run(source, filter.project, of_build);
+  if (!status.ok()) return status;
+  return statements_.delete_evidence.ForEachRow(
+      [&](const SqliteRow& row) {
+        changed.insert(row.Integer(0));
+        ++result.record_count;
+        result.window_count += row.Unsigned(1);
+      },
+      source, filter.project);
 }
 
 absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s,
                                                 uint32_t row_count) {
-  FoldStep step{.next = after};
-  int64_t last_source = after.source;  // was counted by the step before
+  absl::StatusOr<FoldStep> step;
   absl::Status status = InTransaction([&] {
-    const auto rows = NextToFold(after, last_unix_s, row_count);
-    if (!rows.ok()) return rows.status();
-    step.last = rows->size() < row_count;
-    FoldedSources known;
-    for (const FoldRow& row : *rows) {
-      step.next = row.place;
-      const auto folded = FoldOne(row, known);
-      if (!folded.ok()) return folded.status();
-      if (!*folded) continue;
-      ++step.record_count;
-      if (std::exchange(last_source, row.place.source) != row.place.source) ++step.source_count;
-    }
-    return absl::OkStatus();
+    step = FoldRows(statements_, after, last_unix_s, row_count);
+    return step.status();
   });
-  if (!status.ok()) return status;
-  return step;
-}
-
-absl::StatusOr<std::vector<FoldRow>> SqlitePriorStore::NextToFold(const FoldPlace& after,
-                                                                  uint64_t last_unix_s,
-                                                                  uint32_t row_count) {
-  std::vector<FoldRow> rows;
-  absl::Status status = statements_.next_evidence.ForEachRow(
-      [&](const SqliteRow& row) {
-        rows.push_back({{row.Integer(0), row.Integer(1)}, row.Text(2)});
-      },
-      after.source, after.key, last_unix_s, row_count);
-  if (!status.ok()) return status;
-  return rows;
-}
-
-absl::StatusOr<int64_t> SqlitePriorStore::FoldedSource(const std::string& month,
-                                                       FoldedSources& known) {
-  int64_t& id = known[month];
-  if (id != 0) return id;
-  const std::string name = "\nfolded " + month;
-  absl::Status status = statements_.add_folded_source.ForEachRow(
-      [&](const SqliteRow& row) { id = row.Integer(0); }, name);
-  if (!status.ok()) return status;
-  return id;
-}
-
-absl::StatusOr<bool> SqlitePriorStore::FoldOne(const FoldRow& row, FoldedSources& known) {
-  if (row.month.empty()) return false;
-  const auto target = FoldedSource(row.month, known);
-  if (!target.ok()) return target.status();
-  int64_t folded_count = 0;
-  const auto [source, key] = row.place;
-  absl::Status status = statements_.fold_evidence.ForEachRow(
-      [&](const SqliteRow& folded) { folded_count = folded.Integer(0); }, key, source, *target);
-  if (status.ok() && folded_count == 0) return false;
-  if (status.ok()) status = statements_.delete_folded.Run(key, source);
-  // One row of the key takes the place of two.
-  if (status.ok() && folded_count > 1)
-    status = statements_.add_to_sums.Run(key, 0.0, 0.0, uint64_t{0}, uint64_t{0}, int64_t{-1});
-  if (!status.ok()) return status;
-  return true;
+  return status.ok() ? step : status;
 }
 
 }  // namespace

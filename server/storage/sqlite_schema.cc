@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 // Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
 // sides, because `alpha >= 0` alone would accept +Inf.
-constexpr std::array<const char*, 8> kMigrations = {R"sql(
+constexpr std::array<const char*, 9> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -182,6 +182,22 @@ constexpr std::array<const char*, 8> kMigrations = {R"sql(
 )sql",
                                                     R"sql(
   ALTER TABLE evidence_key RENAME COLUMN context_bucket TO measured_by;
+)sql",
+                                                    R"sql(
+  UPDATE source
+    SET hash = next_hash(hash, content_hash,
+                         row_hash(name, is_session, revoked, commit_sequence, message_sequence,
+                                  explored_arm_count, decision_count, frame_count, seed,
+                                  created_unix_s, last_seen_unix_s, '', 0));
+  ALTER TABLE source DROP COLUMN content_hash;
+  ALTER TABLE source ADD COLUMN build TEXT NOT NULL DEFAULT ''
+    CHECK (length(CAST(build AS BLOB)) BETWEEN 0 AND 128);
+  ALTER TABLE source ADD COLUMN token_id INTEGER NOT NULL DEFAULT 0
+    CHECK (token_id BETWEEN 0 AND 9223372036854775807);
+  ALTER TABLE source ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
+    row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
+             decision_count, frame_count, seed, created_unix_s, last_seen_unix_s, build,
+             token_id)) VIRTUAL;
 )sql"};
 
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {

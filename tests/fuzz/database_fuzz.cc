@@ -80,7 +80,7 @@ std::string ValidDatabase() {
     Require((*store)->Commit(std::vector{Update("old", 2)}).ok(), "the old one goes on");
     const PriorRecord imported{Update("", 1).increments[0].key, "c", 1, {1, 1, 1, 0}};
     Require((*store)->Import({&imported, 1}).ok(), "imported");
-    Require((*store)->Revoke("b").ok(), "revoked");
+    Require((*store)->Revoke({.id = "b"}, false).ok(), "revoked");
   }
   std::ifstream file(path, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(file), {});
@@ -110,15 +110,16 @@ void Read(PriorStore& store) {
   if (const auto records = store.Export({}, {}, kPage); records.ok())
     Require(CheckRecords(records->records).ok(), "what is read is valid");
   if (const auto scenes = store.List({}, std::nullopt, kPage); scenes.ok()) {
-    for (const auto& scene : *scenes) (void)store.LoadScene(scene.key);
+    for (const auto& scene : *scenes) {
+      (void)store.LoadScene(scene.key);
+      (void)store.LoadSources(scene.key);
+    }
   }
   (void)store.LoadSource("a");
   (void)store.LoadSource("c");
   (void)store.LoadSource("old");
   (void)store.CountScenes("game");
   (void)store.CountProjects();
-  const std::vector<priors::EvidenceKey> keys = {Update("", 1).increments[0].key};
-  (void)store.LoadPriors(keys);
   if (const auto segments = store.ListAudit({}, 0, kPage); segments.ok()) {
     for (const auto& segment : *segments) (void)store.LoadAudit(segment.id, 1, kPage, 1 << 16);
   }
@@ -147,7 +148,7 @@ void Write(PriorStore& store) {
   (void)store.Commit({&update, 1});
   const PriorRecord record{update.increments[0].key, "d", 1, {1, 1, 1, 0}};
   (void)store.Import({&record, 1});
-  (void)store.Revoke("c");
+  (void)store.Revoke({.id = "c"}, false);
 }
 
 void Run(Input input) {

@@ -69,8 +69,8 @@ class Stores {
     Require(by_file.code() == memory_.Commit({&update, 1}).code(), "commits end alike");
   }
   void Revoke(const std::string& source_id) {
-    const auto by_file = sqlite_->Revoke(source_id);
-    const auto by_memory = memory_.Revoke(source_id);
+    const auto by_file = sqlite_->Revoke({.id = source_id}, false);
+    const auto by_memory = memory_.Revoke({.id = source_id}, false);
     Require(by_file.status().code() == by_memory.status().code(), "revocations end alike");
     Require(!by_file.ok() || *by_file == *by_memory, "revocations remove alike");
   }

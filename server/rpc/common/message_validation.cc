@@ -226,6 +226,8 @@ absl::Status CheckPriorRecord(const v1::PriorRecord& record) {
   if (!IsName(record.source_id())) return InvalidName("source_id");
   if (!decision::IsMeasuredBy(record.measured_by())) return InvalidName("measured_by");
   if (!IsOptionalName(record.machine_class())) return InvalidName("machine_class");
+  if (!IsOptionalName(record.build())) return InvalidName("build");
+  if (record.unix_last_seen_s() < 0) return Invalid("unix_last_seen_s must not be negative");
   return absl::OkStatus();
 }
 

@@ -242,6 +242,8 @@ void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
   message.set_beta_increment(record.evidence.beta);
   message.set_window_count(record.evidence.window_count);
   message.set_bail_out_count(record.evidence.bail_out_count);
+  message.set_build(record.build);
+  message.set_unix_last_seen_s(static_cast<int64_t>(record.last_seen_unix_s));
 }
 
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {
@@ -342,7 +344,9 @@ priors::PriorRecord FromProto(const v1::PriorRecord& message) {
           .evidence = {.alpha = message.alpha_increment(),
                        .beta = message.beta_increment(),
                        .window_count = message.window_count(),
-                       .bail_out_count = message.bail_out_count()}};
+                       .bail_out_count = message.bail_out_count()},
+          .build = message.build(),
+          .last_seen_unix_s = static_cast<uint64_t>(message.unix_last_seen_s())};
 }
 
 }  // namespace sweepstake::rpc

@@ -13,6 +13,7 @@ namespace sweepstake::rpc {
 struct SessionIdentity {
   std::string id;
   int64_t token_id = 0;  // of the token that it began with; only that one may resume it
+  std::string build;     // of the game; empty if unknown
   priors::SceneKey scene;
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // has one per arm

@@ -109,7 +109,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
 
   absl::Status CheckQuota(priors::PriorStore& store) {
     SceneQuota quota(store, context_.options);
-    for (const auto& [key, source_id, sequence, evidence] : records_) {
+    for (const PriorRecord& record : records_) {
+      const priors::EvidenceKey& key = record.key;
       const priors::SceneKey scene{key.project, key.scene, key.machine_class, key.reward_version};
       absl::Status status = quota.Add(scene, {key.arm, key.backend_version});
       if (!status.ok()) return status;

@@ -53,6 +53,8 @@ std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, Sessio
                                          std::span<const priors::KeyedEvidence> increments) {
         if (const auto self = weak.lock()) self->OnCommitted(status, increments);
       });
+  session->ledger_->SetOrigin(
+      {.build = session->identity_.build, .token_id = session->identity_.token_id});
   return session;
 }
 

@@ -72,8 +72,11 @@ void SessionLedger::CommitNext() {
 
 void SessionLedger::MakeOffer() {
   ++progress_.commit_sequence;
-  offered_ = std::make_unique<priors::SourceUpdate>(priors::SourceUpdate{
-      .progress = progress_, .unix_time_s = UnixTimeS(), .increments = {}, .audit = audit_});
+  offered_ = std::make_unique<priors::SourceUpdate>(priors::SourceUpdate{.progress = progress_,
+                                                                         .unix_time_s = UnixTimeS(),
+                                                                         .increments = {},
+                                                                         .audit = audit_,
+                                                                         .origin = origin_});
   audit_.rows.clear();
   for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
   waiting_.clear();

@@ -49,6 +49,8 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   SessionLedger& operator=(const SessionLedger&) = delete;
 
   void Add(const priors::KeyedEvidence& increment);
+  // Says where the source comes from, before the first offer.
+  void SetOrigin(priors::SourceOrigin origin) { origin_ = std::move(origin); }
   // `head` identifies the session's audit log; it has no rows.
   void StartAudit(priors::AuditRows head) { audit_ = std::move(head); }
   // Adds the next row. REQUIRES: StartAudit was called.
@@ -88,6 +90,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   const CommitListener on_committed_;
 
   priors::SourceProgress progress_;  // progress at the latest checkpoint
+  priors::SourceOrigin origin_;
   uint64_t durable_sequence_;
   std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the checkpoint
   std::map<priors::EvidenceKey, priors::Evidence>

@@ -14,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/decision/policy/scene_prior.h"
+#include "server/decision/policy/source_prior.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/sessions/scene_quota.h"
@@ -56,35 +57,82 @@ std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
   return keys;
 }
 
-// `evidence_of` is asked once for each of KeysOf(hello), in their order.
-template <typename EvidenceOfKey>
-std::vector<decision::EvidenceSum> PooledFor(const v1::Hello& hello, EvidenceOfKey evidence_of) {
-  std::vector<priors::SceneEvidence::Arm> arms;
-  for (const EvidenceKey& key : KeysOf(hello)) {
-    if (key.measured_by.empty()) arms.push_back({key.arm, key.backend_version, {}, {}});
-    arms.back().of(key.measured_by) = evidence_of(key);
+using Arm = priors::SceneEvidence::Arm;
+
+// Returns what the evidence has of the arm in Hello's version, or else in the latest other one;
+// nothing if it has neither.
+const Arm* FindArm(const priors::SceneEvidence& evidence, const v1::Arm& wanted) {
+  const Arm* found = nullptr;
+  for (const Arm& arm : evidence.arms) {  // ordered by version
+    if (arm.name != wanted.name()) continue;
+    found = &arm;
+    if (arm.backend_version == wanted.backend_version()) break;
+  }
+  return found;
+}
+
+// Returns what it says of each of Hello's arms in Hello's version.
+std::vector<decision::EvidenceSum> PooledFor(const v1::Hello& hello,
+                                             const priors::SceneEvidence& evidence) {
+  std::vector<Arm> arms;
+  for (const v1::Arm& wanted : hello.arms()) {
+    const Arm* const found = FindArm(evidence, wanted);
+    const bool same = found != nullptr && found->backend_version == wanted.backend_version();
+    arms.push_back(same ? *found : Arm());
   }
   return Pool(arms);
 }
 
 std::vector<decision::EvidenceSum> OwnEvidence(const v1::Hello& hello,
                                                const std::optional<priors::SourceState>& source) {
-  return PooledFor(hello, [&](const EvidenceKey& key) {
-    if (source) {
-      for (const auto& [stored_key, evidence] : source->evidence) {
-        if (stored_key == key) return evidence;
-      }
-    }
-    return priors::Evidence();
-  });
+  priors::SceneEvidence own;
+  if (source) {
+    for (const auto& [key, evidence] : source->evidence)
+      own.ArmOf(key.arm, key.backend_version).of(key.measured_by) += evidence;
+  }
+  return PooledFor(hello, own);
 }
 
-// Returns what the scene says of Hello's arms.
-std::vector<decision::EvidenceSum> PooledFor(const v1::Hello& hello, priors::SceneEvidence scene) {
-  std::vector<priors::SceneEvidence::Arm> arms;
-  for (const v1::Arm& arm : hello.arms())
-    arms.push_back(scene.ArmOf(arm.name(), arm.backend_version()));
-  return Pool(arms);
+decision::SourceEvidence SourceEvidenceFor(const v1::Hello& hello,
+                                           const priors::SceneSource& source) {
+  const decision::SourceRelation relation{
+      .same_build = source.build == hello.build(),
+      .same_machine_class = source.evidence.key.machine_class == hello.machine_class()};
+  std::vector<Arm> arms;
+  decision::SourceEvidence result;
+  for (const v1::Arm& wanted : hello.arms()) {
+    const Arm* const found = FindArm(source.evidence, wanted);
+    arms.push_back(found != nullptr ? *found : Arm());
+    const bool same = arms.back().backend_version == wanted.backend_version();
+    result.push_back({.weight = decision::PowerPriorWeight(relation, same)});
+  }
+  const std::vector<decision::EvidenceSum> pooled = Pool(arms);
+  for (size_t arm = 0; arm < result.size(); ++arm) result[arm].sum = pooled[arm];
+  return result;
+}
+
+// Adds what the sources of the scene say of it.
+absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello, StoredStart& start) {
+  const auto stored = store.LoadSources(FromProto(hello));
+  if (!stored.ok()) return stored.status();
+  std::vector<decision::SourceEvidence> sources;
+  for (const priors::SceneSource& source : *stored) {
+    if (source.id == hello.session_id() && start.source) continue;  // is the session's own
+    sources.push_back(SourceEvidenceFor(hello, source));
+  }
+  start.prior_source_count = stored->size();
+  start.priors = decision::CombineSources(sources, start.priors);
+  return absl::OkStatus();
+}
+
+// The sums of all sources, for policies whose rewards cannot be compared between sources.
+absl::Status AddSums(priors::PriorReader& store, const v1::Hello& hello, StoredStart& start) {
+  const auto scene = store.LoadScene(FromProto(hello));
+  if (!scene.ok()) return scene.status();
+  if (!scene->has_value()) return absl::OkStatus();
+  start.prior_source_count = (*scene)->source_count;
+  start.priors = PooledFor(hello, **scene);
+  return absl::OkStatus();
 }
 
 // Fills in what the project's other scenes of this machine class say of arms of which the scene's
@@ -100,12 +148,12 @@ absl::Status AddOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
     if (!listed.ok()) return listed.status();
     if (listed->empty()) break;
     after = listed->back().key;
-    for (priors::SceneEvidence& other : *listed) {
+    for (const priors::SceneEvidence& other : *listed) {
       if (other.key.machine_class != scene.machine_class || other.key.scene == scene.scene ||
           other.key.reward_version != scene.reward_version)
         continue;
       source_count += other.source_count;
-      others.push_back(PooledFor(hello, std::move(other)));
+      others.push_back(PooledFor(hello, other));
     }
   }
   start.priors = decision::WithOtherScenes(std::move(start.priors), others);
@@ -137,6 +185,7 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start, int
                            const RpcOptions& options) {
   SessionIdentity identity;
   identity.token_id = token_id;
+  identity.build = hello.build();
   identity.id = start.source ? start.source->progress.source_id : NewSessionId(options);
   identity.scene = FromProto(hello);
   for (const v1::Arm& arm : hello.arms()) {
@@ -207,14 +256,11 @@ StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const 
   }
   start.priors = OwnEvidence(hello, start.source);
   if (hello.ignore_priors()) return start;
-  auto priors = store.LoadPriors(KeysOf(hello));
-  if (!priors.ok()) {
-    start.status = priors.status();
-    return start;
-  }
-  auto sum = priors->sums.begin();
-  start.priors = PooledFor(hello, [&](const EvidenceKey&) { return (sum++)->evidence; });
-  start.prior_source_count = priors->source_count;
+  const bool compares = decision::PolicyKindOf(hello.policy()).starts_from_priors;
+  const absl::Status added =
+      compares ? AddSources(store, hello, start) : AddSums(store, hello, start);
+  start.status.Update(added);
+  if (!added.ok()) return start;
   // Not where commits wait for it.
   if (!counts && LacksArms(hello, start)) {
     if (absl::Status status = AddOtherScenes(store, hello, start); !status.ok())

@@ -419,7 +419,7 @@ TEST_F(PosteriorsTest, ExportedPriorsGiveAnotherDaemonTheSamePosteriors) {
   const priors::SceneEvidence before = Stored();
   for (int i = 0; i < 450; ++i)
     thread_.Submit([i](priors::PriorStore& store) {
-      store.Revoke("source " + std::to_string(i)).IgnoreError();
+      store.Revoke({.id = "source " + std::to_string(i)}, false).IgnoreError();
     });
   ASSERT_TRUE(Stored().arms.empty());
   std::vector<v1::PriorRecord> renamed = records;

@@ -17,9 +17,10 @@ class CountingStore final : public storage::MemoryPriorStore {
  public:
   explicit CountingStore(std::atomic<uint64_t>& load_count) : load_count_(load_count) {}
 
-  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override {
+  absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
+      const priors::SceneKey& scene) override {
     ++load_count_;
-    return MemoryPriorStore::LoadPriors(keys);
+    return MemoryPriorStore::LoadSources(scene);
   }
 
  private:

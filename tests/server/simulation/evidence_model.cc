@@ -1,7 +1,6 @@
 #include "tests/server/simulation/evidence_model.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "absl/strings/str_cat.h"
 
@@ -13,14 +12,6 @@ using priors::EvidenceKey;
 using priors::PriorRecord;
 using priors::SceneKey;
 using priors::SourceUpdate;
-
-// The order in which a store adds is not the model's.
-bool Near(double a, double b) { return std::abs(a - b) <= 1e-9 * std::max({1.0, a, b}); }
-
-bool Same(const Evidence& a, const Evidence& b) {
-  return a.window_count == b.window_count && a.bail_out_count == b.bail_out_count &&
-         Near(a.alpha, b.alpha) && Near(a.beta, b.beta);
-}
 
 SceneKey SceneOf(const EvidenceKey& key) {
   return {.project = key.project,
@@ -45,7 +36,8 @@ void EvidenceModel::Commit(std::span<const SourceUpdate> updates, bool ok) {
 
 void EvidenceModel::Apply(const SourceUpdate& update, Session& session) {
   session.progress = update.progress;
-  for (const auto& [key, evidence] : update.increments) session.evidence[key] += evidence;
+  for (const auto& [key, evidence] : update.increments)
+    session.evidence[key] += priors::InUnits(evidence);
   session.failed.clear();
 }
 
@@ -85,7 +77,7 @@ bool EvidenceModel::Scene::SameAs(const priors::SceneEvidence& stored) const {
          std::equal(stored.arms.begin(), stored.arms.end(), evidence.arms.begin(),
                     evidence.arms.end(), [](const auto& arm, const auto& mine) {
                       return arm.name == mine.name && arm.backend_version == mine.backend_version &&
-                             Same(mine.live, arm.live) && Same(mine.lane, arm.lane);
+                             mine.live == arm.live && mine.lane == arm.lane;
                     });
 }
 
@@ -133,8 +125,7 @@ uint64_t EvidenceModel::CheckRecords(std::span<const PriorRecord> records, bool 
     if (session == sessions_.end()) continue;
     ++counts[record.source_id];
     const auto mine = session->second.evidence.find(record.key);
-    const bool whole =
-        mine != session->second.evidence.end() && Same(mine->second, record.evidence);
+    const bool whole = mine != session->second.evidence.end() && mine->second == record.evidence;
     const bool part = mine != session->second.evidence.end() &&
                       mine->second.window_count >= record.evidence.window_count &&
                       mine->second.bail_out_count >= record.evidence.bail_out_count;

@@ -45,8 +45,8 @@ class DamagedBackupTest : public ::testing::Test {
     EXPECT_EQ(opened->damage, "");
     return std::move(opened->store);
   }
-  static priors::PriorSum SumOf(PriorStore& store, const EvidenceKey& key) {
-    const auto sums = store.LoadPriors(std::vector{key});
+  static KeySum SumOf(PriorStore& store, const EvidenceKey& key) {
+    const auto sums = LoadSums(store, {key});
     EXPECT_TRUE(sums.ok()) << sums.status();
     return sums->sums[0];
   }
@@ -67,7 +67,7 @@ class DamagedBackupTest : public ::testing::Test {
 TEST_F(DamagedBackupTest, WrongEvidenceIsLeftOutAndTheRestIsThere) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
   const auto store = RestoredBackup(1);
-  const priors::PriorSum grid = SumOf(*store, Key("Grid"));
+  const KeySum grid = SumOf(*store, Key("Grid"));
   EXPECT_EQ(grid.evidence.alpha, 0.75);
   EXPECT_EQ(grid.evidence.window_count, 1u);
   EXPECT_EQ(grid.source_count, 1u);
@@ -97,7 +97,7 @@ TEST_F(DamagedBackupTest, AWrongSourceIsLeftOutWithAllItsEvidence) {
 }
 
 TEST_F(DamagedBackupTest, WrongSumsAndCountsAreMadeAnewAndNothingIsLost) {
-  const priors::PriorSum before = SumOf(*store_, Key("Grid"));
+  const KeySum before = SumOf(*store_, Key("Grid"));
   Damage("evidence_key SET alpha_sum = 1000 WHERE id = 1");
   Damage("evidence_key SET hash = 7 WHERE id = 2");
   Damage("scene SET source_count = 7 WHERE scene = 'desert'");

@@ -87,9 +87,7 @@ class EvidenceFoldingTest : public ::testing::Test {
   }
   // Checks the pages, hashes, sums and counts of the file.
   absl::StatusOr<StoreContents> Verify() { return VerifyStore(path_); }
-  priors::PriorSum Sum(const std::string& arm) {
-    return store_->LoadPriors(std::vector{Key(arm)})->sums[0];
-  }
+  KeySum Sum(const std::string& arm) { return LoadSums(*store_, {Key(arm)})->sums[0]; }
   priors::SceneEvidence Harbour() { return **store_->LoadScene({"game", "harbour", "desktop", 1}); }
 
   test_support::TemporaryDirectory directory_;
@@ -185,8 +183,8 @@ TEST_F(EvidenceFoldingTest, RevokingASessionKeepsWhatWasFoldedOfIt) {
   Commit({At(1, Update("a", 1, {Key("Grid")})), At(1, Update("b", 1, {Key("Grid")}))});
   FoldAll(*store_, kNowS);
   Commit({At(kNowS, Update("c", 1, {Key("Grid")}))});
-  EXPECT_EQ(*store_->Revoke("a"), 0u);
-  EXPECT_EQ(*store_->Revoke("c"), 1u);
+  EXPECT_EQ(store_->Revoke({.id = "a"}, false)->record_count, 0u);
+  EXPECT_EQ(store_->Revoke({.id = "c"}, false)->record_count, 1u);
   EXPECT_EQ(Sum("Grid").evidence.window_count, 2u);
   EXPECT_EQ(Harbour().source_count, 2u);
   Commit({At(kNowS, Update("a", 2, {Key("Grid")}))});
@@ -311,8 +309,8 @@ class FoldingHistory {
   void ExpectTheSame() {
     std::vector<EvidenceKey> keys;
     for (int i = 0; i < 9; ++i) keys.push_back(KeyOf(i));
-    const auto sums = *store_.LoadPriors(keys);
-    const auto expected = *model_.LoadPriors(keys);
+    const auto sums = *LoadSums(store_, keys);
+    const auto expected = *LoadSums(model_, keys);
     for (size_t i = 0; i < keys.size(); ++i)
       EXPECT_EQ(sums.sums[i].evidence, expected.sums[i].evidence) << i;
     EXPECT_EQ(sums.source_count, expected.source_count);

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -44,10 +46,55 @@ inline SourceUpdate Update(const std::string& source, uint64_t n,
   return update;
 }
 
+// The same of a game of this build that began with this token at this time.
+inline SourceUpdate UpdateOf(const priors::SourceOrigin& origin, uint64_t unix_time_s,
+                             const std::string& source, const std::vector<EvidenceKey>& keys) {
+  SourceUpdate update = Update(source, 1, keys);
+  update.unix_time_s = unix_time_s;
+  update.origin = origin;
+  return update;
+}
+
 inline PriorRecord Record(const std::string& source, uint64_t sequence, const EvidenceKey& key,
                           double alpha) {
   return {
       key, source, sequence, {.alpha = alpha, .beta = 0.5, .window_count = 3, .bail_out_count = 0}};
+}
+
+// What the store says of a key.
+struct KeySum {
+  priors::Evidence evidence;
+  uint64_t source_count = 0;  // of the latest sources
+};
+struct KeySums {
+  std::vector<KeySum> sums;   // has the order of the given keys
+  uint64_t source_count = 0;  // of the keys' scenes, of those with evidence of a key
+};
+
+inline absl::StatusOr<KeySums> LoadSums(priors::PriorReader& store,
+                                        const std::vector<EvidenceKey>& keys) {
+  KeySums result;
+  std::set<SceneKey> counted;
+  for (const EvidenceKey& key : keys) {
+    KeySum& sum = result.sums.emplace_back();
+    const SceneKey scene{key.project, key.scene, key.machine_class, key.reward_version};
+    auto stored = store.LoadScene(scene);
+    auto sources = store.LoadSources(scene);
+    if (!stored.ok()) return stored.status();
+    if (!sources.ok()) return sources.status();
+    if (!stored->has_value()) continue;
+    const auto of_key = [&key](priors::SceneEvidence& evidence) {
+      return evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by);
+    };
+    sum.evidence = of_key(**stored);
+    for (priors::SceneSource& source : *sources) {
+      const bool same_class = source.evidence.key == scene;
+      if (same_class && of_key(source.evidence) != priors::Evidence()) ++sum.source_count;
+    }
+    if (sum.source_count > 0 && counted.insert(scene).second)
+      result.source_count += (*stored)->source_count;
+  }
+  return result;
 }
 
 }  // namespace sweepstake::storage

@@ -165,8 +165,7 @@ TEST_F(FailingDiskTest, NothingAcknowledgedIsLostAndNothingCountsTwiceWhereverTh
       Restart(/*power_cut=*/life % 2 == 0);
       const uint64_t stored = Stored();
       EXPECT_GE(stored, acknowledged) << seed;
-      EXPECT_EQ(store_->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, stored)
-          << seed;
+      EXPECT_EQ(LoadSums(*store_, {Key("Grid")})->sums[0].evidence.window_count, stored) << seed;
       acknowledged = stored;
     }
   }
@@ -181,7 +180,7 @@ TEST_F(FailingDiskTest, ADiskThatIsFullOrFailsOrIsReadOnlyIsToldAndNothingIsAckn
     CommitUpTo(2);
     disk_->Set(fault);
     EXPECT_TRUE(absl::IsUnavailable(Commit(3))) << seed;
-    EXPECT_EQ(store_->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 2u);
+    EXPECT_EQ(LoadSums(*store_, {Key("Grid")})->sums[0].evidence.window_count, 2u);
     disk_->Set({});
     EXPECT_TRUE(Commit(3).ok()) << seed;
     Restart(/*power_cut=*/true);

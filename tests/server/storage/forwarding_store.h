@@ -24,8 +24,9 @@ class ForwardingStore : public priors::PriorStore {
   }
   absl::Status CheckPlace() override { return store_->CheckPlace(); }
   uint64_t lost_audit_row_count() const override { return store_->lost_audit_row_count(); }
-  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override {
-    return store_->LoadPriors(keys);
+  absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
+      const priors::SceneKey& scene) override {
+    return store_->LoadSources(scene);
   }
   absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
       const std::string& source_id) override {
@@ -53,8 +54,9 @@ class ForwardingStore : public priors::PriorStore {
       std::span<const priors::PriorRecord> records) override {
     return store_->Import(records);
   }
-  absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override {
-    return store_->Revoke(source_id);
+  absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
+                                              bool preview) override {
+    return store_->Revoke(filter, preview);
   }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,

@@ -41,7 +41,7 @@ class ReadThreadTest : public ::testing::Test {
     return promise->get_future();
   }
   static uint64_t SourceCount(PriorReader& store) {
-    return store.LoadPriors(std::vector{Key("Grid")})->source_count;
+    return LoadSums(store, {Key("Grid")})->source_count;
   }
   uintmax_t LogBytes() const { return std::filesystem::file_size(path_.string() + "-wal"); }
 
@@ -124,7 +124,7 @@ TEST_F(ReadThreadTest, AnExportWhileCommitsRunHasOfEachSourceOneCommitAndTheSums
       } while (!page.records.empty());
       for (const auto& [source, of_source] : sequences) EXPECT_EQ(of_source.size(), 1u) << source;
       uint64_t summed = 0;
-      const auto sums = *store.LoadPriors(std::vector{Key("Grid"), Key("SAP")});
+      const auto sums = *LoadSums(store, {Key("Grid"), Key("SAP")});
       for (const auto& sum : sums.sums) summed += sum.evidence.window_count;
       EXPECT_EQ(windows, summed);
       return true;
@@ -225,7 +225,7 @@ class ReadsOfAFailingDiskTest : public ::testing::Test {
     reads_ = *OpenSqliteReadConnection(path_);
   }
   absl::Status Load() {
-    const auto priors = reads_->Begin().LoadPriors(std::vector{Key("Grid")});
+    const auto priors = LoadSums(reads_->Begin(), {Key("Grid")});
     reads_->End();
     return priors.status();
   }

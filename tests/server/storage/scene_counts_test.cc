@@ -58,7 +58,7 @@ TEST_F(SceneCountsTest, AreThoseOfTheRowsAfterCommitsImportsAndRevocations) {
   EXPECT_EQ(Counts(), Count(3, 5));
   ASSERT_TRUE(store_->Import(std::vector{Record("c", 1, KeyOf("isle"), 1)}).ok());
   EXPECT_EQ(Counts(), Count(4, 6));
-  ASSERT_TRUE(store_->Revoke("b").ok());
+  ASSERT_TRUE(store_->Revoke({.id = "b"}, false).ok());
   EXPECT_EQ(Counts(), Count(3, 4));
   ASSERT_TRUE(Commit("a", {KeyOf("pier", "laptop")}).ok());
   EXPECT_EQ(Counts(), Count(4, 5)) << "that it was there once does not count";

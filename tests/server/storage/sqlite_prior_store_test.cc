@@ -45,7 +45,7 @@ TEST_F(SqlitePriorStoreTest, EvidenceIsThereAfterReopening) {
   }
   auto store = *OpenSqlitePriorStore(path_);
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
-  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 1u);
+  EXPECT_EQ(LoadSums(*store, {Key("Grid")})->sums[0].evidence.window_count, 1u);
 }
 
 TEST_F(SqlitePriorStoreTest, ACommitIsOneFsyncWhichIsTimed) {
@@ -83,12 +83,12 @@ TEST_P(MisplacedStoreTest, TakesNothingMoreUntilItIsBack) {
   EXPECT_TRUE(absl::IsUnavailable(store_->Commit(update)));
   EXPECT_TRUE(absl::IsUnavailable(
       store_->Import(std::vector{Record("file", 1, Key("Grid"), 1.0)}).status()));
-  EXPECT_TRUE(absl::IsUnavailable(store_->Revoke("a").status()));
+  EXPECT_TRUE(absl::IsUnavailable(store_->Revoke({.id = "a"}, false).status()));
   EXPECT_TRUE(absl::IsUnavailable(FoldSources(*store_, {}, INT64_MAX, 200).status()));
   std::filesystem::rename(moved_, file_);
   EXPECT_TRUE(store_->CheckPlace().ok());
   EXPECT_TRUE(store_->Commit(update).ok());
-  EXPECT_EQ(store_->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 2u);
+  EXPECT_EQ(LoadSums(*store_, {Key("Grid")})->sums[0].evidence.window_count, 2u);
 }
 
 TEST_P(MisplacedStoreTest, IsSavedBesideWithAllThatItHasAndLeavesAnEmptyLog) {
@@ -232,7 +232,7 @@ TEST_F(SqlitePriorStoreTest, AuditRowsThatCannotBeWrittenCostNoEvidenceAndAreAGa
   const absl::Status status =
       store->Commit(std::vector{Audited("a", 2, 3, 2), Audited("b", 1, 1, 3)});
   EXPECT_TRUE(status.ok()) << status;
-  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 3u);
+  EXPECT_EQ(LoadSums(*store, {Key("Grid")})->sums[0].evidence.window_count, 3u);
   EXPECT_EQ(store->lost_audit_row_count(), 5u);
   Execute("ALTER TABLE gone RENAME TO audit_row");
   ASSERT_TRUE(store->Commit(std::vector{Audited("a", 3, 5, 1)}).ok());
@@ -317,7 +317,7 @@ TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesEvidenceOfKnownSessionsWith
     ASSERT_TRUE(status.ok()) << status;
   }
   EXPECT_EQ(store->lost_audit_row_count(), 5u);
-  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, n);
+  EXPECT_EQ(LoadSums(*store, {Key("Grid")})->sums[0].evidence.window_count, n);
   EXPECT_EQ(store->ListAudit({}, 0, 9)->at(0).row_count, n - 5);
 }
 
@@ -387,7 +387,7 @@ TEST_F(SqlitePriorStoreTest, AHelloVisitsNoMoreRowsWithTenThousandSourcesThanWit
   };
   const auto read = [&](uint64_t source_count) {
     const auto keys = std::vector{Key("Grid"), Key("SAP")};
-    EXPECT_EQ(store->LoadPriors(keys)->source_count, source_count);
+    EXPECT_EQ(LoadSums(*store, keys)->source_count, source_count);
     EXPECT_EQ((*store->LoadScene({"game", "harbour", "desktop", 1}))->source_count, source_count);
     EXPECT_EQ(store->List({}, std::nullopt, 10)->at(0).source_count, source_count);
   };

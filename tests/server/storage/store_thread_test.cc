@@ -132,9 +132,8 @@ TEST_F(StoreThreadTest, AJobSeesTheCommitsOfferedBeforeIt) {
   Start({.group_interval = milliseconds(0)});
   Commit(Update("a", 1, {Key("Grid")}));
   std::promise<uint64_t> seen;
-  thread_->Submit([&](PriorStore& store) {
-    seen.set_value(store.LoadPriors(std::vector{Key("Grid")})->source_count);
-  });
+  thread_->Submit(
+      [&](PriorStore& store) { seen.set_value(LoadSums(store, {Key("Grid")})->source_count); });
   EXPECT_EQ(seen.get_future().get(), 1u);
 }
 
@@ -142,8 +141,7 @@ TEST_F(StoreThreadTest, AJobCutsNoGroupAndSeesTheCommitsOfItThatWereOfferedAfter
   Start({.own_thread = false});
   Commit(Update("a", 1, {Key("Grid")}));
   uint64_t seen = 0;
-  thread_->Submit(
-      [&](PriorStore& store) { seen = store.LoadPriors(std::vector{Key("Grid")})->source_count; });
+  thread_->Submit([&](PriorStore& store) { seen = LoadSums(store, {Key("Grid")})->source_count; });
   Commit(Update("b", 1, {Key("Grid")}));
   while (thread_->RunNext()) continue;
   EXPECT_THAT(group_sizes_, ::testing::ElementsAre(2));

@@ -1,0 +1,151 @@
+// What every prior store must say of sources, and how it takes their evidence out again.
+// prior_store_test.cc alone includes it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/audit/audit_log.h"
+#include "tests/server/storage/prior_store_conformance.h"
+
+namespace sweepstake::storage {
+
+class SourceConformance : public PriorStoreConformance {};
+
+TEST_P(SourceConformance, ARevokedSourceLosesExactlyItsEvidenceAndStaysAway) {
+  ASSERT_TRUE(
+      Commit({Update("a", 1, {Key("Grid"), Key("SAP")}), Update("b", 1, {Key("Grid")})}).ok());
+  EXPECT_EQ(store_->Revoke({.id = "a"}, false)->record_count, 2u);
+  EXPECT_EQ(Sums({Key("Grid"), Key("SAP")}).source_count, 1u);
+  EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{0.75, 0.25, 1, 2}));
+  EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
+  ASSERT_TRUE(Commit({Update("a", 2, {Key("Grid")})}).ok());
+  EXPECT_EQ(store_->Import(std::vector{Record("a", 9, Key("Grid"), 4)})->unchanged_count, 1u);
+  EXPECT_EQ(Sums({Key("Grid")}).source_count, 1u);
+  EXPECT_EQ(store_->Revoke({.id = "a"}, false)->record_count, 0u);
+  EXPECT_EQ(store_->Revoke({.id = "never seen"}, false)->record_count, 0u);
+  ASSERT_TRUE(Commit({Update("never seen", 1, {Key("Grid")})}).ok());
+  EXPECT_EQ(Sums({Key("Grid")}).source_count, 1u);
+}
+
+// A third has no exact sum: what is added to it and taken off again would leave a rest.
+TEST_P(SourceConformance, WhatIsRevokedLeavesNoTraceInAnyBit) {
+  const auto commit = [&](const std::string& source, double alpha) {
+    SourceUpdate update = Update(source, 1, {Key("Grid")});
+    update.increments[0].evidence.alpha = alpha;
+    ASSERT_TRUE(Commit({update}).ok());
+  };
+  for (int i = 1; i <= 20; ++i) commit("good " + std::to_string(i), 1.0 / (3 * i));
+  const auto before = ExportAll();
+  const auto sums = Sums({Key("Grid")}).sums[0].evidence;
+  for (int i = 1; i <= 20; ++i) commit("bad " + std::to_string(i), 1e6 / (7 * i));
+  for (int i = 1; i <= 20; ++i)
+    ASSERT_TRUE(store_->Revoke({.id = "bad " + std::to_string(i)}, false).ok());
+  EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, sums);
+  EXPECT_EQ(ExportAll(), before);
+}
+
+TEST_P(SourceConformance, ARevocationBarsNeitherAnotherProjectsSourceNorTheLogOfAdministrators) {
+  const std::string admin(decision::kAdminSession);
+  ASSERT_TRUE(Commit({UpdateOf({}, 100, "a", {Key("Grid")}), UpdateOf({}, 100, admin, {})}).ok());
+  EXPECT_EQ(*store_->Revoke({.id = "a", .project = "other"}, false), priors::RevokeResult{});
+  EXPECT_EQ(*store_->Revoke({.id = admin}, false), priors::RevokeResult{});
+  EXPECT_EQ(store_->Revoke({.from_unix_s = 1}, true)->source_count, 1u);
+  EXPECT_NE(*store_->LoadSource("a"), std::nullopt);
+  ASSERT_TRUE(store_->Revoke({.from_unix_s = 1}, false).ok());
+  EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
+  EXPECT_NE(*store_->LoadSource(admin), std::nullopt);
+}
+
+TEST_P(SourceConformance, SourcesAreRevokedByBuildTokenAndTimeAndAPreviewChangesNothing) {
+  const EvidenceKey elsewhere = [] {
+    EvidenceKey key = Key("Grid");
+    key.project = "other";
+    return key;
+  }();
+  ASSERT_TRUE(Commit({UpdateOf({"1.0", 7}, 100, "a", {Key("Grid")}),
+                      UpdateOf({"1.1", 7}, 200, "b", {Key("Grid"), Key("SAP")}),
+                      UpdateOf({"1.1", 8}, 300, "c", {Key("Grid")}),
+                      UpdateOf({"1.1", 9}, 300, "d", {elsewhere})})
+                  .ok());
+  const auto revoked = [&](const priors::SourceFilter& filter) {
+    const auto before = ExportAll();
+    const auto preview = *store_->Revoke(filter, true);
+    EXPECT_EQ(ExportAll(), before);
+    EXPECT_EQ(*store_->Revoke(filter, false), preview);
+    return preview;
+  };
+  EXPECT_EQ(revoked({.build = "0.9"}), priors::RevokeResult{});
+  EXPECT_EQ(revoked({.token_id = 8}), (priors::RevokeResult{1, 1, 1}));
+  EXPECT_EQ(revoked({.from_unix_s = 150, .until_unix_s = 250}), (priors::RevokeResult{1, 2, 2}));
+  EXPECT_EQ(Sums({Key("Grid"), Key("SAP")}).source_count, 1u);
+  ASSERT_TRUE(Commit({UpdateOf({"1.1", 0}, 400, "e", {Key("Grid")})}).ok());
+  EXPECT_EQ(revoked({.project = "game", .build = "1.1"}).record_count, 1u);
+  EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{0.75, 0.25, 1, 2}));
+  EXPECT_EQ(Sums({elsewhere}).source_count, 1u) << "of another project";
+  EXPECT_EQ(revoked({.project = "game", .from_unix_s = 1}), (priors::RevokeResult{1, 1, 1}));
+  EXPECT_EQ(ExportAll().size(), 1u);
+}
+
+TEST_P(SourceConformance, TheSourcesOfASceneAreThoseOfItsClassAndSomeOfOthers) {
+  EvidenceKey lane = Key("SAP");
+  lane.measured_by = "lane";
+  EvidenceKey laptop = Key("Grid");
+  laptop.machine_class = "laptop";
+  EvidenceKey other_reward = Key("Grid");
+  other_reward.reward_version = 2;
+  ASSERT_TRUE(Commit({UpdateOf({"1.0", 0}, 100, "a", {Key("Grid"), lane}),
+                      UpdateOf({"1.1", 0}, 200, "b", {laptop}),
+                      UpdateOf({}, 300, "c", {Key("Grid", "desert"), other_reward})})
+                  .ok());
+  const auto sources = *store_->LoadSources({"game", "harbour", "desktop", 1});
+  ASSERT_EQ(sources.size(), 2u);
+  EXPECT_EQ(sources[0].id, "a");
+  EXPECT_EQ(sources[0].build, "1.0");
+  EXPECT_EQ(sources[0].last_seen_unix_s, 100u);
+  EXPECT_EQ(sources[0].evidence.key.machine_class, "desktop");
+  ASSERT_EQ(sources[0].evidence.arms.size(), 2u);
+  EXPECT_EQ(sources[0].evidence.arms[0].live, (priors::Evidence{0.75, 0.25, 1, 2}));
+  EXPECT_EQ(sources[0].evidence.arms[1].lane.window_count, 1u);
+  EXPECT_EQ(sources[1].id, "b");
+  EXPECT_EQ(sources[1].evidence.key.machine_class, "laptop");
+  EXPECT_TRUE(store_->LoadSources({"game", "nowhere", "desktop", 1})->empty());
+}
+
+TEST_P(SourceConformance, OfManySourcesTheLatestSpeakForAScene) {
+  for (uint32_t i = 0; i < priors::kSourcesOfScene + 5; ++i) {
+    EvidenceKey laptop = Key("Grid");
+    laptop.machine_class = "laptop";
+    ASSERT_TRUE(Commit({Update("desktop " + std::to_string(i), 1, {Key("Grid")}),
+                        Update("laptop " + std::to_string(i), 1, {laptop})})
+                    .ok());
+  }
+  std::map<std::string, std::vector<std::string>> ids;
+  const auto sources = *store_->LoadSources({"game", "harbour", "desktop", 1});
+  for (const auto& source : sources) ids[source.evidence.key.machine_class].push_back(source.id);
+  ASSERT_EQ(ids["desktop"].size(), priors::kSourcesOfScene);
+  EXPECT_EQ(ids["desktop"].front(), "desktop 5");
+  EXPECT_EQ(ids["laptop"].size(), priors::kSourcesOfOtherClass);
+  EXPECT_EQ(ids["laptop"].back(), "laptop " + std::to_string(priors::kSourcesOfScene + 4));
+}
+
+TEST_P(SourceConformance, WhereASourceComesFromGoesWithItsRecords) {
+  ASSERT_TRUE(Commit({UpdateOf({"1.0", 7}, 100, "a", {Key("Grid")})}).ok());
+  SourceUpdate later = UpdateOf({"2.0", 8}, 200, "a", {Key("Grid")});
+  later.progress.commit_sequence = 2;
+  ASSERT_TRUE(Commit({later}).ok());
+  std::vector<PriorRecord> records = ExportAll();
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].build, "1.0") << "of its first update";
+  EXPECT_EQ(records[0].last_seen_unix_s, 200u);
+  records[0].source_id = "imported";
+  ASSERT_TRUE(store_->Import(records).ok());
+  records = ExportAll();
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[1].build, "1.0");
+  EXPECT_EQ(records[1].last_seen_unix_s, 200u);
+}
+
+}  // namespace sweepstake::storage
