@@ -27,6 +27,7 @@ inline constexpr std::array kRoleTable = {
     Rpc{"AuditService/ExportDecisions", auth::Role::kWatch},
     Rpc{"PriorsService/ExportPriors", auth::Role::kWatch},
     Rpc{"PriorsService/ImportPriors", auth::Role::kOperator},
+    Rpc{"PriorsService/RevokePriors", auth::Role::kOperator},
 };
 
 consteval Rpc RpcOf(std::string_view name) {

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "server/decision/math/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/page_stream.h"
+#include "server/rpc/services/unary_call.h"
 #include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/scene_quota.h"
 #include "server/rpc/sessions/session_table.h"
@@ -190,6 +192,33 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   std::vector<priors::SceneKey> new_scenes_;  // that the store gets; used by its job, then the loop
 };
 
+// Returns which sources a revocation means.
+absl::StatusOr<priors::SourceFilter> FilterOf(const v1::RevokePriorsRequest& request,
+                                              const auth::Principal& caller) {
+  const bool names_any = !request.source_id().empty() || !request.build().empty() ||
+                         request.token_id() != 0 || request.unix_from_s() != 0 ||
+                         request.unix_until_s() != 0;
+  if (!names_any || request.token_id() < 0 || request.unix_from_s() < 0 ||
+      request.unix_until_s() < 0) {
+    return Refused(
+        v1::ERROR_REASON_INVALID_MESSAGE,
+        "name the sources to revoke: by source_id, build, token_id, or a time since 1970");
+  }
+  for (const std::string* name : {&request.project(), &request.source_id(), &request.build()}) {
+    if (!math::IsOptionalName(*name))
+      return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "a name has at most 128 bytes of UTF-8");
+  }
+  if (absl::Status allowed = CheckProject(caller, request.project()); !allowed.ok()) return allowed;
+  priors::SourceFilter filter{.id = request.source_id(),
+                              .project = request.project(),
+                              .build = request.build(),
+                              .token_id = request.token_id(),
+                              .from_unix_s = static_cast<uint64_t>(request.unix_from_s())};
+  if (request.unix_until_s() != 0)
+    filter.until_unix_s = static_cast<uint64_t>(request.unix_until_s());
+  return filter;
+}
+
 }  // namespace
 
 grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
@@ -221,6 +250,44 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(
   }
   return new RefusedCall<grpc::ServerReadReactor<grpc::ByteBuffer>>(
       ToGrpc(caller.status(), context_.counters));
+}
+
+grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContext* call,
+                                                      const v1::RevokePriorsRequest* request,
+                                                      v1::RevokePriorsResponse* response) {
+  constexpr Rpc kRpc = RpcOf("PriorsService/RevokePriors");
+  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
+    auto filter = FilterOf(*request, caller);
+    if (!filter.ok()) return end(filter.status());
+    const bool submitted =
+        context_.store.Submit([this, request, response, end, filter = *std::move(filter),
+                               who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
+          const auto result = store.Revoke(filter, request->preview());
+          // Behind what was read before of the store, as commits are.
+          context_.loop.PostLater([this, request, response, end, who, result] {
+            if (!result.ok()) return end(StoreFailed(result.status()));
+            response->set_source_count(result->source_count);
+            response->set_record_count(result->record_count);
+            response->set_window_count(result->window_count);
+            if (!request->preview()) OnRevoked(*request, *result, who);
+            end(absl::OkStatus());
+          });
+        });
+    if (!submitted)
+      end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
+  });
+}
+
+void PriorsService::OnRevoked(const v1::RevokePriorsRequest& request,
+                              const priors::RevokeResult& result, const std::string& who) {
+  const std::string what =
+      absl::StrCat("sources=", result.source_count, " records=", result.record_count,
+                   " project=", request.project(), " source=", request.source_id(),
+                   " build=", request.build(), " token=", request.token_id(),
+                   " from=", request.unix_from_s(), " until=", request.unix_until_s());
+  context_.log.warn("{} revoked evidence: {}", who, what);
+  admin_.Record("action=revoke " + what, who);
+  context_.watch_hub.Reset();
 }
 
 }  // namespace sweepstake::rpc

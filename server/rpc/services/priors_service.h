@@ -9,6 +9,7 @@
 
 #include <atomic>
 
+#include "server/priors/prior_store.h"
 #include "server/rpc/services/service_context.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
@@ -18,7 +19,8 @@ class AdminLog;
 
 class PriorsService final
     : public v1::PriorsService::WithCallbackMethod_ExportPriors<
-          v1::PriorsService::WithRawCallbackMethod_ImportPriors<v1::PriorsService::Service>> {
+          v1::PriorsService::WithRawCallbackMethod_ImportPriors<
+              v1::PriorsService::WithCallbackMethod_RevokePriors<v1::PriorsService::Service>>> {
  public:
   PriorsService(ServiceContext& context, AdminLog& admin) : context_(context), admin_(admin) {}
 
@@ -26,8 +28,15 @@ class PriorsService final
       grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) override;
   grpc::ServerReadReactor<grpc::ByteBuffer>* ImportPriors(grpc::CallbackServerContext* call,
                                                           grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* RevokePriors(grpc::CallbackServerContext* call,
+                                         const v1::RevokePriorsRequest* request,
+                                         v1::RevokePriorsResponse* response) override;
 
  private:
+  // Tells of a revocation that was committed.
+  void OnRevoked(const v1::RevokePriorsRequest& request, const priors::RevokeResult& result,
+                 const std::string& who);
+
   ServiceContext& context_;
   AdminLog& admin_;
   std::atomic<size_t> collected_count_{0};  // records in memory, of all current imports

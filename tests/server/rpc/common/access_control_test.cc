@@ -207,6 +207,14 @@ TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
         });
       },
       [&] { return Import({"theirs"}); },
+      [&] {
+        v1::RevokePriorsRequest request;
+        request.set_build("1.0");
+        v1::RevokePriorsResponse response;
+        return ask(request, [&](auto* context, const auto& theirs) {
+          return priors->RevokePriors(context, theirs, &response);
+        });
+      },
   };
   for (const auto& call : calls) {
     logged_->Clear();

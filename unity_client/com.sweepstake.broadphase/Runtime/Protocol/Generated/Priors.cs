@@ -32,18 +32,27 @@ namespace Sweepstake.Protocol.V1 {
             "IkIKE0ltcG9ydFByaW9yc1JlcXVlc3QSKwoHcmVjb3JkcxgBIAMoCzIaLnN3",
             "ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQiRgoUSW1wb3J0UHJpb3JzUmVzcG9u",
             "c2USFQoNYXBwbGllZF9jb3VudBgBIAEoBBIXCg91bmNoYW5nZWRfY291bnQY",
-            "AiABKAQiogIKC1ByaW9yUmVjb3JkEg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
-            "bmUYAiABKAkSEwoLbWVhc3VyZWRfYnkYAyABKAkSCwoDYXJtGAQgASgJEhcK",
-            "D2JhY2tlbmRfdmVyc2lvbhgFIAEoDRIVCg1tYWNoaW5lX2NsYXNzGAYgASgJ",
-            "EhYKDnJld2FyZF92ZXJzaW9uGAcgASgNEhEKCXNvdXJjZV9pZBgIIAEoCRIX",
-            "Cg9zb3VyY2Vfc2VxdWVuY2UYCSABKAQSFwoPYWxwaGFfaW5jcmVtZW50GAog",
-            "ASgBEhYKDmJldGFfaW5jcmVtZW50GAsgASgBEhQKDHdpbmRvd19jb3VudBgM",
-            "IAEoBBIWCg5iYWlsX291dF9jb3VudBgNIAEoBDLFAQoNUHJpb3JzU2Vydmlj",
-            "ZRJZCgxFeHBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9y",
-            "c1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3BvbnNl",
-            "MAESWQoMSW1wb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlv",
-            "cnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNwb25z",
-            "ZSgBQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "AiABKAQilgEKE1Jldm9rZVByaW9yc1JlcXVlc3QSDwoHcHJvamVjdBgBIAEo",
+            "CRIRCglzb3VyY2VfaWQYAiABKAkSDQoFYnVpbGQYAyABKAkSEAoIdG9rZW5f",
+            "aWQYBCABKAMSEwoLdW5peF9mcm9tX3MYBSABKAMSFAoMdW5peF91bnRpbF9z",
+            "GAYgASgDEg8KB3ByZXZpZXcYByABKAgiWAoUUmV2b2tlUHJpb3JzUmVzcG9u",
+            "c2USFAoMc291cmNlX2NvdW50GAEgASgEEhQKDHJlY29yZF9jb3VudBgCIAEo",
+            "BBIUCgx3aW5kb3dfY291bnQYAyABKAQiywIKC1ByaW9yUmVjb3JkEg8KB3By",
+            "b2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSEwoLbWVhc3VyZWRfYnkYAyAB",
+            "KAkSCwoDYXJtGAQgASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgFIAEoDRIVCg1t",
+            "YWNoaW5lX2NsYXNzGAYgASgJEhYKDnJld2FyZF92ZXJzaW9uGAcgASgNEhEK",
+            "CXNvdXJjZV9pZBgIIAEoCRIXCg9zb3VyY2Vfc2VxdWVuY2UYCSABKAQSFwoP",
+            "YWxwaGFfaW5jcmVtZW50GAogASgBEhYKDmJldGFfaW5jcmVtZW50GAsgASgB",
+            "EhQKDHdpbmRvd19jb3VudBgMIAEoBBIWCg5iYWlsX291dF9jb3VudBgNIAEo",
+            "BBINCgVidWlsZBgOIAEoCRIYChB1bml4X2xhc3Rfc2Vlbl9zGA8gASgDMp4C",
+            "Cg1QcmlvcnNTZXJ2aWNlElkKDEV4cG9ydFByaW9ycxIiLnN3ZWVwc3Rha2Uu",
+            "djEuRXhwb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuRXhwb3J0",
+            "UHJpb3JzUmVzcG9uc2UwARJZCgxJbXBvcnRQcmlvcnMSIi5zd2VlcHN0YWtl",
+            "LnYxLkltcG9ydFByaW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkltcG9y",
+            "dFByaW9yc1Jlc3BvbnNlKAESVwoMUmV2b2tlUHJpb3JzEiIuc3dlZXBzdGFr",
+            "ZS52MS5SZXZva2VQcmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5SZXZv",
+            "a2VQcmlvcnNSZXNwb25zZUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIG",
+            "cHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
@@ -51,7 +60,9 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records", "FoldedRecordCount", "FoldedWindowCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount" }, null, null, null, null)
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsRequest), global::Sweepstake.Protocol.V1.RevokePriorsRequest.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS", "Preview" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS" }, null, null, null, null)
           }));
     }
     #endregion
@@ -1014,6 +1025,734 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
+  /// Which sources to revoke: those that match all that is set. One of source_id, build, token_id, unix_from_s and unix_until_s must be.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class RevokePriorsRequest : pb::IMessage<RevokePriorsRequest>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<RevokePriorsRequest> _parser = new pb::MessageParser<RevokePriorsRequest>(() => new RevokePriorsRequest());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<RevokePriorsRequest> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[4]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsRequest() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsRequest(RevokePriorsRequest other) : this() {
+      project_ = other.project_;
+      sourceId_ = other.sourceId_;
+      build_ = other.build_;
+      tokenId_ = other.tokenId_;
+      unixFromS_ = other.unixFromS_;
+      unixUntilS_ = other.unixUntilS_;
+      preview_ = other.preview_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsRequest Clone() {
+      return new RevokePriorsRequest(this);
+    }
+
+    /// <summary>Field number for the "project" field.</summary>
+    public const int ProjectFieldNumber = 1;
+    private string project_ = "";
+    /// <summary>
+    /// Only evidence of this project. Absent: of all.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Project {
+      get { return project_; }
+      set {
+        project_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "source_id" field.</summary>
+    public const int SourceIdFieldNumber = 2;
+    private string sourceId_ = "";
+    /// <summary>
+    /// The source, which is a session. Absent: any.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string SourceId {
+      get { return sourceId_; }
+      set {
+        sourceId_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "build" field.</summary>
+    public const int BuildFieldNumber = 3;
+    private string build_ = "";
+    /// <summary>
+    /// Build of the game. Absent: any.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Build {
+      get { return build_; }
+      set {
+        build_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "token_id" field.</summary>
+    public const int TokenIdFieldNumber = 4;
+    private long tokenId_;
+    /// <summary>
+    /// Number of the token that the session began with, as `sweepstaked token list` shows it. Absent: any.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public long TokenId {
+      get { return tokenId_; }
+      set {
+        tokenId_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "unix_from_s" field.</summary>
+    public const int UnixFromSFieldNumber = 5;
+    private long unixFromS_;
+    /// <summary>
+    /// Only sources that began then or later, by the daemon's wall clock, since 1970. Imported sources began at 0. Absent: any.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public long UnixFromS {
+      get { return unixFromS_; }
+      set {
+        unixFromS_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "unix_until_s" field.</summary>
+    public const int UnixUntilSFieldNumber = 6;
+    private long unixUntilS_;
+    /// <summary>
+    /// Only sources that began then or before. Absent: any.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public long UnixUntilS {
+      get { return unixUntilS_; }
+      set {
+        unixUntilS_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "preview" field.</summary>
+    public const int PreviewFieldNumber = 7;
+    private bool preview_;
+    /// <summary>
+    /// True: nothing changes, and the answer says what would. Absent: revoke.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Preview {
+      get { return preview_; }
+      set {
+        preview_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as RevokePriorsRequest);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(RevokePriorsRequest other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (Project != other.Project) return false;
+      if (SourceId != other.SourceId) return false;
+      if (Build != other.Build) return false;
+      if (TokenId != other.TokenId) return false;
+      if (UnixFromS != other.UnixFromS) return false;
+      if (UnixUntilS != other.UnixUntilS) return false;
+      if (Preview != other.Preview) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (Project.Length != 0) hash ^= Project.GetHashCode();
+      if (SourceId.Length != 0) hash ^= SourceId.GetHashCode();
+      if (Build.Length != 0) hash ^= Build.GetHashCode();
+      if (TokenId != 0L) hash ^= TokenId.GetHashCode();
+      if (UnixFromS != 0L) hash ^= UnixFromS.GetHashCode();
+      if (UnixUntilS != 0L) hash ^= UnixUntilS.GetHashCode();
+      if (Preview != false) hash ^= Preview.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (Project.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Project);
+      }
+      if (SourceId.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(SourceId);
+      }
+      if (Build.Length != 0) {
+        output.WriteRawTag(26);
+        output.WriteString(Build);
+      }
+      if (TokenId != 0L) {
+        output.WriteRawTag(32);
+        output.WriteInt64(TokenId);
+      }
+      if (UnixFromS != 0L) {
+        output.WriteRawTag(40);
+        output.WriteInt64(UnixFromS);
+      }
+      if (UnixUntilS != 0L) {
+        output.WriteRawTag(48);
+        output.WriteInt64(UnixUntilS);
+      }
+      if (Preview != false) {
+        output.WriteRawTag(56);
+        output.WriteBool(Preview);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (Project.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Project);
+      }
+      if (SourceId.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(SourceId);
+      }
+      if (Build.Length != 0) {
+        output.WriteRawTag(26);
+        output.WriteString(Build);
+      }
+      if (TokenId != 0L) {
+        output.WriteRawTag(32);
+        output.WriteInt64(TokenId);
+      }
+      if (UnixFromS != 0L) {
+        output.WriteRawTag(40);
+        output.WriteInt64(UnixFromS);
+      }
+      if (UnixUntilS != 0L) {
+        output.WriteRawTag(48);
+        output.WriteInt64(UnixUntilS);
+      }
+      if (Preview != false) {
+        output.WriteRawTag(56);
+        output.WriteBool(Preview);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (Project.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Project);
+      }
+      if (SourceId.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(SourceId);
+      }
+      if (Build.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Build);
+      }
+      if (TokenId != 0L) {
+        size += 1 + pb::CodedOutputStream.ComputeInt64Size(TokenId);
+      }
+      if (UnixFromS != 0L) {
+        size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixFromS);
+      }
+      if (UnixUntilS != 0L) {
+        size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixUntilS);
+      }
+      if (Preview != false) {
+        size += 1 + 1;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(RevokePriorsRequest other) {
+      if (other == null) {
+        return;
+      }
+      if (other.Project.Length != 0) {
+        Project = other.Project;
+      }
+      if (other.SourceId.Length != 0) {
+        SourceId = other.SourceId;
+      }
+      if (other.Build.Length != 0) {
+        Build = other.Build;
+      }
+      if (other.TokenId != 0L) {
+        TokenId = other.TokenId;
+      }
+      if (other.UnixFromS != 0L) {
+        UnixFromS = other.UnixFromS;
+      }
+      if (other.UnixUntilS != 0L) {
+        UnixUntilS = other.UnixUntilS;
+      }
+      if (other.Preview != false) {
+        Preview = other.Preview;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            Project = input.ReadString();
+            break;
+          }
+          case 18: {
+            SourceId = input.ReadString();
+            break;
+          }
+          case 26: {
+            Build = input.ReadString();
+            break;
+          }
+          case 32: {
+            TokenId = input.ReadInt64();
+            break;
+          }
+          case 40: {
+            UnixFromS = input.ReadInt64();
+            break;
+          }
+          case 48: {
+            UnixUntilS = input.ReadInt64();
+            break;
+          }
+          case 56: {
+            Preview = input.ReadBool();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            Project = input.ReadString();
+            break;
+          }
+          case 18: {
+            SourceId = input.ReadString();
+            break;
+          }
+          case 26: {
+            Build = input.ReadString();
+            break;
+          }
+          case 32: {
+            TokenId = input.ReadInt64();
+            break;
+          }
+          case 40: {
+            UnixFromS = input.ReadInt64();
+            break;
+          }
+          case 48: {
+            UnixUntilS = input.ReadInt64();
+            break;
+          }
+          case 56: {
+            Preview = input.ReadBool();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// What was, or would be, revoked.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class RevokePriorsResponse : pb::IMessage<RevokePriorsResponse>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<RevokePriorsResponse> _parser = new pb::MessageParser<RevokePriorsResponse>(() => new RevokePriorsResponse());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<RevokePriorsResponse> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[5]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsResponse() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsResponse(RevokePriorsResponse other) : this() {
+      sourceCount_ = other.sourceCount_;
+      recordCount_ = other.recordCount_;
+      windowCount_ = other.windowCount_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsResponse Clone() {
+      return new RevokePriorsResponse(this);
+    }
+
+    /// <summary>Field number for the "source_count" field.</summary>
+    public const int SourceCountFieldNumber = 1;
+    private ulong sourceCount_;
+    /// <summary>
+    /// Sources that were not revoked before. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong SourceCount {
+      get { return sourceCount_; }
+      set {
+        sourceCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "record_count" field.</summary>
+    public const int RecordCountFieldNumber = 2;
+    private ulong recordCount_;
+    /// <summary>
+    /// Their records. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong RecordCount {
+      get { return recordCount_; }
+      set {
+        recordCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "window_count" field.</summary>
+    public const int WindowCountFieldNumber = 3;
+    private ulong windowCount_;
+    /// <summary>
+    /// Decision windows, and visits of the lane, behind them. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong WindowCount {
+      get { return windowCount_; }
+      set {
+        windowCount_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as RevokePriorsResponse);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(RevokePriorsResponse other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (SourceCount != other.SourceCount) return false;
+      if (RecordCount != other.RecordCount) return false;
+      if (WindowCount != other.WindowCount) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (SourceCount != 0UL) hash ^= SourceCount.GetHashCode();
+      if (RecordCount != 0UL) hash ^= RecordCount.GetHashCode();
+      if (WindowCount != 0UL) hash ^= WindowCount.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (SourceCount != 0UL) {
+        output.WriteRawTag(8);
+        output.WriteUInt64(SourceCount);
+      }
+      if (RecordCount != 0UL) {
+        output.WriteRawTag(16);
+        output.WriteUInt64(RecordCount);
+      }
+      if (WindowCount != 0UL) {
+        output.WriteRawTag(24);
+        output.WriteUInt64(WindowCount);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (SourceCount != 0UL) {
+        output.WriteRawTag(8);
+        output.WriteUInt64(SourceCount);
+      }
+      if (RecordCount != 0UL) {
+        output.WriteRawTag(16);
+        output.WriteUInt64(RecordCount);
+      }
+      if (WindowCount != 0UL) {
+        output.WriteRawTag(24);
+        output.WriteUInt64(WindowCount);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (SourceCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(SourceCount);
+      }
+      if (RecordCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(RecordCount);
+      }
+      if (WindowCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(WindowCount);
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(RevokePriorsResponse other) {
+      if (other == null) {
+        return;
+      }
+      if (other.SourceCount != 0UL) {
+        SourceCount = other.SourceCount;
+      }
+      if (other.RecordCount != 0UL) {
+        RecordCount = other.RecordCount;
+      }
+      if (other.WindowCount != 0UL) {
+        WindowCount = other.WindowCount;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 8: {
+            SourceCount = input.ReadUInt64();
+            break;
+          }
+          case 16: {
+            RecordCount = input.ReadUInt64();
+            break;
+          }
+          case 24: {
+            WindowCount = input.ReadUInt64();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 8: {
+            SourceCount = input.ReadUInt64();
+            break;
+          }
+          case 16: {
+            RecordCount = input.ReadUInt64();
+            break;
+          }
+          case 24: {
+            WindowCount = input.ReadUInt64();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
   /// What one source (a session) taught about one arm.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
@@ -1031,7 +1770,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[4]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[6]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -1064,6 +1803,8 @@ namespace Sweepstake.Protocol.V1 {
       betaIncrement_ = other.betaIncrement_;
       windowCount_ = other.windowCount_;
       bailOutCount_ = other.bailOutCount_;
+      build_ = other.build_;
+      unixLastSeenS_ = other.unixLastSeenS_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1268,6 +2009,36 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "build" field.</summary>
+    public const int BuildFieldNumber = 14;
+    private string build_ = "";
+    /// <summary>
+    /// Build of the game that the source played. Absent: unknown.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Build {
+      get { return build_; }
+      set {
+        build_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "unix_last_seen_s" field.</summary>
+    public const int UnixLastSeenSFieldNumber = 15;
+    private long unixLastSeenS_;
+    /// <summary>
+    /// When the source taught last, by its daemon's wall clock, since 1970. Absent: unknown.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public long UnixLastSeenS {
+      get { return unixLastSeenS_; }
+      set {
+        unixLastSeenS_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1296,6 +2067,8 @@ namespace Sweepstake.Protocol.V1 {
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(BetaIncrement, other.BetaIncrement)) return false;
       if (WindowCount != other.WindowCount) return false;
       if (BailOutCount != other.BailOutCount) return false;
+      if (Build != other.Build) return false;
+      if (UnixLastSeenS != other.UnixLastSeenS) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1316,6 +2089,8 @@ namespace Sweepstake.Protocol.V1 {
       if (BetaIncrement != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(BetaIncrement);
       if (WindowCount != 0UL) hash ^= WindowCount.GetHashCode();
       if (BailOutCount != 0UL) hash ^= BailOutCount.GetHashCode();
+      if (Build.Length != 0) hash ^= Build.GetHashCode();
+      if (UnixLastSeenS != 0L) hash ^= UnixLastSeenS.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1386,6 +2161,14 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(104);
         output.WriteUInt64(BailOutCount);
       }
+      if (Build.Length != 0) {
+        output.WriteRawTag(114);
+        output.WriteString(Build);
+      }
+      if (UnixLastSeenS != 0L) {
+        output.WriteRawTag(120);
+        output.WriteInt64(UnixLastSeenS);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1448,6 +2231,14 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(104);
         output.WriteUInt64(BailOutCount);
       }
+      if (Build.Length != 0) {
+        output.WriteRawTag(114);
+        output.WriteString(Build);
+      }
+      if (UnixLastSeenS != 0L) {
+        output.WriteRawTag(120);
+        output.WriteInt64(UnixLastSeenS);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1496,6 +2287,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (BailOutCount != 0UL) {
         size += 1 + pb::CodedOutputStream.ComputeUInt64Size(BailOutCount);
+      }
+      if (Build.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Build);
+      }
+      if (UnixLastSeenS != 0L) {
+        size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixLastSeenS);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -1547,6 +2344,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.BailOutCount != 0UL) {
         BailOutCount = other.BailOutCount;
+      }
+      if (other.Build.Length != 0) {
+        Build = other.Build;
+      }
+      if (other.UnixLastSeenS != 0L) {
+        UnixLastSeenS = other.UnixLastSeenS;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1619,6 +2422,14 @@ namespace Sweepstake.Protocol.V1 {
             BailOutCount = input.ReadUInt64();
             break;
           }
+          case 114: {
+            Build = input.ReadString();
+            break;
+          }
+          case 120: {
+            UnixLastSeenS = input.ReadInt64();
+            break;
+          }
         }
       }
     #endif
@@ -1688,6 +2499,14 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 104: {
             BailOutCount = input.ReadUInt64();
+            break;
+          }
+          case 114: {
+            Build = input.ReadString();
+            break;
+          }
+          case 120: {
+            UnixLastSeenS = input.ReadInt64();
             break;
           }
         }

@@ -56,6 +56,10 @@ namespace Sweepstake.Protocol.V1 {
     static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.ImportPriorsRequest> __Marshaller_sweepstake_v1_ImportPriorsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser));
     [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
     static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.ImportPriorsResponse> __Marshaller_sweepstake_v1_ImportPriorsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser));
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.RevokePriorsRequest> __Marshaller_sweepstake_v1_RevokePriorsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.RevokePriorsRequest.Parser));
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.RevokePriorsResponse> __Marshaller_sweepstake_v1_RevokePriorsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser));
 
     [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
     static readonly grpc::Method<global::Sweepstake.Protocol.V1.ExportPriorsRequest, global::Sweepstake.Protocol.V1.ExportPriorsResponse> __Method_ExportPriors = new grpc::Method<global::Sweepstake.Protocol.V1.ExportPriorsRequest, global::Sweepstake.Protocol.V1.ExportPriorsResponse>(
@@ -72,6 +76,14 @@ namespace Sweepstake.Protocol.V1 {
         "ImportPriors",
         __Marshaller_sweepstake_v1_ImportPriorsRequest,
         __Marshaller_sweepstake_v1_ImportPriorsResponse);
+
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Method<global::Sweepstake.Protocol.V1.RevokePriorsRequest, global::Sweepstake.Protocol.V1.RevokePriorsResponse> __Method_RevokePriors = new grpc::Method<global::Sweepstake.Protocol.V1.RevokePriorsRequest, global::Sweepstake.Protocol.V1.RevokePriorsResponse>(
+        grpc::MethodType.Unary,
+        __ServiceName,
+        "RevokePriors",
+        __Marshaller_sweepstake_v1_RevokePriorsRequest,
+        __Marshaller_sweepstake_v1_RevokePriorsResponse);
 
     /// <summary>Service descriptor</summary>
     public static global::Google.Protobuf.Reflection.ServiceDescriptor Descriptor
@@ -155,6 +167,62 @@ namespace Sweepstake.Protocol.V1 {
       public virtual grpc::AsyncClientStreamingCall<global::Sweepstake.Protocol.V1.ImportPriorsRequest, global::Sweepstake.Protocol.V1.ImportPriorsResponse> ImportPriors(grpc::CallOptions options)
       {
         return CallInvoker.AsyncClientStreamingCall(__Method_ImportPriors, null, options);
+      }
+      /// <summary>
+      /// Takes the evidence of sources out of the store, exactly, and bars them: what they commit, and imports of them, count no
+      /// more. Of sources that were folded the evidence stays, unless all of a build are revoked. The audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT (it does not say which sources), PERMISSION_DENIED (the token is for some projects, and it names none).
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
+      /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
+      /// <param name="cancellationToken">An optional token for canceling the call.</param>
+      /// <returns>The response received from the server.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual global::Sweepstake.Protocol.V1.RevokePriorsResponse RevokePriors(global::Sweepstake.Protocol.V1.RevokePriorsRequest request, grpc::Metadata headers = null, global::System.DateTime? deadline = null, global::System.Threading.CancellationToken cancellationToken = default(global::System.Threading.CancellationToken))
+      {
+        return RevokePriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
+      }
+      /// <summary>
+      /// Takes the evidence of sources out of the store, exactly, and bars them: what they commit, and imports of them, count no
+      /// more. Of sources that were folded the evidence stays, unless all of a build are revoked. The audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT (it does not say which sources), PERMISSION_DENIED (the token is for some projects, and it names none).
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="options">The options for the call.</param>
+      /// <returns>The response received from the server.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual global::Sweepstake.Protocol.V1.RevokePriorsResponse RevokePriors(global::Sweepstake.Protocol.V1.RevokePriorsRequest request, grpc::CallOptions options)
+      {
+        return CallInvoker.BlockingUnaryCall(__Method_RevokePriors, null, options, request);
+      }
+      /// <summary>
+      /// Takes the evidence of sources out of the store, exactly, and bars them: what they commit, and imports of them, count no
+      /// more. Of sources that were folded the evidence stays, unless all of a build are revoked. The audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT (it does not say which sources), PERMISSION_DENIED (the token is for some projects, and it names none).
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
+      /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
+      /// <param name="cancellationToken">An optional token for canceling the call.</param>
+      /// <returns>The call object.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.RevokePriorsResponse> RevokePriorsAsync(global::Sweepstake.Protocol.V1.RevokePriorsRequest request, grpc::Metadata headers = null, global::System.DateTime? deadline = null, global::System.Threading.CancellationToken cancellationToken = default(global::System.Threading.CancellationToken))
+      {
+        return RevokePriorsAsync(request, new grpc::CallOptions(headers, deadline, cancellationToken));
+      }
+      /// <summary>
+      /// Takes the evidence of sources out of the store, exactly, and bars them: what they commit, and imports of them, count no
+      /// more. Of sources that were folded the evidence stays, unless all of a build are revoked. The audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT (it does not say which sources), PERMISSION_DENIED (the token is for some projects, and it names none).
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="options">The options for the call.</param>
+      /// <returns>The call object.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.RevokePriorsResponse> RevokePriorsAsync(global::Sweepstake.Protocol.V1.RevokePriorsRequest request, grpc::CallOptions options)
+      {
+        return CallInvoker.AsyncUnaryCall(__Method_RevokePriors, null, options, request);
       }
       /// <summary>Creates a new instance of client from given <c>ClientBaseConfiguration</c>.</summary>
       [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]

@@ -1,0 +1,137 @@
+// Evidence is taken out again: of which sources, by whom, and that nothing of it is left.
+#include "server/audit/audit_log.h"
+#include "sweepstake/v1/audit.grpc.pb.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+#include "tests/server/rpc/common/scripted_tokens.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class RevokeTest : public RpcTest {
+ protected:
+  RevokeTest() {
+    options_.tokens = &tokens_;
+    tokens_.Add("all", auth::Role::kAdmin);
+    tokens_.Add("mine", auth::Role::kOperator, {"game"});
+    tokens_.Add("player", auth::Role::kIngest);
+  }
+
+  // A session of this build that learns one window; the n-th of a server.
+  v1::Welcome Learn(const std::string& build, uint64_t n, const std::string& token = "all-token") {
+    TelemetryClient client(channel_, token);
+    v1::Hello hello = OneArmHello();
+    hello.set_build(build);
+    const v1::Welcome welcome = client.Open(hello);
+    client.Send(Frames(1, 30, 10 * n));
+    EXPECT_TRUE(Applied(n));
+    Tick();
+    client.AwaitAcknowledgement(1);
+    return welcome;
+  }
+  static v1::RevokePriorsRequest OfBuild(const std::string& build) {
+    v1::RevokePriorsRequest request;
+    request.set_build(build);
+    return request;
+  }
+  grpc::Status Revoke(const v1::RevokePriorsRequest& request,
+                      const std::string& token = "all-token") {
+    grpc::ClientContext context;
+    context.AddMetadata("authorization", "Bearer " + token);
+    return v1::PriorsService::NewStub(channel_)->RevokePriors(&context, request, &revoked_);
+  }
+  v1::RevokePriorsResponse RevokedBy(const v1::RevokePriorsRequest& request) {
+    const grpc::Status status = Revoke(request);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return revoked_;
+  }
+  std::vector<std::string> AdminRows() {
+    grpc::ClientContext context;
+    context.AddMetadata("authorization", "Bearer all-token");
+    v1::ExportDecisionsRequest request;
+    request.set_session_id(std::string(decision::kAdminSession));
+    const auto reader = v1::AuditService::NewStub(channel_)->ExportDecisions(&context, request);
+    std::vector<std::string> rows;
+    for (v1::ExportDecisionsResponse part; reader->Read(&part);)
+      rows.insert(rows.end(), part.rows().begin(), part.rows().end());
+    EXPECT_TRUE(reader->Finish().ok());
+    return rows;
+  }
+
+  ScriptedTokens tokens_;
+  v1::RevokePriorsResponse revoked_;
+};
+
+TEST_F(RevokeTest, ABuildGoesWithoutATraceAfterAPreviewThatChangesNothing) {
+  Learn("1.0", 1);
+  const priors::SceneEvidence before = Stored();
+  Learn("1.1", 2);
+  Learn("1.1", 3);
+  const priors::SceneEvidence with = Stored();
+  v1::RevokePriorsRequest request = OfBuild("1.1");
+  request.set_preview(true);
+  EXPECT_EQ(RevokedBy(request).source_count(), 2u);
+  EXPECT_EQ(revoked_.record_count(), 2u);
+  EXPECT_EQ(revoked_.window_count(), 2u);
+  EXPECT_EQ(Stored().arms[0].live, with.arms[0].live);
+  EXPECT_TRUE(AdminRows().empty());
+
+  EXPECT_EQ(RevokedBy(OfBuild("1.1")).source_count(), 2u);
+  EXPECT_EQ(Stored().arms[0].live, before.arms[0].live) << "to the last bit";
+  EXPECT_EQ(Stored().source_count, 1u);
+  EXPECT_EQ(RevokedBy(OfBuild("1.1")).source_count(), 0u) << "they are gone already";
+  ASSERT_TRUE(Eventually([&] { return AdminRows().size() == 2; }));
+  EXPECT_THAT(AdminRows()[0],
+              AllOf(HasSubstr("action=revoke sources=2 records=2 project= source= build=1.1"),
+                    HasSubstr("operator=token all at ")));
+}
+
+TEST_F(RevokeTest, ASessionThatIsRevokedPlaysOnAndTeachesNoMore) {
+  TelemetryClient client(channel_, "all-token");
+  v1::RevokePriorsRequest request;
+  request.set_source_id(LearnOneWindow(client, OneArmHello()).session_id());
+  EXPECT_EQ(RevokedBy(request).record_count(), 1u);
+  client.Send(Frames(2, 30));
+  ASSERT_TRUE(Applied(2));
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
+  EXPECT_TRUE(Stored().arms.empty());
+}
+
+TEST_F(RevokeTest, ATokensSessionsGoByItsNumber) {
+  Learn("1.0", 1, "all-token");
+  Learn("1.0", 2, "player-token");
+  v1::RevokePriorsRequest request;
+  request.set_token_id(3);
+  EXPECT_EQ(RevokedBy(request).source_count(), 1u);
+  EXPECT_EQ(Stored().source_count, 1u);
+}
+
+TEST_F(RevokeTest, WhoMayDoItForSomeProjectsNamesOne) {
+  Learn("1.0", 1);
+  EXPECT_EQ(ReasonOf(Revoke(OfBuild("1.0"), "mine-token")), v1::ERROR_REASON_NOT_ALLOWED);
+  v1::RevokePriorsRequest request = OfBuild("1.0");
+  request.set_project("game");
+  EXPECT_TRUE(Revoke(request, "mine-token").ok());
+  EXPECT_EQ(revoked_.source_count(), 1u);
+}
+
+TEST_F(RevokeTest, ARequestThatNamesNoSourcesIsRefused) {
+  v1::RevokePriorsRequest all;
+  all.set_project("game");
+  v1::RevokePriorsRequest negative = OfBuild("1.0");
+  negative.set_token_id(-1);
+  v1::RevokePriorsRequest before_1970 = OfBuild("1.0");
+  before_1970.set_unix_until_s(-1);
+  for (const v1::RevokePriorsRequest& request :
+       {v1::RevokePriorsRequest(), all, negative, before_1970, OfBuild(std::string(129, 'x'))}) {
+    EXPECT_EQ(ReasonOf(Revoke(request)), v1::ERROR_REASON_INVALID_MESSAGE)
+        << request.ShortDebugString();
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
