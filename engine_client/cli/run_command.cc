@@ -41,6 +41,7 @@ struct RunOptions {
   double time_scale = 1;
   std::string project = "default";
   std::string scene_key;
+  std::string build;
   std::string machine_class = MachineClass();
   bool ignore_priors = false;
   bool allow_orders = false;
@@ -62,6 +63,7 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   SessionOptions session;
   session.project = options.project;
   session.scene = scene_key;
+  session.build = options.build;
   session.machine_class = options.machine_class;
   session.policy = options.policy;
   session.time_scale = options.time_scale;
@@ -76,6 +78,7 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   if (!options.policy.empty()) embedded.policy = options.policy;
   embedded.project = options.project;
   embedded.scene = scene_key;
+  embedded.build = options.build;
   embedded.machine_class = options.machine_class;
   if (!options.ignore_priors) embedded.priors_file = options.priors;
   embedded.seed = options.scene.seed;
@@ -349,6 +352,7 @@ void Declare(CLI::App& command, RunOptions& options) {
       ->capture_default_str();
   command.add_option("--scene-name", options.scene_key,
                      "Scene the priors belong to (default: SCENE-OBJECTS)");
+  command.add_option("--build", options.build, "Build of the game (default: unknown)");
   command.add_option("--machine-class", options.machine_class, "Machines with comparable timings")
       ->capture_default_str();
   command.add_flag("--ignore-priors", options.ignore_priors, "Start from Beta(1,1)");

@@ -63,6 +63,8 @@ v1::PriorRecord ToProto(const PriorRecord& record) {
   message.set_beta_increment(record.beta_increment);
   message.set_window_count(record.window_count);
   message.set_bail_out_count(record.bail_out_count);
+  message.set_build(record.build);
+  message.set_unix_last_seen_s(static_cast<int64_t>(record.last_seen_unix_s));
   return message;
 }
 
@@ -79,7 +81,9 @@ PriorRecord FromProto(const v1::PriorRecord& message) {
           .alpha_increment = message.alpha_increment(),
           .beta_increment = message.beta_increment(),
           .window_count = message.window_count(),
-          .bail_out_count = message.bail_out_count()};
+          .bail_out_count = message.bail_out_count(),
+          .build = message.build(),
+          .last_seen_unix_s = static_cast<uint64_t>(message.unix_last_seen_s())};
 }
 
 }  // namespace sweepstake

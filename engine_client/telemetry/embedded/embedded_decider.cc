@@ -55,8 +55,9 @@ Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t
       return invalid(std::string(field) + " must be 1 to 128 bytes without control characters");
     }
   }
-  for (const auto& [field, name] :
-       {std::pair{"machine_class", &options.machine_class}, {"source_id", &options.source_id}}) {
+  for (const auto& [field, name] : {std::pair{"machine_class", &options.machine_class},
+                                    {"build", &options.build},
+                                    {"source_id", &options.source_id}}) {
     if (!math::IsOptionalName(*name)) {
       return invalid(std::string(field) + " must be at most 128 bytes without control characters");
     }
@@ -99,7 +100,8 @@ EvidenceLedger MakeLedger(std::vector<PriorRecord> records, const EmbeddedOption
       .machine_class = options.machine_class,
       .reward_version = policy.reward_version,
       .source_id = options.source_id.empty() ? NewSourceId() : options.source_id,
-      .starts_from_other_scenes = policy.starts_from_priors};
+      .build = options.build,
+      .compares_sources = policy.starts_from_priors};
   return {std::move(records), std::move(key), arms, arm_versions};
 }
 

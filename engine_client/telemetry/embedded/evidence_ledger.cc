@@ -6,6 +6,17 @@
 #include <utility>
 
 namespace sweepstake {
+namespace {
+
+void Add(const PriorRecord& record, decision::ArmEvidence& evidence) {
+  const bool by_lane = record.measured_by == decision::kLaneName;
+  decision::EvidenceSum& sum = by_lane ? evidence.lane : evidence.live;
+  sum.alpha += record.alpha_increment;
+  sum.beta += record.beta_increment;
+  if (!by_lane) evidence.bail_out_count += record.bail_out_count;
+}
+
+}  // namespace
 
 std::vector<PriorRecord> Unite(std::vector<PriorRecord> records, std::vector<PriorRecord> others) {
   std::set<PriorRecord*, bool (*)(const PriorRecord*, const PriorRecord*)> known(
@@ -51,34 +62,80 @@ std::map<std::string, EvidenceLedger::Scene> EvidenceLedger::ScenesOfProject() c
       Scene& scene = scenes[record.scene];
       scene.arms.resize(arms_.size());
       scene.sources.insert(record.source_id);
-      decision::ArmEvidence& evidence = scene.arms[arm];
-      const bool by_lane = record.measured_by == decision::kLaneName;
-      decision::EvidenceSum& sum = by_lane ? evidence.lane : evidence.live;
-      sum.alpha += record.alpha_increment;
-      sum.beta += record.beta_increment;
-      if (!by_lane) evidence.bail_out_count += record.bail_out_count;
+      sweepstake::Add(record, scene.arms[arm]);
     }
   }
   return scenes;
 }
 
+// Of an arm that a source knows in several versions, the session's counts, or else the latest.
+EvidenceLedger::Sources EvidenceLedger::SourcesOfScene() const {
+  Sources sources;
+  for (const PriorRecord& record : records_) {
+    if (record.project != key_.project || record.scene != key_.scene ||
+        record.reward_version != key_.reward_version)
+      continue;
+    const auto named = std::find(arms_.begin(), arms_.end(), record.arm);
+    if (named == arms_.end()) continue;
+    const auto arm = static_cast<size_t>(named - arms_.begin());
+    Source& source = sources[{record.source_id, record.machine_class}];
+    source.relation = {.same_build = record.build == key_.build,
+                       .same_machine_class = record.machine_class == key_.machine_class};
+    source.arms.resize(arms_.size());
+    source.versions.resize(arms_.size());
+    uint32_t& version = source.versions[arm];
+    const bool is_wanted = record.backend_version == arm_versions_[arm];
+    if (record.backend_version != version) {
+      if (version == arm_versions_[arm] || (!is_wanted && record.backend_version < version))
+        continue;
+      version = record.backend_version;
+      source.arms[arm] = {};
+    }
+    sweepstake::Add(record, source.arms[arm]);
+  }
+  return sources;
+}
+
+void EvidenceLedger::TakeSources() {
+  std::vector<decision::SourceEvidence> others;
+  const Sources sources = SourcesOfScene();
+  for (const auto& [name, source] : sources) {
+    const std::vector<decision::EvidenceSum> pooled = decision::PoolEvidence(source.arms);
+    if (name == std::pair(key_.source_id, key_.machine_class)) {
+      given_ = pooled;
+      continue;
+    }
+    decision::SourceEvidence& other = others.emplace_back();
+    for (size_t arm = 0; arm < arms_.size(); ++arm) {
+      const bool same = source.versions[arm] == arm_versions_[arm];
+      other.push_back({pooled[arm], decision::PowerPriorWeight(source.relation, same)});
+    }
+  }
+  given_ = decision::CombineSources(others, given_);
+  prior_source_count_ = sources.size();
+}
+
+void EvidenceLedger::TakeOtherScenes(const std::map<std::string, Scene>& scenes) {
+  std::vector<std::vector<decision::EvidenceSum>> others;
+  uint64_t source_count = 0;
+  for (const auto& [name, scene] : scenes) {
+    if (name == key_.scene) continue;
+    others.push_back(decision::PoolEvidence(scene.arms));
+    source_count += scene.sources.size();
+  }
+  given_ = decision::WithOtherScenes(std::move(given_), others);
+  if (prior_source_count_ == 0) prior_source_count_ = source_count;
+}
+
 void EvidenceLedger::TakeGiven() {
   const std::map<std::string, Scene> scenes = ScenesOfProject();
-  if (const auto own = scenes.find(key_.scene); own != scenes.end()) {
+  given_.resize(arms_.size());
+  if (key_.compares_sources) {
+    TakeSources();
+    TakeOtherScenes(scenes);
+  } else if (const auto own = scenes.find(key_.scene); own != scenes.end()) {
     given_ = decision::PoolEvidence(own->second.arms);
     prior_source_count_ = own->second.sources.size();
-  }
-  given_.resize(arms_.size());
-  if (key_.starts_from_other_scenes) {
-    std::vector<std::vector<decision::EvidenceSum>> others;
-    uint64_t source_count = 0;
-    for (const auto& [name, scene] : scenes) {
-      if (name == key_.scene) continue;
-      others.push_back(decision::PoolEvidence(scene.arms));
-      source_count += scene.sources.size();
-    }
-    given_ = decision::WithOtherScenes(std::move(given_), others);
-    if (prior_source_count_ == 0) prior_source_count_ = source_count;
   }
   if (!decision::IsAnythingKnown(given_)) prior_source_count_ = 0;
 }
@@ -119,6 +176,7 @@ PriorRecord& EvidenceLedger::OwnRecord(size_t arm, std::string_view measured_by)
   record.machine_class = key_.machine_class;
   record.reward_version = key_.reward_version;
   record.source_id = key_.source_id;
+  record.build = key_.build;
   return record;
 }
 

@@ -12,10 +12,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine_client/telemetry/embedded/priors_file.h"
 #include "server/decision/policy/scene_prior.h"
+#include "server/decision/policy/source_prior.h"
 #include "server/decision/types.h"
 
 namespace sweepstake {
@@ -33,9 +35,9 @@ class EvidenceLedger {
     std::string machine_class;
     uint32_t reward_version = 1;
     std::string source_id;
-    // Begins a scene without evidence with what the project's others have in common. REQUIRES:
-    // reward version 3.
-    bool starts_from_other_scenes = false;
+    std::string build = {};
+    // Compares what sources say of the scene, and the project's scenes. REQUIRES: reward version 3.
+    bool compares_sources = false;
   };
 
   // No two of `given` are the same evidence, as in ParsePriors and Unite. REQUIRES: as many
@@ -63,7 +65,20 @@ class EvidenceLedger {
     std::set<std::string> sources;
   };
 
+  // One source's evidence of the scene on one class of machines.
+  struct Source {
+    decision::SourceRelation relation;
+    std::vector<decision::ArmEvidence> arms;
+    std::vector<uint32_t> versions;  // of the arms; 0 where there is nothing
+  };
+  using Sources = std::map<std::pair<std::string, std::string>, Source>;  // by id and class
+
   std::map<std::string, Scene> ScenesOfProject() const;
+  Sources SourcesOfScene() const;
+  // Fills in what the sources of the scene say.
+  void TakeSources();
+  // Fills in what the project's other scenes have in common.
+  void TakeOtherScenes(const std::map<std::string, Scene>& scenes);
   void TakeGiven();
   bool Applies(const PriorRecord& record, size_t arm) const;
   void Add(const decision::Increment& increment, std::string_view measured_by);

@@ -110,6 +110,8 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   reader.Increment("beta_increment", record.beta_increment);
   reader.Count("window_count", record.window_count, false);
   reader.Count("bail_out_count", record.bail_out_count, false);
+  reader.Name("build", record.build, false);
+  reader.Count("unix_last_seen_s", record.last_seen_unix_s, false, kMaxSequence);
   reader.RejectUnknown();
   return reader.error();
 }
@@ -164,7 +166,9 @@ Json ToJson(const PriorRecord& record) {
           {"alpha_increment", record.alpha_increment},
           {"beta_increment", record.beta_increment},
           {"window_count", record.window_count},
-          {"bail_out_count", record.bail_out_count}};
+          {"bail_out_count", record.bail_out_count},
+          {"build", record.build},
+          {"unix_last_seen_s", record.last_seen_unix_s}};
 }
 
 Status Unwritable(const std::filesystem::path& path) {

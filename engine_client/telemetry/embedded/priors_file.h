@@ -2,9 +2,9 @@
 // decider reads it.
 //
 // It is one JSON document: {"format": "sweepstake-priors", "version": 1, "records": [{…}, …]}. A
-// record has the fields of sweepstake.v1.PriorRecord in snake_case. An absent measured_by or
-// machine_class is empty, an absent count is 0, and every other field is required. An unknown field
-// is an error, since a misspelt one would silently change the key.
+// record has the fields of sweepstake.v1.PriorRecord in snake_case. An absent measured_by,
+// machine_class or build is empty, an absent count is 0, and every other field is required. An
+// unknown field is an error, since a misspelt one would silently change the key.
 //
 // Bounds: 64 MiB, 200,000 records, names of 128 bytes. Errors are one line and name the record by
 // its position from 0: kNotFound (no such file), kDataLoss (broken content), kUnavailable (cannot
@@ -38,6 +38,8 @@ struct PriorRecord {
   double beta_increment = 0;
   uint64_t window_count = 0;
   uint64_t bail_out_count = 0;
+  std::string build = {};         // of the game that the source played; empty: unknown
+  uint64_t last_seen_unix_s = 0;  // when the source taught last, below 2^63; 0: unknown
 };
 
 // Returns what names the evidence; two records of which it is equal are the same evidence.

@@ -40,7 +40,9 @@ TEST(ProtoConversion, GivesAPriorRecordBackAsItWas) {
                               .alpha_increment = 4,
                               .beta_increment = 5,
                               .window_count = 6,
-                              .bail_out_count = 7};
+                              .bail_out_count = 7,
+                              .build = "g",
+                              .last_seen_unix_s = 8};
   const PriorRecord back = FromProto(ToProto(record));
   EXPECT_EQ(FormatPriors({&back, 1}), FormatPriors({&record, 1}));
 }

@@ -15,7 +15,7 @@ EvidenceLedger::Key KeyOfPlayer(const std::string& source) {
           .machine_class = "phone",
           .reward_version = 2,
           .source_id = source,
-          .starts_from_other_scenes = false};
+          .compares_sources = false};
 }
 
 EvidenceLedger LedgerOf(std::vector<PriorRecord> given, const std::string& source = "player") {
@@ -138,7 +138,7 @@ TEST(EvidenceLedger, BeginsASceneWithoutEvidenceWithWhatTheProjectsOthersHaveInC
     given.push_back(sap);
   }
   EvidenceLedger::Key key = KeyOfPlayer("player");
-  key.starts_from_other_scenes = true;
+  key.compares_sources = true;
   const EvidenceLedger ledger(given, key, kArms, kVersions);
   EXPECT_EQ(ledger.prior_source_count(), 5U);
   EXPECT_GT(ledger.priors()[1].mean(), ledger.priors()[0].mean());
@@ -153,8 +153,39 @@ TEST(EvidenceLedger, BeginsASceneWithoutEvidenceWithWhatTheProjectsOthersHaveInC
   given.back().beta_increment = 10;
   const EvidenceLedger known(given, key, kArms, kVersions);
   EXPECT_EQ(known.prior_source_count(), 1U);
-  EXPECT_EQ(known.priors()[0].alpha, 11);
   EXPECT_GT(known.priors()[1].mean(), known.priors()[0].mean()) << "of the others still";
+}
+
+// A studio's machine that is twice as fast as the player's knows DBVT, too.
+TEST(EvidenceLedger, ComparesSourcesOfOtherMachinesBuildsAndVersions) {
+  const auto lane = [](PriorRecord record, double reward) {
+    record.measured_by = "lane";
+    record.alpha_increment = 1e5 * reward;
+    record.beta_increment = 1e5 * (1 - reward);
+    return record;
+  };
+  PriorRecord dbvt = RecordOf("studio", 2, 0);
+  dbvt.arm = "DBVT";
+  dbvt.backend_version = 3;
+  std::vector<PriorRecord> given = {lane(RecordOf("studio", 1, 0), 0.50), lane(dbvt, 0.53),
+                                    lane(RecordOf("player", 1, 0), 0.47)};
+  EvidenceLedger::Key key = KeyOfPlayer("player");
+  key.compares_sources = true;
+  const auto evidence_of_dbvt = [&] {
+    const auto priors = EvidenceLedger(given, key, kArms, kVersions).priors();
+    EXPECT_GT(priors[1].mean(), priors[0].mean());
+    EXPECT_LT(priors[1].mean(), 0.51) << "at the player's level";
+    return priors[1].evidence();
+  };
+  double other_version = evidence_of_dbvt();
+  given[1].backend_version = 4;
+  const double same_version = evidence_of_dbvt();
+  EXPECT_GT(same_version, 2 * other_version);
+  given[0].build = given[1].build = "1.0";
+  const double other_build = evidence_of_dbvt();
+  EXPECT_LT(other_build, same_version);
+  given[0].machine_class = given[1].machine_class = "desktop";
+  EXPECT_LT(evidence_of_dbvt(), other_build);
 }
 
 TEST(EvidenceLedger, UnitesRecordsOfWhichTheLaterCounts) {

@@ -24,6 +24,8 @@ PriorRecord RecordOf(const std::string& source) {
   record.beta_increment = 0.1;
   record.window_count = 40;
   record.bail_out_count = 1;
+  record.build = "1.2";
+  record.last_seen_unix_s = 1'700'000'000;
   return record;
 }
 
@@ -66,6 +68,8 @@ TEST(PriorsFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(record.beta_increment, 0.1);
   EXPECT_EQ(record.window_count, 40U);
   EXPECT_EQ(record.bail_out_count, 1U);
+  EXPECT_EQ(record.build, "1.2");
+  EXPECT_EQ(record.last_seen_unix_s, 1'700'000'000U);
 }
 
 TEST(PriorsFile, TakesAnEmptyListAndRecordsWithoutOptionalFields) {
@@ -77,6 +81,7 @@ TEST(PriorsFile, TakesAnEmptyListAndRecordsWithoutOptionalFields) {
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ((*read)[0].machine_class, "");
   EXPECT_EQ((*read)[0].window_count, 0U);
+  EXPECT_EQ((*read)[0].build, "");
 }
 
 TEST(PriorsFile, NamesTheRecordAndTheFieldThatIsBroken) {

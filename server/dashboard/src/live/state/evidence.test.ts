@@ -3,7 +3,7 @@ import { expect, it } from 'vitest';
 import { ExportPriorsResponseSchema } from '../../gen/sweepstake/v1/priors_pb';
 import { addPart, noEvidence, priorsFile } from './evidence';
 
-const recordOf = (sourceId: string, more: { arm?: string; measuredBy?: string; bailOutCount?: bigint } = {}) => ({ project: 'p', scene: 's', arm: 'SAP', backendVersion: 1, rewardVersion: 3,
+const recordOf = (sourceId: string, more: { arm?: string; measuredBy?: string; bailOutCount?: bigint; build?: string; unixLastSeenS?: bigint } = {}) => ({ project: 'p', scene: 's', arm: 'SAP', backendVersion: 1, rewardVersion: 3,
   sourceId, sourceSequence: 7n, alphaIncrement: 1.5, betaIncrement: 0.5, windowCount: 2n, ...more });
 
 function evidenceOf(...parts: Parameters<typeof create<typeof ExportPriorsResponseSchema>>[1][]) {
@@ -23,8 +23,9 @@ it('sums what sources taught by scene and arm, and by source', () => {
 });
 
 it('writes the file that is imported', () => {
-  const { records } = evidenceOf({ records: [recordOf('x')] });
+  const { records } = evidenceOf({ records: [recordOf('x', { build: '1.1', unixLastSeenS: 1_700_000_000n })] });
   expect(JSON.parse(priorsFile(records))).toEqual({ format: 'sweepstake-priors', version: 1, records: [{
     project: 'p', scene: 's', measured_by: '', arm: 'SAP', backend_version: 1, machine_class: '', reward_version: 3, source_id: 'x',
-    source_sequence: 7, alpha_increment: 1.5, beta_increment: 0.5, window_count: 2, bail_out_count: 0 }] });
+    source_sequence: 7, alpha_increment: 1.5, beta_increment: 0.5, window_count: 2, bail_out_count: 0, build: '1.1',
+    unix_last_seen_s: 1_700_000_000 }] });
 });

@@ -86,7 +86,8 @@ export function priorsFile(records: readonly PriorRecord[]): string {
     project: record.project, scene: record.scene, measured_by: record.measuredBy, arm: record.arm, backend_version: record.backendVersion,
     machine_class: record.machineClass, reward_version: record.rewardVersion, source_id: record.sourceId,
     source_sequence: Number(record.sourceSequence), alpha_increment: record.alphaIncrement, beta_increment: record.betaIncrement,
-    window_count: Number(record.windowCount), bail_out_count: Number(record.bailOutCount),
+    window_count: Number(record.windowCount), bail_out_count: Number(record.bailOutCount), build: record.build,
+    unix_last_seen_s: Number(record.unixLastSeenS),
   }));
   return `${JSON.stringify({ format: 'sweepstake-priors', version: 1, records: written }, null, 1)}\n`;
 }
