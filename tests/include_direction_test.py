@@ -99,7 +99,7 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 # Of the rooms of a folder each includes itself and those before it; "" is the folder itself.
 ROOM_ORDER = {
     "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
-    "engine_client/cli": ("io", "game", "daemon", "load", "trace", "replay", "experiment", "peers", "bench", ""),
+    "engine_client/cli": ("io", "game", "daemon", "priors", "load", "trace", "replay", "experiment", "peers", "bench", ""),
     "engine_client/telemetry": ("common", "embedded", "protocol", ""),
     "server/rpc": ("common", "sessions", "services", ""),
     "server/web": ("", "api"),

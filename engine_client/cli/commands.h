@@ -26,6 +26,8 @@ void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& 
 void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
+// Adds what works on files to the subcommand `priors`.
+void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code);
 void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddReportCommand(CLI::App& app, Terminal& terminal, int& exit_code);

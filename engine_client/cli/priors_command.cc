@@ -1,15 +1,12 @@
-// `sweepstake priors list|export|import|arm`: a daemon's evidence to look at, to ship with a game,
-// to carry to another daemon, and to decide from without measuring anything.
+// `sweepstake priors list|export|import|revoke`: a daemon's evidence to look at, to ship with a
+// game, to carry to another daemon, and to take out again.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/priors_transfer.h"
-#include "engine_client/cli/game/machine_class.h"
 #include "engine_client/cli/io/json_output.h"
-#include "sweepstake/broad_phase.h"
-#include "sweepstake/embedded_decider.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -21,7 +18,8 @@ struct PriorsOptions {
   std::string project;
   std::string scene;
   std::string file;
-  std::string machine_class = MachineClass();
+  SourceChoice sources;
+  bool yes = false;
   bool json = false;
 };
 
@@ -90,20 +88,23 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-int RunArm(const PriorsOptions& options, Terminal& terminal) {
-  if (const auto read = ReadPriorsFile(options.file); !read.ok())
-    return Fail(terminal, read.status());
-  EmbeddedOptions priors;
-  priors.project = options.project;
-  priors.scene = options.scene;
-  priors.machine_class = options.machine_class;
-  priors.priors_file = options.file;
-  const std::vector<std::string> arms(BroadPhaseNames().begin(), BroadPhaseNames().end());
-  std::vector<uint32_t> versions;
-  for (const std::string& arm : arms) versions.push_back((*MakeBroadPhase(arm))->version());
-  const auto arm = EmbeddedDecider::ArmOfPriors(priors, arms, versions);
-  if (!arm.ok()) return FailAnswer(terminal, arm.status());
-  PrintResult(terminal, options.json, Json{{"command", "priors arm"}, {"arm", *arm}}, *arm + "\n");
+std::string RevokedText(const PriorsOptions& options, const RevokeResult& result) {
+  const std::string what = std::to_string(result.source_count) + " sources with " +
+                           std::to_string(result.record_count) + " records of " +
+                           std::to_string(result.window_count) + " windows and visits";
+  if (options.yes) return what + " were revoked\n";
+  return what + " would be revoked; say --yes to do it\n";
+}
+
+int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
+  const auto result = RevokePriors(options.daemon, options.sources, /*preview=*/!options.yes);
+  if (!result.ok()) return FailAnswer(terminal, result.status());
+  const Json document = {{"command", "priors revoke"},
+                         {"revoked", options.yes},
+                         {"sources", result->source_count},
+                         {"records", result->record_count},
+                         {"windows", result->window_count}};
+  PrintResult(terminal, options.json, document, RevokedText(options, *result));
   return kDone;
 }
 
@@ -120,7 +121,7 @@ void DeclareFilter(CLI::App& command, PriorsOptions& options) {
 }  // namespace
 
 void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
-  CLI::App* priors = app.add_subcommand("priors", "List, export and import a daemon's evidence");
+  CLI::App* priors = app.add_subcommand("priors", "A daemon's evidence, and files of it");
   priors->require_subcommand(1);
   priors->footer(
       "Examples:\n"
@@ -154,23 +155,30 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       },
       [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
   AddCommand<PriorsOptions>(
-      *priors, "arm",
-      "Print the arm that a priors file expects to cost least, for builds that keep to it",
-      "  sweepstake priors arm --in priors.json --project arcade --scene arena\n"
-      "The same file gives the same arm. A scene that is not in it gets what the project's others\n"
-      "have in common; exit code 1 when there are none.\n",
+      *priors, "revoke", "Take the evidence of sessions out of a daemon, exactly",
+      "  sweepstake priors revoke --daemon 127.0.0.1:7433 --project arcade --build 1.3\n"
+      "  sweepstake priors revoke --daemon 127.0.0.1:7433 --token-id 7 --since 1760000000 --yes\n"
+      "Without --yes it says what would go, and changes nothing. What is revoked stays away: the\n"
+      "sessions' later evidence counts no more, and imports of it neither.\n",
       exit_code,
       [](CLI::App& command, PriorsOptions& options) {
-        command.add_option("--in", options.file, "Priors file")->required();
-        command.add_option("--project", options.project, "The game's project")->required();
-        command.add_option("--scene", options.scene, "The game's scene")->required();
-        command
-            .add_option("--machine-class", options.machine_class,
-                        "Machines on which it was measured (default: this one's)")
-            ->capture_default_str();
-        AddJsonFlag(command, options.json);
+        DeclareCommon(command, options);
+        SourceChoice& sources = options.sources;
+        command.add_option("--project", sources.project, "Only evidence of this project");
+        command.add_option("--source", sources.source_id, "This session");
+        command.add_option("--build", sources.build, "Sessions of this build of the game");
+        command.add_option("--token-id", sources.token_id, "Sessions that began with this token")
+            ->check(NotNegative());
+        command.add_option("--since", sources.unix_from_s, "Sessions that began then or later")
+            ->check(NotNegative())
+            ->type_name("UNIX_S");
+        command.add_option("--until", sources.unix_until_s, "Sessions that began then or before")
+            ->check(NotNegative())
+            ->type_name("UNIX_S");
+        command.add_flag("--yes", options.yes, "Do it");
       },
-      [&terminal](const PriorsOptions& options) { return RunArm(options, terminal); });
+      [&terminal](const PriorsOptions& options) { return RunRevoke(options, terminal); });
+  AddPriorsFileCommands(*priors, terminal, exit_code);
 }
 
 }  // namespace sweepstake::cli

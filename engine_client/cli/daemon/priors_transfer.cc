@@ -85,4 +85,27 @@ Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
   return result;
 }
 
+Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,
+                                  bool preview) {
+  const auto channel = OpenChannel(daemon);
+  if (!channel.ok()) return channel.status();
+  const auto stub = v1::PriorsService::NewStub(*channel);
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::RevokePriorsRequest request;
+  request.set_project(sources.project);
+  request.set_source_id(sources.source_id);
+  request.set_build(sources.build);
+  request.set_token_id(sources.token_id);
+  request.set_unix_from_s(sources.unix_from_s);
+  request.set_unix_until_s(sources.unix_until_s);
+  request.set_preview(preview);
+  v1::RevokePriorsResponse response;
+  const Status status = ToStatus(stub->RevokePriors(&context, request, &response), daemon);
+  if (!status.ok()) return status;
+  return RevokeResult{.source_count = response.source_count(),
+                      .record_count = response.record_count(),
+                      .window_count = response.window_count()};
+}
+
 }  // namespace sweepstake::cli

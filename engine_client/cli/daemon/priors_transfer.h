@@ -35,4 +35,24 @@ Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
                                   std::span<const PriorRecord> records);
 
+// Which sources to revoke: those that match all that is set.
+struct SourceChoice {
+  std::string project;
+  std::string source_id;
+  std::string build;
+  int64_t token_id = 0;
+  int64_t unix_from_s = 0;
+  int64_t unix_until_s = 0;
+};
+
+struct RevokeResult {
+  uint64_t source_count = 0;
+  uint64_t record_count = 0;
+  uint64_t window_count = 0;
+};
+
+// Takes their evidence out of the daemon or, with `preview`, only says what that would be.
+Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,
+                                  bool preview);
+
 }  // namespace sweepstake::cli

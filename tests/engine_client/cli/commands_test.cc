@@ -41,14 +41,13 @@ void ExpectBadUsage(const std::vector<BadUsage>& cases) {
 }
 
 TEST(Commands, HelpOfEveryCommandShowsExamplesOnStdout) {
-  for (const std::string command : {"run",          "check",         "bench",
-                                    "load",         "pairs",         "record",
-                                    "replay",       "trace",         "watch",
-                                    "experiment",   "report",        "audit",
-                                    "audit list",   "audit export",  "priors",
-                                    "priors list",  "priors export", "priors import",
-                                    "sessions",     "sessions list", "sessions watch",
-                                    "sessions kick"}) {
+  for (const std::string command :
+       {"run",           "check",          "bench",         "load",          "pairs",
+        "record",        "replay",         "trace",         "watch",         "experiment",
+        "report",        "audit",          "audit list",    "audit export",  "priors",
+        "priors list",   "priors export",  "priors import", "priors revoke", "priors show",
+        "priors doctor", "priors diff",    "priors merge",  "priors arm",    "sessions",
+        "sessions list", "sessions watch", "sessions kick"}) {
     const CommandRun run = RunCommand(command + " --help");
     EXPECT_EQ(run.exit_code, kDone) << command;
     const size_t examples = run.out.find("Examples:\n");
@@ -231,7 +230,12 @@ TEST_F(BrokenFiles, AreNamedWhereTheyArePriors) {
   for (const std::string& path :
        {Path("absent.json"), Write("empty.json", ""), Write("cut.json", "{\"format\": \"sweep"),
         Write("other.json", "{\"format\": \"other\"}")}) {
-    ExpectBadUsage({{run + path, path}, {import + path, path}});
+    ExpectBadUsage({{run + path, path},
+                    {import + path, path},
+                    {"priors show --in " + path, path},
+                    {"priors doctor --in " + path, path},
+                    {"priors diff " + path + " " + path, path},
+                    {"priors merge --out never.json " + path + " " + path, path}});
   }
 }
 

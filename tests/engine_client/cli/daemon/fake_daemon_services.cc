@@ -47,6 +47,13 @@ grpc::Status FakePriors::ImportPriors(grpc::ServerContext*,
   return import_status.get();
 }
 
+grpc::Status FakePriors::RevokePriors(grpc::ServerContext*, const v1::RevokePriorsRequest* request,
+                                      v1::RevokePriorsResponse* response) {
+  revoke_request = *request;
+  *response = revoke_response.get();
+  return grpc::Status::OK;
+}
+
 grpc::Status FakeAudit::ListAuditSegments(
     grpc::ServerContext*, const v1::ListAuditSegmentsRequest*,
     grpc::ServerWriter<v1::ListAuditSegmentsResponse>* writer) {

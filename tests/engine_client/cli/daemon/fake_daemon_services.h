@@ -73,8 +73,12 @@ class FakePriors final : public v1::PriorsService::Service {
   Guarded<std::vector<int>> imported_sizes;  // records per message
   Guarded<std::vector<v1::PriorRecord>> imported;
   Guarded<v1::ExportPriorsRequest> export_request;
+  Guarded<v1::RevokePriorsRequest> revoke_request;
+  Guarded<v1::RevokePriorsResponse> revoke_response;
 
  private:
+  grpc::Status RevokePriors(grpc::ServerContext*, const v1::RevokePriorsRequest* request,
+                            v1::RevokePriorsResponse* response) override;
   grpc::Status ExportPriors(grpc::ServerContext*, const v1::ExportPriorsRequest* request,
                             grpc::ServerWriter<v1::ExportPriorsResponse>* writer) override;
   grpc::Status ImportPriors(grpc::ServerContext*,

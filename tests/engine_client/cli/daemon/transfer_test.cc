@@ -162,7 +162,9 @@ PriorRecord SomeRecord(uint64_t sequence) {
           .alpha_increment = 1.5,
           .beta_increment = 2.25,
           .window_count = 4,
-          .bail_out_count = 1};
+          .bail_out_count = 1,
+          .build = "1.2",
+          .last_seen_unix_s = 1'700'000'000};
 }
 
 TEST(ImportPriors, SplitsTheRecordsIntoMessagesOfTwoHundred) {
@@ -275,6 +277,34 @@ TEST(PriorsCommand, AnExportSaysWhatTheDaemonLeftOut) {
                 "has folded them together (fold_days)\n");
   EXPECT_THAT(RunCommand(command + " --json").out,
               AllOf(HasSubstr("\"folded_records\": 14"), HasSubstr("\"folded_windows\": 60")));
+}
+
+TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
+  FakeDaemonServices daemon;
+  daemon.priors.revoke_response->set_source_count(2);
+  daemon.priors.revoke_response->set_record_count(9);
+  daemon.priors.revoke_response->set_window_count(70);
+  const std::string command =
+      "priors revoke --project p --source s --build 1.3 --token-id 7 --since 10 --until 20 "
+      "--daemon " +
+      daemon.address();
+  EXPECT_EQ(RunCommand(command).out,
+            "2 sources with 9 records of 70 windows and visits would be revoked; say --yes to do "
+            "it\n");
+  const v1::RevokePriorsRequest asked = daemon.priors.revoke_request.get();
+  EXPECT_TRUE(asked.preview());
+  EXPECT_EQ(asked.project(), "p");
+  EXPECT_EQ(asked.source_id(), "s");
+  EXPECT_EQ(asked.build(), "1.3");
+  EXPECT_EQ(asked.token_id(), 7);
+  EXPECT_EQ(asked.unix_from_s(), 10);
+  EXPECT_EQ(asked.unix_until_s(), 20);
+  const auto done = nlohmann::json::parse(RunCommand(command + " --yes --json").out);
+  EXPECT_FALSE(daemon.priors.revoke_request->preview());
+  EXPECT_EQ(done["revoked"], true);
+  EXPECT_EQ(done["sources"], 2);
+  EXPECT_EQ(done["records"], 9);
+  EXPECT_EQ(done["windows"], 70);
 }
 
 TEST(PriorsCommand, AnExportThatCannotBeWrittenEndsWithTwo) {

@@ -1,0 +1,112 @@
+#include "engine_client/cli/priors/priors_doctor.h"
+
+#include <algorithm>
+
+#include "engine_client/cli/io/text_table.h"
+#include "server/decision/policy/source_prior.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kDayS = 86'400;
+constexpr uint64_t kOldDays = 180;
+
+std::string OrUnknown(const std::string& name) { return name.empty() ? "unknown" : name; }
+
+const char* WordOf(Fitness fitness) {
+  switch (fitness) {
+    case Fitness::kValid:
+      return "valid";
+    case Fitness::kNear:
+      return "near";
+    case Fitness::kForeign:
+      break;
+  }
+  return "foreign";
+}
+
+// Returns how many of the group's arms this program has, in the same version.
+size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, Diagnosed& found) {
+  size_t same = 0;
+  for (const auto& [name, arm] : group.arms) {
+    const auto known = here.arm_versions.find(name);
+    if (known == here.arm_versions.end()) {
+      found.reasons.push_back("there is no arm " + name + " here");
+    } else if (known->second != arm.version) {
+      found.reasons.push_back(name + " is of version " + std::to_string(arm.version) + ", " +
+                              std::to_string(known->second) + " here");
+    } else {
+      ++same;
+    }
+  }
+  return same;
+}
+
+Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const PriorsPlace& here) {
+  Diagnosed found{.key = key, .reasons = {}};
+  const decision::SourceRelation relation{
+      .same_build = key.build == here.build,
+      .same_machine_class = key.machine_class == here.machine_class};
+  if (!relation.same_machine_class)
+    found.reasons.push_back("measured on " + OrUnknown(key.machine_class) + ", this is " +
+                            OrUnknown(here.machine_class));
+  if (!relation.same_build) found.reasons.push_back("of build " + OrUnknown(key.build));
+  const size_t same = CountSameArms(group, here, found);
+  if (group.last_seen_unix_s > 0 && here.unix_now_s > group.last_seen_unix_s) {
+    const uint64_t days = (here.unix_now_s - group.last_seen_unix_s) / kDayS;
+    if (days > kOldDays) found.reasons.push_back(std::to_string(days) + " days old");
+  }
+  found.weight = decision::PowerPriorWeight(relation, same > 0) /
+                 decision::PowerPriorWeight({true, true}, true);
+  if (key.reward_version != here.reward_version) {
+    found.reasons.insert(found.reasons.begin(),
+                         "its reward is version " + std::to_string(key.reward_version) +
+                             ", decisions here use " + std::to_string(here.reward_version));
+    found.weight = 0;
+  }
+  const bool knows_any = std::any_of(group.arms.begin(), group.arms.end(), [&](const auto& arm) {
+    return here.arm_versions.contains(arm.first);
+  });
+  if (!knows_any) found.weight = 0;
+  found.fitness = found.weight == 0       ? Fitness::kForeign
+                  : found.reasons.empty() ? Fitness::kValid
+                                          : Fitness::kNear;
+  return found;
+}
+
+}  // namespace
+
+std::vector<Diagnosed> DiagnosePriors(const PriorsGroups& groups, const PriorsPlace& here) {
+  std::vector<Diagnosed> diagnosed;
+  for (const auto& [key, group] : groups) diagnosed.push_back(Diagnose(key, group, here));
+  return diagnosed;
+}
+
+std::string DoctorText(const std::vector<Diagnosed>& diagnosed) {
+  TextTable table({"scene", "here", "counts", "why"});
+  for (const Diagnosed& one : diagnosed) {
+    std::string why;
+    for (const std::string& reason : one.reasons) why += (why.empty() ? "" : "; ") + reason;
+    table.AddRow({NameOf(one.key), WordOf(one.fitness), Percent(one.weight, 0), why});
+  }
+  return table.Text();
+}
+
+Json DoctorJson(const std::vector<Diagnosed>& diagnosed) {
+  Json entries = Json::array();
+  for (const Diagnosed& one : diagnosed) {
+    entries.push_back({{"project", one.key.project},
+                       {"scene", one.key.scene},
+                       {"build", one.key.build},
+                       {"machine_class", one.key.machine_class},
+                       {"reward_version", one.key.reward_version},
+                       {"fitness", WordOf(one.fitness)},
+                       {"weight", one.weight},
+                       {"reasons", one.reasons}});
+  }
+  return entries;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,63 @@
+#include "engine_client/cli/priors/priors_groups.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/decision/policy/log_cost.h"
+
+namespace sweepstake::cli {
+namespace {
+
+void Add(const PriorRecord& record, PriorsArm& arm) {
+  const bool by_lane = record.measured_by == decision::kLaneName;
+  decision::EvidenceSum& sum = by_lane ? arm.evidence.lane : arm.evidence.live;
+  sum.alpha += record.alpha_increment;
+  sum.beta += record.beta_increment;
+  if (!by_lane) arm.evidence.bail_out_count += record.bail_out_count;
+  (by_lane ? arm.visit_count : arm.window_count) += record.window_count;
+}
+
+}  // namespace
+
+PriorsGroups GroupPriors(std::span<const PriorRecord> records) {
+  PriorsGroups groups;
+  for (const PriorRecord& record : records) {
+    PriorsGroup& group = groups[{record.project, record.scene, record.build, record.machine_class,
+                                 record.reward_version}];
+    group.sources.insert(record.source_id);
+    group.last_seen_unix_s = std::max(group.last_seen_unix_s, record.last_seen_unix_s);
+    PriorsArm& arm = group.arms[record.arm];
+    if (record.backend_version < arm.version) continue;
+    if (record.backend_version > arm.version) arm = {.version = record.backend_version};
+    Add(record, arm);
+  }
+  return groups;
+}
+
+std::vector<ArmCost> CostsOf(const PriorsGroup& group) {
+  std::vector<decision::ArmEvidence> evidence;
+  for (const auto& [name, arm] : group.arms) evidence.push_back(arm.evidence);
+  const std::vector<decision::EvidenceSum> pooled = decision::PoolEvidence(evidence);
+  std::vector<ArmCost> costs;
+  double least = 0;
+  for (auto arm = group.arms.begin(); const decision::EvidenceSum& sum : pooled) {
+    const std::string& name = (arm++)->first;
+    if (!(sum.evidence() > 0)) continue;
+    const double log_cost = decision::LogCostOfReward(sum.alpha / sum.evidence());
+    least = costs.empty() ? log_cost : std::min(least, log_cost);
+    costs.push_back({name, log_cost});
+  }
+  for (ArmCost& cost : costs) cost.ratio = std::exp(cost.ratio - least);
+  std::sort(costs.begin(), costs.end(),
+            [](const ArmCost& a, const ArmCost& b) { return a.ratio < b.ratio; });
+  return costs;
+}
+
+std::string NameOf(const PriorsGroupKey& key) {
+  std::string name = key.project + "/" + key.scene;
+  if (!key.machine_class.empty()) name += " on " + key.machine_class;
+  if (!key.build.empty()) name += " in build " + key.build;
+  return name;
+}
+
+}  // namespace sweepstake::cli

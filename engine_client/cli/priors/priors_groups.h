@@ -1,0 +1,59 @@
+// The records of a priors file by what a session takes together: one scene on one class of machines
+// in one build, measured by one version of the reward. Pure functions.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine_client/telemetry/embedded/priors_file.h"
+#include "server/decision/policy/scene_prior.h"
+
+namespace sweepstake::cli {
+
+struct PriorsGroupKey {
+  std::string project;
+  std::string scene;
+  std::string build;
+  std::string machine_class;
+  uint32_t reward_version = 1;
+
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
+  friend auto operator<=>(const PriorsGroupKey&, const PriorsGroupKey&) = default;
+};
+
+struct PriorsArm {
+  uint32_t version = 0;
+  decision::ArmEvidence evidence = {};
+  uint64_t window_count = 0;
+  uint64_t visit_count = 0;
+};
+
+struct PriorsGroup {
+  std::map<std::string, PriorsArm> arms;  // by name, each in its latest version
+  std::set<std::string> sources;
+  uint64_t last_seen_unix_s = 0;  // 0: unknown
+};
+
+using PriorsGroups = std::map<PriorsGroupKey, PriorsGroup>;
+
+PriorsGroups GroupPriors(std::span<const PriorRecord> records);
+
+// An arm's cost ÷ that of the group's cheapest one, as its evidence alone says.
+struct ArmCost {
+  std::string arm;
+  double ratio = 1;
+};
+
+// Returns the arms with evidence, the cheapest first. REQUIRES: reward version 3.
+std::vector<ArmCost> CostsOf(const PriorsGroup& group);
+
+// Returns "project/scene", and what else is known of the group.
+std::string NameOf(const PriorsGroupKey& key);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,219 @@
+// `sweepstake priors show|doctor|diff|merge|arm`: what a priors file says, whether it counts here,
+// how two of them differ, two of them as one, and the arm that one of them would begin with.
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine_client/cli/commands.h"
+#include "engine_client/cli/game/machine_class.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/priors/priors_diff.h"
+#include "engine_client/cli/priors/priors_doctor.h"
+#include "engine_client/telemetry/embedded/evidence_ledger.h"
+#include "server/decision/policy/log_cost.h"
+#include "sweepstake/broad_phase.h"
+#include "sweepstake/embedded_decider.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Records = std::vector<PriorRecord>;
+
+struct PriorsFileOptions {
+  std::string file;
+  std::string other_file;
+  std::string out;
+  std::string project;
+  std::string scene;
+  std::string build;
+  std::string other_build;
+  std::string machine_class = MachineClass();
+  bool json = false;
+};
+
+std::map<std::string, uint32_t> ArmVersions() {
+  std::map<std::string, uint32_t> versions;
+  for (const std::string_view arm : BroadPhaseNames())
+    versions.emplace(arm, (*MakeBroadPhase(arm))->version());
+  return versions;
+}
+
+int RunShow(const PriorsFileOptions& options, Terminal& terminal) {
+  const auto records = ReadPriorsFile(options.file);
+  if (!records.ok()) return Fail(terminal, records.status());
+  const PriorsGroups groups = GroupPriors(*records);
+  const Json document = {
+      {"command", "priors show"}, {"file", options.file}, {"scenes", ShowJson(groups)}};
+  PrintResult(terminal, options.json, document,
+              groups.empty() ? options.file + " has no records\n" : ShowText(groups));
+  return kDone;
+}
+
+int RunDoctor(const PriorsFileOptions& options, Terminal& terminal) {
+  const auto records = ReadPriorsFile(options.file);
+  if (!records.ok()) return Fail(terminal, records.status());
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const std::vector<Diagnosed> diagnosed = DiagnosePriors(
+      GroupPriors(*records), {.machine_class = options.machine_class,
+                              .build = options.build,
+                              .reward_version = decision::kLogCostRewardVersion,
+                              .arm_versions = ArmVersions(),
+                              .unix_now_s = static_cast<uint64_t>(
+                                  std::chrono::duration_cast<std::chrono::seconds>(now).count())});
+  const Json document = {{"command", "priors doctor"},
+                         {"file", options.file},
+                         {"machine_class", options.machine_class},
+                         {"build", options.build},
+                         {"entries", DoctorJson(diagnosed)}};
+  PrintResult(terminal, options.json, document, DoctorText(diagnosed));
+  const bool any = std::any_of(diagnosed.begin(), diagnosed.end(), [](const Diagnosed& one) {
+    return one.fitness != Fitness::kForeign;
+  });
+  return any ? kDone : kCheckFailed;
+}
+
+// The records of the build, or of all builds, as if they were of one.
+Records OfBuild(Records records, const std::string& build) {
+  std::erase_if(records,
+                [&](const PriorRecord& record) { return !build.empty() && record.build != build; });
+  for (PriorRecord& record : records) record.build.clear();
+  return records;
+}
+
+int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
+  auto before = ReadPriorsFile(options.file);
+  if (!before.ok()) return Fail(terminal, before.status());
+  auto after = ReadPriorsFile(options.other_file);
+  if (!after.ok()) return Fail(terminal, after.status());
+  const std::vector<GroupChange> changes =
+      DiffPriors(GroupPriors(OfBuild(*std::move(before), options.build)),
+                 GroupPriors(OfBuild(*std::move(after), options.other_build)));
+  const Json document = {{"command", "priors diff"},
+                         {"before", options.file},
+                         {"after", options.other_file},
+                         {"scenes", DiffJson(changes)}};
+  PrintResult(terminal, options.json, document, DiffText(changes));
+  return kDone;
+}
+
+int RunMerge(const PriorsFileOptions& options, Terminal& terminal) {
+  auto records = ReadPriorsFile(options.file);
+  if (!records.ok()) return Fail(terminal, records.status());
+  auto others = ReadPriorsFile(options.other_file);
+  if (!others.ok()) return Fail(terminal, others.status());
+  const Records united = Unite(*std::move(records), *std::move(others));
+  if (const Status written = WritePriorsFile(united, options.out); !written.ok())
+    return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
+  const Json document = {
+      {"command", "priors merge"}, {"file", options.out}, {"records", united.size()}};
+  PrintResult(terminal, options.json, document,
+              options.out + ": " + std::to_string(united.size()) + " records\n");
+  return kDone;
+}
+
+int RunArm(const PriorsFileOptions& options, Terminal& terminal) {
+  if (const auto read = ReadPriorsFile(options.file); !read.ok())
+    return Fail(terminal, read.status());
+  EmbeddedOptions priors;
+  priors.project = options.project;
+  priors.scene = options.scene;
+  priors.machine_class = options.machine_class;
+  priors.priors_file = options.file;
+  std::vector<std::string> arms;
+  std::vector<uint32_t> versions;
+  for (const std::string_view arm : BroadPhaseNames()) {
+    arms.emplace_back(arm);
+    versions.push_back((*MakeBroadPhase(arm))->version());
+  }
+  const auto arm = EmbeddedDecider::ArmOfPriors(priors, arms, versions);
+  if (!arm.ok()) return FailAnswer(terminal, arm.status());
+  PrintResult(terminal, options.json, Json{{"command", "priors arm"}, {"arm", *arm}}, *arm + "\n");
+  return kDone;
+}
+
+void DeclareFile(CLI::App& command, PriorsFileOptions& options) {
+  command.add_option("--in", options.file, "Priors file")->required();
+  AddJsonFlag(command, options.json);
+}
+
+void DeclareMachineClass(CLI::App& command, PriorsFileOptions& options) {
+  command
+      .add_option("--machine-class", options.machine_class,
+                  "Machines on which it is to be used (default: this one's)")
+      ->capture_default_str();
+}
+
+// Two files by their order.
+void DeclareTwoFiles(CLI::App& command, PriorsFileOptions& options) {
+  command.add_option("FILE", options.file, "Priors file")->required();
+  command.add_option("OTHER", options.other_file, "Another one")->required();
+  AddJsonFlag(command, options.json);
+}
+
+void AddTwoFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
+  AddCommand<PriorsFileOptions>(
+      priors, "diff", "Print of which scenes two priors files say something else",
+      "  sweepstake priors diff monday.json friday.json\n"
+      "  sweepstake priors diff all.json all.json --build 1.0 --other-build 1.1\n"
+      "Costs are ratios to the cheapest arm's; those that differ by more than 5 % are printed.\n",
+      exit_code,
+      [](CLI::App& command, PriorsFileOptions& options) {
+        DeclareTwoFiles(command, options);
+        command.add_option("--build", options.build, "Only what this build taught, of FILE");
+        command.add_option("--other-build", options.other_build, "Only this build, of OTHER");
+      },
+      [&terminal](const PriorsFileOptions& options) { return RunDiff(options, terminal); });
+  AddCommand<PriorsFileOptions>(
+      priors, "merge", "Write the records of two priors files as one; the later of each source",
+      "  sweepstake priors merge ours.json theirs.json --out all.json\n", exit_code,
+      [](CLI::App& command, PriorsFileOptions& options) {
+        DeclareTwoFiles(command, options);
+        command.add_option("--out", options.out, "File to write")->required();
+      },
+      [&terminal](const PriorsFileOptions& options) { return RunMerge(options, terminal); });
+}
+
+}  // namespace
+
+void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
+  AddCommand<PriorsFileOptions>(
+      priors, "show", "Print what a priors file says of each scene, machine class and build",
+      "  sweepstake priors show --in priors.json\n", exit_code, DeclareFile,
+      [&terminal](const PriorsFileOptions& options) { return RunShow(options, terminal); });
+  AddCommand<PriorsFileOptions>(
+      priors, "doctor", "Print what of a priors file counts here, and why the rest does not",
+      "  sweepstake priors doctor --in priors.json --build 1.2\n"
+      "An entry is valid (it counts as if this machine and build had measured it), near (it "
+      "counts\n"
+      "less: another build, machine class or version of an arm) or foreign. Exit code 1 when all\n"
+      "are foreign.\n",
+      exit_code,
+      [](CLI::App& command, PriorsFileOptions& options) {
+        DeclareFile(command, options);
+        DeclareMachineClass(command, options);
+        command.add_option("--build", options.build, "Build of the game (default: unknown)");
+      },
+      [&terminal](const PriorsFileOptions& options) { return RunDoctor(options, terminal); });
+  AddTwoFileCommands(priors, terminal, exit_code);
+  AddCommand<PriorsFileOptions>(
+      priors, "arm",
+      "Print the arm that a priors file expects to cost least, for builds that keep to it",
+      "  sweepstake priors arm --in priors.json --project arcade --scene arena\n"
+      "The same file gives the same arm. A scene that is not in it gets what the project's others\n"
+      "have in common; exit code 1 when there are none.\n",
+      exit_code,
+      [](CLI::App& command, PriorsFileOptions& options) {
+        DeclareFile(command, options);
+        DeclareMachineClass(command, options);
+        command.add_option("--project", options.project, "The game's project")->required();
+        command.add_option("--scene", options.scene, "The game's scene")->required();
+      },
+      [&terminal](const PriorsFileOptions& options) { return RunArm(options, terminal); });
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,190 @@
+// What `sweepstake priors show|doctor|diff|merge|arm` say of files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "engine_client/cli/game/machine_class.h"
+#include "engine_client/telemetry/embedded/priors_file.h"
+#include "server/decision/policy/log_cost.h"
+#include "sweepstake/broad_phase.h"
+#include "tests/engine_client/cli/command_run.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+// What 50 windows of a source taught.
+PriorRecord RecordOf(const std::string& source, const std::string& arm, double cost_us) {
+  const decision::Increment window =
+      decision::LogCostIncrement(0, decision::RewardOf(std::log(cost_us)), 0.02 * 0.02);
+  return {.project = "arcade",
+          .scene = "arena",
+          .measured_by = "",
+          .arm = arm,
+          .backend_version = (*MakeBroadPhase(arm))->version(),
+          .machine_class = MachineClass(),
+          .reward_version = decision::kLogCostRewardVersion,
+          .source_id = source,
+          .source_sequence = 1,
+          .alpha_increment = 50 * window.alpha,
+          .beta_increment = 50 * window.beta,
+          .window_count = 50,
+          .bail_out_count = 0,
+          .build = "1.1",
+          .last_seen_unix_s = 0};
+}
+
+// Grid costs half of SAP.
+std::vector<PriorRecord> Honest() {
+  return {RecordOf("a", "Grid", 100), RecordOf("a", "SAP", 200)};
+}
+
+class PriorsFilesTest : public testing::Test {
+ protected:
+  std::string Write(const std::string& name, const std::vector<PriorRecord>& records) {
+    const std::string path = (folder_.path() / name).string();
+    EXPECT_TRUE(WritePriorsFile(records, path).ok());
+    return path;
+  }
+  // Returns the only entry of what the doctor of build 1.1 says.
+  json Diagnose(const std::vector<PriorRecord>& records) {
+    const CommandRun run =
+        RunCommand("priors doctor --json --build 1.1 --in " + Write("sick.json", records));
+    const json entries = json::parse(run.out)["entries"];
+    EXPECT_EQ(entries.size(), 1u);
+    EXPECT_EQ(run.exit_code, entries[0]["fitness"] == "foreign" ? 1 : 0);
+    return entries[0];
+  }
+
+  test_support::TemporaryDirectory folder_;
+};
+
+TEST_F(PriorsFilesTest, ShowSaysWhatEachArmCostsByTheCheapest) {
+  std::vector<PriorRecord> records = Honest();
+  records.push_back(RecordOf("b", "Grid", 100));
+  records.back().measured_by = "lane";
+  const std::string file = Write("p.json", records);
+  const json scene = json::parse(RunCommand("priors show --json --in " + file).out)["scenes"][0];
+  EXPECT_EQ(scene["project"], "arcade");
+  EXPECT_EQ(scene["build"], "1.1");
+  EXPECT_EQ(scene["sources"], 2);
+  EXPECT_EQ(scene["arms"][0]["arm"], "Grid");
+  EXPECT_EQ(scene["arms"][0]["windows"], 50);
+  EXPECT_EQ(scene["arms"][0]["visits"], 50);
+  EXPECT_NEAR(scene["arms"][1]["cost_ratio"], 2, 0.1);
+  EXPECT_THAT(RunCommand("priors show --in " + file).out,
+              AllOf(HasSubstr("arcade/arena on " + MachineClass() + " in build 1.1, 2 sources"),
+                    HasSubstr("Grid")));
+  EXPECT_EQ(RunCommand("priors show --in " + Write("none.json", {})).out,
+            (folder_.path() / "none.json").string() + " has no records\n");
+}
+
+TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
+  const std::vector<PriorRecord> healthy = Honest();
+  EXPECT_EQ(Diagnose(healthy)["fitness"], "valid");
+  EXPECT_EQ(Diagnose(healthy)["weight"], 1);
+  const auto changed = [&](auto change) {
+    std::vector<PriorRecord> records = healthy;
+    for (PriorRecord& record : records) change(record);
+    return Diagnose(records);
+  };
+  const json build = changed([](PriorRecord& record) { record.build = "1.0"; });
+  EXPECT_EQ(build["fitness"], "near");
+  EXPECT_EQ(build["reasons"][0], "of build 1.0");
+  const json machine = changed([](PriorRecord& record) { record.machine_class = "console"; });
+  EXPECT_EQ(machine["fitness"], "near");
+  EXPECT_THAT(machine["reasons"][0], HasSubstr("measured on console"));
+  EXPECT_LT(machine["weight"], build["weight"]);
+  const json reward = changed([](PriorRecord& record) { record.reward_version = 1; });
+  EXPECT_EQ(reward["fitness"], "foreign");
+  EXPECT_EQ(reward["weight"], 0);
+  EXPECT_THAT(reward["reasons"][0], HasSubstr("its reward is version 1"));
+  EXPECT_EQ(changed([](PriorRecord& record) { record.arm = "Octree"; })["fitness"], "foreign");
+  const json old = changed([](PriorRecord& record) { record.last_seen_unix_s = 1'000'000'000; });
+  EXPECT_EQ(old["fitness"], "near");
+  EXPECT_THAT(old["reasons"][0], HasSubstr("days old"));
+}
+
+// One arm in another version, and one that this program does not have.
+TEST_F(PriorsFilesTest, AnArmThatChangedLosesNothingOfTheOthersKnowledge) {
+  std::vector<PriorRecord> records = Honest();
+  records[0].backend_version += 1;
+  records.push_back(RecordOf("a", "Grid", 300));
+  records.back().arm = "Octree";
+  const json entry = Diagnose(records);
+  EXPECT_EQ(entry["fitness"], "near");
+  EXPECT_EQ(entry["weight"], 1) << "of SAP, which is the same";
+  EXPECT_EQ(entry["reasons"].size(), 2u);
+}
+
+TEST_F(PriorsFilesTest, DiffNamesTheScenesOfWhichTwoFilesSaySomethingElse) {
+  std::vector<PriorRecord> later = Honest();
+  later[1] = RecordOf("a", "SAP", 50);
+  for (PriorRecord& record : Honest()) {
+    record.scene = "harbour";
+    later.push_back(record);
+  }
+  std::vector<PriorRecord> before = Honest();
+  before.insert(before.end(), later.begin() + 2, later.end());
+  const std::string files = Write("before.json", before) + " " + Write("later.json", later);
+  const json scenes = json::parse(RunCommand("priors diff --json " + files).out)["scenes"];
+  ASSERT_EQ(scenes.size(), 1u);
+  EXPECT_EQ(scenes[0]["scene"], "arena");
+  EXPECT_EQ(scenes[0]["leader_changed"], true);
+  EXPECT_NEAR(scenes[0]["arms"][1]["before"], 2, 0.1);
+  EXPECT_EQ(scenes[0]["arms"][1]["after"], 1);
+  EXPECT_THAT(RunCommand("priors diff " + files).out,
+              AllOf(HasSubstr("another arm is the cheapest"), Not(HasSubstr("harbour"))));
+  const std::string same = Write("same.json", before);
+  EXPECT_EQ(RunCommand("priors diff " + same + " " + same).out,
+            "They say the same of every scene, to 5 %.\n");
+}
+
+TEST_F(PriorsFilesTest, DiffComparesTwoBuildsOfOneFile) {
+  std::vector<PriorRecord> records = Honest();
+  records.push_back(RecordOf("b", "Grid", 100));
+  records.push_back(RecordOf("b", "SAP", 150));
+  records[2].build = records[3].build = "1.2";
+  const std::string file = Write("builds.json", records);
+  const std::string diff = "priors diff --json " + file + " " + file + " --build 1.1";
+  const json scenes = json::parse(RunCommand(diff + " --other-build 1.2").out)["scenes"];
+  ASSERT_EQ(scenes.size(), 1u);
+  EXPECT_EQ(scenes[0]["leader_changed"], false);
+  EXPECT_NEAR(scenes[0]["arms"][1]["after"], 1.5, 0.1);
+  EXPECT_TRUE(json::parse(RunCommand(diff + " --other-build 1.1").out)["scenes"].empty());
+}
+
+TEST_F(PriorsFilesTest, MergeKeepsOfEachSourceWhatIsLater) {
+  std::vector<PriorRecord> theirs = {RecordOf("a", "Grid", 100), RecordOf("b", "SAP", 200)};
+  theirs[0].source_sequence = 2;
+  theirs[0].window_count = 70;
+  const std::string out = (folder_.path() / "all.json").string();
+  const CommandRun run = RunCommand("priors merge " + Write("ours.json", Honest()) + " " +
+                                    Write("theirs.json", theirs) + " --out " + out);
+  EXPECT_EQ(run.out, out + ": 3 records\n");
+  const auto merged = ReadPriorsFile(out);
+  ASSERT_TRUE(merged.ok());
+  EXPECT_EQ((*merged)[0].window_count, 70u);
+  const CommandRun nowhere =
+      RunCommand("priors merge " + out + " " + out + " --out /nonexistent/p");
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("/nonexistent/p"));
+}
+
+TEST_F(PriorsFilesTest, ArmIsTheCheapestOfTheScene) {
+  const std::string arm = "priors arm --project arcade --in " + Write("p.json", Honest());
+  EXPECT_EQ(RunCommand(arm + " --scene arena").out, "Grid\n");
+  EXPECT_EQ(RunCommand(arm + " --scene desert").out, "Grid\n") << "of the project's others";
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
