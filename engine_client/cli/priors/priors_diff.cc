@@ -23,7 +23,7 @@ bool IsCompared(const PriorsGroupKey& key) {
 Ratios RatiosOf(const PriorsGroupKey& key, const PriorsGroup& group) {
   Ratios ratios;
   if (!IsCompared(key)) return ratios;
-  for (const ArmCost& cost : CostsOf(group)) ratios[cost.arm] = cost.ratio;
+  for (const ArmRatio& cost : CostsOf(group)) ratios[cost.arm] = cost.ratio;
   return ratios;
 }
 

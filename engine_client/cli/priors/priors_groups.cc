@@ -34,11 +34,11 @@ PriorsGroups GroupPriors(std::span<const PriorRecord> records) {
   return groups;
 }
 
-std::vector<ArmCost> CostsOf(const PriorsGroup& group) {
+std::vector<ArmRatio> CostsOf(const PriorsGroup& group) {
   std::vector<decision::ArmEvidence> evidence;
   for (const auto& [name, arm] : group.arms) evidence.push_back(arm.evidence);
   const std::vector<decision::EvidenceSum> pooled = decision::PoolEvidence(evidence);
-  std::vector<ArmCost> costs;
+  std::vector<ArmRatio> costs;
   double least = 0;
   for (auto arm = group.arms.begin(); const decision::EvidenceSum& sum : pooled) {
     const std::string& name = (arm++)->first;
@@ -47,9 +47,9 @@ std::vector<ArmCost> CostsOf(const PriorsGroup& group) {
     least = costs.empty() ? log_cost : std::min(least, log_cost);
     costs.push_back({name, log_cost});
   }
-  for (ArmCost& cost : costs) cost.ratio = std::exp(cost.ratio - least);
+  for (ArmRatio& cost : costs) cost.ratio = std::exp(cost.ratio - least);
   std::sort(costs.begin(), costs.end(),
-            [](const ArmCost& a, const ArmCost& b) { return a.ratio < b.ratio; });
+            [](const ArmRatio& a, const ArmRatio& b) { return a.ratio < b.ratio; });
   return costs;
 }
 

@@ -45,13 +45,13 @@ using PriorsGroups = std::map<PriorsGroupKey, PriorsGroup>;
 PriorsGroups GroupPriors(std::span<const PriorRecord> records);
 
 // An arm's cost ÷ that of the group's cheapest one, as its evidence alone says.
-struct ArmCost {
+struct ArmRatio {
   std::string arm;
   double ratio = 1;
 };
 
 // Returns the arms with evidence, the cheapest first. REQUIRES: reward version 3.
-std::vector<ArmCost> CostsOf(const PriorsGroup& group);
+std::vector<ArmRatio> CostsOf(const PriorsGroup& group);
 
 // Returns "project/scene", and what else is known of the group.
 std::string NameOf(const PriorsGroupKey& key);
