@@ -166,6 +166,8 @@ struct AuditOrigin {
   std::string program_version;
   std::vector<uint32_t> backend_versions;  // holds one per arm, or none
   int64_t unix_start_ms = 0;               // wall clock; 0 if unknown
+  // For people: whose evidence the priors are, and its weight. It is no part of a decision.
+  std::vector<std::string> prior_sources = {};
 };
 
 // Receives the rows as they are made.

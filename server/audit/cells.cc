@@ -37,6 +37,11 @@ class Appender {
     AppendValue(out_, value);
   }
 
+  template <typename T>
+  void IfAny(std::string_view key, const std::vector<T>& list) {
+    if (!list.empty()) (*this)(key, list);
+  }
+
  private:
   std::string& out_;
   bool first_ = true;

@@ -78,6 +78,13 @@ class Parser {
     }
   }
 
+  template <typename T>
+  void IfAny(std::string_view key, std::vector<T>& list) {
+    std::string_view rest = text_;
+    std::string_view pair = TakeEscaped(rest, ';');
+    if (TakeItem(pair, '=') == key) (*this)(key, list);
+  }
+
   std::string_view rest() const { return text_; }
 
  private:

@@ -44,6 +44,7 @@ void VisitSetup(Setup& setup, Visit& visit) {
   visit("decision_count", decision_count);
 }
 
+// Calls visit.IfAny for a list that is left out where it is empty.
 template <EitherConst<AuditOrigin> Origin, typename Visit>
 void VisitOrigin(Origin& origin, Visit& visit) {
   visit("project", origin.project);
@@ -52,6 +53,7 @@ void VisitOrigin(Origin& origin, Visit& visit) {
   visit("program_version", origin.program_version);
   visit("backend_versions", origin.backend_versions);
   visit("unix_start_ms", origin.unix_start_ms);
+  visit.IfAny("prior_sources", origin.prior_sources);
 }
 
 }  // namespace sweepstake::decision

@@ -18,8 +18,9 @@ struct SessionIdentity {
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // has one per arm
   uint64_t seed = 0;
-  decision::DecisionOptions decision;  // time scale applied
-  uint32_t audit_segment = 1;          // segment of the session's audit log
+  decision::DecisionOptions decision;      // time scale applied
+  uint32_t audit_segment = 1;              // segment of the session's audit log
+  std::vector<std::string> prior_sources;  // whose evidence it began with, for the audit log
 };
 
 }  // namespace sweepstake::rpc

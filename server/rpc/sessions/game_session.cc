@@ -93,7 +93,8 @@ void GameSession::StartAudit() {
                         .machine_class = scene.machine_class,
                         .program_version = context_.options.daemon_version,
                         .backend_versions = identity_.backend_versions,
-                        .unix_start_ms = unix_now_ms});
+                        .unix_start_ms = unix_now_ms,
+                        .prior_sources = identity_.prior_sources});
 }
 
 void GameSession::Attach(SessionLink& link) {

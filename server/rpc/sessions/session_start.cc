@@ -5,9 +5,12 @@
 #include <openssl/sha.h>
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
+#include <map>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/numbers.h"
@@ -93,11 +96,14 @@ std::vector<decision::EvidenceSum> OwnEvidence(const v1::Hello& hello,
   return PooledFor(hello, own);
 }
 
+decision::SourceRelation RelationOf(const v1::Hello& hello, const priors::SceneSource& source) {
+  return {.same_build = source.build == hello.build(),
+          .same_machine_class = source.evidence.key.machine_class == hello.machine_class()};
+}
+
 decision::SourceEvidence SourceEvidenceFor(const v1::Hello& hello,
                                            const priors::SceneSource& source) {
-  const decision::SourceRelation relation{
-      .same_build = source.build == hello.build(),
-      .same_machine_class = source.evidence.key.machine_class == hello.machine_class()};
+  const decision::SourceRelation relation = RelationOf(hello, source);
   std::vector<Arm> arms;
   decision::SourceEvidence result;
   for (const v1::Arm& wanted : hello.arms()) {
@@ -111,6 +117,30 @@ decision::SourceEvidence SourceEvidenceFor(const v1::Hello& hello,
   return result;
 }
 
+// Returns how many sources of each build and class of machines count how much, the heaviest first.
+std::vector<std::string> Describe(const v1::Hello& hello,
+                                  const std::vector<priors::SceneSource>& sources) {
+  constexpr size_t kMaxLines = 8;
+  using Group = std::tuple<double, std::string, std::string>;  // weight, build, class
+  std::map<Group, size_t, std::greater<>> counts;
+  for (const priors::SceneSource& source : sources) {
+    const double weight = decision::PowerPriorWeight(RelationOf(hello, source), true);
+    ++counts[{weight, source.build, source.evidence.key.machine_class}];
+  }
+  std::vector<std::string> lines;
+  for (const auto& [group, count] : counts) {
+    const auto& [weight, build, machine_class] = group;
+    if (lines.size() == kMaxLines) {
+      lines.push_back(absl::StrCat("and ", counts.size() - kMaxLines, " more groups"));
+      break;
+    }
+    const auto named = [](const std::string& name) { return name.empty() ? "unknown" : name; };
+    lines.push_back(absl::StrFormat("%d of build %s on %s at %g", count, named(build),
+                                    named(machine_class), weight));
+  }
+  return lines;
+}
+
 // Adds what the sources of the scene say of it.
 absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello, StoredStart& start) {
   const auto stored = store.LoadSources(FromProto(hello));
@@ -121,6 +151,7 @@ absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello, Stor
     sources.push_back(SourceEvidenceFor(hello, source));
   }
   start.prior_source_count = stored->size();
+  start.prior_sources = Describe(hello, *stored);
   start.priors = decision::CombineSources(sources, start.priors);
   return absl::OkStatus();
 }
@@ -131,6 +162,7 @@ absl::Status AddSums(priors::PriorReader& store, const v1::Hello& hello, StoredS
   if (!scene.ok()) return scene.status();
   if (!scene->has_value()) return absl::OkStatus();
   start.prior_source_count = (*scene)->source_count;
+  start.prior_sources = {absl::StrCat("the sums of ", start.prior_source_count, " sources")};
   start.priors = PooledFor(hello, **scene);
   return absl::OkStatus();
 }
@@ -157,6 +189,9 @@ absl::Status AddOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
     }
   }
   start.priors = decision::WithOtherScenes(std::move(start.priors), others);
+  if (!others.empty())
+    start.prior_sources.push_back(
+        absl::StrCat("what ", others.size(), " other scenes have in common"));
   if (start.prior_source_count == 0 && decision::IsAnythingKnown(start.priors))
     start.prior_source_count = source_count;
   return absl::OkStatus();
@@ -186,6 +221,7 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start, int
   SessionIdentity identity;
   identity.token_id = token_id;
   identity.build = hello.build();
+  identity.prior_sources = start.prior_sources;
   identity.id = start.source ? start.source->progress.source_id : NewSessionId(options);
   identity.scene = FromProto(hello);
   for (const v1::Arm& arm : hello.arms()) {

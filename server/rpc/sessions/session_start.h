@@ -35,12 +35,13 @@ namespace sweepstake::rpc {
 
 // The store's knowledge for a Hello.
 struct StoredStart {
-  std::vector<decision::EvidenceSum> priors;  // in Hello's order of arms, or none
-  uint64_t prior_source_count = 0;            // sources of that evidence
-  std::optional<priors::SourceState> source;  // present if a session is resumed
-  std::optional<UnstoredScene> new_scene;     // present if the store does not have the scene
-  absl::Status refusal;                       // a quota that the session would exceed
-  absl::Status status;                        // why some of it is missing; OK if nothing is
+  std::vector<decision::EvidenceSum> priors;    // in Hello's order of arms, or none
+  uint64_t prior_source_count = 0;              // sources of that evidence
+  std::vector<std::string> prior_sources = {};  // what the audit log says of them
+  std::optional<priors::SourceState> source;    // present if a session is resumed
+  std::optional<UnstoredScene> new_scene;       // present if the store does not have the scene
+  absl::Status refusal;                         // a quota that the session would exceed
+  absl::Status status;                          // why some of it is missing; OK if nothing is
 };
 
 // Reads the store, on one of its threads: on the writing one if a session is to be resumed, since

@@ -2,6 +2,7 @@
 #include <spdlog/sinks/ringbuffer_sink.h>
 
 #include "server/audit/rederive.h"
+#include "server/decision/policy/log_cost.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -79,6 +80,35 @@ TEST_F(AuditTest, EveryDecisionIsDerivedAgainFromWhatIsExported) {
   EXPECT_EQ(segments[0].scene(), "harbour");
   EXPECT_EQ(segments[0].row_count(), 7u);
   EXPECT_GT(segments[0].unix_start_ms(), 1'600'000'000'000);
+}
+
+TEST_F(AuditTest, ASetupSaysWhoseEvidenceTheSessionBeganWithAndItsWeight) {
+  v1::Hello hello = HelloMessage();
+  hello.set_policy("adaptive");
+  hello.set_machine_class("desktop");
+  hello.set_build("1.1");
+  for (const std::string source : {"a", "b", "c"}) {
+    Put({{.key = {.project = hello.project(),
+                  .scene = hello.scene(),
+                  .measured_by = "lane",
+                  .arm = "Grid",
+                  .backend_version = 1,
+                  .machine_class = "desktop",
+                  .reward_version = decision::kLogCostRewardVersion},
+          .source_id = source,
+          .source_sequence = 1,
+          .evidence = {.alpha = 5'000, .beta = 5'000, .window_count = 50},
+          .build = source == "c" ? "1.0" : "1.1"}});
+  }
+  TelemetryClient client(channel_);
+  client.Open(hello);
+  Play(client, 1, 1);
+  client.Send(Goodbye());
+  EXPECT_TRUE(client.Finish().ok());
+  const std::string csv = Export();
+  EXPECT_THAT(csv, HasSubstr("prior_sources=2 of build 1.1 on desktop at 0.5,"
+                             "1 of build 1.0 on desktop at 0.25"));
+  Derived(csv);
 }
 
 TEST_F(AuditTest, BailOutsThatAreNoEvidenceAreDerivedAgainAsSuch) {
