@@ -1,12 +1,16 @@
 // `sweepstake priors list|export|import|revoke`: a daemon's evidence to look at, to ship with a
 // game, to carry to another daemon, and to take out again.
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/priors_transfer.h"
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/telemetry/embedded/priors_sums.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -19,6 +23,7 @@ struct PriorsOptions {
   std::string scene;
   std::string file;
   SourceChoice sources;
+  bool sums = false;
   bool yes = false;
   bool json = false;
 };
@@ -41,7 +46,7 @@ std::string DescribeFolded(const ExportResult& result) {
 }
 
 int RunExport(const PriorsOptions& options, Terminal& terminal) {
-  const auto result = ExportPriors(options.daemon, options.project, options.scene);
+  auto result = ExportPriors(options.daemon, options.project, options.scene);
   if (!result.ok()) return FailAnswer(terminal, result.status());
   const size_t count = result->records.size();
   const bool selects = !options.project.empty() || !options.scene.empty();
@@ -51,17 +56,21 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
                                            " is left as it was; `sweepstake priors list` shows "
                                            "which it has"));
   }
-  const Status written = WritePriorsFile(result->records, options.file);
+  const std::vector<PriorRecord> records =
+      options.sums ? SumByBuild(result->records) : std::move(result->records);
+  const Status written = WritePriorsFile(records, options.file);
   if (!written.ok()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
   }
   const Json document = {{"command", "priors export"},
                          {"file", options.file},
-                         {"records", count},
+                         {"records", records.size()},
+                         {"sums", options.sums},
                          {"folded_records", result->folded_record_count},
                          {"folded_windows", result->folded_window_count}};
   PrintResult(terminal, options.json, document,
-              options.file + ": " + std::to_string(count) + " records\n" + DescribeFolded(*result));
+              options.file + ": " + std::to_string(records.size()) +
+                  (options.sums ? " sums of builds\n" : " records\n") + DescribeFolded(*result));
   return kDone;
 }
 
@@ -72,19 +81,36 @@ std::string AbsentText(uint64_t count) {
          "under others, and a source is never counted twice, or has revoked them\n";
 }
 
+std::string SumsText(uint64_t count) {
+  if (count == 0) return "";
+  return std::to_string(count) +
+         " sums of builds were left out: a daemon cannot know what it has of them already\n";
+}
+
 int RunImport(const PriorsOptions& options, Terminal& terminal) {
-  const auto records = ReadPriorsFile(options.file);
+  auto records = ReadPriorsFile(options.file);
   if (!records.ok()) return Fail(terminal, records.status());
+  const uint64_t sum_count = std::erase_if(*records, IsSum);
+  if (records->empty() && sum_count > 0) {
+    return Fail(terminal,
+                Status(StatusCode::kInvalidArgument,
+                       options.file + " has nothing but sums of builds, of which a daemon cannot "
+                                      "know what it has already: export it without --sums"));
+  }
   const auto result = ImportPriors(options.daemon, *records);
   if (!result.ok()) return FailAnswer(terminal, result.status());
-  const Json document = {{"command", "priors import"},           {"file", options.file},
-                         {"records", records->size()},           {"applied", result->applied_count},
-                         {"unchanged", result->unchanged_count}, {"absent", result->absent_count}};
+  const Json document = {{"command", "priors import"},
+                         {"file", options.file},
+                         {"records", records->size()},
+                         {"applied", result->applied_count},
+                         {"unchanged", result->unchanged_count},
+                         {"absent", result->absent_count},
+                         {"sums", sum_count}};
   PrintResult(terminal, options.json, document,
               options.file + ": " + std::to_string(result->applied_count) + " of " +
                   std::to_string(records->size()) + " records were new or newer, " +
                   std::to_string(result->unchanged_count) + " were known already\n" +
-                  AbsentText(result->absent_count));
+                  AbsentText(result->absent_count) + SumsText(sum_count));
   return kDone;
 }
 
@@ -137,13 +163,18 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       [&terminal](const PriorsOptions& options) { return RunList(options, terminal); });
   AddCommand<PriorsOptions>(
       *priors, "export", "Write the evidence as a priors file, for games and other daemons",
-      "  sweepstake priors export --daemon 127.0.0.1:7433 --out priors.json\n"
+      "  sweepstake priors export --daemon 127.0.0.1:7433 --out evidence.json\n"
+      "  sweepstake priors export --daemon 127.0.0.1:7433 --sums --out priors.json\n"
       "  sweepstake run --scene hurricane --objects 3000 --embedded --priors priors.json\n",
       exit_code,
       [](CLI::App& command, PriorsOptions& options) {
         DeclareCommon(command, options);
         DeclareFilter(command, options);
         command.add_option("--out", options.file, "File to write")->required();
+        command.add_flag(
+            "--sums", options.sums,
+            "Sums per build and machine class, which name no session: small enough for "
+            "a game's repository, and to ship with the game; no daemon imports them");
       },
       [&terminal](const PriorsOptions& options) { return RunExport(options, terminal); });
   AddCommand<PriorsOptions>(

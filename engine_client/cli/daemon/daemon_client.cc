@@ -49,8 +49,8 @@ Result<std::shared_ptr<grpc::Channel>> OpenChannel(const DaemonOptions& daemon,
                            std::move(arguments));
 }
 
-void SetDeadline(grpc::ClientContext& context) {
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
+void SetDeadline(grpc::ClientContext& context, std::chrono::seconds patience) {
+  context.set_deadline(std::chrono::system_clock::now() + patience);
 }
 
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon) {

@@ -5,6 +5,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,8 +26,12 @@ TlsNames TlsOptionNames();
 Result<std::shared_ptr<grpc::Channel>> OpenChannel(const DaemonOptions& daemon,
                                                    bool own_connection = false);
 
-// Makes the call fail with kUnavailable after ten seconds.
-void SetDeadline(grpc::ClientContext& context);
+// The patience with a call that carries all evidence; the daemon itself ends one that stalls.
+inline constexpr std::chrono::seconds kTransferPatience = std::chrono::minutes(10);
+
+// Makes the call fail with kUnavailable after the time.
+void SetDeadline(grpc::ClientContext& context,
+                 std::chrono::seconds patience = std::chrono::seconds(10));
 
 // Returns the daemon's status, or kUnavailable with a hint if the daemon could not be reached.
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon);

@@ -41,7 +41,7 @@ Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
   grpc::ClientContext context;
-  SetDeadline(context);
+  SetDeadline(context, kTransferPatience);
   v1::ExportPriorsRequest request;
   request.set_project(project);
   request.set_scene(scene);
@@ -65,7 +65,7 @@ Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
   grpc::ClientContext context;
-  SetDeadline(context);
+  SetDeadline(context, kTransferPatience);
   v1::ImportPriorsResponse response;
   std::span<const PriorRecord> records = all_records;
   const auto writer = stub->ImportPriors(&context, &response);

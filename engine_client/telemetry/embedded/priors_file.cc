@@ -1,15 +1,14 @@
 #include "engine_client/telemetry/embedded/priors_file.h"
 
-#include <cmath>
+#include <algorithm>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <system_error>
 
-#include "server/decision/math/names.h"
-#include "server/decision/policy/scene_prior.h"
+#include "engine_client/telemetry/embedded/field_reader.h"
+#include "engine_client/telemetry/embedded/priors_sums.h"
 
 namespace sweepstake {
 namespace {
@@ -18,85 +17,15 @@ using Json = nlohmann::json;
 
 constexpr std::string_view kFormat = "sweepstake-priors";
 constexpr int kVersion = 1;
+constexpr int kVersionOfSums = 2;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{64} << 20;
 constexpr size_t kMaxRecords = 200'000;
-constexpr double kMaxIncrement = 1e15;
-// As in the store, and far from where the ledger's next number would be 0.
-constexpr uint64_t kMaxSequence = std::numeric_limits<int64_t>::max();
 
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
-// Reads the fields of one record; keeps the first error.
-class RecordReader {
- public:
-  explicit RecordReader(const Json& record) : record_(record) {}
-
-  void Name(const char* key, std::string& value, bool required) {
-    const Json* field = Find(key, required);
-    if (field == nullptr) return;
-    if (!field->is_string()) return SetError(key, "is not a string");
-    value = field->get_ref<const std::string&>();
-    if (required && value.empty()) return SetError(key, "is empty");
-    if (!math::IsOptionalName(value)) {
-      SetError(key, "is over 128 bytes or holds a control character");
-    }
-  }
-
-  void MeasuredBy(const char* key, std::string& value) {
-    Name(key, value, false);
-    if (!decision::IsMeasuredBy(value)) SetError(key, "is neither absent nor \"lane\"");
-  }
-
-  template <typename Integer>
-  void Count(const char* key, Integer& value, bool required,
-             Integer max = std::numeric_limits<Integer>::max()) {
-    const Json* field = Find(key, required);
-    if (field == nullptr) return;
-    if (!field->is_number_unsigned()) return SetError(key, "is not a whole number >= 0");
-    const uint64_t number = field->get<uint64_t>();
-    if (number > max) return SetError(key, "is too large");
-    if (required && number == 0) return SetError(key, "is 0");
-    value = static_cast<Integer>(number);
-  }
-
-  void Increment(const char* key, double& value) {
-    const Json* field = Find(key, true);
-    if (field == nullptr) return;
-    if (!field->is_number()) return SetError(key, "is not a number");
-    value = field->get<double>();
-    if (!(value >= 0 && value <= kMaxIncrement)) SetError(key, "is not within 0 to 1e15");
-  }
-
-  // To be called after all fields were read.
-  void RejectUnknown() {
-    for (const auto& item : record_.items()) {
-      if (!known_.contains(item.key())) return SetError(item.key(), "is not a field of a record");
-    }
-  }
-
-  const std::optional<std::string>& error() const { return error_; }
-
- private:
-  const Json* Find(const char* key, bool required) {
-    known_.insert(key);
-    const auto found = record_.find(key);
-    if (found != record_.end()) return &*found;
-    if (required) SetError(key, "is missing");
-    return nullptr;
-  }
-
-  void SetError(const std::string& key, const char* what) {
-    if (!error_) error_ = key.substr(0, math::kMaxNameBytes) + " " + what;
-  }
-
-  const Json& record_;
-  std::set<std::string> known_;
-  std::optional<std::string> error_;
-};
-
 std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   if (!json.is_object()) return "is not an object";
-  RecordReader reader(json);
+  FieldReader reader(json);
   reader.Name("project", record.project, true);
   reader.Name("scene", record.scene, true);
   reader.MeasuredBy("measured_by", record.measured_by);
@@ -132,26 +61,23 @@ bool Holds(const Json& document, const char* key, const Json& expected) {
   return found != document.end() && *found == expected;
 }
 
-Status CheckDocument(const Json& document) {
-  if (document.is_discarded()) return Broken("the priors are not a JSON document");
-  if (!document.is_object() || !Holds(document, "format", kFormat)) {
-    return Broken("the priors are not of format \"sweepstake-priors\"");
-  }
-  if (!Holds(document, "version", kVersion)) {
-    return Broken("the priors are not of version 1, the only one this build reads");
-  }
-  const auto records = document.find("records");
-  if (records == document.end() || !records->is_array()) {
+std::string RecordName(size_t index) { return "priors record " + std::to_string(index); }
+
+Result<std::vector<PriorRecord>> RecordsOf(const Json& document) {
+  const auto array = document.find("records");
+  if (array == document.end() || !array->is_array())
     return Broken("the priors have no array \"records\"");
-  }
-  if (records->size() > kMaxRecords) {
-    return Broken("the priors hold " + std::to_string(records->size()) +
+  if (array->size() > kMaxRecords) {
+    return Broken("the priors hold " + std::to_string(array->size()) +
                   " records, more than 200000");
   }
-  return {};
+  std::vector<PriorRecord> records(array->size());
+  for (size_t i = 0; i < records.size(); ++i) {
+    if (auto error = ReadRecord((*array)[i], records[i]))
+      return Broken(RecordName(i) + ": " + *error);
+  }
+  return records;
 }
-
-std::string RecordName(size_t index) { return "priors record " + std::to_string(index); }
 
 Json ToJson(const PriorRecord& record) {
   return {{"project", record.project},
@@ -181,21 +107,23 @@ Status Unwritable(const std::filesystem::path& path) {
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
   if (text.size() > kMaxFileBytes) return Broken("the priors are over 64 MiB");
   const Json document = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (Status status = CheckDocument(document); !status.ok()) return status;
-  const Json& array = *document.find("records");
-  std::vector<PriorRecord> records(array.size());
-  for (size_t i = 0; i < records.size(); ++i) {
-    if (auto error = ReadRecord(array[i], records[i])) {
-      return Broken(RecordName(i) + ": " + *error);
-    }
-  }
-  if (const std::optional<size_t> repeated = FirstRepeated(records)) {
+  if (document.is_discarded()) return Broken("the priors are not a JSON document");
+  if (!document.is_object() || !Holds(document, "format", kFormat))
+    return Broken("the priors are not of format \"sweepstake-priors\"");
+  const bool of_sums = Holds(document, "version", kVersionOfSums);
+  if (!of_sums && !Holds(document, "version", kVersion))
+    return Broken("the priors are not of version 1 or 2, which this build reads");
+  auto records = of_sums ? SumsOf(document) : RecordsOf(document);
+  if (!records.ok()) return records;
+  if (const std::optional<size_t> repeated = FirstRepeated(*records)) {
     return Broken(RecordName(*repeated) + ": repeats the key and source of an earlier record");
   }
   return records;
 }
 
 std::string FormatPriors(std::span<const PriorRecord> records) {
+  if (!records.empty() && std::all_of(records.begin(), records.end(), IsSum))
+    return FormatSums(records);
   Json array = Json::array();
   for (const PriorRecord& record : records) array.push_back(ToJson(record));
   const Json document = {{"format", kFormat}, {"version", kVersion}, {"records", std::move(array)}};

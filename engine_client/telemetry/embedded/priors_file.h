@@ -6,9 +6,12 @@
 // machine_class or build is empty, an absent count is 0, and every other field is required. An
 // unknown field is an error, since a misspelt one would silently change the key.
 //
-// Bounds: 64 MiB, 200,000 records, names of 128 bytes. Errors are one line and name the record by
-// its position from 0: kNotFound (no such file), kDataLoss (broken content), kUnavailable (cannot
-// be written).
+// Sums of builds (priors_sums.h) make a version 2, a smaller one, of which ParsePriors returns the
+// sums as records.
+//
+// Bounds: 64 MiB, 200,000 records or 1,000,000 sums, names of 128 bytes. Errors are one line and
+// name the record, or the scene of sums, by its position from 0: kNotFound (no such file),
+// kDataLoss (broken content), kUnavailable (cannot be written).
 #pragma once
 
 #include <cstdint>
@@ -52,6 +55,7 @@ inline auto KeyOf(const PriorRecord& record) {
 // Parses the text and checks every record. A repeated pair of key and source is an error, since it
 // would count twice.
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text);
+// Formats version 2 if all records are sums, and version 1 else.
 std::string FormatPriors(std::span<const PriorRecord> records);
 
 Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path);

@@ -9,6 +9,7 @@
 
 #include "engine_client/cli/game/machine_class.h"
 #include "engine_client/telemetry/embedded/priors_file.h"
+#include "engine_client/telemetry/embedded/priors_sums.h"
 #include "server/decision/policy/log_cost.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/engine_client/cli/command_run.h"
@@ -67,6 +68,25 @@ class PriorsFilesTest : public testing::Test {
 
   test_support::TemporaryDirectory folder_;
 };
+
+TEST_F(PriorsFilesTest, SumsOfBuildsCountLikeTheirSessionsAndAreImportedNowhere) {
+  std::vector<PriorRecord> sessions = Honest();
+  for (const PriorRecord& record : Honest()) sessions.emplace_back(record).source_id = "b";
+  const std::string file = Write("sums.json", SumByBuild(sessions));
+  const json scenes = json::parse(RunCommand("priors show --json --in " + file).out)["scenes"];
+  const std::string of_sessions = Write("sessions.json", sessions);
+  const json others =
+      json::parse(RunCommand("priors show --json --in " + of_sessions).out)["scenes"];
+  ASSERT_EQ(scenes[0]["arms"].size(), 2u);
+  for (size_t arm = 0; arm < 2; ++arm) {
+    EXPECT_EQ(scenes[0]["arms"][arm]["arm"], others[0]["arms"][arm]["arm"]);
+    EXPECT_NEAR(scenes[0]["arms"][arm]["cost_ratio"].get<double>(),
+                others[0]["arms"][arm]["cost_ratio"].get<double>(), 0.002);
+  }
+  const CommandRun refused = RunCommand("priors import --daemon localhost:1 --in " + file);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("export it without --sums"));
+}
 
 TEST_F(PriorsFilesTest, ShowSaysWhatEachArmCostsByTheCheapest) {
   std::vector<PriorRecord> records = Honest();

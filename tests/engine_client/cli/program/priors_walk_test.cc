@@ -75,8 +75,9 @@ TEST_F(PriorsWalk, ABuildLearnsTheNextStartsFromItABadOneGoesAndTheFileShips) {
   EXPECT_EQ(JsonOf("priors import --in " + Path("with-1.2.json") + at())["applied"], 0)
       << "it does not come back with a file";
 
+  const std::string shipped = Path("shipped.json");
+  EXPECT_EQ(JsonOf("priors export --sums --out " + shipped + at())["sums"], true);
   daemon_.Kill();
-  const std::string shipped = Path("good.json");
   EXPECT_THAT(RunProgram("priors show --in " + shipped).out, HasSubstr("arcade/arena on m"));
   const json doctor = JsonOf("priors doctor --machine-class m --build 1.1 --in " + shipped);
   EXPECT_EQ(doctor["entries"].size(), 2u) << "1.0 and 1.1";

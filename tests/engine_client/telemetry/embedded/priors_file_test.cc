@@ -106,6 +106,7 @@ TEST(PriorsFile, RefusesWhatIsNoPriorsDocument) {
   for (const char* text :
        {"", "{", "[]", "null", "{\"format\":\"other\"}", "{\"format\":\"sweepstake-priors\"}",
         "{\"format\":\"sweepstake-priors\",\"version\":2,\"records\":[]}",
+        "{\"format\":\"sweepstake-priors\",\"version\":3,\"records\":[]}",
         "{\"format\":\"sweepstake-priors\",\"version\":1}",
         "{\"format\":\"sweepstake-priors\",\"version\":1,\"records\":[3]}",
         "{\"format\":\"sweepstake-priors\",\"version\":1,\"records\":[{}]}"}) {

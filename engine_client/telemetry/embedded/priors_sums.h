@@ -1,0 +1,38 @@
+// The small form of a priors file, which a game's repository holds and the game ships: what all
+// sources of a build taught about a scene on one class of machines, without naming them.
+//
+// It is one JSON document with a line per scene and per build of it:
+//   {"format": "sweepstake-priors", "version": 2, "checksum": "0123456789abcdef", "scenes": [
+//   {"project": "p", "scene": "s", "machine_class": "m", "reward_version": 3,
+//    "arms": ["Grid/1", "SAP/2"], "builds": {
+//   "1.2": [1760000000, [[5.2, 4.1, 12], null], [[80.1, 62.5, 190], [75.5, 30.1, 180]]]}}]}
+// The arms have their backend versions. A build has the time when it taught last (since 1970, in
+// seconds; 0: unknown), then, of each arm, what the frame thread measured and what the lane did:
+// what is added to alpha and beta, with five digits, the count of windows or visits, and the
+// bail-outs, if any. The checksum is that of the scenes, whatever white space is between them.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine_client/telemetry/embedded/priors_file.h"
+
+namespace sweepstake {
+
+// Returns the sums, ordered by KeyOf. The source of each has a name that no session has, by its
+// build, and the windows and visits for its sequence number, so that of two sums of a build the
+// one that has more of them counts.
+std::vector<PriorRecord> SumByBuild(std::span<const PriorRecord> records);
+
+// Returns whether the record is such a sum: a store cannot know what of it it has already.
+bool IsSum(const PriorRecord& record);
+
+// REQUIRES: the records are of SumByBuild.
+std::string FormatSums(std::span<const PriorRecord> sums);
+
+// Reads "checksum" and "scenes" of a document. Errors: as ParsePriors has them.
+Result<std::vector<PriorRecord>> SumsOf(const nlohmann::json& document);
+
+}  // namespace sweepstake

@@ -1,0 +1,169 @@
+#include "engine_client/telemetry/embedded/priors_sums.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "server/decision/math/hash.h"
+
+namespace sweepstake {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+PriorRecord RecordOf(const std::string& source, const std::string& build, const std::string& arm,
+                     const std::string& measured_by = "") {
+  return {.project = "game",
+          .scene = "harbour",
+          .measured_by = measured_by,
+          .arm = arm,
+          .backend_version = 2,
+          .machine_class = "desktop",
+          .reward_version = 3,
+          .source_id = source,
+          .source_sequence = 9,
+          .alpha_increment = 12.5,
+          .beta_increment = 0.25,
+          .window_count = 40,
+          .bail_out_count = measured_by.empty() ? 1u : 0u,
+          .build = build,
+          .last_seen_unix_s = 1'700'000'000};
+}
+
+std::vector<PriorRecord> SomeSums() {
+  return SumByBuild(
+      std::vector{RecordOf("a-session", "1.2", "SAP"), RecordOf("another", "1.2", "SAP"),
+                  RecordOf("another", "1.2", "SAP", "lane"),
+                  RecordOf("another", "1.2", "Grid", "lane"), RecordOf("a-third", "1.3", "SAP")});
+}
+
+// The document with its scenes changed, and the right checksum.
+template <typename Change>
+std::string SumsWith(Change change) {
+  json document = json::parse(FormatSums(SomeSums()));
+  change(document["scenes"]);
+  char digits[17];
+  std::snprintf(
+      digits, sizeof digits, "%016llx",
+      static_cast<unsigned long long>(math::Fnv1a(math::kFnv1aStart, document["scenes"].dump())));
+  document["checksum"] = digits;
+  return document.dump();
+}
+
+std::string ComplaintAbout(const std::string& text) {
+  const auto result = ParsePriors(text);
+  if (result.ok()) return "none";
+  EXPECT_EQ(result.status().code(), StatusCode::kDataLoss);
+  return result.status().message();
+}
+
+TEST(PriorsSums, AddUpWhatTheSessionsOfABuildTaughtAndNameNone) {
+  const std::vector<PriorRecord> sums = SomeSums();
+  ASSERT_EQ(sums.size(), 4U);
+  for (const PriorRecord& sum : sums) EXPECT_TRUE(IsSum(sum)) << sum.source_id;
+  EXPECT_FALSE(IsSum(RecordOf("a-session", "", "SAP")));
+  const PriorRecord& sap = sums[0].build == "1.2" ? sums[0] : sums[1];
+  EXPECT_EQ(sap.alpha_increment, 25);
+  EXPECT_EQ(sap.beta_increment, 0.5);
+  EXPECT_EQ(sap.window_count, 80U);
+  EXPECT_EQ(sap.bail_out_count, 2U);
+  const std::string text = FormatPriors(sums);
+  EXPECT_THAT(text, Not(HasSubstr("a-session")));
+  EXPECT_THAT(text, Not(HasSubstr("another")));
+  EXPECT_THAT(text, HasSubstr("\"version\":2"));
+}
+
+TEST(PriorsSums, AreReadBackAsTheyWereWritten) {
+  const std::vector<PriorRecord> sums = SomeSums();
+  const std::string text = FormatPriors(sums);
+  const auto read = ParsePriors(text);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->size(), sums.size());
+  EXPECT_EQ(FormatPriors(*read), text);
+  for (const PriorRecord& sum : *read) {
+    EXPECT_EQ(sum.project, "game");
+    EXPECT_EQ(sum.scene, "harbour");
+    EXPECT_EQ(sum.machine_class, "desktop");
+    EXPECT_EQ(sum.backend_version, 2U);
+    EXPECT_EQ(sum.reward_version, 3U);
+    EXPECT_EQ(sum.last_seen_unix_s, 1'700'000'000U);
+    EXPECT_EQ(sum.source_sequence, sum.window_count);
+  }
+  EXPECT_TRUE(ParsePriors(json::parse(text).dump(4)).ok()) << "white space does not matter";
+  EXPECT_EQ(FormatPriors(SumByBuild(*read)), text) << "sums of sums";
+}
+
+TEST(PriorsSums, HaveFiveDigits) {
+  PriorRecord record = RecordOf("a", "", "SAP");
+  record.alpha_increment = 123'456.789;
+  record.beta_increment = 0.000'123'456;
+  const std::vector<PriorRecord> sums = SumByBuild(std::vector{record});
+  EXPECT_EQ(sums[0].alpha_increment, 123'460);
+  EXPECT_EQ(sums[0].beta_increment, 0.000'123'46);
+}
+
+TEST(PriorsSums, AreRefusedOnceChangedOrCutOff) {
+  const std::string text = FormatPriors(SomeSums());
+  std::string changed = text;
+  changed.replace(changed.find("0.5"), 3, "0.6");
+  EXPECT_THAT(ComplaintAbout(changed), HasSubstr("checksum"));
+  for (size_t length = 0; length + 2 < text.size(); ++length)
+    EXPECT_FALSE(ParsePriors(text.substr(0, length)).ok()) << length;
+}
+
+TEST(PriorsSums, SayWhichSceneIsBroken) {
+  const auto same = [](json&) {};
+  EXPECT_EQ(ComplaintAbout(SumsWith(same)), "none");
+  const auto complaint_where = [](const char* pointer, const json& value) {
+    return ComplaintAbout(
+        SumsWith([&](json& scenes) { scenes[json::json_pointer(pointer)] = value; }));
+  };
+  EXPECT_EQ(complaint_where("/0/project", ""), "priors scene 0: project is empty");
+  EXPECT_THAT(complaint_where("/0/scen", "x"), HasSubstr("scen is not a field"));
+  EXPECT_THAT(complaint_where("/0/arms", 3), HasSubstr("arms is not an array"));
+  EXPECT_THAT(complaint_where("/0/arms/0", "Grid"), HasSubstr("NAME/VERSION"));
+  EXPECT_THAT(complaint_where("/0/arms/0", "Grid/0"), HasSubstr("NAME/VERSION"));
+  EXPECT_THAT(complaint_where("/0/arms/0", "Grid/2x"), HasSubstr("NAME/VERSION"));
+  EXPECT_THAT(complaint_where("/0/arms/0", "/2"), HasSubstr("NAME/VERSION"));
+  EXPECT_THAT(complaint_where("/0/builds", json::array()), HasSubstr("builds is not an object"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2", json::array()), HasSubstr("a build is not"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/0", -1), HasSubstr("a build is not"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1", json::array()), HasSubstr("a build is not"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", "x"), HasSubstr("evidence is not"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {1, 2}), HasSubstr("evidence is not"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {-1, 2, 3}), HasSubstr("within 0 to 1e15"));
+  EXPECT_THAT(ComplaintAbout(SumsWith([](json& scenes) { scenes.push_back(json(scenes[0])); })),
+              HasSubstr("repeats"));
+}
+
+TEST(PriorsSums, OfAThousandScenesAndTwentyBuildsAreOfFiveMegabytesAtMost) {
+  std::vector<PriorRecord> records;
+  uint64_t state = 1;
+  for (int scene = 0; scene < 1'000; ++scene) {
+    for (int build = 0; build < 20; ++build) {
+      for (int arm = 0; arm < 10; ++arm) {  // seven by the lane, three of them live too
+        const std::string name = "Algorithm" + std::to_string(arm % 7);
+        PriorRecord& record = records.emplace_back(
+            RecordOf("s", "1." + std::to_string(build), name, arm < 7 ? "lane" : ""));
+        record.scene = "level " + std::to_string(scene);
+        state = math::Mix64(state);
+        record.alpha_increment = static_cast<double>(state % 10'000'000) / 777;
+        record.beta_increment = static_cast<double>(state / 3 % 10'000'000) / 777;
+        record.bail_out_count = 0;
+      }
+    }
+  }
+  const std::string text = FormatPriors(SumByBuild(records));
+  EXPECT_LE(text.size(), 5'000'000U);
+  const auto read = ParsePriors(text);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->size(), records.size());
+}
+
+}  // namespace
+}  // namespace sweepstake
