@@ -2,7 +2,7 @@
 """Fails when the Unity package breaks a rule that Unity's own validation has, or when its documents are not true.
 
     package.json    name, version (that of the CMake project), Unity 2022.3; samples exist
-    .meta           each asset has one, each belongs to an asset, no GUID is there twice; plug-ins are for one platform each
+    .meta           each asset has one, each belongs to an asset, no GUID is there twice; a plug-in has one where a build has placed it
     .asmdef         named as its file, references what exists, gRPC behind SWEEPSTAKE_GRPC, no engine below Runtime/Unity, Editor for the editor
     samples         each folder is in the manifest and has an assembly and a scene; a scene's scripts are the package's
     CHANGELOG.md    Keep a Changelog, newest first, the version of the package unless it is unreleased
@@ -124,7 +124,7 @@ def path_errors(package):
             yield f"{name}: the path has more than {MAX_PATH} characters"
         if path.name == "link.xml":
             yield f"{name}: Unity ignores it in a package"
-        if path.suffix == ".dll" and name not in make_metas.PLUGINS:
+        if path.suffix == ".dll" and not make_metas.template(name).is_file():
             yield f"{name}: a library of .NET would meet another copy of itself in the project"
 
 
@@ -195,6 +195,13 @@ def edit(package, name, old, new):
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
 
+def place(package, name):
+    path = package / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.unlink(missing_ok=True)
+    path.touch()
+
+
 # What is done to a copy of the package, and what must be said then.
 BAD = [
     (lambda p: edit(p, "package.json", '"version": "', '"version": "9'), "the version is not"),
@@ -213,6 +220,8 @@ BAD = [
     (lambda p: (p / "README.md.meta").unlink(), "README.md.meta is missing"),
     (lambda p: (p / "Gone.md.meta").write_text("guid: " + "0" * 32 + "\n"), "Gone.md.meta belongs to nothing"),
     (lambda p: shutil.copy(p / "README.md.meta", p / "LICENSE.md.meta"), "has the GUID of"),
+    (lambda p: place(p, "Runtime/Plugins/linux-x86_64/libsweepstake.so"), "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta is missing"),
+    (lambda p: place(p, "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta"), "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta belongs to nothing"),
     (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## Unreleased"), "is not '## [1.2.3]"),
     (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## [0.1.0] - 2026-01-01\n\n## [0.2.0] - 2026-01-01"), "the newest version comes first"),
     (lambda p: edit(p, "Runtime/Core/Sweepstake.Core.asmdef", '"Sweepstake.Core"', '"Core"'), "is called 'Core'"),

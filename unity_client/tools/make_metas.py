@@ -6,7 +6,7 @@
 
 Unity takes no file whose name begins with a dot and no folder whose name ends with ~. The samples in Samples~ have metas all the same: they
 are copied into a project together, and a sample's scene finds its scripts by their GUIDs. Plug-ins are placed by a build and are not in the
-repository: their metas say for which platform each of them is.
+repository: their metas, which say for which platform each of them is, are in plugin_metas, and a build places them with their plug-in.
 """
 
 import hashlib
@@ -17,12 +17,8 @@ import sys
 PACKAGE = "com.sweepstake.broadphase"
 GUID = re.compile(r"^guid: ([0-9a-f]{32})$", re.MULTILINE)
 
-# Where a build puts the library, and Unity's names of what may load it: the editor's OS and CPU, the player's target and CPU.
-PLUGINS = {
-    "Runtime/Plugins/linux-x86_64/libsweepstake.so": ("Linux", "x86_64", {"Linux64": "x86_64"}),
-    "Runtime/Plugins/linux-aarch64/libsweepstake.so": (None, None, {"EmbeddedLinux": "ARM64"}),
-    "Runtime/Plugins/windows-x86_64/sweepstake.dll": ("Windows", "x86_64", {"Win64": "x86_64"}),
-}
+# Laid out as the package is: the metas of what a build places.
+TEMPLATES = pathlib.Path(__file__).resolve().parent / "plugin_metas"
 
 FOLDER = """\
 fileFormatVersion: 2
@@ -74,15 +70,9 @@ ScriptedImporter:
 """
 
 
-def plugin_meta(guid, editor_os, editor_cpu, players):
-    lines = [f"fileFormatVersion: 2\nguid: {guid}\nPluginImporter:\n  externalObjects: {{}}\n  serializedVersion: 2\n  iconMap: {{}}\n"
-             "  executionOrder: {}\n  defineConstraints: []\n  isPreloaded: 0\n  isOverridable: 0\n  isExplicitlyReferenced: 0\n"
-             "  validateReferences: 1\n  platformData:\n  - first:\n      Any:\n    second:\n      enabled: 0\n      settings: {}\n"]
-    lines.append(f"  - first:\n      Editor: Editor\n    second:\n      enabled: {1 if editor_os else 0}\n      settings:\n"
-                 f"        CPU: {editor_cpu or 'AnyCPU'}\n        DefaultValueInitialized: true\n        OS: {editor_os or 'AnyOS'}\n")
-    for target, cpu in players.items():
-        lines.append(f"  - first:\n      Standalone: {target}\n    second:\n      enabled: 1\n      settings:\n        CPU: {cpu}\n")
-    return "".join(lines) + "  userData:\n  assetBundleName:\n  assetBundleVariant:\n"
+def template(asset):
+    """The meta of a plug-in or of a folder for them; there is none for other assets."""
+    return TEMPLATES / f"{asset}.meta"
 
 
 def is_seen(path):
@@ -93,19 +83,14 @@ def is_seen(path):
 
 def assets(package):
     found = {path.relative_to(package) for path in package.rglob("*")}
-    found = {path for path in found if is_seen(path) and path.suffix != ".meta" and path.as_posix() not in PLUGINS}
-    for plugin in PLUGINS:
-        parents = list(pathlib.PurePosixPath(plugin).parents)[:-1]
-        found |= {pathlib.Path(path) for path in (plugin, *parents)}
-    return sorted(found)
+    return sorted(path for path in found if is_seen(path) and path.suffix != ".meta")
 
 
 def meta_of(package, asset):
-    name = asset.as_posix()
-    guid = hashlib.md5(f"{PACKAGE}/{name}".encode()).hexdigest()
-    if name in PLUGINS:
-        return plugin_meta(guid, *PLUGINS[name])
-    if (package / asset).is_dir() or any(plugin.startswith(name + "/") for plugin in PLUGINS):
+    if template(asset).is_file():
+        return template(asset).read_text(encoding="utf-8")
+    guid = hashlib.md5(f"{PACKAGE}/{asset.as_posix()}".encode()).hexdigest()
+    if (package / asset).is_dir():
         return FOLDER.format(guid=guid)
     if asset.suffix == ".cs":
         return SCRIPT.format(guid=guid)
@@ -118,7 +103,6 @@ def write(package):
     for asset in assets(package):
         meta = package / f"{asset}.meta"
         if not meta.exists():
-            meta.parent.mkdir(parents=True, exist_ok=True)
             meta.write_text(meta_of(package, asset), encoding="utf-8")
 
 
@@ -129,9 +113,11 @@ def errors(package):
         yield f"{name} is missing; run unity_client/tools/make_metas.py"
     for name in sorted(there - wanted):
         yield f"{name} belongs to nothing"
+    files = {path.relative_to(TEMPLATES).as_posix(): path for path in TEMPLATES.rglob("*.meta")}
+    files.update({name: package / name for name in there & wanted})
     owners = {}
-    for name in sorted(there & wanted):
-        match = GUID.search((package / name).read_text(encoding="utf-8"))
+    for name, file in sorted(files.items()):
+        match = GUID.search(file.read_text(encoding="utf-8"))
         if not match:
             yield f"{name} has no GUID"
         elif match[1] in owners:

@@ -115,5 +115,12 @@ endif()
 install(TARGETS ${plugin} COMPONENT plugin EXCLUDE_FROM_ALL
   LIBRARY DESTINATION Runtime/Plugins/${platform} RUNTIME DESTINATION Runtime/Plugins/${platform}
   ARCHIVE DESTINATION Native~/${platform})
+# The metas tell Unity for which platform the library is; Unity has no name for other platforms than these.
+set(metas ${PROJECT_SOURCE_DIR}/unity_client/tools/plugin_metas/Runtime)
+if(EXISTS ${metas}/Plugins/${platform}.meta)
+  install(FILES ${metas}/Plugins.meta DESTINATION Runtime COMPONENT plugin EXCLUDE_FROM_ALL)
+  install(FILES ${metas}/Plugins/${platform}.meta DESTINATION Runtime/Plugins COMPONENT plugin EXCLUDE_FROM_ALL)
+  install(DIRECTORY ${metas}/Plugins/${platform} DESTINATION Runtime/Plugins COMPONENT plugin EXCLUDE_FROM_ALL)
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/engine_client/include/sweepstake DESTINATION Native~/include
   COMPONENT plugin EXCLUDE_FROM_ALL FILES_MATCHING PATTERN "c_*.h")
