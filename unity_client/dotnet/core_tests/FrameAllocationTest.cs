@@ -16,7 +16,8 @@ namespace Sweepstake.Tests
             using var scene = Oracle.CrowdedScene("hurricane");
             using var csv = new FrameCsvWriter(System.IO.Path.GetTempFileName(), session);
             ulong pairs = 0;
-            Assert.That(AllocatedBy(frame =>
+            int frame = 0;
+            Assert.That(AllocatedByFrames(() =>
             {
                 scene.Step();
                 session.BeginFrame();
@@ -25,7 +26,7 @@ namespace Sweepstake.Tests
                     pairs += pair.A < pair.B ? 1u : 0u;
                 session.EndFrame(FrameNs);
                 csv.Write(session.LastSample);
-                session.SelectArm(frame / 10 % 3);
+                session.SelectArm(frame++ / 10 % 3);
                 pairs += (ulong)session.ActiveArm + session.SwitchEpoch + (ulong)session.Mode + (ulong)session.Verdict.Kind;
                 pairs += session.LastDecision.DecisionId + session.LastOutcome.CommandId + session.DroppedSampleCount + SteadyClock.NowNs % 2;
             }), Is.EqualTo(0));
@@ -47,7 +48,7 @@ namespace Sweepstake.Tests
             var found = new ProxyHandle[512];
             var ends = new ulong[4];
             int seen = 0;
-            Assert.That(AllocatedBy(frame =>
+            Assert.That(AllocatedByFrames(() =>
             {
                 scene.Step();
                 proxies.SetBoxes(handles, scene.Boxes);
@@ -61,15 +62,10 @@ namespace Sweepstake.Tests
             Assert.That(seen, Is.GreaterThan(0));
         }
 
-        /// <summary>Bytes of this thread over 600 frames, after as many that warm up.</summary>
-        private static long AllocatedBy(Action<int> frame)
+        private static long AllocatedByFrames(Action frame) => Eventually.AllocatedBy(() =>
         {
             for (int index = 0; index < 600; ++index)
-                frame(index);
-            long before = GC.GetAllocatedBytesForCurrentThread();
-            for (int index = 0; index < 600; ++index)
-                frame(index);
-            return GC.GetAllocatedBytesForCurrentThread() - before;
-        }
+                frame();
+        });
     }
 }

@@ -2,6 +2,7 @@ using System;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.IO;
+using System.Net;
 using System.Threading;
 using NUnit.Framework;
 
@@ -10,6 +11,10 @@ namespace Sweepstake.Tests
     /// <summary>A real sweepstaked in a folder of its own, which a restart keeps.</summary>
     internal sealed class DaemonProcess : IDisposable
     {
+        /// <summary>This machine, by an address that no other test has: the port of a daemon that has ended stays free for its successor.</summary>
+        internal static readonly IPAddress Host = new IPAddress(
+            new byte[] { 127, (byte)(1 + (Environment.ProcessId >> 16)), (byte)(Environment.ProcessId >> 8), (byte)Environment.ProcessId });
+
         private readonly string[] moreArguments;
         private Process process;
 
@@ -19,12 +24,12 @@ namespace Sweepstake.Tests
         }
 
         /// <param name="prepare">What is done to the data folder before the first start, such as to make a token.</param>
-        internal DaemonProcess(Action<DaemonProcess> prepare, string[] moreArguments, string listen = "127.0.0.1:0")
+        internal DaemonProcess(Action<DaemonProcess> prepare, string[] moreArguments, string listen = null)
         {
             this.moreArguments = moreArguments;
             Folder = Directory.CreateTempSubdirectory("sweepstaked").FullName;
             prepare?.Invoke(this);
-            Start(listen);
+            Start(listen ?? Host + ":0");
         }
 
         internal string Folder { get; }
@@ -92,7 +97,7 @@ namespace Sweepstake.Tests
                 Thread.Sleep(5);
             }
             string[] ports = File.ReadAllLines(portFile);
-            Address = "127.0.0.1:" + ports[0];
+            Address = Host + ":" + ports[0];
             HttpAddress = ports.Length > 1 ? "127.0.0.1:" + ports[1] : null;
         }
     }

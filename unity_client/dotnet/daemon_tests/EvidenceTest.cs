@@ -22,8 +22,8 @@ namespace Sweepstake.Tests
         private static readonly int[] Summed = { 0, 1, 2, 3, 7, 8, 9 };
         // So few that a decision gets no more visits of the lane at once than it takes.
         private const ulong MessagesAhead = 4;
-        private static readonly TimeSpan AfterTheLastFrame = TimeSpan.FromMilliseconds(500);
-        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(60);
+        private const int Attempts = 10;
+        private static readonly TimeSpan AfterTheLastFrame = TimeSpan.FromSeconds(1);
 
         private DaemonProcess overCpp;
         private DaemonProcess overCSharp;
@@ -56,12 +56,11 @@ namespace Sweepstake.Tests
         [Test]
         public async Task ARunOfAiDecidesWithTheLaneIsTheSameEvidenceToo()
         {
-            StreamTelemetryRequest[] sent = await PlayBothWays("--mode", "ai", "--arm", "BruteForce", "--shadow", "on", "--duration", "4s");
+            await PlayBothWays("--mode", "ai", "--arm", "BruteForce", "--shadow", "on", "--duration", "4s");
             string[] switches = Switches(overCpp);
             Assert.That(switches, Is.Not.Empty, "the daemon has decided");
             Assert.That(Switches(overCSharp), Is.EqualTo(switches));
             string[] visits = Visits(overCpp);
-            Assert.That(visits, Has.Length.EqualTo(sent.Sum(message => message.FrameBatch?.ShadowSamples.Count ?? 0)));
             Assert.That(Visits(overCSharp), Is.EqualTo(visits));
             Assume.That(visits, Is.Not.Empty, "the lane needs a second processor");
         }
@@ -69,22 +68,38 @@ namespace Sweepstake.Tests
         /// <summary>Plays over C++ to one daemon, and sends the same messages over C# to the other one; returns them.</summary>
         private async Task<StreamTelemetryRequest[]> PlayBothWays(params string[] arguments)
         {
-            using var tap = new Http2Tap(overCpp.Address, AfterTheLastFrame);
-            Run(new[] { "run", "--scene", "hurricane", "--objects", "3000", "--time-scale", "50", "--daemon", tap.Address }.Concat(arguments).ToArray());
+            List<byte[]> played = await PlayOverCpp(arguments);
+            for (int attempt = 1; !HasReachedTheDaemonInTime(played); ++attempt)
+            {
+                Assert.That(attempt, Is.LessThan(Attempts), "the machine is too busy for a game");
+                overCpp.Dispose();
+                overCpp = new DaemonProcess("--http", "127.0.0.1:0");
+                played = await PlayOverCpp(arguments);
+            }
+            using var tap = new Http2Tap(overCSharp.Address, AfterTheLastFrame);
+            await Replay(played, tap.Address);
             await tap.Passing;
-            StreamTelemetryRequest[] sent = tap.Messages.Select(message => StreamTelemetryRequest.Parser.ParseFrom(message)).ToArray();
-            Assert.That(sent.First().Hello, Is.Not.Null);
-            Assert.That(sent.Last().Goodbye, Is.Not.Null);
-
-            using var secondTap = new Http2Tap(overCSharp.Address, AfterTheLastFrame);
-            await Replay(tap.Messages, secondTap.Address);
-            await secondTap.Passing;
-            Assert.That(secondTap.Messages, Is.EqualTo(tap.Messages), "byte by byte");
+            Assert.That(tap.Messages, Is.EqualTo(played), "byte by byte");
             string[] counters = Counters(overCpp);
             Assert.That(counters, Has.Some.Match("accepted_frames_total [1-9]"));
             Assert.That(Counters(overCSharp), Is.EqualTo(counters));
-            return sent;
+            return played.Select(Sent).ToArray();
         }
+
+        private async Task<List<byte[]>> PlayOverCpp(string[] arguments)
+        {
+            using var tap = new Http2Tap(overCpp.Address, AfterTheLastFrame);
+            Run(new[] { "run", "--scene", "hurricane", "--objects", "3000", "--time-scale", "50", "--daemon", tap.Address }.Concat(arguments).ToArray());
+            await tap.Passing;
+            Assert.That(Sent(tap.Messages[0]).Hello, Is.Not.Null);
+            return tap.Messages;
+        }
+
+        /// <summary>A game waits two seconds for the end, and a decision that comes late passes over visits beyond the latest of each arm.</summary>
+        private bool HasReachedTheDaemonInTime(List<byte[]> played) =>
+            Sent(played[played.Count - 1]).Goodbye != null && Visits(overCpp).Length == played.Sum(message => Sent(message).FrameBatch?.ShadowSamples.Count ?? 0);
+
+        private static StreamTelemetryRequest Sent(byte[] message) => StreamTelemetryRequest.Parser.ParseFrom(message);
 
         /// <summary>
         /// Sends these messages as they are, some of them ahead of their acknowledgement as a game does, and the goodbye once all else is
@@ -107,18 +122,18 @@ namespace Sweepstake.Tests
             {
                 await Until(() => Volatile.Read(ref acknowledged) + MessagesAhead >= sent);
                 await stream.WriteAsync(messages[index]);
-                sent = StreamTelemetryRequest.Parser.ParseFrom(messages[index]).Sequence;
+                sent = Sent(messages[index]).Sequence;
             }
             await Until(() => Volatile.Read(ref acknowledged) == sent);
             await stream.WriteAsync(messages[messages.Count - 1]);
             await stream.FinishAsync();
-            await reading.WaitAsync(Patience);
+            await reading.WaitAsync(Eventually.Patience);
         }
 
         private static async Task Until(Func<bool> isSo)
         {
             for (Stopwatch watch = Stopwatch.StartNew(); !isSo(); await Task.Delay(1))
-                Assert.That(watch.Elapsed, Is.LessThan(Patience), "never acknowledged");
+                Assert.That(watch.Elapsed, Is.LessThan(Eventually.Patience), "never acknowledged");
         }
 
         private static StreamTelemetryResponse Parsed(byte[] response) => StreamTelemetryResponse.Parser.ParseFrom(response);

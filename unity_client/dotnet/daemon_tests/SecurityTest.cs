@@ -158,7 +158,7 @@ namespace Sweepstake.Tests
                 {
                     var names = new SubjectAlternativeNameBuilder();
                     names.AddDnsName(host);
-                    names.AddIpAddress(address ?? IPAddress.Loopback);
+                    names.AddIpAddress(address ?? DaemonProcess.Host);
                     request.CertificateExtensions.Add(names.Build());
                     using X509Certificate2 issued = request.Create(certificate, Begin, Begin.AddDays(2), Guid.NewGuid().ToByteArray());
                     System.IO.File.WriteAllText(Path.Combine(folder, name + ".pem"), issued.ExportCertificatePem());

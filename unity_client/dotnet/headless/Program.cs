@@ -8,6 +8,8 @@ namespace Sweepstake.Headless
     internal static class Program
     {
         private const ulong NsPerSecond = 1_000_000_000;
+        // For what is on its way to the disk, here or at the daemon; nobody plays any more.
+        private const int EndTimeoutMs = 60_000;
 
         private static int Main(string[] words)
         {
@@ -38,6 +40,7 @@ namespace Sweepstake.Headless
             using SessionWork decider = Decider(session, arguments);
             using FrameCsvWriter? csv = arguments.Csv == null ? null : new FrameCsvWriter(arguments.Csv, session, arguments.Scene, arguments.Seed);
             PlayFrames(scene, session, decider, csv, arguments.Frames);
+            csv?.Stop(EndTimeoutMs);
             return End(session, decider);
         }
 
@@ -96,7 +99,7 @@ namespace Sweepstake.Headless
         {
             if (!(decider is DaemonConnection connection))
                 return 0;
-            connection.Stop(5000);
+            connection.Stop(EndTimeoutMs);
             LinkStats stats = connection.Status.Stats;
             Console.WriteLine(
                 $"{stats.SentFrameCount} frames sent, {session.DroppedSampleCount} dropped, {stats.DiscardedFrameCount} refused; " +

@@ -84,7 +84,7 @@ namespace Sweepstake.Tests
             manager.gameObject.SetActive(true);
             FramesUntil(() => manager.State == SweepstakeState.Online, "online in the new domain");
             Assert.That(manager.Connection.Status.SessionId, Is.Not.EqualTo(session));
-            Assert.That(HasOpenStreams(daemon, 1), Is.True);
+            FramesUntil(() => HasOpenStreams(daemon, 1), "with one stream");
             Assert.That(Debug.Lines, Has.Count.EqualTo(2), string.Join("\n", Debug.Lines));
         }
 

@@ -16,7 +16,9 @@ namespace Sweepstake.Tests
             var manager = new GameObject("manager").AddComponent<SweepstakeManager>();
             Assert.That(manager.State, Is.EqualTo(SweepstakeState.Stopped).Or.EqualTo(SweepstakeState.Embedded));
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 200;
-            Frames(5);
+            Frames(1);
+            Assert.That(manager.ActiveBackend, Is.EqualTo("KDTree"), "not brute force, which is the first");
+            Frames(4);
             Assert.That(manager.State, Is.EqualTo(SweepstakeState.Embedded));
             Assert.That(StatusText.Chip(manager.State), Does.StartWith("Offline"));
             Assert.That(manager.Mode, Is.EqualTo(SessionMode.Ai));
@@ -24,7 +26,6 @@ namespace Sweepstake.Tests
             Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(200));
             Assert.That(manager.Connection, Is.Null);
             Assert.That(manager.Decider, Is.Not.Null);
-            Assert.That(manager.ActiveBackend, Is.EqualTo("KDTree"), "not brute force, which is the first");
             Assert.That(Debug.Lines, Is.Empty, "all is well, and nobody has to be told");
         }
 
@@ -264,12 +265,17 @@ namespace Sweepstake.Tests
         [Test]
         public void AFrameAllocatesNothing()
         {
-            SweepstakeManager manager = MakeManager();
+            SweepstakeManager manager = MakeManager(config => config.decisions.intervalSeconds = 0.1f);
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 500;
-            manager.Decided += _ => { };
+            int decisions = 0;
+            manager.Decided += _ => ++decisions;
             manager.VerdictChanged += _ => { };
-            Frames(60);
-            Assert.That(AllocatedBy(300), Is.EqualTo(0));
+            long allocated = Eventually.AllocatedBy(() =>
+            {
+                for (int awaited = decisions + 3; decisions < awaited;)
+                    Player.Frame();
+            });
+            Assert.That(allocated, Is.EqualTo(0));
         }
 
         [Test]
@@ -293,10 +299,10 @@ namespace Sweepstake.Tests
             manager.Disconnect();
             manager.SelectBackend("SAP");
             Frames(5);
-            Assert.That(told, Is.EqualTo(new object[] { SweepstakeState.Embedded, "SAP" }));
+            Assert.That(told.Where(what => !(what is Decision)), Is.EqualTo(new object[] { SweepstakeState.Embedded, "SAP" }));
             Assert.That(Logged("a bug of backends").Count() + Logged("a bug of states").Count(), Is.EqualTo(2));
             Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(4));
-            FramesUntil(() => told[told.Count - 1] is Decision, "told of a decision");
+            FramesUntil(() => told.OfType<Decision>().Any(), "told of a decision");
             Assert.That(Logged("a bug of decisions"), Has.Exactly(told.OfType<Decision>().Count()).Items);
         }
 
@@ -353,7 +359,7 @@ namespace Sweepstake.Tests
             manager.StartCsv(path, "a scene", 7);
             Frames(20);
             manager.StopCsv();
-            Assert.That(File.ReadAllLines(path).Length, Is.EqualTo(21));
+            Eventually.Is(() => File.ReadAllLines(path).Length == 21, () => "written to the end");
             File.Delete(path);
         }
 

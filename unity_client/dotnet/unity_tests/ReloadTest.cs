@@ -26,9 +26,9 @@ namespace Sweepstake.Tests
                 Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0));
                 Assert.That(SweepstakeManager.Enabled, Is.Empty);
                 if (play == 2)
-                    threads = System.Diagnostics.Process.GetCurrentProcess().Threads.Count;
+                    threads = Eventually.ThreadCount();
             }
-            Assert.That(System.Diagnostics.Process.GetCurrentProcess().Threads.Count, Is.LessThanOrEqualTo(threads + 4));
+            Eventually.HasAtMostThreads(threads);
             Assert.That(Debug.Lines, Is.Empty);
         }
 
@@ -75,7 +75,7 @@ namespace Sweepstake.Tests
             SweepstakeManager manager = MakeManager();
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
             Frames(2);
-            SweepstakeLibrary.Shutdown();
+            Eventually.ShutsDown();
             Frames(5);
             Assert.That(manager.State, Is.EqualTo(SweepstakeState.Failed));
             Assert.That(Logged("error: "), Has.Exactly(1).Items);

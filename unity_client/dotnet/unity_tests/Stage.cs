@@ -53,16 +53,8 @@ namespace Sweepstake.Tests
                 Player.Frame();
         }
 
-        protected static void FramesUntil(Func<bool> condition, string what)
-        {
-            DateTime patience = DateTime.UtcNow.AddSeconds(60);
-            while (!condition())
-            {
-                Assert.That(DateTime.UtcNow, Is.LessThan(patience), "never " + what + "; " + string.Join("; ", Debug.Lines));
-                Player.Frame();
-                System.Threading.Thread.Sleep(1);
-            }
-        }
+        protected static void FramesUntil(Func<bool> condition, string what) =>
+            Eventually.Is(condition, () => what + "; " + string.Join("; ", Debug.Lines), () => Player.Frame());
 
         protected static BoxCollider MakeBox(Vector3 position, int layer = 0, bool isStatic = false, Transform parent = null)
         {
@@ -75,14 +67,7 @@ namespace Sweepstake.Tests
             return box;
         }
 
-        /// <summary>Bytes of this thread over so many frames, after as many that warm up.</summary>
-        protected static long AllocatedBy(int frames)
-        {
-            Frames(frames);
-            long before = GC.GetAllocatedBytesForCurrentThread();
-            Frames(frames);
-            return GC.GetAllocatedBytesForCurrentThread() - before;
-        }
+        protected static long AllocatedBy(int frames) => Eventually.AllocatedBy(() => Frames(frames));
 
         protected static IEnumerable<string> Logged(string part) => Debug.Lines.FindAll(line => line.Contains(part));
     }

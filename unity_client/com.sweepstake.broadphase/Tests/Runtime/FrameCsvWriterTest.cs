@@ -29,6 +29,7 @@ namespace Sweepstake.Tests
                         csv.Write(session.LastSample);
                     }
                     Assert.That(csv.DroppedCount, Is.EqualTo(0));
+                    Assert.That(csv.Stop(60_000), Is.True);
                 }
                 string text = File.ReadAllText(path);
                 string[] lines = text.Split(new[] { "\r\n" }, StringSplitOptions.None);

@@ -1,0 +1,52 @@
+#nullable disable
+using System;
+using System.Diagnostics;
+using System.Threading;
+using NUnit.Framework;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>What other threads and processes do in their own time: waited for, however busy the machine is.</summary>
+    internal static class Eventually
+    {
+        internal static readonly TimeSpan Patience = TimeSpan.FromMinutes(2);
+        // The runtime's own threads come and go.
+        private const int SpareThreads = 4;
+        private const int AllocationRounds = 5;
+
+        /// <param name="between">What goes on until it is so; null: nothing.</param>
+        internal static void Is(Func<bool> isSo, Func<string> what, Action between = null)
+        {
+            for (Stopwatch watch = Stopwatch.StartNew(); !isSo(); Thread.Sleep(1))
+            {
+                Assert.That(watch.Elapsed, NUnit.Framework.Is.LessThan(Patience), "never " + what());
+                between?.Invoke();
+            }
+        }
+
+        internal static void HasAtMostThreads(int count) => Is(() => ThreadCount() <= count + SpareThreads, () => $"{count} threads but {ThreadCount()}");
+
+        internal static int ThreadCount()
+        {
+            using Process process = Process.GetCurrentProcess();
+            return process.Threads.Count;
+        }
+
+        /// <summary>As often as it takes: each Shutdown waits for a bounded time, and the next one goes on.</summary>
+        internal static void ShutsDown() => Is(() => SweepstakeLibrary.Shutdown(), () => "shut down");
+
+        /// <summary>Bytes of this thread by `work`, after it was done once: the least of some rounds, since what happens once is not of each frame.</summary>
+        internal static long AllocatedBy(Action work)
+        {
+            work();
+            long least = long.MaxValue;
+            for (int round = 0; round < AllocationRounds && least > 0; ++round)
+            {
+                long before = GC.GetAllocatedBytesForCurrentThread();
+                work();
+                least = Math.Min(least, GC.GetAllocatedBytesForCurrentThread() - before);
+            }
+            return least;
+        }
+    }
+}
