@@ -387,7 +387,7 @@ std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& given, uint64
 bool SessionLink::Explain(const StreamEnd& end, const std::string& reason,
                           const LinkStream& stream) {
   const bool refused = end.code == kGrpcInvalidArgument || IsTokenRefused(end.code, reason) ||
-                       reason == "NOT_ALLOWED";
+                       reason == "NOT_ALLOWED" || reason == "PROTOCOL_VERSION";
   refusal_ = refused ? WithReason(end.message, reason) : "";
   if (!stream.mismatch.empty()) {
     refusal_ = last_error_ = daemon_ + " " + stream.mismatch;

@@ -87,8 +87,9 @@ namespace Sweepstake.Tests
         {
             using var daemon = new DaemonProcess();
             using var game = new Game(new NewerGame(new GrpcTelemetryTransport(new DaemonEndpoint { Address = daemon.Address })));
-            game.PlayUntil(() => game.Status.LastError.Contains("PROTOCOL_VERSION"), "refused");
-            Assert.That(game.Status.LastError, Does.Contain("99 to 99").And.Contain("update the older side"));
+            game.PlayUntil(() => game.Status.Refusal.Length > 0, "refused");
+            Assert.That(game.Status.Refusal, Does.Contain("99 to 99").And.Contain("update the older side").And.Contain("PROTOCOL_VERSION"));
+            Assert.That(game.Status.LastError, Does.Contain(game.Status.Refusal));
             Assert.That(game.Status.Stats.ConnectionCount, Is.EqualTo(0));
         }
 

@@ -421,6 +421,15 @@ TEST_F(SessionLinkTest, TriesARefusedTokenAgainRarely) {
   EXPECT_EQ(link_.stats().refusal, "who? (TOKEN_REFUSED)");
 }
 
+TEST_F(SessionLinkTest, TellsWhyItsProtocolIsRefused) {
+  Connect();
+  EXPECT_TRUE(link_.Disconnected(EndWith(9, "update the older side", "PROTOCOL_VERSION"), now_ns_));
+  EXPECT_EQ(link_.stats().refusal, "update the older side (PROTOCOL_VERSION)");
+  Connect();
+  EXPECT_TRUE(link_.Disconnected(EndWith(9, "no Hello first", "MESSAGE_ORDER"), now_ns_));
+  EXPECT_EQ(link_.stats().refusal, "");
+}
+
 TEST_F(SessionLinkTest, BoundsTheAnswersThatADaemonDoesNotAcknowledge) {
   GoOnline();
   v1::StreamTelemetryResponse order;
