@@ -333,6 +333,33 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void AListenerMayBeginAnewWhatHasFailed([Values] bool failsAgain)
+        {
+            SweepstakeManager manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
+            var states = new List<SweepstakeState>();
+            manager.StateChanged += states.Add;
+            manager.StateChanged += state =>
+            {
+                if (state != SweepstakeState.Failed)
+                    return;
+                if (failsAgain)
+                    Set(manager, "backend", "Quadtree");
+                manager.enabled = false;
+                manager.enabled = true;
+            };
+            Eventually.ShutsDown();
+            Frames(1);
+            Assert.That(states, Is.EqualTo(new[] { SweepstakeState.Failed, SweepstakeState.Stopped }), "it begins with the next frame");
+            Frames(3);
+            Assert.That(Logged("error: "), Has.Exactly(failsAgain ? 4 : 1).Items, "no more than once a frame");
+            Assert.That(manager.State, Is.EqualTo(failsAgain ? SweepstakeState.Stopped : SweepstakeState.Embedded));
+            Assert.That(manager.Session, failsAgain ? Is.Null : Is.Not.Null);
+            Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(failsAgain ? 0 : 2));
+            Assert.That(SweepstakeManager.Enabled, Is.EqualTo(new[] { manager }));
+        }
+
+        [Test]
         public void AShutdownEndsEveryManagerWhateverTheListenersDo([Values] bool throws)
         {
             SweepstakeManager[] managers = { MakeManager(), MakeManager(), MakeManager() };

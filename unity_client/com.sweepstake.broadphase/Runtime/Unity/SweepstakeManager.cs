@@ -40,6 +40,8 @@ namespace Sweepstake.Unity
         private SweepstakeConfig? defaults;
         private string trouble = "";
         private ulong endedNs;
+        private bool isFailing;
+        private bool mustBegin;
 
         /// <summary>The state is another one.</summary>
         public event Action<SweepstakeState>? StateChanged { add => stateChanged.Add(value); remove => stateChanged.Remove(value); }
@@ -173,13 +175,17 @@ namespace Sweepstake.Unity
         {
             EnabledManagers.Add(this);
             SceneManager.sceneLoaded += OnSceneLoaded;
-            Guarded(Begin);
+            // Who begins anew whenever this fails may do so once a frame.
+            mustBegin = isFailing;
+            if (!isFailing)
+                Guarded(Begin);
         }
 
         private void OnDisable()
         {
             SceneManager.sceneLoaded -= OnSceneLoaded;
             EnabledManagers.Remove(this);
+            mustBegin = false;
             End();
         }
 
@@ -205,6 +211,11 @@ namespace Sweepstake.Unity
 
         private void LateUpdate()
         {
+            if (mustBegin)
+            {
+                mustBegin = false;
+                Guarded(Begin);
+            }
             if (host == null)
                 return;
             UpdateState();
@@ -285,15 +296,22 @@ namespace Sweepstake.Unity
 
         private void End(ulong endNs)
         {
+            EndHost(endNs);
+            SetState(SweepstakeState.Stopped, "");
+        }
+
+        private void EndHost(ulong endNs)
+        {
             host?.End(endNs);
             host = null;
-            SetState(SweepstakeState.Stopped, "");
         }
 
         private void Fail(SweepstakeException problem)
         {
-            End();
+            EndHost(SessionHost.DeadlineNs());
+            isFailing = true;
             SetState(SweepstakeState.Failed, problem.Message);
+            isFailing = false;
         }
 
         /// <summary>What cannot be done is told, once; what worked before goes on.</summary>
