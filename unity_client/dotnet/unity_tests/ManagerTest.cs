@@ -383,10 +383,13 @@ namespace Sweepstake.Tests
             SweepstakeManager manager = MakeManager();
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
             string path = Path.GetTempFileName();
+            QualitySettings.vSyncCount = 2;
             manager.StartCsv(path, "a scene", 7);
+            QualitySettings.vSyncCount = 0;
             Frames(20);
             manager.StopCsv();
             Eventually.Is(() => File.ReadAllLines(path).Length == 21, () => "written to the end");
+            Assert.That(File.ReadLines(path).Skip(1), Is.All.EndsWith($",a scene,7,{SweepstakeLibrary.Version},2"), "with vSync, which caps the frame rate");
             File.Delete(path);
         }
 

@@ -13,18 +13,18 @@ namespace Sweepstake
     /// </summary>
     /// <remarks>
     /// The first columns are those of `sweepstake run --csv`; then what the whole file has in common: the version of the columns, the scene, the
-    /// seed and the version of the library.
+    /// seed, the version of the library and, since it caps the frame rate, how many vertical blanks of the display a frame waited for.
     /// </remarks>
     public sealed class FrameCsvWriter : IDisposable
     {
         /// <summary>Raised by each change of the columns.</summary>
-        public const int FormatVersion = 1;
+        public const int FormatVersion = 2;
         /// <summary>How long Dispose waits at most, in milliseconds.</summary>
         public const int DisposeTimeoutMs = 2000;
         private const int FlushIntervalMs = 100;
         private const string Header =
             "frame,arm,switch_epoch,frame_time_ns,detection_time_ns,aabb_check_count,pair_count,object_count,native_bytes,flags," +
-            "csv_version,scene,seed,library_version\r\n";
+            "csv_version,scene,seed,library_version,vsync_count\r\n";
 
         private readonly FrameSample[] ring;
         private readonly string[] arms;
@@ -43,9 +43,10 @@ namespace Sweepstake
         /// <param name="session">Whose frames they are.</param>
         /// <param name="scene">What was played, as the name of the scene; "": not known.</param>
         /// <param name="seed">What it was seeded with; 0: not known.</param>
+        /// <param name="vSyncCount">0: frames wait for no vertical blank; null: not known.</param>
         /// <param name="capacity">Of the ring: 4,096 frames are 256 KiB.</param>
         /// <exception cref="IOException">The file cannot be written.</exception>
-        public FrameCsvWriter(string path, BroadPhaseSession session, string scene = "", ulong seed = 0, int capacity = 4096)
+        public FrameCsvWriter(string path, BroadPhaseSession session, string scene = "", ulong seed = 0, int? vSyncCount = null, int capacity = 4096)
         {
             if (capacity < 1)
                 throw new ArgumentOutOfRangeException(nameof(capacity));
@@ -54,7 +55,7 @@ namespace Sweepstake
             for (int arm = 0; arm < arms.Length; ++arm)
                 arms[arm] = Quoted(session.Arms[arm]);
             suffix = string.Format(
-                CultureInfo.InvariantCulture, ",{0},{1},{2},{3}\r\n", FormatVersion, Quoted(scene), seed, SweepstakeLibrary.Version);
+                CultureInfo.InvariantCulture, ",{0},{1},{2},{3},{4}\r\n", FormatVersion, Quoted(scene), seed, SweepstakeLibrary.Version, vSyncCount);
             file = new StreamWriter(path, false, new UTF8Encoding(false));
             file.Write(Header);
             thread = new Thread(WriteRows) { IsBackground = true, Name = "sweepstake csv" };

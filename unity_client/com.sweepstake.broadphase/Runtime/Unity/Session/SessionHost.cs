@@ -1,4 +1,6 @@
 #nullable enable
+using UnityEngine;
+
 namespace Sweepstake.Unity
 {
     /// <summary>A session with whatever decides for it: made from a config, and changed while the game runs. Main thread.</summary>
@@ -50,7 +52,7 @@ namespace Sweepstake.Unity
         internal void StartCsv(string path, string scene, ulong seed)
         {
             StopCsv();
-            csv = new FrameCsvWriter(path, Session, scene, seed);
+            csv = new FrameCsvWriter(path, Session, scene, seed, QualitySettings.vSyncCount);
         }
 
         internal void StopCsv()
