@@ -24,6 +24,12 @@ namespace Sweepstake
         private const string Install =
             "Put the plug-in of this package's version into Runtime/Plugins, or Assets/Plugins (Documentation~/native-library.md says how it is built).";
 
+#if UNITY_WEBGL && !UNITY_EDITOR
+        private const bool IsWebGL = true;
+#else
+        private const bool IsWebGL = false;
+#endif
+
         private static volatile bool isChecked;
         private static IReadOnlyList<string>? backends;
         private static IReadOnlyList<string>? scenes;
@@ -79,11 +85,9 @@ namespace Sweepstake
         {
             if (isChecked)
                 return null;
-#if UNITY_WEBGL && !UNITY_EDITOR
-            return new NativeLibraryException("Sweepstake has no native library for WebGL.", "Use Unity's own physics queries there.");
-#else
-            if (IntPtr.Size != 8)
-                return new NativeLibraryException("Sweepstake needs a 64-bit process.", "Choose a 64-bit architecture in the player's settings.");
+            NativeLibraryException? lacking = FindPlatformProblem(IsWebGL, IntPtr.Size);
+            if (lacking != null)
+                return lacking;
             try
             {
                 return CompareAbi();
@@ -100,7 +104,16 @@ namespace Sweepstake
             {
                 return new NativeLibraryException("The native library 'sweepstake' is for another platform.", Install, wrong);
             }
-#endif
+        }
+
+        /// <summary>Null where there can be a library, if not here.</summary>
+        internal static NativeLibraryException? FindPlatformProblem(bool isWebGL, int pointerBytes)
+        {
+            if (isWebGL)
+                return new NativeLibraryException("Sweepstake has no native library for WebGL.", "Use Unity's own physics queries there.");
+            return pointerBytes == 8
+                ? null
+                : new NativeLibraryException("Sweepstake needs a 64-bit process.", "Choose a 64-bit architecture in the player's settings.");
         }
 
         /// <summary>How many native objects of a kind live in the process.</summary>
