@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compiles the assemblies of the Unity package and of its samples as Unity would: by their .asmdef, for editors and players.
 
-What Unity itself brings are stubs with the signatures that are used (unity_client/dotnet/stubs). Warnings are errors. C# 9, .NET Standard 2.1.
+The C# of the package's documents is compiled with it (document_code.py). What Unity itself brings are stubs with the signatures that are used (unity_client/dotnet/stubs). Warnings are errors. C# 9, .NET Standard 2.1.
 
     compile_test.py ROOT BUILD     BUILD has restored the projects of unity_client/dotnet (tests/unity_client/dotnet_test.sh does)
 
@@ -14,10 +14,13 @@ import re
 import subprocess
 import sys
 
+import document_code
+
 PACKAGE = "unity_client/com.sweepstake.broadphase"
 STUBS = "unity_client/dotnet/stubs"
 # Unity switches these off: fields that only the inspector sets look unused. 1701 and 1702 are about versions of references.
 NO_WARNING = "0169,0649,1701,1702"
+DOCUMENTS = "Sweepstake.Documents"
 DIRECTIVE = re.compile(r"^\s*#(?:if|elif)\s+(.*)$", re.MULTILINE)
 WORD = re.compile(r"\w+")
 
@@ -114,6 +117,14 @@ def package_assemblies(package):
     return found
 
 
+def document_assembly(root, folder):
+    """In the rows that have all that the documents speak of."""
+    sources = [*document_code.write(root / "unity_client", folder), *sorted((root / "tests/unity_client/documents").glob("*.cs"))]
+    return Assembly(DOCUMENTS, sources, {
+        "noEngineReferences": False, "overrideReferences": False, "includePlatforms": ["Editor"], "defineConstraints": [*GRPC, *NEW_INPUT],
+        "references": ["Sweepstake.Core", "Sweepstake.Unity", "Sweepstake.Protocol", "Sweepstake.GrpcNet", "YetAnotherHttpHandler"]})
+
+
 def stub_assemblies(stubs):
     found = {path.name: Assembly(path.name, sorted(path.glob("*.cs"))) for path in stubs.iterdir() if path.is_dir() and path.name != "packages"}
     return found | {path.stem: Assembly(path.stem, [path]) for path in sorted((stubs / "packages").glob("*.cs"))}
@@ -188,6 +199,7 @@ def expectation_errors(row, compiled):
     name, platform, defines, _ = row
     due = {"Sweepstake.Core", "Sweepstake.Unity"} | {n for n in ("Sweepstake.Editor",) if platform == "Editor"}
     due |= {"Sweepstake.Protocol", "Sweepstake.GrpcNet"} if GRPC[0] in defines and platform != "WebGL" else set()
+    due |= {DOCUMENTS} if platform == "Editor" and set(GRPC + NEW_INPUT) <= set(defines) else set()
     never = {"Sweepstake.Editor"} if platform != "Editor" else set()
     never |= {"Sweepstake.Protocol", "Sweepstake.GrpcNet"} if GRPC[0] not in defines or platform == "WebGL" else set()
     yield from (f"{name}: {missing} was not compiled" for missing in sorted(due - set(compiled)))
@@ -204,6 +216,7 @@ def main(arguments):
     tools = Toolchain(build)
     compiler = Compiler(tools, build / "dotnet/compile_test")
     package, stubs = package_assemblies(root / PACKAGE), stub_assemblies(root / STUBS)
+    package[DOCUMENTS] = document_assembly(root, build / "dotnet/compile_test/documents")
     errors, left_out = [], 0
     for row in ROWS:
         if GRPC[0] in row[2] and not tools.grpc:

@@ -59,6 +59,7 @@ namespace UnityEngine
         public Transform transform => gameObject.transform;
         public string tag { get => gameObject.tag; set => gameObject.tag = value; }
 
+        public bool CompareTag(string tag) => this.tag == tag;
         public T GetComponent<T>() => gameObject.GetComponent<T>();
     }
 

@@ -117,6 +117,9 @@ namespace UnityEngine
 
         public static implicit operator int(LayerMask mask) => mask.value;
         public static implicit operator LayerMask(int intVal) => new LayerMask { value = intVal };
+
+        /// <summary>No layer has a name here.</summary>
+        public static int GetMask(params string[] layerNames) => 0;
     }
 
     public struct Mathf

@@ -1,0 +1,41 @@
+using System;
+using System.Collections.Generic;
+using Sweepstake.Unity;
+using UnityEngine;
+
+namespace Sweepstake.Documents
+{
+    /// <summary>What the statements of the documents take for granted: a game around them.</summary>
+    internal abstract class Context
+    {
+        protected readonly BroadPhaseSession session = new BroadPhaseSession();
+        protected readonly ProxyHandle[] handles = Array.Empty<ProxyHandle>();
+        protected readonly List<Collider> found = new List<Collider>();
+        protected readonly Spawner spawner = new Spawner();
+        protected readonly string tokenPath = "", authorityPath = "";
+        protected SweepstakeManager manager;
+        protected ColliderTracker tracker;
+        protected Transform transform;
+        protected Vector3 eye, forward;
+        protected Aabb wallBox;
+
+        protected ReadOnlySpan<Aabb> boxes => default;
+
+        protected static void Touch(uint a, uint b)
+        {
+        }
+
+        protected static void Enter(ProxyHandle a, ProxyHandle b)
+        {
+        }
+
+        protected static void Aim(Collider hit, float distance)
+        {
+        }
+
+        protected sealed class Spawner
+        {
+            internal int Limit { get; set; }
+        }
+    }
+}
