@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fails when the Unity package breaks a rule that Unity's own validation has, or when its documents are not true.
 
-    package.json    name, version (that of the CMake project), Unity 2022.3; samples exist
+    package.json    name, version (that of the CMake project, of the commit's tag and of the tag in the documents), Unity 2022.3; samples exist
     .meta           each asset has one, each belongs to an asset, no GUID is there twice; a plug-in has one where a build has placed it
     .asmdef         named as its file, references what exists, gRPC behind SWEEPSTAKE_GRPC, no engine below Runtime/Unity, Editor for the editor
     samples         each folder is in the manifest and has an assembly and a scene; a scene's scripts are the package's
@@ -9,7 +9,7 @@
     paths           at most 140 characters; no link.xml, which Unity ignores in packages; no library of .NET
     privacy.md      names each field of what a game and the editor's window send, and no other
     proven.md       has each of the 47 points once, with a test that exists or with steps; a quick start has six steps at most
-    links           of the documents lead somewhere
+    links           of the documents lead somewhere; menus, fields, files and names of the API that they name exist (document_names.py)
 
     package_test.py ROOT          checks the tree at ROOT
     package_test.py --self-test   shows that each rule can fail
@@ -19,10 +19,12 @@ import json
 import pathlib
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "unity_client" / "tools"))
+import document_names  # noqa: E402
 import make_metas  # noqa: E402
 
 PACKAGE = "unity_client/com.sweepstake.broadphase"
@@ -35,6 +37,7 @@ VERSION_HEADING = re.compile(r"^## \[(Unreleased|\d+\.\d+\.\d+)\](?: - \d{4}-\d\
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 PROTO_MESSAGE = re.compile(r"^message (\w+) \{(.*?)^\}", re.MULTILINE | re.DOTALL)
 PROTO_FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+;", re.MULTILINE)
+INSTALLED_TAG = re.compile(r"#v(\d+\.\d+\.\d+)")
 PRIVACY_FIELD = re.compile(r"^\| `(\w+\.\w+)` \|", re.MULTILINE)
 # What a game sends, and what the editor's window asks.
 SENT_MESSAGES = ("StreamTelemetryRequest", "WatchPosteriorsRequest", "ListPosteriorsRequest")
@@ -67,6 +70,22 @@ def manifest_errors(root, package):
             yield f"package.json: the sample {sample['path']} does not exist"
 
 
+def tags_of(root):
+    """Those of the commit; a tree without its history has none."""
+    if not (root / ".git").exists():
+        return []
+    return subprocess.run(["git", "-C", str(root), "tag", "--points-at", "HEAD", "v*"], capture_output=True, text=True, check=False).stdout.split()
+
+
+def tag_errors(root, package, tags):
+    version = json_of(package / "package.json")["version"]
+    yield from (f"the commit's tag is {tag}, and package.json's version {version}" for tag in tags if tag != f"v{version}")
+    named = [(page.name, tag) for page in sorted((root / "unity_client").rglob("*.md")) for tag in INSTALLED_TAG.findall(page.read_text(encoding="utf-8"))]
+    if not named:
+        yield "no document says how a release is installed by its tag, #v1.2.3"
+    yield from (f"{name}: the tag #v{tag} is not that of the version {version}" for name, tag in named if tag != version)
+
+
 def changelog_errors(package):
     text = (package / "CHANGELOG.md").read_text(encoding="utf-8")
     if not text.startswith("# Changelog\n"):
@@ -80,6 +99,11 @@ def changelog_errors(package):
     versions = [tuple(map(int, match[1].split("."))) for heading in headings if (match := VERSION_HEADING.match(heading)) and match[1] != "Unreleased"]
     if versions != sorted(versions, reverse=True):
         yield "CHANGELOG.md: the newest version comes first"
+    version = json_of(package / "package.json")["version"]
+    if headings and headings[0] != "## [Unreleased]" and not headings[0].startswith(f"## [{version}]"):
+        yield f"CHANGELOG.md: begins with neither '## [Unreleased]' nor {version}, package.json's version"
+    if versions and versions[0] > tuple(map(int, version.split("."))):
+        yield f"CHANGELOG.md: has a version after {version}, package.json's"
 
 
 def asmdef_errors(package):
@@ -184,8 +208,8 @@ def proof_errors(root, package):
 
 def check(root):
     package = root / PACKAGE
-    return [*manifest_errors(root, package), *make_metas.errors(package), *changelog_errors(package), *asmdef_errors(package),
-            *sample_errors(package), *path_errors(package), *document_errors(package), *privacy_errors(root, package), *proof_errors(root, package)]
+    return [*manifest_errors(root, package), *tag_errors(root, package, tags_of(root)), *make_metas.errors(package), *changelog_errors(package), *asmdef_errors(package),
+            *sample_errors(package), *path_errors(package), *document_errors(package), *document_names.errors(root, package), *privacy_errors(root, package), *proof_errors(root, package)]
 
 
 def edit(package, name, old, new):
@@ -205,6 +229,10 @@ def place(package, name):
 # What is done to a copy of the package, and what must be said then.
 BAD = [
     (lambda p: edit(p, "package.json", '"version": "', '"version": "9'), "the version is not"),
+    (lambda p: edit(p, "Documentation~/index.md", "#v0", "#v9"), "index.md: the tag #v9"),
+    (lambda p: edit(p, "Documentation~/index.md", "#v0", "v0"), "no document says how a release is installed"),
+    (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## [0.0.9] - 2026-01-01"), "begins with neither"),
+    (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## [Unreleased]\n\n## [99.0.0] - 2026-01-01"), "has a version after"),
     (lambda p: edit(p, "package.json", '"2022.3"', '"2019.4"'), "the lowest Unity"),
     (lambda p: edit(p, "package.json", "Samples~/QuickStart", "Samples~/None"), "Samples~/None does not exist"),
     (lambda p: edit(p, "package.json", "Samples~/QuickStart", "Samples~/None"), "the sample Samples~/QuickStart is not listed"),
@@ -233,12 +261,15 @@ BAD = [
     (lambda p: (p / "Documentation~/Google.Protobuf.dll").write_text(""), "another copy of itself"),
     (lambda p: (p / "Documentation~/privacy.md").write_text("| `Hello.shoe_size` | |\n"), "`Hello.shoe_size` is told, and not sent"),
     (lambda p: edit(p, "Documentation~/privacy.md", "| `Hello.machine_class` |", "| |"), "`Hello.machine_class` is sent, and not told"),
+    (lambda p: edit(p, "Documentation~/setup.md", "*Set Define*", "*Set a Define*"), "setup.md: nothing is called 'Set a Define'"),
+    (lambda p: edit(p, "Documentation~/components.md", "`Connect()`", "`Conect()`"), "components.md: the API has no Conect"),
+    (lambda p: edit(p, "Documentation~/native-library.md", "`tests/cross.sh`", "`tests/crass.sh`"), "there is no file tests/crass.sh"),
     (lambda p: edit(p, "README.md", "index.md", "gone.md"), "the link to Documentation~/gone.md leads nowhere"),
 ]
 
 
 def self_test(root):
-    missed = []
+    missed = [] if list(tag_errors(root, root / PACKAGE, ["v99.0.0"])) else ["a commit's tag of another version was not found"]
     for change, error in BAD:
         with tempfile.TemporaryDirectory() as folder:
             copy = pathlib.Path(folder)
