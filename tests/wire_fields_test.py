@@ -20,6 +20,7 @@ OTHERS = {
     "StatusDetails.message": "google.rpc.Status: clients in other languages read it",
     "ListPosteriorsRequest.page_size": "the size of a page is the caller's choice; ours take the daemon's",
     "ListSessionsRequest.page_size": "the size of a page is the caller's choice; ours take the daemon's",
+    "PriorRecord.is_imported": "the dashboard tells imports from sessions",
     "GetPosteriorRequest.": "the call of programs that want one scene; ours list",
     "GetPosteriorResponse.": "the call of programs that want one scene; ours list",
 }

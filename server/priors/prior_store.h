@@ -193,6 +193,7 @@ struct PriorRecord {
   Evidence evidence;
   std::string build = {};         // of the source; empty if unknown
   uint64_t last_seen_unix_s = 0;  // when the source taught last; 0 if unknown
+  bool is_imported = false;       // no session of the store has it; imports take no notice
 
   friend bool operator==(const PriorRecord&, const PriorRecord&) = default;
 };

@@ -311,14 +311,16 @@ absl::StatusOr<priors::ExportPage> MemoryPriorStore::Export(const SceneFilter& f
   for (const auto& [key, entries] : evidence_) {
     if (!filter.Matches(key.project, key.scene)) continue;
     for (const auto& [source_id, entry] : entries) {
-      const std::pair place(key, sources_.at(source_id).number);
+      const Source& source = sources_.at(source_id);
+      const std::pair place(key, source.number);
       if (place > std::pair(after.key, after.source_number))
         records[place] = {key,
                           source_id,
                           entry.sequence,
                           entry.evidence,
-                          sources_.at(source_id).origin.build,
-                          sources_.at(source_id).last_seen_unix_s};
+                          source.origin.build,
+                          source.last_seen_unix_s,
+                          !source.is_session};
     }
   }
   priors::ExportPage page{.records = {}, .next = after};

@@ -269,7 +269,7 @@ absl::Status SqlitePriorReader::AppendEvidence(const ExportKey& key, uint32_t li
       [&](const SqliteRow& row) {
         damaged = damaged || row.Integer(7) == 0;
         page.records.push_back({key.key, row.Text(1), row.Unsigned(2), EvidenceOf(row, 3),
-                                row.Text(8), row.Unsigned(9)});
+                                row.Text(8), row.Unsigned(9), row.Integer(10) != 0});
         page.next = {key.key, row.Unsigned(0)};
       },
       key.id, first, limit - static_cast<uint32_t>(page.records.size()));

@@ -290,7 +290,8 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         ORDER BY 1, 2, 3, 4, 5, 6, 7 LIMIT 1)sql"},
     {&PriorReadStatements::key_evidence, R"sql(
         SELECT s.id, name, sequence, alpha, beta, window_count, bail_out_count,
-               e.hash = e.content_hash AND s.hash = s.content_hash, build, last_seen_unix_s
+               e.hash = e.content_hash AND s.hash = s.content_hash, build, last_seen_unix_s,
+               NOT is_session
         FROM evidence e CROSS JOIN source s ON s.id = source_id
         WHERE key_id = ?1 AND source_id > ?2 AND name >= ' '
         ORDER BY source_id LIMIT ?3)sql"},

@@ -244,6 +244,7 @@ void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
   message.set_bail_out_count(record.evidence.bail_out_count);
   message.set_build(record.build);
   message.set_unix_last_seen_s(static_cast<int64_t>(record.last_seen_unix_s));
+  message.set_is_imported(record.is_imported);
 }
 
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {

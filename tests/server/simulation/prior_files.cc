@@ -50,6 +50,7 @@ void PriorFiles::Make() {
                            .beta = 1,
                            .window_count = number,
                            .bail_out_count = 0};
+        record.is_imported = true;
         records.push_back(std::move(record));
       }
     }

@@ -140,12 +140,14 @@ TEST_P(SourceConformance, WhereASourceComesFromGoesWithItsRecords) {
   ASSERT_EQ(records.size(), 1u);
   EXPECT_EQ(records[0].build, "1.0") << "of its first update";
   EXPECT_EQ(records[0].last_seen_unix_s, 200u);
+  EXPECT_FALSE(records[0].is_imported);
   records[0].source_id = "imported";
   ASSERT_TRUE(store_->Import(records).ok());
   records = ExportAll();
   ASSERT_EQ(records.size(), 2u);
   EXPECT_EQ(records[1].build, "1.0");
   EXPECT_EQ(records[1].last_seen_unix_s, 200u);
+  EXPECT_TRUE(records[1].is_imported);
 }
 
 }  // namespace sweepstake::storage

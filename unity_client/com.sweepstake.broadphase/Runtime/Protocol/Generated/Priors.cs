@@ -37,22 +37,22 @@ namespace Sweepstake.Protocol.V1 {
             "aWQYBCABKAMSEwoLdW5peF9mcm9tX3MYBSABKAMSFAoMdW5peF91bnRpbF9z",
             "GAYgASgDEg8KB3ByZXZpZXcYByABKAgiWAoUUmV2b2tlUHJpb3JzUmVzcG9u",
             "c2USFAoMc291cmNlX2NvdW50GAEgASgEEhQKDHJlY29yZF9jb3VudBgCIAEo",
-            "BBIUCgx3aW5kb3dfY291bnQYAyABKAQiywIKC1ByaW9yUmVjb3JkEg8KB3By",
+            "BBIUCgx3aW5kb3dfY291bnQYAyABKAQi4AIKC1ByaW9yUmVjb3JkEg8KB3By",
             "b2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSEwoLbWVhc3VyZWRfYnkYAyAB",
             "KAkSCwoDYXJtGAQgASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgFIAEoDRIVCg1t",
             "YWNoaW5lX2NsYXNzGAYgASgJEhYKDnJld2FyZF92ZXJzaW9uGAcgASgNEhEK",
             "CXNvdXJjZV9pZBgIIAEoCRIXCg9zb3VyY2Vfc2VxdWVuY2UYCSABKAQSFwoP",
             "YWxwaGFfaW5jcmVtZW50GAogASgBEhYKDmJldGFfaW5jcmVtZW50GAsgASgB",
             "EhQKDHdpbmRvd19jb3VudBgMIAEoBBIWCg5iYWlsX291dF9jb3VudBgNIAEo",
-            "BBINCgVidWlsZBgOIAEoCRIYChB1bml4X2xhc3Rfc2Vlbl9zGA8gASgDMp4C",
-            "Cg1QcmlvcnNTZXJ2aWNlElkKDEV4cG9ydFByaW9ycxIiLnN3ZWVwc3Rha2Uu",
-            "djEuRXhwb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuRXhwb3J0",
-            "UHJpb3JzUmVzcG9uc2UwARJZCgxJbXBvcnRQcmlvcnMSIi5zd2VlcHN0YWtl",
-            "LnYxLkltcG9ydFByaW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkltcG9y",
-            "dFByaW9yc1Jlc3BvbnNlKAESVwoMUmV2b2tlUHJpb3JzEiIuc3dlZXBzdGFr",
-            "ZS52MS5SZXZva2VQcmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5SZXZv",
-            "a2VQcmlvcnNSZXNwb25zZUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIG",
-            "cHJvdG8z"));
+            "BBINCgVidWlsZBgOIAEoCRIYChB1bml4X2xhc3Rfc2Vlbl9zGA8gASgDEhMK",
+            "C2lzX2ltcG9ydGVkGBAgASgIMp4CCg1QcmlvcnNTZXJ2aWNlElkKDEV4cG9y",
+            "dFByaW9ycxIiLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVxdWVzdBoj",
+            "LnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVzcG9uc2UwARJZCgxJbXBv",
+            "cnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1JlcXVlc3Qa",
+            "Iy5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1Jlc3BvbnNlKAESVwoMUmV2",
+            "b2tlUHJpb3JzEiIuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXF1ZXN0",
+            "GiMuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXNwb25zZUIZqgIWU3dl",
+            "ZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
@@ -62,7 +62,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsRequest), global::Sweepstake.Protocol.V1.RevokePriorsRequest.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS", "Preview" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS" }, null, null, null, null)
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported" }, null, null, null, null)
           }));
     }
     #endregion
@@ -1805,6 +1805,7 @@ namespace Sweepstake.Protocol.V1 {
       bailOutCount_ = other.bailOutCount_;
       build_ = other.build_;
       unixLastSeenS_ = other.unixLastSeenS_;
+      isImported_ = other.isImported_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2039,6 +2040,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "is_imported" field.</summary>
+    public const int IsImportedFieldNumber = 16;
+    private bool isImported_;
+    /// <summary>
+    /// True in exports: the daemon has the source from an import. Imports take no notice of it. Absent: a session of the daemon.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool IsImported {
+      get { return isImported_; }
+      set {
+        isImported_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2069,6 +2085,7 @@ namespace Sweepstake.Protocol.V1 {
       if (BailOutCount != other.BailOutCount) return false;
       if (Build != other.Build) return false;
       if (UnixLastSeenS != other.UnixLastSeenS) return false;
+      if (IsImported != other.IsImported) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2091,6 +2108,7 @@ namespace Sweepstake.Protocol.V1 {
       if (BailOutCount != 0UL) hash ^= BailOutCount.GetHashCode();
       if (Build.Length != 0) hash ^= Build.GetHashCode();
       if (UnixLastSeenS != 0L) hash ^= UnixLastSeenS.GetHashCode();
+      if (IsImported != false) hash ^= IsImported.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2169,6 +2187,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(120);
         output.WriteInt64(UnixLastSeenS);
       }
+      if (IsImported != false) {
+        output.WriteRawTag(128, 1);
+        output.WriteBool(IsImported);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2239,6 +2261,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(120);
         output.WriteInt64(UnixLastSeenS);
       }
+      if (IsImported != false) {
+        output.WriteRawTag(128, 1);
+        output.WriteBool(IsImported);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2293,6 +2319,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (UnixLastSeenS != 0L) {
         size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixLastSeenS);
+      }
+      if (IsImported != false) {
+        size += 2 + 1;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2350,6 +2379,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.UnixLastSeenS != 0L) {
         UnixLastSeenS = other.UnixLastSeenS;
+      }
+      if (other.IsImported != false) {
+        IsImported = other.IsImported;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2430,6 +2462,10 @@ namespace Sweepstake.Protocol.V1 {
             UnixLastSeenS = input.ReadInt64();
             break;
           }
+          case 128: {
+            IsImported = input.ReadBool();
+            break;
+          }
         }
       }
     #endif
@@ -2507,6 +2543,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 120: {
             UnixLastSeenS = input.ReadInt64();
+            break;
+          }
+          case 128: {
+            IsImported = input.ReadBool();
             break;
           }
         }
