@@ -1,7 +1,9 @@
 // Chromium, and what may not happen in a page of the dashboard.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 
 const require = createRequire(new URL('../../../server/dashboard/package.json', import.meta.url));
 export const chromiumPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
@@ -10,6 +12,32 @@ export async function launch() {
   const { chromium } = require('playwright-core');
   return chromium.launch({ executablePath: chromiumPath, args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic',
     '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'] });
+}
+
+// Runs `check(browser, folder)`, which returns why it cannot be done, if so, with a folder that goes afterwards.
+export async function runInBrowser(name, check) {
+  const folder = mkdtempSync(join(tmpdir(), `sweepstake_${name}_`));
+  let missing = `there is no ${chromiumPath}; deploy/install_packages.sh chromium installs it`;
+  if (existsSync(chromiumPath)) {
+    const browser = await launch();
+    try {
+      missing = await check(browser, folder);
+    } finally {
+      await browser.close();
+    }
+  }
+  rmSync(folder, { recursive: true, force: true });
+  if (!missing) return;
+  console.log(`skipped: ${missing}`);
+  process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
+}
+
+// The cells of a table, by the titles of its columns.
+export async function rowsOf(page, caption) {
+  const table = page.getByRole('region', { name: caption, exact: true });
+  const titles = (await table.locator('thead th').allInnerTexts()).map((title) => title.replace(/ [▲▼]$/, '').trim());
+  const rows = await table.locator('tbody tr[data-key]').evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.innerText.trim())));
+  return rows.map((cells) => Object.fromEntries(titles.map((title, i) => [title, cells[i]])));
 }
 
 // Opens a page that writes down whatever goes wrong in it: errors, breaches of its content security policy, requests to elsewhere.
