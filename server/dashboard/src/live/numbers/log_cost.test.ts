@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { beliefOf, costNsOf, costRatioOf, rewardOfNs } from './log_cost';
+import { beliefOf, costNsOf, costRatioOf, evidenceOf, rewardOfNs } from './log_cost';
 
 it('A reward of 1 is a nanosecond, of 0 five seconds, and back', () => {
   expect(costNsOf(1)).toBe(1);
@@ -20,4 +20,11 @@ it('A cost ratio has its median between its bounds, and is 1 for equal arms', ()
   const dearer = costRatioOf({ alpha: 5.5e8, beta: 4.5e8 }, { alpha: 6e8, beta: 4e8 });
   expect(dearer.median).toBeCloseTo(Math.exp(0.05 * Math.log(5e9)), 6);
   expect(dearer.low).toBeGreaterThan(1);
+});
+
+it('The evidence of a variance gives that variance back, and is at least one', () => {
+  const n = evidenceOf(0.6, 0.15 ** 2);
+  expect(beliefOf({ alpha: 0.6 * (n - 1), beta: 0.4 * (n - 1) }).variance).toBeCloseTo(0.15 ** 2, 12);
+  expect(evidenceOf(0.6, 1e9)).toBe(1);
+  expect(evidenceOf(0.6, 0)).toBe(1e12);
 });

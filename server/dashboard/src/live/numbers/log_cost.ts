@@ -6,6 +6,7 @@ import type { Normal } from './best';
 
 export const LOG_COST_REWARD_VERSION = 3;
 const LOG_RANGE = Math.log(5e9); // the rewards from 1 to 0
+const MAX_EVIDENCE = 1e12;
 const DEVIATIONS_95 = 1.959963984540054;
 
 /** Median, and the bounds that hold with a probability of 95 %. */
@@ -15,6 +16,16 @@ export interface Ratio { median: number; low: number; high: number }
 export const costNsOf = (reward: number) => Math.exp((1 - reward) * LOG_RANGE);
 /** Returns the reward of a detection time in nanoseconds. */
 export const rewardOfNs = (ns: number) => Math.min(Math.max(1 - Math.log(ns) / LOG_RANGE, 0), 1);
+
+/**
+ * Returns α + β, at least 1, of the Beta distribution with this mean and the variance that a logarithm of a cost with this variance
+ * gives a reward.
+ */
+export function evidenceOf(reward: number, logCostVariance: number): number {
+  const variance = logCostVariance / (LOG_RANGE * LOG_RANGE);
+  const spread = reward * (1 - reward);
+  return spread < MAX_EVIDENCE * variance ? Math.max(spread / variance, 1) : MAX_EVIDENCE;
+}
 
 /** Returns a time as people read it: "35.2 µs". */
 export function nsText(ns: number): string {

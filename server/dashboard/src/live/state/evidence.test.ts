@@ -1,9 +1,10 @@
 import { create } from '@bufbuild/protobuf';
 import { expect, it } from 'vitest';
 import { ExportPriorsResponseSchema } from '../../gen/sweepstake/v1/priors_pb';
-import { addPart, noEvidence, priorsFile } from './evidence';
+import { addPart, MAX_SOURCES, noEvidence, priorsFile } from './evidence';
 
-const recordOf = (sourceId: string, more: { arm?: string; measuredBy?: string; bailOutCount?: bigint; build?: string; unixLastSeenS?: bigint } = {}) => ({ project: 'p', scene: 's', arm: 'SAP', backendVersion: 1, rewardVersion: 3,
+interface More { arm?: string; measuredBy?: string; bailOutCount?: bigint; build?: string; unixLastSeenS?: bigint; isImported?: boolean; machineClass?: string }
+const recordOf = (sourceId: string, more: More = {}) => ({ project: 'p', scene: 's', arm: 'SAP', backendVersion: 1, rewardVersion: 3,
   sourceId, sourceSequence: 7n, alphaIncrement: 1.5, betaIncrement: 0.5, windowCount: 2n, ...more });
 
 function evidenceOf(...parts: Parameters<typeof create<typeof ExportPriorsResponseSchema>>[1][]) {
@@ -20,6 +21,28 @@ it('sums what sources taught by scene and arm, and by source', () => {
   expect([...evidence.sums.values()][0]).toMatchObject({ sourceCount: 2, alpha: 3, beta: 1, windowCount: 4, bailOutCount: 0 });
   expect(evidence.sources.get('x')).toMatchObject({ windowCount: 6, bailOutCount: 1, arms: new Set(['SAP', 'Grid']) });
   expect(evidence).toMatchObject({ recordCount: 4, foldedRecordCount: 4, foldedWindowCount: 40 });
+});
+
+it('keeps builds apart, and says of each and of each source what it has taught, where and when', () => {
+  const evidence = evidenceOf({ records: [
+    recordOf('x', { build: '1.1', unixLastSeenS: 50n, machineClass: 'desktop' }), recordOf('y', { build: '1.2', unixLastSeenS: 70n }),
+    recordOf('z', { build: '1.1', unixLastSeenS: 60n, arm: 'Grid', isImported: true }), recordOf('x', { build: '1.1', unixLastSeenS: 50n, measuredBy: 'lane' }),
+  ] });
+  expect([...evidence.sums.values()].map(({ example, alpha }) => [example.build, example.arm, alpha])).toEqual(
+    [['1.1', 'SAP', 1.5], ['1.2', 'SAP', 1.5], ['1.1', 'Grid', 1.5], ['1.1', 'SAP', 1.5]]);
+  expect([...evidence.builds.values()].map(({ build, sourceIds, windowCount, lastSeenS }) => [build, sourceIds.size, windowCount, lastSeenS])).toEqual(
+    [['1.1', 2, 6, 60], ['1.2', 1, 2, 70]]);
+  expect([...evidence.builds.values()][0]).toMatchObject({ project: 'p', arms: new Set(['SAP', 'Grid']), machineClasses: new Set(['desktop', '']) });
+  expect([...evidence.sources.values()].map(({ sourceId, build, isImported, lastSeenS }) => [sourceId, build, isImported, lastSeenS])).toEqual(
+    [['x', '1.1', false, 50], ['y', '1.2', false, 70], ['z', '1.1', true, 60]]);
+});
+
+it('is bounded, and says so', () => {
+  const many = Array.from({ length: MAX_SOURCES + 1 }, (_, i) => recordOf(`source ${i}`, { build: `build ${i}` }));
+  expect(evidenceOf({ records: many.slice(1) }).isCut).toBe(false);
+  const evidence = evidenceOf({ records: many });
+  expect(evidence).toMatchObject({ isCut: true, recordCount: MAX_SOURCES + 1 });
+  expect([evidence.sources.size, evidence.builds.size, evidence.sums.size]).toEqual([MAX_SOURCES, MAX_SOURCES, MAX_SOURCES + 1]);
 });
 
 it('writes the file that is imported', () => {

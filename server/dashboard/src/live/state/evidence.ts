@@ -3,78 +3,109 @@
 import type { ExportPriorsResponse, PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
 
 export const MAX_SOURCES = 20_000;
-export const MAX_KEPT_RECORDS = 200_000;  // a file of more cannot be imported
+const MAX_SUMS = 50_000;
+const MAX_KEPT_RECORDS = 200_000;  // a file of more cannot be imported
 
-// What all sources of one scene, class of machines, version of the reward, arm and backend, and lane or frame thread taught.
-export interface EvidenceSum {
+interface Counts {
+  windowCount: number;
+  bailOutCount: number;
+}
+
+// What all sources of one build taught of one scene, class of machines, version of the reward, arm and backend, on the frame thread or
+// in the lane.
+export interface EvidenceSum extends Counts {
   key: string;
   example: PriorRecord;  // has the names
   sourceCount: number;
   alpha: number;
   beta: number;
-  windowCount: number;
-  bailOutCount: number;
+}
+
+interface Teacher extends Counts {
+  project: string;
+  build: string;  // '': unknown
+  scenes: Set<string>;
+  arms: Set<string>;
+  machineClasses: Set<string>;
+  lastSeenS: number;  // by the daemon's clock; 0: unknown
 }
 
 // What one source taught.
-export interface SourceSum {
+export interface SourceSum extends Teacher {
   sourceId: string;
-  project: string;
-  scenes: Set<string>;
-  arms: Set<string>;
-  windowCount: number;
-  bailOutCount: number;
+  isImported: boolean;
+}
+
+// What the sources of one build of a project taught.
+export interface BuildSum extends Teacher {
+  key: string;
+  sourceIds: Set<string>;
 }
 
 export interface Evidence {
-  sums: Map<string, EvidenceSum>;
+  sums: Map<string, EvidenceSum>;  // up to MAX_SUMS
   sources: Map<string, SourceSum>;  // up to MAX_SOURCES
+  builds: Map<string, BuildSum>;  // of those sources
   records: PriorRecord[];  // up to MAX_KEPT_RECORDS
+  isCut: boolean;  // there was more than one of those holds
   recordCount: number;
   foldedRecordCount: number;
   foldedWindowCount: number;
 }
 
-export const noEvidence = (): Evidence =>
-  ({ sums: new Map(), sources: new Map(), records: [], recordCount: 0, foldedRecordCount: 0, foldedWindowCount: 0 });
+export const noEvidence = (): Evidence => ({ sums: new Map(), sources: new Map(), builds: new Map(), records: [], isCut: false,
+  recordCount: 0, foldedRecordCount: 0, foldedWindowCount: 0 });
 
-const keyOf = (record: PriorRecord) => [record.project, record.scene, record.machineClass, record.rewardVersion, record.arm,
+const keyOf = (record: PriorRecord) => [record.project, record.scene, record.machineClass, record.rewardVersion, record.build, record.arm,
   record.backendVersion, record.measuredBy].join('\n');
 
-function sumFor(sums: Map<string, EvidenceSum>, record: PriorRecord): EvidenceSum {
-  const key = keyOf(record);
-  const known = sums.get(key);
-  if (known) return known;
-  const sum = { key, example: record, sourceCount: 0, alpha: 0, beta: 0, windowCount: 0, bailOutCount: 0 };
-  sums.set(key, sum);
-  return sum;
+// Returns what is at the key, which is made where there is room.
+function entry<Value>(map: Map<string, Value>, key: string, max: number, make: () => Value): Value | undefined {
+  const known = map.get(key);
+  if (known || map.size >= max) return known;
+  const made = make();
+  map.set(key, made);
+  return made;
 }
 
-function sourceFor(sources: Map<string, SourceSum>, { sourceId, project }: PriorRecord): SourceSum | undefined {
-  const known = sources.get(sourceId);
-  if (known || sources.size >= MAX_SOURCES) return known;
-  const source = { sourceId, project, scenes: new Set<string>(), arms: new Set<string>(), windowCount: 0, bailOutCount: 0 };
-  sources.set(sourceId, source);
-  return source;
+const noCounts = () => ({ windowCount: 0, bailOutCount: 0 });
+const teacher = ({ project, build }: PriorRecord): Teacher =>
+  ({ project, build, scenes: new Set(), arms: new Set(), machineClasses: new Set(), lastSeenS: 0, ...noCounts() });
+
+function learn(from: Teacher, { scene, arm, machineClass, unixLastSeenS }: PriorRecord): void {
+  from.scenes.add(scene);
+  from.arms.add(arm);
+  from.machineClasses.add(machineClass);
+  from.lastSeenS = Math.max(from.lastSeenS, Number(unixLastSeenS));
 }
 
 function add(evidence: Evidence, record: PriorRecord): void {
-  const sum = sumFor(evidence.sums, record);
-  ++sum.sourceCount;
-  sum.alpha += record.alphaIncrement;
-  sum.beta += record.betaIncrement;
-  const source = sourceFor(evidence.sources, record);
-  source?.scenes.add(record.scene);
-  source?.arms.add(record.arm);
-  for (const each of source ? [sum, source] : [sum]) {
+  const { sourceId, project, build: name, isImported } = record;
+  const key = keyOf(record);
+  const sum = entry(evidence.sums, key, MAX_SUMS, () => ({ key, example: record, sourceCount: 0, alpha: 0, beta: 0, ...noCounts() }));
+  if (sum) {
+    ++sum.sourceCount;
+    sum.alpha += record.alphaIncrement;
+    sum.beta += record.betaIncrement;
+  }
+  const source = entry(evidence.sources, sourceId, MAX_SOURCES, () => ({ sourceId, isImported, ...teacher(record) }));
+  const buildKey = `${project}\n${name}`;
+  const build = source && entry(evidence.builds, buildKey, MAX_SOURCES, () => ({ key: buildKey, sourceIds: new Set<string>(), ...teacher(record) }));
+  build?.sourceIds.add(sourceId);
+  for (const each of [source, build]) if (each) learn(each, record);
+  for (const each of [sum, source, build]) {
+    if (!each) continue;
     each.windowCount += Number(record.windowCount);
     each.bailOutCount += Number(record.bailOutCount);
   }
+  evidence.isCut ||= !sum || !source;
 }
 
 export function addPart(evidence: Evidence, { records, foldedRecordCount, foldedWindowCount }: ExportPriorsResponse): void {
   for (const record of records) add(evidence, record);
-  evidence.records.push(...records.slice(0, MAX_KEPT_RECORDS - evidence.records.length));
+  const kept = records.slice(0, MAX_KEPT_RECORDS - evidence.records.length);
+  evidence.records.push(...kept);
+  evidence.isCut ||= kept.length < records.length;
   evidence.recordCount += records.length;
   evidence.foldedRecordCount += Number(foldedRecordCount);
   evidence.foldedWindowCount += Number(foldedWindowCount);

@@ -1,0 +1,75 @@
+// Two builds beside one another: where they say something else of what arms cost.
+import { useMemo } from 'preact/hooks';
+import { type ArmChange, buildChanges, isChange, type SceneChange } from '../../numbers/priors_diff';
+import { Arm } from '../../parts/arm';
+import { Chip } from '../../parts/chips';
+import { Choice } from '../../parts/filter';
+import { Name } from '../../parts/name';
+import { type Column, Table } from '../../parts/table';
+import { visible } from '../../parts/visible';
+import { LOG_COST_REWARD_VERSION } from '../../numbers/log_cost';
+import type { Evidence } from '../../state/evidence';
+import { route, sceneHref } from '../../state/route';
+
+interface Row extends ArmChange { scene: SceneChange; key: string }
+
+const ratioText = (ratio: number | undefined) => (ratio === undefined ? '–' : ratio.toFixed(2));
+
+function changeWord(change: ArmChange): string {
+  if (!isChange(change)) return 'the same';
+  if (change.before === undefined) return 'new';
+  if (change.after === undefined) return 'not measured';
+  return change.after > change.before ? 'dearer' : 'cheaper';
+}
+
+function leaderWord({ arms, leaderChanged }: SceneChange): string {
+  if (!leaderChanged) return 'the same';
+  const isInBoth = arms.some(({ before }) => before !== undefined) && arms.some(({ after }) => after !== undefined);
+  return isInBoth ? 'another' : 'in one build only';
+}
+
+const COLUMNS: readonly Column<Row>[] = [
+  { id: 'scene', title: 'Scene', sort: ({ scene }) => `${scene.project}\n${scene.scene}\n${scene.machineClass}`, csv: ({ scene }) => scene.scene,
+    cell: ({ scene }) => <a href={sceneHref({ ...scene, rewardVersion: LOG_COST_REWARD_VERSION })}><Name text={scene.scene} /></a> },
+  { id: 'arm', title: 'Arm', isText: true, sort: ({ arm }) => arm, cell: ({ arm }) => <Arm name={arm} /> },
+  { id: 'before', title: 'Cost before', hint: 'Of the arm ÷ that of the scene’s cheapest one, in the first build', sort: ({ before }) => before, cell: ({ before }) => ratioText(before) },
+  { id: 'after', title: 'Cost after', hint: 'The same in the second build', sort: ({ after }) => after, cell: ({ after }) => ratioText(after) },
+  { id: 'change', title: 'Change', isText: true, hint: 'Of more than 5 %, relative to the cheapest arm', sort: changeWord,
+    cell: (row) => <Chip tone={isChange(row) ? 'warn' : 'plain'}>{changeWord(row)}</Chip> },
+  { id: 'leader', title: 'Cheapest arm', isText: true, hint: 'Whether an arm is the cheapest one in both', sort: ({ scene }) => leaderWord(scene),
+    cell: ({ scene }) => (leaderWord(scene) === 'another' ? <Chip tone="bad" sign="≠">another</Chip> : leaderWord(scene)) },
+  { id: 'class', title: 'Machines', isText: true, sort: ({ scene }) => scene.machineClass, cell: ({ scene }) => <Name text={scene.machineClass} /> },
+  { id: 'project', title: 'Project', isText: true, sort: ({ scene }) => scene.project, cell: ({ scene }) => <Name text={scene.project} /> },
+];
+
+function Differences({ evidence, before, after }: { evidence: Evidence; before: string; after: string }) {
+  const rows = useMemo(() => buildChanges(evidence.sums.values(), before, after).flatMap((scene): Row[] =>
+    scene.arms.map((change) => ({ ...change, scene, key: [scene.project, scene.scene, scene.machineClass, change.arm].join('\n') }))), [evidence, before, after]);
+  if (rows.length === 0) return <p role="status">They say the same of every scene, to 5 %.</p>;
+  return (
+    <>
+      <Table caption="Changes" columns={COLUMNS} rows={rows} keyOf={({ key }) => key} sort="scene" sortParameter="changes" />
+      <p class="soft small">Scenes in which something changes, from the evidence of each build alone; <code>sweepstake priors diff</code> says the same of an export. Only
+        rewards that tell costs compare (version {LOG_COST_REWARD_VERSION}).</p>
+    </>
+  );
+}
+
+export function Changes({ evidence }: { evidence: Evidence }) {
+  const chosen = [route.value.query.get('before') ?? '', route.value.query.get('after') ?? ''] as const;
+  const known = [...evidence.builds.values()].map(({ build }) => build);
+  const builds = [...new Set([...known, ...chosen])].filter(Boolean).sort();
+  const options = [['', 'choose'], ...builds.map((build) => [build, visible(build)] as const)] as const;
+  const missing = chosen.find((build) => build && !known.includes(build));
+  return (
+    <>
+      <div class="tools">
+        <Choice label="From build" parameter="before" options={options} />
+        <Choice label="to build" parameter="after" options={options} />
+      </div>
+      {builds.length < 2 && <p class="soft">A game says its build when it begins a session (<code>--build</code>, <code>SessionOptions::build</code>); two are needed.</p>}
+      {missing && <p class="soft">There is no evidence of build <Name text={missing} /> here.</p>}
+      {chosen[0] && chosen[1] && !missing && <Differences evidence={evidence} before={chosen[0]} after={chosen[1]} />}
+    </>
+  );
+}

@@ -1,0 +1,227 @@
+// The view of the priors, as an operator uses it: a real daemon, real games of two builds, Chromium.
+//
+//   node priors_test.mjs SWEEPSTAKED SWEEPSTAKE
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { assertAccessible, assertNoTrouble, openPage, rowsOf, runInBrowser } from './browser.mjs';
+import { Game, RealDaemon, until } from './real_daemon.mjs';
+
+const [sweepstaked, sweepstake] = process.argv.slice(2);
+const HOSTILE = '<b>1.3</b>\u202E';
+const SHOWN_HOSTILE = '<b>1.3</b>⟨U+202E⟩';
+const IMPORTED = 'from a file';
+
+const query = (page) => new URL(page.url()).searchParams;
+const number = (text) => Number(text.replaceAll(',', ''));
+const dialog = (page) => page.getByRole('dialog');
+const button = (place, name) => place.getByRole('button', { name, exact: true });
+const revokeOf = (page, name) => button(page, `Revoke ${name}`);
+
+// The command line, of which the page shows the same numbers.
+class Commands {
+  constructor(daemon, folder) {
+    this.daemon = daemon;
+    this.folder = folder;
+  }
+
+  run(...words) { return JSON.parse(execFileSync(sweepstake, ['priors', ...words, '--json'], { encoding: 'utf8' })); }
+  ask(...words) { return this.run(...words, '--daemon', this.daemon.address); }
+
+  exported() {
+    const file = join(this.folder, 'priors.json');
+    this.ask('export', '--out', file);
+    return { file, records: JSON.parse(readFileSync(file, 'utf8')).records };
+  }
+
+  // The records of one source as if another daemon had learnt them.
+  importOne() {
+    const { records } = this.exported();
+    const theirs = records.filter(({ source_id: id }) => id === records[0].source_id).map((record) => ({ ...record, source_id: IMPORTED, build: '0.9' }));
+    const file = join(this.folder, 'theirs.json');
+    writeFileSync(file, JSON.stringify({ format: 'sweepstake-priors', version: 1, records: theirs }));
+    assert.equal(this.ask('import', '--in', file).applied, theirs.length);
+  }
+}
+
+const sum = (records, field) => records.reduce((total, record) => total + record[field], 0);
+const seen = (records) => Math.max(...records.map((record) => record.unix_last_seen_s));
+
+function localTime(unixS) {
+  const date = new Date(1000 * unixS);
+  return new Date(date.getTime() - 60_000 * date.getTimezoneOffset()).toISOString().slice(0, 19).replace('T', ' ');
+}
+
+// Builds and sources are those of an export.
+async function checkTables(page, daemon, commands) {
+  await page.goto(`${daemon.origin}/priors`);
+  await page.getByRole('region', { name: 'Sources' }).waitFor();
+  const { records } = commands.exported();
+  const groups = { Builds: ['Build', (record) => (record.build === HOSTILE ? SHOWN_HOSTILE : record.build)], Sources: ['Source', (record) => record.source_id] };
+  for (const [caption, [title, nameOf]] of Object.entries(groups)) {
+    const rows = await rowsOf(page, caption);
+    assert.deepEqual(rows.map((row) => row[title]).sort(), [...new Set(records.map(nameOf))].sort(), caption);
+    for (const row of rows) {
+      const own = records.filter((record) => nameOf(record) === row[title]);
+      assert.equal(number(row.Windows), sum(own, 'window_count'), row[title]);
+      assert.equal(row['Last seen'], localTime(seen(own)), row[title]);
+      assert.equal(row.Machines, 'test', row[title]);
+      if (row.Sources) assert.equal(number(row.Sources), new Set(own.map((record) => record.source_id)).size, row[title]);
+      else assert.equal(row.Origin, row[title] === IMPORTED ? 'import' : 'session', row[title]);
+    }
+  }
+  assert.equal(await page.locator('main b', { hasText: /^1\.3$/ }).count(), 0, 'a name became markup');
+  await assertAccessible(page, 'priors');
+}
+
+// What two builds say differently is what the command line says of an export, and the comparison is in the address.
+async function checkChanges(page, daemon, commands) {
+  await page.getByLabel('From build').selectOption('1.1');
+  await page.getByLabel('to build').selectOption('1.2');
+  await page.getByRole('region', { name: 'Changes' }).waitFor();
+  assert.deepEqual([query(page).get('before'), query(page).get('after')], ['1.1', '1.2']);
+  const { file } = commands.exported();
+  const { scenes } = commands.run('diff', file, file, '--build', '1.1', '--other-build', '1.2');
+  const expected = scenes.flatMap(({ scene, leader_changed: isOther, arms }) => arms.map(({ arm, before, after }) =>
+    [scene, arm, before?.toFixed(2) ?? '–', after?.toFixed(2) ?? '–', isOther].join()));
+  const shown = (await rowsOf(page, 'Changes')).map((row) =>
+    [row.Scene, row.Arm, row['Cost before'], row['Cost after'], row['Cheapest arm'] !== 'the same'].join());
+  assert.ok(expected.some((row) => row.startsWith('cave,')), 'only one build has played the cave');
+  assert.deepEqual(shown.sort(), expected.sort());
+  await assertAccessible(page, 'changes');
+  await page.goBack();
+  assert.equal(await page.getByRole('region', { name: 'Changes' }).count(), 0);
+  await page.goForward();
+  await page.getByRole('region', { name: 'Changes' }).waitFor();
+  await page.reload();
+  await page.getByRole('region', { name: 'Changes' }).waitFor();
+  assert.equal(await page.getByLabel('From build').inputValue(), '1.1');
+  await page.getByLabel('to build').selectOption('1.1');
+  await page.getByText('They say the same of every scene').waitFor();
+  await page.goto(`${daemon.origin}/priors?before=1.1&after=7`);
+  await page.getByText('There is no evidence of build 7 here').waitFor();
+}
+
+const countsText = ({ sources, records, windows }) => [`${sources} sources`, `${records} records`, `${windows} windows`];
+async function previewIs(page, result) {
+  const text = await until('the preview is there', async () => { const shown = await dialog(page).getByRole('status').innerText(); return /would go\./.test(shown) && shown; });
+  for (const part of countsText(result)) assert.ok(text.replaceAll(',', '').includes(part), `${text} without ${part}`);
+}
+
+// A build goes: not before it was said what would go, not when the reader thinks better of it, then all of it and nothing else.
+async function checkRevokeBuild(page, daemon, commands) {
+  await page.goto(`${daemon.origin}/priors`);
+  await revokeOf(page, 'build 1.2').click();
+  const preview = commands.ask('revoke', '--project', 'arcade', '--build', '1.2');
+  assert.equal(preview.sources, 2);
+  await previewIs(page, preview);
+  await assertAccessible(page, 'the dialog');
+  const before = commands.exported().records;
+  await button(dialog(page), 'Cancel').click();
+  assert.deepEqual(commands.exported().records, before, 'what was previewed is there');
+  await revokeOf(page, 'build 1.2').click();
+  await previewIs(page, preview);
+  await button(dialog(page), 'Revoke').click();
+  const toast = await page.locator('.toast', { hasText: 'Revoked' }).innerText();
+  for (const part of countsText(preview)) assert.ok(toast.replaceAll(',', '').includes(part), toast);
+  assert.deepEqual(commands.exported().records, before.filter(({ build }) => build !== '1.2'), 'this build, and nothing else');
+  await until('the tables are without it', async () => { const rows = await rowsOf(page, 'Builds'); return rows.length > 0 && rows.every(({ Build }) => Build !== '1.2'); });
+  await page.goto(`${daemon.origin}/decisions?session=admin`);
+  await page.getByText('build=1.2').first().waitFor();
+}
+
+async function checkRevokeSource(page, daemon, commands) {
+  await page.goto(`${daemon.origin}/priors`);
+  const isThere = () => commands.exported().records.some((record) => record.source_id === IMPORTED);
+  assert.ok(isThere());
+  await revokeOf(page, `source ${IMPORTED}`).click();
+  await previewIs(page, commands.ask('revoke', '--source', IMPORTED));
+  await button(dialog(page), 'Revoke').click();
+  await page.locator('.toast', { hasText: 'Revoked' }).waitFor();
+  assert.ok(!isThere());
+}
+
+// The reader says which sources; a change of that needs another preview.
+async function checkRevokeForm(page, daemon, commands) {
+  await page.goto(`${daemon.origin}/priors?project=arcade`);
+  await button(page, 'Revoke …').click();
+  const field = (name) => dialog(page).getByLabel(name);
+  const revoke = button(dialog(page), 'Revoke');
+  const preview = () => button(dialog(page), 'Preview').click();
+  assert.equal(await field('Project').inputValue(), 'arcade');
+  await preview();
+  await dialog(page).getByText('name the sources to revoke').waitFor();
+  assert.ok(await revoke.isDisabled());
+  const { records } = commands.exported();
+  await field('Began at or after').fill(localTime(seen(records) + 3600).replace(' ', 'T'));
+  await preview();
+  await dialog(page).getByText('Nothing would go').waitFor();
+  assert.ok(await revoke.isDisabled());
+  await field('Began at or after').fill('');
+  await field('Began at or before').fill(localTime(seen(records) + 3600).replace(' ', 'T'));
+  await preview();
+  await previewIs(page, commands.ask('revoke', '--project', 'arcade', '--until', String(seen(records) + 3600)));
+  assert.ok(await revoke.isEnabled());
+  await field('Number of the token').fill('77');
+  assert.ok(await revoke.isDisabled(), 'another scope was not previewed');
+  await preview();
+  await dialog(page).getByText('Nothing would go').waitFor();
+  await page.keyboard.press('Escape');
+  assert.equal(await dialog(page).count(), 0);
+  assert.deepEqual(commands.exported().records, records);
+}
+
+async function checkRole(context, folder) {
+  const daemon = new RealDaemon(sweepstaked, join(folder, 'tokens'), ['--require-tokens']);
+  const watcher = daemon.makeToken('reader', 'watch');
+  daemon.makeToken('player', 'ingest');
+  await daemon.start();
+  await new Game(sweepstake, daemon, 'arcade', 'arena', { duration: '3s', more: ['--build', '1.1', '--token-file', join(folder, 'tokens', 'player.token')] }).ended();
+  const page = await openPage(context, daemon.origin, '/priors');
+  await page.getByLabel('Token').fill(watcher);
+  await button(page, 'Log in').click();
+  await page.getByText('Revoking needs the role operator; yours is watch.').waitFor();
+  await revokeOf(page, 'build 1.1').waitFor();
+  for (const each of [button(page, 'Revoke …'), revokeOf(page, 'build 1.1')]) {
+    assert.ok(await each.isDisabled());
+    assert.equal(await each.evaluate((element) => document.getElementById(element.getAttribute('aria-describedby'))?.textContent),
+      'Revoking needs the role operator; yours is watch.');
+  }
+  const status = await page.evaluate(async () => (await fetch('/api/sweepstake.v1.PriorsService/RevokePriors', { method: 'POST',
+    headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' }, body: '{"build":"1.1","preview":true}' })).status);
+  assert.equal(status, 403, 'the daemon refuses what the page does not offer');
+  await assertAccessible(page, 'a reader');
+  assertNoTrouble(page, 'a reader');
+  await page.close();
+  await daemon.stop();
+}
+
+async function checkAll(browser, folder) {
+  const daemon = await new RealDaemon(sweepstaked, join(folder, 'main')).start();
+  const front = await (await fetch(daemon.origin)).text();
+  if (/without the dashboard/.test(front)) {
+    await daemon.stop();
+    return front;
+  }
+  const played = [['arena', '1.1'], ['arena', '1.2'], ['cave', '1.2'], ['arena', HOSTILE]];
+  await Promise.all(played.map(([scene, build]) => new Game(sweepstake, daemon, 'arcade', scene, { duration: '5s', more: ['--build', build] }).ended()));
+  const commands = new Commands(daemon, folder);
+  await until('all have taught something', () => new Set(commands.exported().records.map(({ source_id: id }) => id)).size === played.length);
+  commands.importOne();
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
+  const page = await openPage(context, daemon.origin, '/priors');
+  for (const check of [checkTables, checkChanges, checkRevokeBuild, checkRevokeSource, checkRevokeForm]) {
+    await check(page, daemon, commands);
+    console.log(`${check.name}: passed`);
+  }
+  assertNoTrouble(page, 'the priors');
+  await page.close();
+  await daemon.stop();
+  await checkRole(context, folder);
+  console.log('checkRole: passed');
+  return '';
+}
+
+await runInBrowser('priors', checkAll);
