@@ -25,6 +25,7 @@ EmbeddedOptions ToEmbeddedOptions(const swp_decider_options& given) {
   options.project = TextOr(given.project, options.project);
   options.scene = TextOr(given.scene, options.scene);
   options.machine_class = TextOr(given.machine_class, options.machine_class);
+  options.build = TextOr(given.build, "");
   options.source_id = TextOr(given.source_id, "");
   options.priors_file = TextOr(given.priors_file, "");
   if (given.priors_data != nullptr) {

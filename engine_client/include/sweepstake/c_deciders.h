@@ -31,6 +31,7 @@ typedef struct swp_decider_options {
   const char* project;       /* NULL: "default" */
   const char* scene;         /* NULL: "default" */
   const char* machine_class; /* NULL: unknown */
+  const char* build;         /* of the game; priors of others count less. NULL: unknown */
   /* Under what name swp_session_export_priors gives what is learnt. A game that keeps a name per
    * installation has records that grow from run to run. If it loses its save, it needs a new name
    * too: the numbers of its records begin at 1 again, and a store that has later ones ignores them.

@@ -33,6 +33,14 @@ static void run_frame(game* played, uint64_t frame_ns) {
   CHECK_OK(swp_scene_step(played->scene));
 }
 
+static int has_text(const char* text, uint64_t bytes, const char* wanted) {
+  const size_t length = strlen(wanted);
+  for (uint64_t at = 0; at + length <= bytes; ++at) {
+    if (memcmp(text + at, wanted, length) == 0) return 1;
+  }
+  return 0;
+}
+
 static game start_game(void) {
   swp_decider_options options = {.struct_size = sizeof options};
   game played = {NULL, make_scene("suite-b", kObjects), kStartNs, 0, {0, 0, 0}};
@@ -42,6 +50,7 @@ static game start_game(void) {
   options.project = "c test";
   options.scene = "suite";
   options.machine_class = "any";
+  options.build = "1.1";
   options.source_id = "player";
   options.seed = 11;
   options.time_scale = 4;
@@ -252,6 +261,7 @@ static void check_priors(const game* played) {
         SWP_RESOURCE_EXHAUSTED);
   CHECK_OK(swp_session_export_priors(played->session, priors, bytes, &bytes));
   CHECK(bytes > 100 && priors[0] == '{');
+  CHECK(has_text(priors, bytes, "\"build\": \"1.1\""));
   CHECK_OK(swp_session_create(NULL, &session));
   CHECK_OK(swp_decider_options_init(&options));
   options.policy = "paper";

@@ -209,11 +209,12 @@ namespace Sweepstake.Tests
             var link = new LinkOptions();
             SessionOptions ours = config.ToSessionOptions(SessionMode.Ai, "");
             Assert.That((ours.BailOutNs, ours.SettlingNs), Is.EqualTo((session.BailOutNs, session.SettlingNs)));
-            DeciderOptions deciding = config.ToDeciderOptions("");
+            DeciderOptions deciding = config.ToDeciderOptions("", "1.0");
             Assert.That(
                 (deciding.DecisionIntervalNs, deciding.CooldownNs, deciding.FpsFloor, deciding.Seed),
                 Is.EqualTo((decider.DecisionIntervalNs, decider.CooldownNs, decider.FpsFloor, decider.Seed)));
             LinkOptions linked = config.ToLinkOptions("", "1.0");
+            Assert.That((deciding.Build, linked.Build), Is.EqualTo(("1.0", "1.0")));
             Assert.That((linked.BatchIntervalMs, linked.BatchFrames), Is.EqualTo((link.BatchIntervalMs, link.BatchFrames)));
             Assert.That(config.daemon.isUsed, Is.False, "nothing leaves the machine unless it is asked for");
             Assert.That(config.daemon.address, Does.StartWith("127.0.0.1:"));

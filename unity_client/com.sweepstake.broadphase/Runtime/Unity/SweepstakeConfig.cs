@@ -46,11 +46,12 @@ namespace Sweepstake.Unity
             SettlingNs = ToNs(decisions.settlingSeconds),
         };
 
-        public DeciderOptions ToDeciderOptions(string defaultScene) => new DeciderOptions
+        public DeciderOptions ToDeciderOptions(string defaultScene, string defaultBuild) => new DeciderOptions
         {
             Project = project,
             Scene = SceneOr(defaultScene),
             MachineClass = NullIfEmpty(daemon.machineClass),
+            Build = BuildOr(defaultBuild),
             Policy = NullIfEmpty(decisions.policy),
             Seed = decisions.seed,
             DecisionIntervalNs = ToNs(decisions.intervalSeconds),
@@ -64,7 +65,7 @@ namespace Sweepstake.Unity
             Daemon = daemon.address,
             Project = project,
             Scene = SceneOr(defaultScene),
-            Build = daemon.build.Length > 0 ? daemon.build : defaultBuild,
+            Build = BuildOr(defaultBuild),
             MachineClass = NullIfEmpty(daemon.machineClass),
             Policy = NullIfEmpty(decisions.policy),
             Seed = decisions.seed,
@@ -72,6 +73,8 @@ namespace Sweepstake.Unity
             BatchIntervalMs = (uint)daemon.batchIntervalMs,
             BatchFrames = (uint)daemon.batchFrames,
         };
+
+        private string BuildOr(string otherwise) => daemon.build.Length > 0 ? daemon.build : otherwise;
 
         private string SceneOr(string defaultScene) => sceneName.Length > 0 ? sceneName : defaultScene.Length > 0 ? defaultScene : "default";
 

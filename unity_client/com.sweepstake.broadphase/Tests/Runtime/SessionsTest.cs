@@ -100,13 +100,13 @@ namespace Sweepstake.Tests
             using var scene = Oracle.CrowdedScene("hurricane");
             byte[] priors;
             using (var session = new BroadPhaseSession(new SessionOptions { SettlingNs = 1 }))
-            using (var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100, SourceId = "a" }, ownThread: false))
+            using (var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100, SourceId = "a", Build = "1.1" }, ownThread: false))
             {
                 Assert.That(decider.Status.PriorSourceCount, Is.EqualTo(0));
                 PlayAndPoll(session, decider, scene, 1200);
                 priors = decider.ExportPriors();
             }
-            Assert.That(priors, Is.Not.Empty);
+            Assert.That(System.Text.Encoding.UTF8.GetString(priors), Does.Contain("\"build\": \"1.1\""));
             using var next = new BroadPhaseSession();
             using var started = new EmbeddedDecider(next, new DeciderOptions { PriorsData = priors }, ownThread: false);
             Assert.That(started.Status.PriorSourceCount, Is.EqualTo(1));

@@ -25,6 +25,8 @@ namespace Sweepstake
         public string? Scene { get; set; }
         /// <summary>Null: unknown.</summary>
         public string? MachineClass { get; set; }
+        /// <summary>Of the game; priors of other builds count less. Null: unknown.</summary>
+        public string? Build { get; set; }
         /// <summary>
         /// Under what name <see cref="EmbeddedDecider.ExportPriors"/> gives what is learnt. A game that keeps a name per installation has
         /// records that grow from run to run; one that loses its save needs a new name too. Null: a new one each time.
@@ -52,6 +54,7 @@ namespace Sweepstake
             options.Project = memory.Text(Project);
             options.Scene = memory.Text(Scene);
             options.MachineClass = memory.Text(MachineClass);
+            options.Build = memory.Text(Build);
             options.SourceId = memory.Text(SourceId);
             options.PriorsFile = memory.Text(PriorsFile);
             options.PriorsData = memory.Pin(PriorsData);

@@ -187,22 +187,23 @@ namespace Sweepstake.LowLevel
             byte* start;
             var nativeDeciderOptions = default(NativeDeciderOptions);
             start = (byte*)&nativeDeciderOptions;
-            problems.Size("NativeDeciderOptions", 12, sizeof(NativeDeciderOptions), 112, true);
+            problems.Size("NativeDeciderOptions", 12, sizeof(NativeDeciderOptions), 120, true);
             problems.Field("NativeDeciderOptions.StructSize", (byte*)&nativeDeciderOptions.StructSize - start, 0);
             problems.Field("NativeDeciderOptions.Reserved", (byte*)&nativeDeciderOptions.Reserved - start, 4);
             problems.Field("NativeDeciderOptions.Policy", (byte*)&nativeDeciderOptions.Policy - start, 8);
             problems.Field("NativeDeciderOptions.Project", (byte*)&nativeDeciderOptions.Project - start, 16);
             problems.Field("NativeDeciderOptions.Scene", (byte*)&nativeDeciderOptions.Scene - start, 24);
             problems.Field("NativeDeciderOptions.MachineClass", (byte*)&nativeDeciderOptions.MachineClass - start, 32);
-            problems.Field("NativeDeciderOptions.SourceId", (byte*)&nativeDeciderOptions.SourceId - start, 40);
-            problems.Field("NativeDeciderOptions.PriorsFile", (byte*)&nativeDeciderOptions.PriorsFile - start, 48);
-            problems.Field("NativeDeciderOptions.PriorsData", (byte*)&nativeDeciderOptions.PriorsData - start, 56);
-            problems.Field("NativeDeciderOptions.PriorsDataBytes", (byte*)&nativeDeciderOptions.PriorsDataBytes - start, 64);
-            problems.Field("NativeDeciderOptions.Seed", (byte*)&nativeDeciderOptions.Seed - start, 72);
-            problems.Field("NativeDeciderOptions.TimeScale", (byte*)&nativeDeciderOptions.TimeScale - start, 80);
-            problems.Field("NativeDeciderOptions.DecisionIntervalNs", (byte*)&nativeDeciderOptions.DecisionIntervalNs - start, 88);
-            problems.Field("NativeDeciderOptions.CooldownNs", (byte*)&nativeDeciderOptions.CooldownNs - start, 96);
-            problems.Field("NativeDeciderOptions.FpsFloor", (byte*)&nativeDeciderOptions.FpsFloor - start, 104);
+            problems.Field("NativeDeciderOptions.Build", (byte*)&nativeDeciderOptions.Build - start, 40);
+            problems.Field("NativeDeciderOptions.SourceId", (byte*)&nativeDeciderOptions.SourceId - start, 48);
+            problems.Field("NativeDeciderOptions.PriorsFile", (byte*)&nativeDeciderOptions.PriorsFile - start, 56);
+            problems.Field("NativeDeciderOptions.PriorsData", (byte*)&nativeDeciderOptions.PriorsData - start, 64);
+            problems.Field("NativeDeciderOptions.PriorsDataBytes", (byte*)&nativeDeciderOptions.PriorsDataBytes - start, 72);
+            problems.Field("NativeDeciderOptions.Seed", (byte*)&nativeDeciderOptions.Seed - start, 80);
+            problems.Field("NativeDeciderOptions.TimeScale", (byte*)&nativeDeciderOptions.TimeScale - start, 88);
+            problems.Field("NativeDeciderOptions.DecisionIntervalNs", (byte*)&nativeDeciderOptions.DecisionIntervalNs - start, 96);
+            problems.Field("NativeDeciderOptions.CooldownNs", (byte*)&nativeDeciderOptions.CooldownNs - start, 104);
+            problems.Field("NativeDeciderOptions.FpsFloor", (byte*)&nativeDeciderOptions.FpsFloor - start, 112);
         }
 
         private static void CheckBelief(LayoutProblems problems)

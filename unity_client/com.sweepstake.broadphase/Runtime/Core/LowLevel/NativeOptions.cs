@@ -34,6 +34,7 @@ namespace Sweepstake.LowLevel
         public byte* Project;
         public byte* Scene;
         public byte* MachineClass;
+        public byte* Build;
         public byte* SourceId;
         public byte* PriorsFile;
         public byte* PriorsData;

@@ -25,7 +25,7 @@ namespace Sweepstake.Unity
         internal void DecideHere()
         {
             EndWork(SessionWork.DisposeTimeoutMs);
-            Decider = new EmbeddedDecider(Session, config.ToDeciderOptions(sceneName));
+            Decider = new EmbeddedDecider(Session, config.ToDeciderOptions(sceneName, Application.version));
         }
 
         /// <summary>From now on a daemon decides. If the connection cannot even be made, the game decides itself.</summary>
