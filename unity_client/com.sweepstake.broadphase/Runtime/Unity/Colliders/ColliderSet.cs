@@ -31,7 +31,7 @@ namespace Sweepstake.Unity
 
         private readonly LayerFilters filters;
         private readonly Dictionary<Collider, int> slots = new Dictionary<Collider, int>();
-        /// <summary>Whose handle it is; a removed one stays until the ends of its pairs were told.</summary>
+        /// <summary>Whose handle it is; a removed one that was searched stays until the ends of its pairs were told.</summary>
         private readonly Dictionary<ulong, Collider> owners = new Dictionary<ulong, Collider>();
         private readonly List<ulong> removed = new List<ulong>();
         private readonly Stack<int> freePlaces = new Stack<int>();
@@ -43,9 +43,12 @@ namespace Sweepstake.Unity
         private int[] layers = new int[64];
         /// <summary>Where a collider's box is in recordings, as long as it is tracked.</summary>
         private int[] places = new int[64];
+        /// <summary>How many searches there were when a collider was added.</summary>
+        private ulong[] births = new ulong[64];
         private int movingCount;
         private int count;
         private int nextCheck;
+        private ulong searchCount;
 
         internal ColliderSet(LayerFilters filters)
         {
@@ -57,6 +60,8 @@ namespace Sweepstake.Unity
 
         internal ProxySet Proxies { get; }
         internal int Count => count;
+        /// <summary>Tracked, or removed since the latest search.</summary>
+        internal int KnownCount => owners.Count;
         /// <summary>False: none were searched, or the pairs of the latest search have proxies that are gone.</summary>
         internal bool HasPairs { get; private set; }
 
@@ -78,7 +83,7 @@ namespace Sweepstake.Unity
                 Move(movingCount, slot);
                 slot = movingCount++;
             }
-            Put(slot, collider, handle, box, layer, place);
+            Put(slot, collider, handle, box, layer, place, searchCount);
             return true;
         }
 
@@ -128,6 +133,7 @@ namespace Sweepstake.Unity
 
         internal void FindPairs(BroadPhaseSession session)
         {
+            ++searchCount;
             Proxies.FindPairs(session);
             HasPairs = true;
         }
@@ -181,7 +187,10 @@ namespace Sweepstake.Unity
         {
             HasPairs = false;
             freePlaces.Push(places[slot]);
-            removed.Add(handles[slot].Value);
+            if (births[slot] == searchCount)
+                owners.Remove(handles[slot].Value);
+            else
+                removed.Add(handles[slot].Value);
             slots.Remove(colliders[slot]!);
             Proxies.Remove(handles[slot]);
             if (slot < movingCount)
@@ -197,16 +206,17 @@ namespace Sweepstake.Unity
         private void Move(int from, int to)
         {
             if (from != to)
-                Put(to, colliders[from]!, handles[from], boxes[from], layers[from], places[from]);
+                Put(to, colliders[from]!, handles[from], boxes[from], layers[from], places[from], births[from]);
         }
 
-        private void Put(int slot, Collider collider, ProxyHandle handle, in Aabb box, int layer, int place)
+        private void Put(int slot, Collider collider, ProxyHandle handle, in Aabb box, int layer, int place, ulong birth)
         {
             colliders[slot] = collider;
             handles[slot] = handle;
             boxes[slot] = box;
             layers[slot] = layer;
             places[slot] = place;
+            births[slot] = birth;
             slots[collider] = slot;
         }
 
@@ -220,6 +230,7 @@ namespace Sweepstake.Unity
             Array.Resize(ref boxes, size);
             Array.Resize(ref layers, size);
             Array.Resize(ref places, size);
+            Array.Resize(ref births, size);
         }
 
         /// <summary>Unity gives a collider that is disabled, or whose game object is not active, a box of no size.</summary>
