@@ -47,6 +47,8 @@ namespace Sweepstake.Tests
 
         /// <summary>What a write waits for; null: nothing.</summary>
         internal Task Writing { get; set; } = Task.CompletedTask;
+        /// <summary>Which call throws.</summary>
+        internal string Broken { get; set; } = "";
         internal bool IsDisposed { get; private set; }
         internal bool IsFinished { get; private set; }
         internal IReadOnlyList<StreamTelemetryRequest> Requests => requests.ToArray();
@@ -55,6 +57,7 @@ namespace Sweepstake.Tests
 
         public Task WriteAsync(ArraySegment<byte> message)
         {
+            ThrowIfBroken("write");
             requests.Enqueue(StreamTelemetryRequest.Parser.ParseFrom(message.Array, message.Offset, message.Count));
             Answer();
             return Writing;
@@ -68,6 +71,7 @@ namespace Sweepstake.Tests
 
         public Task<byte[]> ReadAsync()
         {
+            ThrowIfBroken("read");
             lock (gate)
             {
                 waiting = new TaskCompletionSource<byte[]>(TaskCreationOptions.RunContinuationsAsynchronously);
@@ -106,6 +110,12 @@ namespace Sweepstake.Tests
                 hasEnded = true;
             }
             Answer();
+        }
+
+        private void ThrowIfBroken(string call)
+        {
+            if (Broken == call)
+                throw new InvalidOperationException("a bug of " + call);
         }
 
         private void Answer()

@@ -1,6 +1,7 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
+using System.Reflection;
 using NUnit.Framework;
 using Sweepstake.Unity;
 using UnityEngine;
@@ -377,6 +378,51 @@ namespace Sweepstake.Tests
             Assert.DoesNotThrow(() => Player.CallAll("OnDrawGizmos"));
             Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "until the next search");
         }
+
+        [Test]
+        public void GizmosDrawNothingOfWhatHasEnded([Values] bool isScenario)
+        {
+            Tracked(Here);
+            Tracked(Here);
+            tracker.enabled = !isScenario;
+            if (isScenario)
+                manager.gameObject.AddComponent<ScenarioPlayer>();
+            var gizmos = manager.gameObject.AddComponent<PairGizmos>();
+            gizmos.IsDrawn = true;
+            Frames(1);
+            Player.CallAll("OnDrawGizmos");
+            Assert.That(gizmos.DrawnCount, Is.GreaterThan(0));
+            SweepstakeManager.Shutdown();
+            Assert.DoesNotThrow(() => Player.CallAll("OnDrawGizmos"));
+            Assert.That(gizmos.DrawnCount, Is.EqualTo(0));
+            manager.enabled = false;
+            manager.enabled = true;
+            Assert.That(manager.Session, Is.Not.Null);
+            Assert.DoesNotThrow(() => Player.CallAll("OnDrawGizmos"), "a session that has searched nothing yet");
+        }
+
+        [Test]
+        public void WhatComesAndGoesWithoutASearchIsForgotten()
+        {
+            BoxCollider a = Tracked(Here);
+            BoxCollider b = Tracked(Here);
+            Frames(1);
+            manager.enabled = false;
+            Assert.That(tracker.Unregister(a) && tracker.Unregister(b), Is.True);
+            for (int index = 0; index < 300; ++index)
+            {
+                BoxCollider box = Tracked(Here, 0, index % 2 == 0);
+                Assert.That(tracker.Unregister(box), Is.True);
+                Object.DestroyImmediate(box.gameObject);
+            }
+            Assert.That(KnownCount(), Is.EqualTo(2), "whose pair has not ended yet");
+            manager.enabled = true;
+            Frames(1);
+            Assert.That((KnownCount(), ended.Count), Is.EqualTo((0, 1)));
+        }
+
+        private int KnownCount() =>
+            ((ColliderSet)typeof(ColliderTracker).GetField("colliders", BindingFlags.Instance | BindingFlags.NonPublic)!.GetValue(tracker)).KnownCount;
 
         private void Change(Collider collider, bool isRefresh)
         {

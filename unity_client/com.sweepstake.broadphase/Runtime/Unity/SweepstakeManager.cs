@@ -75,6 +75,8 @@ namespace Sweepstake.Unity
         public BroadPhaseSession? Session => host?.Session;
         public EmbeddedDecider? Decider => host?.Decider;
         public DaemonConnection? Connection => host?.Connection;
+        /// <summary>In the session that runs: only then may its source still have pairs.</summary>
+        internal bool HasSearched => host != null && endedNs != 0;
 
         public SweepstakeState State { get; private set; }
         /// <summary>What is wrong and what to do; "": nothing.</summary>
@@ -282,7 +284,7 @@ namespace Sweepstake.Unity
         {
             SweepstakeConfig settings = ConfigOrDefault();
             SweepstakeLibrary.EnsureLoaded();
-            host = new SessionHost(settings, mode, backend, gameObject.scene.name);
+            host = new SessionHost(settings, mode, backend, gameObject.scene.name, Tell);
             changes.Reset(host.Session);
             flagger.Skip();
             endedNs = 0;
@@ -329,18 +331,29 @@ namespace Sweepstake.Unity
                     Fail(problem);
                     return;
                 }
-                trouble = problem.Message;
-                Debug.LogError("Sweepstake: " + trouble, this);
+                Tell(problem.Message);
             }
+        }
+
+        /// <summary>What is wrong although the frames go on: one line, and the problem from the next frame on.</summary>
+        private void Tell(string problem)
+        {
+            trouble = problem;
+            Debug.LogError("Sweepstake: " + trouble, this);
         }
 
         private void UpdateState()
         {
-            ConnectionStatus? status = host?.Connection?.Status;
-            if (status == null)
+            host!.TellFailures();
+            DaemonConnection? connection = host.Connection;
+            if (connection == null)
+            {
                 SetState(SweepstakeState.Embedded, trouble);
-            else if (!changes.IsSame(status))
-                SetState(StateOf(status), status.Refusal.Length > 0 ? status.Refusal : status.LastError);
+                return;
+            }
+            ConnectionStatus status = connection.Status;
+            string away = status.Refusal.Length > 0 ? status.Refusal : status.LastError;
+            SetState(StateOf(status), connection.Failure != null || away.Length == 0 ? trouble : away);
         }
 
         private static SweepstakeState StateOf(ConnectionStatus status)

@@ -17,6 +17,10 @@ namespace Sweepstake
         private const uint Never = uint.MaxValue;
         private const uint MinBufferBytes = 8 * 1024;
 
+        private static readonly Func<ITelemetryStream, ArraySegment<byte>, Task<byte[]?>> Read = (stream, _) => stream.ReadAsync();
+        private static readonly Func<ITelemetryStream, ArraySegment<byte>, Task> Write = (stream, message) => stream.WriteAsync(message);
+        private static readonly Func<ITelemetryStream, ArraySegment<byte>, Task> Finish = (stream, _) => stream.FinishAsync();
+
         private readonly ITelemetryTransport transport;
         private readonly LinkMirror mirror = new LinkMirror();
         private readonly Action<Task> wakeAfter;
@@ -63,8 +67,8 @@ namespace Sweepstake
             }
             finally
             {
-                transport.Dispose();
                 status = LinkMirror.Closed(status);
+                transport.Dispose();
             }
         }
 
@@ -113,18 +117,30 @@ namespace Sweepstake
             using (stream)
             {
                 Connected();
-                return Disconnected(MoveBytes(stream));
+                return Disconnected(EndAfterMoving(stream));
+            }
+        }
+
+        private StreamEnd EndAfterMoving(ITelemetryStream stream)
+        {
+            try
+            {
+                return MoveBytes(stream);
+            }
+            catch (BrokenStreamException broken)
+            {
+                return new StreamEnd(StreamEnd.Unavailable, broken.Message);
             }
         }
 
         private StreamEnd MoveBytes(ITelemetryStream stream)
         {
-            Task<byte[]?> read = Watched(stream.ReadAsync());
+            Task<byte[]?> read = Begun(stream, Read);
             Task write = Task.CompletedTask;
             bool isFinishing = false;
             while (true)
             {
-                for (; read.IsCompleted; read = Watched(stream.ReadAsync()))
+                for (; read.IsCompleted; read = Begun(stream, Read))
                 {
                     byte[]? message = ResultOf(read);
                     if (message == null)
@@ -135,11 +151,11 @@ namespace Sweepstake
                 if (action == LinkAction.Cancel)
                     return new StreamEnd(StreamEnd.Cancelled, "");
                 if (action == LinkAction.Send)
-                    write = Watched(stream.WriteAsync(new ArraySegment<byte>(buffer, 0, size)));
+                    write = Begun(stream, Write, new ArraySegment<byte>(buffer, 0, size));
                 isFinishing |= action == LinkAction.Finish;
                 if (isFinishing && write.IsCompletedSuccessfully)
                 {
-                    write = Watched(stream.FinishAsync());
+                    write = Begun(stream, Finish);
                     isFinishing = false;
                 }
                 if (action != LinkAction.Send)
@@ -149,9 +165,19 @@ namespace Sweepstake
 
         private static byte[]? ResultOf(Task<byte[]?> read) => read.IsCompletedSuccessfully ? read.Result : null;
 
-        private TTask Watched<TTask>(TTask task)
+        /// <exception cref="BrokenStreamException">The stream throws, instead of failing in a task.</exception>
+        private TTask Begun<TTask>(ITelemetryStream stream, Func<ITelemetryStream, ArraySegment<byte>, TTask> call, ArraySegment<byte> message = default)
             where TTask : Task
         {
+            TTask task;
+            try
+            {
+                task = call(stream, message);
+            }
+            catch (Exception problem)
+            {
+                throw new BrokenStreamException(problem);
+            }
             if (!task.IsCompleted)
                 task.ContinueWith(wakeAfter, CancellationToken.None, TaskContinuationOptions.ExecuteSynchronously, TaskScheduler.Default);
             return task;
@@ -244,6 +270,14 @@ namespace Sweepstake
         private void Publish(bool hasNews)
         {
             status = mirror.Read(link, status, hasNews);
+        }
+
+        private sealed class BrokenStreamException : Exception
+        {
+            internal BrokenStreamException(Exception problem)
+                : base(problem.Message, problem)
+            {
+            }
         }
     }
 }

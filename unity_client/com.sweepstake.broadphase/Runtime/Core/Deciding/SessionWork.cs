@@ -22,6 +22,7 @@ namespace Sweepstake
         private bool isWoken;
         private bool isReleased;
         private volatile bool isAbandoned;
+        private volatile Exception? failure;
         private Thread? thread;
 
         private protected SessionWork(BroadPhaseSession session)
@@ -34,7 +35,7 @@ namespace Sweepstake
         public BroadPhaseSession Session { get; }
 
         /// <summary>Why its thread has ended by itself; null: it runs, or was stopped.</summary>
-        public Exception? Failure { get; private set; }
+        public Exception? Failure => failure;
 
         /// <summary>Held during native calls of this work, which must not be closed then.</summary>
         private protected object Gate { get; } = new object();
@@ -173,10 +174,10 @@ namespace Sweepstake
             {
                 Serve();
             }
-            catch (Exception failure)
+            catch (Exception problem)
             {
                 // Nothing may leave a thread. A session that was shut down beside it ends it so too.
-                Failure = failure;
+                failure = problem;
             }
             finally
             {

@@ -9,14 +9,12 @@ namespace Sweepstake.Unity
         private ulong decisionId;
         private ulong commandId;
         private VerdictKind verdictKind;
-        private ConnectionStatus? status;
 
         internal void Reset(BroadPhaseSession session)
         {
             backend = session.ActiveArm;
             decisionId = commandId = 0;
             verdictKind = VerdictKind.Unknown;
-            status = null;
         }
 
         internal bool HasOtherBackend(BroadPhaseSession session)
@@ -43,14 +41,6 @@ namespace Sweepstake.Unity
             bool isOther = verdict.Kind != verdictKind;
             verdictKind = verdict.Kind;
             return isOther;
-        }
-
-        /// <summary>Whether this is the status that was asked about the last time.</summary>
-        internal bool IsSame(ConnectionStatus other)
-        {
-            bool isSame = ReferenceEquals(status, other);
-            status = other;
-            return isSame;
         }
     }
 }

@@ -1,4 +1,5 @@
 #nullable enable
+using System;
 using UnityEngine;
 
 namespace Sweepstake.Unity
@@ -8,12 +9,16 @@ namespace Sweepstake.Unity
     {
         private readonly SweepstakeConfig config;
         private readonly string sceneName;
+        private readonly Action<string> tell;
         private FrameCsvWriter? csv;
+        private SessionWork? toldOf;
 
-        internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName)
+        /// <param name="tell">Is told, once, what went wrong on a thread of its own.</param>
+        internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> tell)
         {
             this.config = config;
             this.sceneName = sceneName;
+            this.tell = tell;
             Session = new BroadPhaseSession(config.ToSessionOptions(mode, backend));
         }
 
@@ -58,7 +63,20 @@ namespace Sweepstake.Unity
         internal void StopCsv()
         {
             csv?.Dispose();
-            csv = null;
+            LeaveCsv();
+        }
+
+        /// <summary>Of threads that have ended by themselves since it was asked the last time.</summary>
+        internal void TellFailures()
+        {
+            if (csv?.Failure != null)
+                LeaveCsv();
+            SessionWork? work = (SessionWork?)Connection ?? Decider;
+            if (work?.Failure == null || work == toldOf)
+                return;
+            toldOf = work;
+            string what = work == Decider ? "decider" : "connection to the daemon";
+            tell($"Nobody decides any more, because the {what} has failed: {work.Failure.Message} Disable the manager and enable it to begin anew.");
         }
 
         /// <summary>Lets the CSV file be written to its end, without waiting for it.</summary>
@@ -70,7 +88,7 @@ namespace Sweepstake.Unity
             BeginEnd();
             EndWork(MsUntil(endNs));
             csv?.Stop(MsUntil(endNs));
-            csv = null;
+            LeaveCsv();
             Session.Dispose();
         }
 
@@ -81,6 +99,15 @@ namespace Sweepstake.Unity
         {
             ulong nowNs = SteadyClock.NowNs;
             return nowNs < endNs ? (int)((endNs - nowNs) / 1_000_000) : 0;
+        }
+
+        private void LeaveCsv()
+        {
+            if (csv?.Failure is Exception problem)
+                tell("The CSV file of frames was not written to its end: " + problem.Message + " Begin another one.");
+            else if (csv?.DroppedCount > 0)
+                tell($"The CSV file of frames lacks {csv.DroppedCount} frames, because it was written too slowly. Choose a faster disk.");
+            csv = null;
         }
 
         private void EndWork(int timeoutMs)

@@ -29,8 +29,8 @@ namespace Sweepstake.Unity
         private void OnDrawGizmos()
         {
             DrawnCount = 0;
-            IBroadPhaseSource? source = isDrawn && Application.isPlaying ? GetComponent<SweepstakeManager>().Source : null;
-            if (source == null)
+            var manager = GetComponent<SweepstakeManager>();
+            if (!isDrawn || !Application.isPlaying || !manager.HasSearched || !(manager.Source is IBroadPhaseSource source))
                 return;
             Gizmos.color = color;
             while (DrawnCount < maxPairs && source.TryGetPair(DrawnCount, out Aabb a, out Aabb b))

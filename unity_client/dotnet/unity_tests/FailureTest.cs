@@ -1,0 +1,108 @@
+using System;
+using System.Diagnostics;
+using System.IO;
+using System.Linq;
+using System.Threading.Tasks;
+using NUnit.Framework;
+using Sweepstake.Unity;
+
+namespace Sweepstake.Tests
+{
+    /// <summary>What goes wrong on another thread is told, once, and the game plays on.</summary>
+    public sealed class FailureTest : Stage
+    {
+        private const string FullDisk = "/dev/full";
+        // More than the ring and a pipe have room for.
+        private const int TooManyFrames = 20_000;
+
+        private SweepstakeManager manager;
+
+        [SetUp]
+        public void MakeGame()
+        {
+            manager = MakeManager();
+            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
+        }
+
+        [Test]
+        public void ACsvFileThatCannotBeWrittenIsToldWhileTheGamePlays()
+        {
+            manager.StartCsv(FullDisk);
+            FramesUntil(() => manager.Problem.Contains("CSV"), "told");
+            ulong frame = manager.LastSample.FrameIndex;
+            Frames(10);
+            manager.StopCsv();
+            Assert.That(Logged("CSV"), Has.Exactly(1).Items);
+            Assert.That((manager.State, manager.LastSample.FrameIndex), Is.EqualTo((SweepstakeState.Embedded, frame + 10)));
+        }
+
+        [Test]
+        public void ACsvFileThatCannotBeWrittenIsToldAtItsEnd([Values] bool isOfTheManager)
+        {
+            // An end waits for a bounded time.
+            FramesUntil(() => IsToldAtTheEnd(isOfTheManager), "told");
+            Assert.That(Logged("CSV"), Has.Exactly(1).Items);
+        }
+
+        private bool IsToldAtTheEnd(bool isOfTheManager)
+        {
+            manager.StartCsv(FullDisk);
+            if (isOfTheManager)
+                manager.enabled = false;
+            else
+                manager.StopCsv();
+            manager.enabled = true;
+            return Logged("CSV").Any();
+        }
+
+        [Test]
+        public void FramesThatACsvFileLacksAreTold()
+        {
+            string pipe = Path.Combine(Path.GetTempPath(), "sweepstake_csv_" + Environment.ProcessId);
+            Start("mkfifo", pipe).WaitForExit();
+            using Process reader = Start("sh", "-c", "exec 3<\"$0\"; read go; exec cat <&3 >/dev/null", pipe);
+            manager.StartCsv(pipe);
+            Frames(TooManyFrames);
+            reader.StandardInput.WriteLine();
+            manager.StopCsv();
+            reader.WaitForExit();
+            File.Delete(pipe);
+            Assert.That(Logged("CSV"), Has.Exactly(1).Items);
+            Assert.That(Logged("CSV").Single(), Does.Match("lacks \\d+ frames"));
+        }
+
+        private static Process Start(string program, params string[] arguments) =>
+            Process.Start(new ProcessStartInfo(program, arguments) { RedirectStandardInput = true });
+
+        [Test]
+        public void AConnectionWhoseThreadDiesIsTold()
+        {
+            manager.Connect(new BrokenTransport(), new LinkOptions { Project = "p", Scene = "s" });
+            FramesUntil(() => manager.Problem.Contains("a bug of the transport"), "told");
+            Frames(10);
+            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Offline));
+            Assert.That(Logged("error: "), Has.Exactly(1).Items);
+            manager.Disconnect();
+            Frames(1);
+            Assert.That((manager.State, manager.Problem), Is.EqualTo((SweepstakeState.Embedded, "")), "the game decides itself again");
+        }
+
+        private sealed class BrokenTransport : ITelemetryTransport, ITelemetryStream
+        {
+            private int disposed;
+
+            public StreamEnd End => default;
+
+            public ITelemetryStream Open() => this;
+            public Task WriteAsync(ArraySegment<byte> message) => Task.CompletedTask;
+            public Task FinishAsync() => Task.CompletedTask;
+            public Task<byte[]> ReadAsync() => Task.FromResult<byte[]>(null);
+
+            public void Dispose()
+            {
+                if (disposed++ == 0)
+                    throw new InvalidOperationException("a bug of the transport");
+            }
+        }
+    }
+}
