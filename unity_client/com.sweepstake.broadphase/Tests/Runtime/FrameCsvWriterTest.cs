@@ -19,7 +19,7 @@ namespace Sweepstake.Tests
                 Thread.CurrentThread.CurrentCulture = WithOtherSigns();
                 using var session = new BroadPhaseSession(new SessionOptions { Arms = "SAP" });
                 using var scene = Oracle.CrowdedScene("brownian");
-                using (var csv = new FrameCsvWriter(path, session, "a \"quoted\", scene", 7, 1))
+                using (var csv = new FrameCsvWriter(path, session, "a \"quoted\", scene", 7, vSyncCount: 1))
                 {
                     for (int frame = 0; frame < 1000; ++frame)
                     {

@@ -13,7 +13,8 @@ namespace Sweepstake
     /// </summary>
     /// <remarks>
     /// The first columns are those of `sweepstake run --csv`; then what the whole file has in common: the version of the columns, the scene, the
-    /// seed, the version of the library and, since it caps the frame rate, how many vertical blanks of the display a frame waited for.
+    /// seed, the version of the library and, since it caps the frame rate, how many vertical blanks
+    /// of the display a frame waited for when the recording began.
     /// </remarks>
     public sealed class FrameCsvWriter : IDisposable
     {
@@ -43,10 +44,10 @@ namespace Sweepstake
         /// <param name="session">Whose frames they are.</param>
         /// <param name="scene">What was played, as the name of the scene; "": not known.</param>
         /// <param name="seed">What it was seeded with; 0: not known.</param>
-        /// <param name="vSyncCount">0: frames wait for no vertical blank; null: not known.</param>
         /// <param name="capacity">Of the ring: 4,096 frames are 256 KiB.</param>
+        /// <param name="vSyncCount">When the recording began; 0: frames wait for no vertical blank; null: not known.</param>
         /// <exception cref="IOException">The file cannot be written.</exception>
-        public FrameCsvWriter(string path, BroadPhaseSession session, string scene = "", ulong seed = 0, int? vSyncCount = null, int capacity = 4096)
+        public FrameCsvWriter(string path, BroadPhaseSession session, string scene = "", ulong seed = 0, int capacity = 4096, int? vSyncCount = null)
         {
             if (capacity < 1)
                 throw new ArgumentOutOfRangeException(nameof(capacity));

@@ -57,7 +57,7 @@ namespace Sweepstake.Unity
         internal void StartCsv(string path, string scene, ulong seed)
         {
             StopCsv();
-            csv = new FrameCsvWriter(path, Session, scene, seed, QualitySettings.vSyncCount);
+            csv = new FrameCsvWriter(path, Session, scene, seed, vSyncCount: QualitySettings.vSyncCount);
         }
 
         internal void StopCsv()
