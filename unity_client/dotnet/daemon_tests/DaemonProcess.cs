@@ -3,7 +3,6 @@ using System.Collections.Generic;
 using System.Diagnostics;
 using System.IO;
 using System.Net;
-using System.Threading;
 using NUnit.Framework;
 
 namespace Sweepstake.Tests
@@ -63,6 +62,15 @@ namespace Sweepstake.Tests
 
         internal void Restart() => Start(Address);
 
+        /// <summary>With nothing of what it has learnt.</summary>
+        internal void BeginAnew()
+        {
+            Kill();
+            Directory.Delete(Folder, true);
+            Directory.CreateDirectory(Folder);
+            Start(Address);
+        }
+
         internal void Pause() => Signal("-STOP");
 
         internal void Continue() => Signal("-CONT");
@@ -91,11 +99,7 @@ namespace Sweepstake.Tests
             };
             arguments.AddRange(moreArguments);
             process = Process.Start(new ProcessStartInfo(Program("sweepstaked"), arguments));
-            while (!File.Exists(portFile))
-            {
-                Assert.That(process.HasExited, Is.False, "the daemon ended at once");
-                Thread.Sleep(5);
-            }
+            Eventually.Is(() => File.Exists(portFile), () => "listening", () => Assert.That(process.HasExited, Is.False, "the daemon ended at once"));
             string[] ports = File.ReadAllLines(portFile);
             Address = Host + ":" + ports[0];
             HttpAddress = ports.Length > 1 ? "127.0.0.1:" + ports[1] : null;

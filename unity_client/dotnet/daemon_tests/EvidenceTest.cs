@@ -23,6 +23,8 @@ namespace Sweepstake.Tests
         // So few that a decision gets no more visits of the lane at once than it takes.
         private const ulong MessagesAhead = 4;
         private const int Attempts = 10;
+        // DecisionSession::kMaxShadowSamples: a decision that comes late passes over all but the latest.
+        private const int VisitsOfALateDecision = 256;
         private static readonly TimeSpan AfterTheLastFrame = TimeSpan.FromSeconds(1);
 
         private DaemonProcess overCpp;
@@ -68,36 +70,49 @@ namespace Sweepstake.Tests
         /// <summary>Plays over C++ to one daemon, and sends the same messages over C# to the other one; returns them.</summary>
         private async Task<StreamTelemetryRequest[]> PlayBothWays(params string[] arguments)
         {
-            List<byte[]> played = await PlayOverCpp(arguments);
-            for (int attempt = 1; !HasReachedTheDaemonInTime(played); ++attempt)
-            {
-                Assert.That(attempt, Is.LessThan(Attempts), "the machine is too busy for a game");
-                overCpp.Dispose();
-                overCpp = new DaemonProcess("--http", "127.0.0.1:0");
-                played = await PlayOverCpp(arguments);
-            }
-            using var tap = new Http2Tap(overCSharp.Address, AfterTheLastFrame);
-            await Replay(played, tap.Address);
-            await tap.Passing;
-            Assert.That(tap.Messages, Is.EqualTo(played), "byte by byte");
+            List<byte[]> played = await PlayInTime(overCpp, address => PlayOverCpp(arguments, address));
+            List<byte[]> replayed = await PlayInTime(overCSharp, address => Replay(played, address));
+            Assert.That(replayed, Is.EqualTo(played), "byte by byte");
             string[] counters = Counters(overCpp);
             Assert.That(counters, Has.Some.Match("accepted_frames_total [1-9]"));
             Assert.That(Counters(overCSharp), Is.EqualTo(counters));
             return played.Select(Sent).ToArray();
         }
 
-        private async Task<List<byte[]>> PlayOverCpp(string[] arguments)
+        /// <summary>Plays until the daemon was in time; returns the messages.</summary>
+        private static async Task<List<byte[]>> PlayInTime(DaemonProcess daemon, Func<string, Task> play)
         {
-            using var tap = new Http2Tap(overCpp.Address, AfterTheLastFrame);
-            Run(new[] { "run", "--scene", "hurricane", "--objects", "3000", "--time-scale", "50", "--daemon", tap.Address }.Concat(arguments).ToArray());
-            await tap.Passing;
-            Assert.That(Sent(tap.Messages[0]).Hello, Is.Not.Null);
-            return tap.Messages;
+            for (int attempt = 0; attempt < Attempts; ++attempt)
+            {
+                if (attempt > 0)
+                    daemon.BeginAnew();
+                using var tap = new Http2Tap(daemon.Address, AfterTheLastFrame);
+                await play(tap.Address);
+                await tap.Passing;
+                Assert.That(Sent(tap.Messages[0]).Hello, Is.Not.Null);
+                if (WasInTime(daemon, tap.Messages))
+                    return tap.Messages;
+            }
+            throw new AssertionException("the machine is too busy for a game");
         }
 
-        /// <summary>A game waits two seconds for the end, and a decision that comes late passes over visits beyond the latest of each arm.</summary>
-        private bool HasReachedTheDaemonInTime(List<byte[]> played) =>
-            Sent(played[played.Count - 1]).Goodbye != null && Visits(overCpp).Length == played.Sum(message => Sent(message).FrameBatch?.ShadowSamples.Count ?? 0);
+        private static Task PlayOverCpp(string[] arguments, string address)
+        {
+            Run(new[] { "run", "--scene", "hurricane", "--objects", "3000", "--time-scale", "50", "--daemon", address }.Concat(arguments).ToArray());
+            return Task.CompletedTask;
+        }
+
+        /// <summary>A game waits two seconds for the end. Visits of the lane may be lost by decisions that come late, and by nothing else.</summary>
+        private static bool WasInTime(DaemonProcess daemon, List<byte[]> played)
+        {
+            if (Sent(played[played.Count - 1]).Goodbye == null)
+                return false;
+            int visits = played.Sum(message => Sent(message).FrameBatch?.ShadowSamples.Count ?? 0);
+            int[] taken = Rows(daemon, "tick", "shadow").Select(cells => VisitsOf(cells[0]).Length).ToArray();
+            bool hasAll = taken.Sum() == visits;
+            Assert.That(hasAll || taken.Contains(VisitsOfALateDecision), $"of {visits} visits {taken.Sum()} are learnt from, and no decision was late");
+            return hasAll;
+        }
 
         private static StreamTelemetryRequest Sent(byte[] message) => StreamTelemetryRequest.Parser.ParseFrom(message);
 
@@ -161,7 +176,9 @@ namespace Sweepstake.Tests
 
         /// <summary>Each visit of the lane, in the order of their coming.</summary>
         private static string[] Visits(DaemonProcess daemon) =>
-            Rows(daemon, "tick", "shadow").SelectMany(cells => cells[0].Split(' ', StringSplitOptions.RemoveEmptyEntries)).ToArray();
+            Rows(daemon, "tick", "shadow").SelectMany(cells => VisitsOf(cells[0])).ToArray();
+
+        private static string[] VisitsOf(string cell) => cell.Split(' ', StringSplitOptions.RemoveEmptyEntries);
 
         private static string[] Switches(DaemonProcess daemon) =>
             Rows(daemon, "switch", "arm", "reason", "switch_epoch", "rebuild_time_ns", "settling_cost_ns").Select(cells => string.Join(' ', cells)).ToArray();
