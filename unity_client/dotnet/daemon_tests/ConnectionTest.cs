@@ -115,14 +115,15 @@ namespace Sweepstake.Tests
             using var daemon = new DaemonProcess();
             using Game game = Game.At(daemon.Address);
             game.PlayUntilOnline();
-            Assert.That(Eventually.AllocatedBy(() => SendThrice(game)), Is.EqualTo(0));
-        }
-
-        private static void SendThrice(Game game)
-        {
-            ulong sentBefore = game.Status.Stats.SentSequence;
-            while (game.Status.Stats.SentSequence < sentBefore + 3)
-                game.Play(10);
+            ulong awaited = 0;
+            Func<bool> isSent = () => game.Status.Stats.SentSequence >= awaited;
+            Action play = () => game.Play(10);
+            long allocated = Eventually.AllocatedBy(() =>
+            {
+                awaited = game.Status.Stats.SentSequence + 3;
+                Eventually.Is(isSent, () => "sent thrice", play);
+            });
+            Assert.That(allocated, Is.EqualTo(0));
         }
 
         private static void CollectGarbage()

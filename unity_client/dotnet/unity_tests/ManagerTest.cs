@@ -271,10 +271,13 @@ namespace Sweepstake.Tests
             int decisions = 0;
             manager.Decided += _ => ++decisions;
             manager.VerdictChanged += _ => { };
+            int awaited = 0;
+            Func<bool> isDecided = () => decisions >= awaited;
+            Action play = () => Player.Frame();
             long allocated = Eventually.AllocatedBy(() =>
             {
-                for (int awaited = decisions + 3; decisions < awaited;)
-                    Player.Frame();
+                awaited = decisions + 3;
+                Eventually.Is(isDecided, () => "decided thrice", play);
             });
             Assert.That(allocated, Is.EqualTo(0));
         }
