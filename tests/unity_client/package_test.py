@@ -34,6 +34,7 @@ GRPC = ("Runtime/Protocol", "Runtime/GrpcNet")
 KNOWN_REFERENCES = {"UnityEngine.TestRunner", "UnityEditor.TestRunner", "Unity.Burst", "Unity.Collections", "Unity.Mathematics", "Unity.InputSystem",
                     "Unity.Profiling.Core", "YetAnotherHttpHandler"}
 VERSION_HEADING = re.compile(r"^## \[(Unreleased|\d+\.\d+\.\d+)\](?: - \d{4}-\d\d-\d\d)?$")
+HEADING = re.compile(r"^## .*$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 PROTO_MESSAGE = re.compile(r"^message (\w+) \{(.*?)^\}", re.MULTILINE | re.DOTALL)
 PROTO_FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+;", re.MULTILINE)
@@ -70,16 +71,26 @@ def manifest_errors(root, package):
             yield f"package.json: the sample {sample['path']} does not exist"
 
 
-def tags_of(root):
-    """Those of the commit; a tree without its history has none."""
+def commit_errors(root, package):
+    """A tree without its history has no tag."""
     if not (root / ".git").exists():
-        return []
-    return subprocess.run(["git", "-C", str(root), "tag", "--points-at", "HEAD", "v*"], capture_output=True, text=True, check=False).stdout.split()
+        return
+    asked = subprocess.run(["git", "-C", str(root), "tag", "--points-at", "HEAD", "v*"], capture_output=True, text=True, check=False)
+    if asked.returncode != 0:
+        yield f"git cannot say which tags the commit has: {asked.stderr.strip()}"
+    yield from release_errors(package, asked.stdout.split())
 
 
-def tag_errors(root, package, tags):
+def release_errors(package, tags):
     version = json_of(package / "package.json")["version"]
     yield from (f"the commit's tag is {tag}, and package.json's version {version}" for tag in tags if tag != f"v{version}")
+    latest = HEADING.search((package / "CHANGELOG.md").read_text(encoding="utf-8"))
+    if tags and not (latest and re.fullmatch(rf"## \[{re.escape(version)}\] - \d{{4}}-\d\d-\d\d", latest[0])):
+        yield f"CHANGELOG.md: a release begins with '## [{version}] - ' and its date"
+
+
+def tag_errors(root, package):
+    version = json_of(package / "package.json")["version"]
     named = [(page.name, tag) for page in sorted((root / "unity_client").rglob("*.md")) for tag in INSTALLED_TAG.findall(page.read_text(encoding="utf-8"))]
     if not named:
         yield "no document says how a release is installed by its tag, #v1.2.3"
@@ -208,7 +219,7 @@ def proof_errors(root, package):
 
 def check(root):
     package = root / PACKAGE
-    return [*manifest_errors(root, package), *tag_errors(root, package, tags_of(root)), *make_metas.errors(package), *changelog_errors(package), *asmdef_errors(package),
+    return [*manifest_errors(root, package), *commit_errors(root, package), *tag_errors(root, package), *make_metas.errors(package), *changelog_errors(package), *asmdef_errors(package),
             *sample_errors(package), *path_errors(package), *document_errors(package), *document_names.errors(root, package), *privacy_errors(root, package), *proof_errors(root, package)]
 
 
@@ -217,6 +228,13 @@ def edit(package, name, old, new):
     text = path.read_text(encoding="utf-8")
     assert old in text, f"{name} has no '{old}'"
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def edit_by(package, name, pattern, new):
+    path = package / name
+    text, count = pattern.subn(new, path.read_text(encoding="utf-8"), count=1)
+    assert count == 1, f"{name} has no '{pattern.pattern}'"
+    path.write_text(text, encoding="utf-8")
 
 
 def place(package, name):
@@ -229,10 +247,10 @@ def place(package, name):
 # What is done to a copy of the package, and what must be said then.
 BAD = [
     (lambda p: edit(p, "package.json", '"version": "', '"version": "9'), "the version is not"),
-    (lambda p: edit(p, "Documentation~/index.md", "#v0", "#v9"), "index.md: the tag #v9"),
-    (lambda p: edit(p, "Documentation~/index.md", "#v0", "v0"), "no document says how a release is installed"),
-    (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## [0.0.9] - 2026-01-01"), "begins with neither"),
-    (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## [Unreleased]\n\n## [99.0.0] - 2026-01-01"), "has a version after"),
+    (lambda p: edit_by(p, "Documentation~/index.md", INSTALLED_TAG, "#v99.0.0"), "index.md: the tag #v99"),
+    (lambda p: edit_by(p, "Documentation~/index.md", INSTALLED_TAG, "the tag"), "no document says how a release is installed"),
+    (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## [0.0.9] - 2026-01-01"), "begins with neither"),
+    (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## [Unreleased]\n\n## [99.0.0] - 2026-01-01"), "has a version after"),
     (lambda p: edit(p, "package.json", '"2022.3"', '"2019.4"'), "the lowest Unity"),
     (lambda p: edit(p, "package.json", "Samples~/QuickStart", "Samples~/None"), "Samples~/None does not exist"),
     (lambda p: edit(p, "package.json", "Samples~/QuickStart", "Samples~/None"), "the sample Samples~/QuickStart is not listed"),
@@ -250,8 +268,9 @@ BAD = [
     (lambda p: shutil.copy(p / "README.md.meta", p / "LICENSE.md.meta"), "has the GUID of"),
     (lambda p: place(p, "Runtime/Plugins/linux-x86_64/libsweepstake.so"), "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta is missing"),
     (lambda p: place(p, "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta"), "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta belongs to nothing"),
-    (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## Unreleased"), "is not '## [1.2.3]"),
-    (lambda p: edit(p, "CHANGELOG.md", "## [Unreleased]", "## [0.1.0] - 2026-01-01\n\n## [0.2.0] - 2026-01-01"), "the newest version comes first"),
+    (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## Unreleased"), "is not '## [1.2.3]"),
+    (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## [0.1.0] - 2026-01-01\n\n## [0.2.0] - 2026-01-01"), "the newest version comes first"),
+    (lambda p: place(p.parents[1], ".git"), "git cannot say which tags"),
     (lambda p: edit(p, "Runtime/Core/Sweepstake.Core.asmdef", '"Sweepstake.Core"', '"Core"'), "is called 'Core'"),
     (lambda p: edit(p, "Runtime/Core/Sweepstake.Core.asmdef", '"noEngineReferences": true', '"noEngineReferences": false'), "knows UnityEngine"),
     (lambda p: edit(p, "Runtime/GrpcNet/Sweepstake.GrpcNet.asmdef", '"SWEEPSTAKE_GRPC"', ""), "without the libraries of gRPC"),
@@ -264,12 +283,33 @@ BAD = [
     (lambda p: edit(p, "Documentation~/setup.md", "*Set Define*", "*Set a Define*"), "setup.md: nothing is called 'Set a Define'"),
     (lambda p: edit(p, "Documentation~/components.md", "`Connect()`", "`Conect()`"), "components.md: the API has no Conect"),
     (lambda p: edit(p, "Documentation~/native-library.md", "`tests/cross.sh`", "`tests/crass.sh`"), "there is no file tests/crass.sh"),
+    (lambda p: edit(p, "Documentation~/samples.md", "Window > Package Manager", "Window > Package Managing"), "samples.md: nothing is called 'Window > Package Managing'"),
+    (lambda p: edit(p, "Documentation~/samples.md", "Package Management > Package Manager", "Package Manager > Samples"), "nothing is called 'Window > Package Manager > Samples'"),
+    (lambda p: edit(p, "Documentation~/daemon.md", "`manager.Connect()`", "`manager.OverlapBox()`"), "daemon.md: the API has no OverlapBox, of manager"),
+    (lambda p: edit(p, "Documentation~/components.md", "`Connect()`", "`Assert()`"), "components.md: the API has no Assert"),
     (lambda p: edit(p, "README.md", "index.md", "gone.md"), "the link to Documentation~/gone.md leads nowhere"),
 ]
 
 
+def release_misses(package):
+    version = json_of(package / "package.json")["version"]
+    with tempfile.TemporaryDirectory() as folder:
+        copy = pathlib.Path(folder)
+        for name in ("package.json", "CHANGELOG.md"):
+            shutil.copy(package / name, copy)
+        edit_by(copy, "CHANGELOG.md", HEADING, f"## [{version}] - 2026-01-01")
+        if list(release_errors(copy, ["v" + version])):
+            yield "a release was not taken for one"
+        if not list(release_errors(copy, ["v99.0.0"])):
+            yield "a commit's tag of another version was not found"
+        for heading in ("## [Unreleased]", f"## [{version}]", "## [99.0.0] - 2026-01-01"):
+            edit_by(copy, "CHANGELOG.md", HEADING, heading)
+            if not list(release_errors(copy, ["v" + version])):
+                yield f"a release with '{heading}' was not found"
+
+
 def self_test(root):
-    missed = [] if list(tag_errors(root, root / PACKAGE, ["v99.0.0"])) else ["a commit's tag of another version was not found"]
+    missed = list(release_misses(root / PACKAGE))
     for change, error in BAD:
         with tempfile.TemporaryDirectory() as folder:
             copy = pathlib.Path(folder)
