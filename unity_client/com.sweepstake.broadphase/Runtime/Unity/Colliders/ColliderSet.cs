@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Two colliders whose boxes overlap. One that was destroyed equals null.</summary>
+    /// <summary>Two colliders whose boxes overlap; which of them is A means nothing. One that was destroyed equals null.</summary>
     public readonly struct ColliderPair
     {
         public ColliderPair(Collider a, Collider b)
