@@ -130,7 +130,7 @@ namespace Sweepstake
         /// of all in a new domain: what the former one has left behind ends, too.
         /// </summary>
         /// <returns>Whether all has ended; false: some call had not returned in time, and a later Shutdown goes on.</returns>
-        public static bool Shutdown(int timeoutMs = 500)
+        public static bool Shutdown(int timeoutMs = SessionWork.DisposeTimeoutMs)
         {
             ulong endNs = SteadyClock.NowNs + (ulong)Math.Max(0, timeoutMs) * 1_000_000;
             SessionWork[] stopped = SessionWork.StopAll(endNs);
