@@ -3,6 +3,7 @@ using System.Collections.Generic;
 using System.IO;
 using System.Linq;
 using System.Reflection;
+using System.Runtime.CompilerServices;
 using System.Text.RegularExpressions;
 using System.Xml.Linq;
 using NUnit.Framework;
@@ -289,12 +290,8 @@ namespace Sweepstake.Tests
             }
         }
 
-        internal static string PackageFolder()
-        {
-            DirectoryInfo folder = new DirectoryInfo(AppContext.BaseDirectory);
-            while (folder != null && !Directory.Exists(Path.Combine(folder.FullName, "unity_client/com.sweepstake.broadphase")))
-                folder = folder.Parent;
-            return Path.Combine(folder!.FullName, "unity_client/com.sweepstake.broadphase");
-        }
+        /// <summary>Wherever the build is.</summary>
+        internal static string PackageFolder([CallerFilePath] string thisFile = "") =>
+            Path.GetFullPath(Path.Combine(Path.GetDirectoryName(thisFile)!, "../../com.sweepstake.broadphase"));
     }
 }
