@@ -14,7 +14,10 @@ namespace Sweepstake
         ITelemetryStream Open();
     }
 
-    /// <summary>One stream. Its tasks may end on any thread. Dispose ends it at once, whatever is under way, and does not wait.</summary>
+    /// <summary>
+    /// One stream. Its tasks may end on any thread. A call that throws ends it, and it is tried again. Dispose ends it at once, whatever is under
+    /// way, and does not wait.
+    /// </summary>
     public interface ITelemetryStream : IDisposable
     {
         /// <summary>Writes a message, whose bytes stay as they are until the task ends. One write at a time.</summary>
