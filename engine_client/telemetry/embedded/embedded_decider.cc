@@ -11,6 +11,7 @@
 #include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "engine_client/telemetry/embedded/evidence_ledger.h"
 #include "engine_client/telemetry/embedded/priors_file.h"
+#include "engine_client/telemetry/embedded/priors_sums.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/audit/audit_log.h"
 #include "server/decision/math/names.h"
@@ -61,6 +62,9 @@ Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t
     if (!math::IsOptionalName(*name)) {
       return invalid(std::string(field) + " must be at most 128 bytes without control characters");
     }
+  }
+  if (options.source_id.starts_with(kSumMark)) {
+    return invalid("source_id must not begin with *, as the sums of priors files do");
   }
   return {};
 }

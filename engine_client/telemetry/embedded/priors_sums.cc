@@ -20,7 +20,6 @@ namespace {
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr char kSumMark = '*';
 constexpr size_t kMaxSums = 1'000'000;
 constexpr char kVersionMark = '/';
 

@@ -21,15 +21,18 @@
 
 namespace sweepstake {
 
-// Returns the sums, ordered by KeyOf. The source of each has a name that no session has, by its
-// build, and the windows and visits for its sequence number, so that of two sums of a build the
-// one that has more of them counts.
+// What the source of a sum begins with, and that of no session.
+inline constexpr char kSumMark = '*';
+
+// Returns the sums, ordered by KeyOf. The source of each has a name by its build, and the windows
+// and visits for its sequence number, so that of two sums of a build the one that has more of them
+// counts.
 std::vector<PriorRecord> SumByBuild(std::span<const PriorRecord> records);
 
 // Returns whether the record is such a sum: a store cannot know what of it it has already.
 bool IsSum(const PriorRecord& record);
 
-// REQUIRES: the records are of SumByBuild.
+// REQUIRES: all are sums, no two of one key.
 std::string FormatSums(std::span<const PriorRecord> sums);
 
 // Reads "checksum" and "scenes" of a document. Errors: as ParsePriors has them.

@@ -473,6 +473,7 @@ TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
   EXPECT_EQ(data.code(), StatusCode::kDataLoss);
   EXPECT_THAT(data.message(), HasSubstr("priors_data: "));
   EXPECT_EQ(status([](auto& o) { o.source_id = "a\n"; }).code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status([](auto& o) { o.source_id = "*a"; }).message(), HasSubstr("begin with *"));
   EXPECT_EQ(status([](auto& o) { o.scene = ""; }).code(), StatusCode::kInvalidArgument);
   const Status policy = status([](auto& o) { o.policy = "dice"; });
   EXPECT_EQ(policy.code(), StatusCode::kInvalidArgument);
