@@ -96,7 +96,7 @@ fi
 
 trap 'exit 0' INT TERM
 while read -r project scene objects; do
-  play "$project" "$scene" "$objects" --scene-name "$scene" --fps 60 --duration 720h --allow-orders >>"$data/games.log" 2>&1 &
+  play "$project" "$scene" "$objects" --scene-name "$scene" --fps 60 --duration 720h --allow-orders --allow-box-view >>"$data/games.log" 2>&1 &
   games+=($!)
 done <<'SCENES'
 arena storms 1200

@@ -267,6 +267,7 @@ void AdaptiveBroadPhase::Impl::Search() {
 // search to the next, objects move as far as they do in a frame.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
+  view_tap.OnFrame(boxes, sample_.frame_index);
   if (lane_ == nullptr || frozen()) return;
   lane_->OnFrame(boxes, {.frame_index = sample_.frame_index,
                          .frame_time_ns = last_sample.frame_time_ns,
@@ -422,6 +423,7 @@ std::optional<SwitchOutcome> AdaptiveBroadPhase::last_outcome() const {
 }
 
 SwitchMailbox& AdaptiveBroadPhase::mailbox() { return impl_->mailbox; }
+ViewTap& AdaptiveBroadPhase::view_tap() { return impl_->view_tap; }
 Mode AdaptiveBroadPhase::mode() const { return impl_->mode.load(std::memory_order_relaxed); }
 uint32_t AdaptiveBroadPhase::active_arm() const { return impl_->arm(); }
 uint32_t AdaptiveBroadPhase::switch_epoch() const { return impl_->epoch(); }

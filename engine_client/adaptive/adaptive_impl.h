@@ -18,6 +18,7 @@
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/adaptive/verdict_slot.h"
+#include "engine_client/adaptive/view_tap.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/pair_sorter.h"
 
@@ -60,6 +61,7 @@ class AdaptiveBroadPhase::Impl {
   std::atomic<Mode> mode;
   BailOutGuard guard;
   VerdictSlot verdict;
+  ViewTap view_tap;
   LatestSlot<LastDecision> last_decision;
   LatestSlot<SwitchOutcome> last_outcome;
   SwitchCostMeter switch_cost;

@@ -45,6 +45,7 @@ struct RunOptions {
   std::string machine_class = MachineClass();
   bool ignore_priors = false;
   bool allow_orders = false;
+  bool allow_box_view = false;
   std::string shadow = "auto";
   std::string csv;
   bool json = false;
@@ -70,6 +71,7 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   session.ignore_priors = options.ignore_priors;
   session.seed = options.scene.seed;
   session.allow_operator_orders = options.allow_orders;
+  session.allow_box_view = options.allow_box_view;
   session.tls = options.daemon.tls;
   session.token = options.daemon.token;
   if (!options.embedded)
@@ -278,6 +280,10 @@ Status CheckRun(const RunOptions& options) {
     return {StatusCode::kInvalidArgument,
             "--allow-orders goes with --daemon: orders come from its operators"};
   }
+  if (options.allow_box_view && options.embedded) {
+    return {StatusCode::kInvalidArgument,
+            "--allow-box-view goes with --daemon: its operators look at the boxes"};
+  }
   return {};
 }
 
@@ -358,6 +364,8 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_flag("--ignore-priors", options.ignore_priors, "Start from Beta(1,1)");
   command.add_flag("--allow-orders", options.allow_orders,
                    "Obey `sweepstake sessions pin` and `release` of the daemon");
+  command.add_flag("--allow-box-view", options.allow_box_view,
+                   "Show the objects' boxes to operators who look at the session in the dashboard");
   command
       .add_option("--shadow", options.shadow,
                   "Shadow lane: auto: in mode ai, where a core is to spare; on: in mode manual too")

@@ -29,6 +29,7 @@ SessionOptions Options() {
   options.batch_frames = 3;
   options.unacknowledged_messages = 8;
   options.allow_operator_orders = true;
+  options.allow_box_view = true;
   return options;
 }
 

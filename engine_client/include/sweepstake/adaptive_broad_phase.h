@@ -37,6 +37,8 @@
 
 namespace sweepstake {
 
+class ViewTap;
+
 // Receives the frame path's results. All calls but OnShadow are made on the frame thread, where
 // implementations must not wait, lock or allocate.
 class FrameSink {
@@ -186,6 +188,8 @@ class AdaptiveBroadPhase {
   std::optional<SwitchOutcome> last_outcome() const;
 
   SwitchMailbox& mailbox();
+  // For a session, which shows some of a frame's boxes to an operator who asks for them.
+  ViewTap& view_tap();
   // Any thread.
   Mode mode() const;
   uint32_t active_arm() const;

@@ -97,6 +97,10 @@ struct SessionOptions {
   // Whether operators of the daemon may choose the mode and the arm; of no use to an embedded
   // decider. Leave it off in a game that players get.
   bool allow_operator_orders = false;
+  // Whether operators of the daemon may look at the boxes of the game's objects: some thousands of
+  // them, at most four times a second, and none while nobody looks. Of no use to an embedded
+  // decider. Leave it off in a game that players get.
+  bool allow_box_view = false;
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
   // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces

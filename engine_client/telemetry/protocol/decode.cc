@@ -21,7 +21,8 @@ enum class StreamTelemetryResponseTag : Number {
   kAcknowledgement = 3,
   kPosteriorSnapshot = 4,
   kReconnect = 5,
-  kOperatorOrder = 6
+  kOperatorOrder = 6,
+  kBoxRequest = 7
 };
 enum class WelcomeTag : Number {
   kSessionId = 1,
@@ -63,6 +64,7 @@ enum class ArmStandingTag : Number {
 enum class CostRatioTag : Number { kMedian = 1, kLow = 2, kHigh = 3 };
 enum class ReconnectTag : Number { kDelayMs = 2 };
 enum class OperatorOrderTag : Number { kOrderId = 1, kMode = 2, kArm = 3 };
+enum class BoxRequestTag : Number { kIntervalMs = 1, kMaxBytes = 2, kUntilMs = 3 };
 
 enum class StatusDetailsTag : Number { kDetails = 3 };
 enum class AnyTag : Number { kTypeUrl = 1, kValue = 2 };
@@ -318,6 +320,21 @@ void Read(std::string_view bytes, OperatorOrder& order) {
   });
 }
 
+void Read(std::string_view bytes, BoxRequest& request) {
+  ReadFields<BoxRequestTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case BoxRequestTag::kIntervalMs:
+        return in.TakeNumber(request.interval_ms);
+      case BoxRequestTag::kMaxBytes:
+        return in.TakeNumber(request.max_bytes);
+      case BoxRequestTag::kUntilMs:
+        return in.TakeNumber(request.until_ms);
+      default:
+        in.Skip();
+    }
+  });
+}
+
 // Reads into the part, which begins as `absent` where the response has none yet.
 template <typename Part>
 void TakePart(Reader<StreamTelemetryResponseTag>& in, std::optional<Part>& part, Part absent = {}) {
@@ -343,6 +360,8 @@ Response ReadResponse(std::string_view bytes) {
         return TakePart(in, response.reconnect);
       case StreamTelemetryResponseTag::kOperatorOrder:
         return TakePart(in, response.operator_order, {.mode = Mode{}, .arm = {}});
+      case StreamTelemetryResponseTag::kBoxRequest:
+        return TakePart(in, response.box_request);
       default:
         in.Skip();
     }

@@ -21,7 +21,8 @@ enum class StreamTelemetryRequestTag : Number {
   kBailOut = 5,
   kModeChange = 6,
   kGoodbye = 7,
-  kOrderRefusal = 8
+  kOrderRefusal = 8,
+  kBoxView = 9
 };
 enum class ArmTag : Number { kName = 1, kBackendVersion = 2 };
 enum class HelloTag : Number {
@@ -95,6 +96,14 @@ enum class BailOutTag : Number {
 };
 enum class ModeChangeTag : Number { kMode = 1, kActiveArm = 2, kOrderId = 3 };
 enum class OrderRefusalTag : Number { kOrderId = 1, kReason = 2 };
+enum class BoxViewTag : Number {
+  kFrameIndex = 1,
+  kObjectCount = 2,
+  kStride = 3,
+  kBounds = 4,
+  kBoxes = 5,
+  kPairs = 6
+};
 
 // Collects the fields of one message. A field that has its default value is left out, as proto3 has
 // it; a message within is there even if it is empty.
@@ -129,6 +138,11 @@ class Writer {
     if (values.empty()) return;
     protozero::packed_field_uint64 column(builder_, static_cast<Number>(tag));
     for (const Capability value : values) column.add_element(static_cast<uint64_t>(value));
+  }
+  void PutFloats(Tag tag, const std::vector<float>& values) {
+    if (values.empty()) return;
+    protozero::packed_field_float column(builder_, static_cast<Number>(tag));
+    for (const float value : values) column.add_element(value);
   }
   void PutMessage(Tag tag, const std::string& message) { builder_.add_message(tag, message); }
 
@@ -260,6 +274,17 @@ std::string Encode(const OrderRefusal& refusal) {
   out.PutNumber(OrderRefusalTag::kOrderId, refusal.order_id);
   out.PutNumber(OrderRefusalTag::kReason, refusal.reason);
   return Request(StreamTelemetryRequestTag::kOrderRefusal, out.Take());
+}
+
+std::string Encode(const BoxView& view) {
+  Writer<BoxViewTag> out;
+  out.PutNumber(BoxViewTag::kFrameIndex, view.frame_index);
+  out.PutNumber(BoxViewTag::kObjectCount, view.object_count);
+  out.PutNumber(BoxViewTag::kStride, view.stride);
+  out.PutFloats(BoxViewTag::kBounds, view.bounds);
+  out.PutText(BoxViewTag::kBoxes, view.boxes);
+  out.PutText(BoxViewTag::kPairs, view.pairs);
+  return Request(StreamTelemetryRequestTag::kBoxView, out.Take());
 }
 
 std::string Numbered(uint64_t sequence, std::string_view encoded) {

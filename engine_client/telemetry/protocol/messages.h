@@ -15,7 +15,7 @@
 
 namespace sweepstake::protocol {
 
-enum class Capability : uint32_t { kOperatorOrders = 1 };
+enum class Capability : uint32_t { kOperatorOrders = 1, kBoxView = 2 };
 
 enum class OrderRefusalReason : uint32_t { kNotAllowed = 1, kUnknown = 2 };
 
@@ -64,6 +64,16 @@ struct OrderRefusal {
   OrderRefusalReason reason = OrderRefusalReason::kUnknown;
 };
 
+// Some of a frame's boxes, as bytes of the protocol.
+struct BoxView {
+  uint64_t frame_index = 0;
+  uint32_t object_count = 0;
+  uint32_t stride = 0;
+  std::vector<float> bounds;
+  std::string boxes;
+  std::string pairs;
+};
+
 struct BetaPosterior {
   double alpha = 0;
   double beta = 0;
@@ -105,6 +115,12 @@ struct Reconnect {
   uint32_t delay_ms = 0;
 };
 
+struct BoxRequest {
+  uint32_t interval_ms = 0;
+  uint32_t max_bytes = 0;
+  uint32_t until_ms = 0;
+};
+
 // Whatever has changed since the daemon's last response.
 struct Response {
   std::optional<Welcome> welcome;
@@ -113,6 +129,7 @@ struct Response {
   std::optional<PosteriorSnapshot> posterior_snapshot;
   std::optional<Reconnect> reconnect;
   std::optional<OperatorOrder> operator_order;
+  std::optional<BoxRequest> box_request;
   bool has_unknown = false;  // it has a field that only a newer protocol knows
 };
 

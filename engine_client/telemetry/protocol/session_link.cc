@@ -44,6 +44,7 @@ protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhas
   hello.protocol_version = kMaxProtocolVersion;
   if (options.allow_operator_orders)
     hello.capabilities.push_back(protocol::Capability::kOperatorOrders);
+  if (options.allow_box_view) hello.capabilities.push_back(protocol::Capability::kBoxView);
   hello.project = options.project;
   hello.scene = options.scene;
   hello.build = options.build;
@@ -166,6 +167,7 @@ SessionLink::SessionLink(const SessionOptions& options, std::string daemon, uint
       adaptive_(adaptive),
       state_(MakeHello(options, adaptive), options.unacknowledged_messages),
       intake_(queue, state_, LimitsOf(options)),
+      boxes_(adaptive.view_tap()),
       backoff_(options.backoff_min_ms, options.backoff_max_ms, jitter_seed) {}
 
 void SessionLink::Connected(uint64_t now_ns) {
@@ -176,6 +178,8 @@ void SessionLink::Connected(uint64_t now_ns) {
 
 LinkAction SessionLink::Advance(uint64_t now_ns) {
   const bool queue_empty = taken_all_ || intake_.Pump(now_ns);
+  if (goodbye_deadline_ns_ || !state_.online()) boxes_.Stop();
+  next_is_view_ = boxes_.Advance(now_ns);
   next_ = stream_ ? NextStep(queue_empty, now_ns) : LinkAction::kNone;
   if (next_ == LinkAction::kSend) next_message_ = NextMessage();
   return next_;
@@ -190,7 +194,9 @@ LinkAction SessionLink::NextStep(bool queue_empty, uint64_t now_ns) {
   if (stream_->reconnect_delay_ms || stream_->goodbye_sent) return LinkAction::kFinish;
   const bool goodbye_is_due = goodbye_deadline_ns_ && queue_empty;
   if (goodbye_is_due && !std::exchange(taken_all_, true)) intake_.Flush();
-  return goodbye_is_due || state_.Next() != nullptr ? LinkAction::kSend : LinkAction::kNone;
+  next_is_view_ = next_is_view_ && state_.Next() == nullptr;
+  return goodbye_is_due || next_is_view_ || state_.Next() != nullptr ? LinkAction::kSend
+                                                                     : LinkAction::kNone;
 }
 
 bool SessionLink::Overdue(uint64_t now_ns) {
@@ -207,6 +213,7 @@ std::string SessionLink::NextMessage() {
                                             .switch_epoch = adaptive_.switch_epoch(),
                                             .mode = adaptive_.mode()}));
   }
+  if (next_is_view_) return std::string(boxes_.message());
   const ResendBuffer::Entry* next = state_.Next();
   return next != nullptr ? protocol::Numbered(next->sequence, next->evidence.message)
                          : protocol::Encode(protocol::Goodbye{});
@@ -221,6 +228,8 @@ std::string SessionLink::Take(uint64_t now_ns) {
   }
   if (!stream_->hello_sent) {
     stream_->hello_sent = true;
+  } else if (next_is_view_) {
+    boxes_.MarkSent();
   } else if (state_.Next() != nullptr) {
     state_.MarkSent();
   } else {
@@ -251,6 +260,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
   }
   if (response->reconnect) stream_->reconnect_delay_ms = response->reconnect->delay_ms;
   if (response->operator_order) OnOrder(*response->operator_order);
+  if (response->box_request && shows_boxes_) boxes_.OnRequest(*response->box_request, now_ns);
   if (response->has_unknown) ++unknown_message_count_;
   return {};
 }
@@ -269,6 +279,7 @@ void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
   refusal_.clear();
   takes_orders_ =
       options_.allow_operator_orders && Has(welcome, protocol::Capability::kOperatorOrders);
+  shows_boxes_ = options_.allow_box_view && Has(welcome, protocol::Capability::kBoxView);
   welcome_ = welcome;
   intake_.SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors);

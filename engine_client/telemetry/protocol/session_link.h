@@ -11,7 +11,8 @@
 // Time: ns on any monotonic clock, the same for all calls. Thread safety: one caller at a time; it
 // is the queue's consumer. The frame thread never meets it: they share the queue and the mailboxes
 // of AdaptiveBroadPhase. Memory: the messages that are not acknowledged, at most
-// SessionOptions::unacknowledged_messages and a few more, whatever the daemon sends, and one batch.
+// SessionOptions::unacknowledged_messages and a few more, whatever the daemon sends, one batch, and
+// while an operator looks at boxes some 200 kB.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +23,7 @@
 
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "engine_client/telemetry/protocol/backoff.h"
+#include "engine_client/telemetry/protocol/box_viewer.h"
 #include "engine_client/telemetry/protocol/evidence_intake.h"
 #include "engine_client/telemetry/protocol/messages.h"
 #include "engine_client/telemetry/protocol/session_state.h"
@@ -127,10 +129,12 @@ class SessionLink {
   AdaptiveBroadPhase& adaptive_;
   SessionState state_;
   EvidenceIntake intake_;
+  BoxViewer boxes_;
   Backoff backoff_;
   std::optional<LinkStream> stream_;
   LinkAction next_ = LinkAction::kNone;  // what Advance returned
   std::string next_message_;             // the one to send, if that is kSend
+  bool next_is_view_ = false;            // that message is of boxes_
   std::optional<uint64_t> goodbye_deadline_ns_;
   bool taken_all_ = false;  // the queue was empty after Goodbye; later frames are not sent
 
@@ -143,6 +147,7 @@ class SessionLink {
   uint64_t unknown_message_count_ = 0;
   protocol::Welcome welcome_;  // the latest one, with the batch interval of now
   bool takes_orders_ = false;  // from this daemon
+  bool shows_boxes_ = false;   // to this daemon
 };
 
 }  // namespace sweepstake

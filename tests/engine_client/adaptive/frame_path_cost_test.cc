@@ -1,10 +1,12 @@
 // In a steady scene the frame path must not allocate or call anything that could make it wait.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
 #include "engine_client/adaptive/adaptive_factory.h"
+#include "engine_client/adaptive/view_tap.h"
 #include "engine_client/scene/box_scenes.h"
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "sweepstake/adaptive_broad_phase.h"
@@ -82,6 +84,23 @@ TEST_P(FramePathCost, AllocatesNothingAfterWarmUp) {
   }
   EXPECT_EQ(allocation_count, 0U);
   EXPECT_EQ(malloc_count, 0U);
+}
+
+TEST_P(FramePathCost, AllocatesNothingAndWaitsForNothingToShowBoxes) {
+  ViewTap& tap = adaptive_->view_tap();
+  for (const size_t max_boxes : {100U, 1000U}) {
+    tap.Request(max_boxes);
+    const uint64_t before = ThreadAllocationCount() + ThreadMallocCount();
+    {
+      const WaitCounter waits;
+      RunFrame(*adaptive_, scene_);
+      EXPECT_EQ(waits.count(), 0U) << waits.last_call();
+    }
+    EXPECT_EQ(ThreadAllocationCount() + ThreadMallocCount() - before, 0U);
+    ASSERT_TRUE(tap.has_frame());
+    EXPECT_EQ(tap.frame().boxes.size(), std::min<size_t>(max_boxes, 500));
+    scene_.Step();
+  }
 }
 
 TEST_P(FramePathCost, CallsNothingThatCouldWaitWithOrWithoutAReader) {

@@ -159,6 +159,7 @@ TEST(Commands, ARunNeedsExactlyOneDecider) {
       {"run --scene suite-b --daemon localhost:1 --priors x.json", "--priors goes with --embedded"},
       {"run --scene suite-b --embedded --duration soon", "give a number and ms, s, m or h"},
       {"run --scene suite-b --embedded --allow-orders", "--allow-orders goes with --daemon"},
+      {"run --scene suite-b --embedded --allow-box-view", "--allow-box-view goes with --daemon"},
       {"run --scene suite-b --daemon nowhere", "nowhere"},
   });
 }

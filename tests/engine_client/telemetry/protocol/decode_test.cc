@@ -73,6 +73,12 @@ void Write(const OperatorOrder& order, v1::OperatorOrder& message) {
   if (order.arm) message.set_arm(*order.arm);
 }
 
+void Write(const BoxRequest& request, v1::BoxRequest& message) {
+  message.set_interval_ms(request.interval_ms);
+  message.set_max_bytes(request.max_bytes);
+  message.set_until_ms(request.until_ms);
+}
+
 v1::StreamTelemetryResponse MessageOf(const Response& response) {
   v1::StreamTelemetryResponse message;
   if (response.welcome) Write(*response.welcome, *message.mutable_welcome());
@@ -86,6 +92,7 @@ v1::StreamTelemetryResponse MessageOf(const Response& response) {
     Write(*response.posterior_snapshot, *message.mutable_posterior_snapshot());
   if (response.reconnect) message.mutable_reconnect()->set_delay_ms(response.reconnect->delay_ms);
   if (response.operator_order) Write(*response.operator_order, *message.mutable_operator_order());
+  if (response.box_request) Write(*response.box_request, *message.mutable_box_request());
   return message;
 }
 

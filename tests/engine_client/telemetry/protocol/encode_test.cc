@@ -107,6 +107,15 @@ OrderRefusal PlainOf(const v1::OrderRefusal& message) {
           .reason = static_cast<OrderRefusalReason>(message.reason())};
 }
 
+BoxView PlainOf(const v1::BoxView& message) {
+  return {.frame_index = message.frame_index(),
+          .object_count = message.object_count(),
+          .stride = message.stride(),
+          .bounds = {message.bounds().begin(), message.bounds().end()},
+          .boxes = message.boxes(),
+          .pairs = message.pairs()};
+}
+
 std::string EncodeAs(const v1::StreamTelemetryRequest& message) {
   switch (message.message_case()) {
     case v1::StreamTelemetryRequest::kHello:
@@ -123,6 +132,8 @@ std::string EncodeAs(const v1::StreamTelemetryRequest& message) {
       return Encode(Goodbye{});
     case v1::StreamTelemetryRequest::kOrderRefusal:
       return Encode(PlainOf(message.order_refusal()));
+    case v1::StreamTelemetryRequest::kBoxView:
+      return Encode(PlainOf(message.box_view()));
     case v1::StreamTelemetryRequest::MESSAGE_NOT_SET:
       break;
   }

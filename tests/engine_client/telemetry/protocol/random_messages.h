@@ -66,8 +66,10 @@ class RandomMessages {
         return to.SetBool(&message, &field, true);
       case Field::CPPTYPE_DOUBLE:
         return to.SetDouble(&message, &field, Real());
-      case Field::CPPTYPE_FLOAT:
-        return to.SetFloat(&message, &field, static_cast<float>(Real()));
+      case Field::CPPTYPE_FLOAT: {
+        const auto value = static_cast<float>(Real());
+        return add ? to.AddFloat(&message, &field, value) : to.SetFloat(&message, &field, value);
+      }
       case Field::CPPTYPE_STRING:
         return to.SetString(&message, &field, Text());
       default:

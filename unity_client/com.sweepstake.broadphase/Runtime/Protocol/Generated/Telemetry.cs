@@ -25,7 +25,7 @@ namespace Sweepstake.Protocol.V1 {
       byte[] descriptorData = global::System.Convert.FromBase64String(
           string.Concat(
             "Ch1zd2VlcHN0YWtlL3YxL3RlbGVtZXRyeS5wcm90bxINc3dlZXBzdGFrZS52",
-            "MSKFAwoWU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBIQCghzZXF1ZW5jZRgBIAEo",
+            "MSKxAwoWU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBIQCghzZXF1ZW5jZRgBIAEo",
             "BBIlCgVoZWxsbxgCIAEoCzIULnN3ZWVwc3Rha2UudjEuSGVsbG9IABIwCgtm",
             "cmFtZV9iYXRjaBgDIAEoCzIZLnN3ZWVwc3Rha2UudjEuRnJhbWVCYXRjaEgA",
             "EjYKDnN3aXRjaF9vdXRjb21lGAQgASgLMhwuc3dlZXBzdGFrZS52MS5Td2l0",
@@ -33,113 +33,119 @@ namespace Sweepstake.Protocol.V1 {
             "LkJhaWxPdXRIABIwCgttb2RlX2NoYW5nZRgGIAEoCzIZLnN3ZWVwc3Rha2Uu",
             "djEuTW9kZUNoYW5nZUgAEikKB2dvb2RieWUYByABKAsyFi5zd2VlcHN0YWtl",
             "LnYxLkdvb2RieWVIABI0Cg1vcmRlcl9yZWZ1c2FsGAggASgLMhsuc3dlZXBz",
-            "dGFrZS52MS5PcmRlclJlZnVzYWxIAEIJCgdtZXNzYWdlItICChdTdHJlYW1U",
-            "ZWxlbWV0cnlSZXNwb25zZRInCgd3ZWxjb21lGAEgASgLMhYuc3dlZXBzdGFr",
-            "ZS52MS5XZWxjb21lEjQKDnN3aXRjaF9jb21tYW5kGAIgASgLMhwuc3dlZXBz",
-            "dGFrZS52MS5Td2l0Y2hDb21tYW5kEjcKD2Fja25vd2xlZGdlbWVudBgDIAEo",
-            "CzIeLnN3ZWVwc3Rha2UudjEuQWNrbm93bGVkZ2VtZW50EjwKEnBvc3Rlcmlv",
-            "cl9zbmFwc2hvdBgEIAEoCzIgLnN3ZWVwc3Rha2UudjEuUG9zdGVyaW9yU25h",
-            "cHNob3QSKwoJcmVjb25uZWN0GAUgASgLMhguc3dlZXBzdGFrZS52MS5SZWNv",
-            "bm5lY3QSNAoOb3BlcmF0b3Jfb3JkZXIYBiABKAsyHC5zd2VlcHN0YWtlLnYx",
-            "Lk9wZXJhdG9yT3JkZXIiLAoDQXJtEgwKBG5hbWUYASABKAkSFwoPYmFja2Vu",
-            "ZF92ZXJzaW9uGAIgASgNIq4DCgVIZWxsbxIYChBwcm90b2NvbF92ZXJzaW9u",
-            "GAEgASgNEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyABKAkSDQoFYnVp",
-            "bGQYBCABKAkSFQoNbWFjaGluZV9jbGFzcxgFIAEoCRIgCgRhcm1zGAYgAygL",
-            "MhIuc3dlZXBzdGFrZS52MS5Bcm0SEgoKYWN0aXZlX2FybRgIIAEoDRIhCgRt",
-            "b2RlGAkgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhIKCnNlc3Npb25faWQY",
-            "CiABKAkSEgoKdGltZV9zY2FsZRgLIAEoARIVCg1pZ25vcmVfcHJpb3JzGAwg",
-            "ASgIEgwKBHNlZWQYDSABKAQSDgoGcG9saWN5GA4gASgJEhQKDHN3aXRjaF9l",
-            "cG9jaBgPIAEoDRIUCgxyZXN1bWVfdG9rZW4YECABKAwSHAoUbWluX3Byb3Rv",
-            "Y29sX3ZlcnNpb24YESABKA0SLwoMY2FwYWJpbGl0aWVzGBIgAygOMhkuc3dl",
-            "ZXBzdGFrZS52MS5DYXBhYmlsaXR5SgQIBxAIUg5yZXdhcmRfdmVyc2lvbiLt",
-            "AgoKRnJhbWVCYXRjaBIVCg1mcmFtZV90aW1lX25zGAIgAygEEhkKEWRldGVj",
-            "dGlvbl90aW1lX25zGAMgAygEEhgKEGFhYmJfY2hlY2tfY291bnQYBCADKAQS",
-            "FAoMbmF0aXZlX2J5dGVzGAYgAygEEhQKDG9iamVjdF9jb3VudBgHIAMoDRIL",
-            "CgNhcm0YCCADKA0SFAoMc3dpdGNoX2Vwb2NoGAkgAygNEg0KBWZsYWdzGAog",
-            "AygNEjgKEHNjZW5lX2Rlc2NyaXB0b3IYCyABKAsyHi5zd2VlcHN0YWtlLnYx",
-            "LlNjZW5lRGVzY3JpcHRvchIbChNkcm9wcGVkX2ZyYW1lX2NvdW50GAwgASgE",
-            "EjMKDnNoYWRvd19zYW1wbGVzGA0gAygLMhsuc3dlZXBzdGFrZS52MS5TaGFk",
-            "b3dTYW1wbGVKBAgBEAJKBAgFEAZSEWZpcnN0X2ZyYW1lX2luZGV4UgpwYWly",
-            "X2NvdW50ItIBCgxTaGFkb3dTYW1wbGUSGQoRZmlyc3RfZnJhbWVfaW5kZXgY",
-            "ASABKAQSCwoDYXJtGAIgASgNEhkKEWRldGVjdGlvbl90aW1lX25zGAMgASgE",
-            "EhUKDWJ1aWxkX3RpbWVfbnMYBCABKAQSGAoQYWFiYl9jaGVja19jb3VudBgF",
-            "IAEoBBIUCgxuYXRpdmVfYnl0ZXMYBiABKAQSFAoMb2JqZWN0X2NvdW50GAcg",
-            "ASgNEhMKC2ZyYW1lX2NvdW50GAggASgNEg0KBWZsYWdzGAkgASgNIskCCg9T",
-            "Y2VuZURlc2NyaXB0b3ISGQoMb2JqZWN0X2NvdW50GAEgASgCSACIAQESGgoN",
-            "ZGVuc2l0eV9yYXRpbxgCIAEoAkgBiAEBEhgKC3NpemVfc3ByZWFkGAMgASgC",
-            "SAKIAQESFwoKc3BlZWRfbWVhbhgEIAEoAkgDiAEBEhkKDHNwZWVkX3NwcmVh",
-            "ZBgFIAEoAkgEiAEBEh0KEGNsdXN0ZXJpbmdfcmF0aW8YBiABKAJIBYgBARIZ",
-            "CgxzdGF0aWNfcmF0aW8YByABKAJIBogBAUIPCg1fb2JqZWN0X2NvdW50QhAK",
-            "Dl9kZW5zaXR5X3JhdGlvQg4KDF9zaXplX3NwcmVhZEINCgtfc3BlZWRfbWVh",
-            "bkIPCg1fc3BlZWRfc3ByZWFkQhMKEV9jbHVzdGVyaW5nX3JhdGlvQg8KDV9z",
-            "dGF0aWNfcmF0aW8ixQEKDVN3aXRjaE91dGNvbWUSEgoKY29tbWFuZF9pZBgB",
-            "IAEoBBILCgNhcm0YAiABKA0SFAoMc3dpdGNoX2Vwb2NoGAMgASgNEhAKCGV4",
-            "ZWN1dGVkGAQgASgIEhcKD3JlYnVpbGRfdGltZV9ucxgFIAEoBBIYChBzZXR0",
-            "bGluZ19jb3N0X25zGAYgASgEEisKBnJlYXNvbhgIIAEoDjIbLnN3ZWVwc3Rh",
-            "a2UudjEuU3dpdGNoUmVhc29uSgQIBxAIUgVlcnJvciKCAQoHQmFpbE91dBIT",
-            "CgtmcmFtZV9pbmRleBgBIAEoBBILCgNhcm0YAiABKA0SFAoMc3dpdGNoX2Vw",
-            "b2NoGAMgASgNEhUKDWZyYW1lX3RpbWVfbnMYBCABKAQSGQoRZGV0ZWN0aW9u",
-            "X3RpbWVfbnMYBSABKAQSDQoFZmxhZ3MYBiABKA0iVQoKTW9kZUNoYW5nZRIh",
-            "CgRtb2RlGAEgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhIKCmFjdGl2ZV9h",
-            "cm0YAiABKA0SEAoIb3JkZXJfaWQYAyABKAQiUwoMT3JkZXJSZWZ1c2FsEhAK",
-            "CG9yZGVyX2lkGAEgASgEEjEKBnJlYXNvbhgCIAEoDjIhLnN3ZWVwc3Rha2Uu",
-            "djEuT3JkZXJSZWZ1c2FsUmVhc29uIhcKB0dvb2RieWVKBAgBEAJSBnJlYXNv",
-            "biKjBAoHV2VsY29tZRISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Jlc3VtZWQY",
-            "AiABKAgSHQoVYWNrbm93bGVkZ2VkX3NlcXVlbmNlGAMgASgEEhgKEG1heF9i",
-            "YXRjaF9mcmFtZXMYBCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0ZXMYBSABKA0S",
-            "GQoRYmF0Y2hfaW50ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNpb25faW50ZXJ2",
-            "YWxfbXMYByABKA0SEwoLc2V0dGxpbmdfbXMYCSABKA0SEwoLYmFpbF9vdXRf",
-            "bXMYCiABKA0SFgoOZGFlbW9uX3ZlcnNpb24YDCABKAkSDgoGcG9saWN5GA4g",
-            "ASgJEgwKBHNlZWQYDyABKAQSLAoGcHJpb3JzGBAgAygLMhwuc3dlZXBzdGFr",
-            "ZS52MS5CZXRhUG9zdGVyaW9yEhoKEnByaW9yX3NvdXJjZV9jb3VudBgRIAEo",
-            "BBIUCgxyZXN1bWVfdG9rZW4YEiABKAwSGgoScHJpb3JzX3VuYXZhaWxhYmxl",
-            "GBMgASgIEhgKEHByb3RvY29sX3ZlcnNpb24YFCABKA0SLwoMY2FwYWJpbGl0",
-            "aWVzGBUgAygOMhkuc3dlZXBzdGFrZS52MS5DYXBhYmlsaXR5SgQICBAJSgQI",
-            "CxAMSgQIDRAOUgtjb29sZG93bl9tc1IQcmVzdW1lX3dpbmRvd19tc1IOcmV3",
-            "YXJkX3ZlcnNpb24iLAoNQmV0YVBvc3RlcmlvchINCgVhbHBoYRgBIAEoARIM",
-            "CgRiZXRhGAIgASgBIl0KDVN3aXRjaENvbW1hbmQSEgoKY29tbWFuZF9pZBgB",
-            "IAEoBBILCgNhcm0YAiABKA0SKwoGcmVhc29uGAMgASgOMhsuc3dlZXBzdGFr",
-            "ZS52MS5Td2l0Y2hSZWFzb24iPgoPQWNrbm93bGVkZ2VtZW50EhAKCHNlcXVl",
-            "bmNlGAEgASgEEhkKEWJhdGNoX2ludGVydmFsX21zGAIgASgNIscBChFQb3N0",
-            "ZXJpb3JTbmFwc2hvdBIqCgRhcm1zGAEgAygLMhwuc3dlZXBzdGFrZS52MS5C",
-            "ZXRhUG9zdGVyaW9yEicKB3ZlcmRpY3QYAiABKA4yFi5zd2VlcHN0YWtlLnYx",
-            "LlZlcmRpY3QSEgoKbGVhZGVyX2FybRgDIAEoDRIaChJsZWFkZXJfcHJvYmFi",
-            "aWxpdHkYBCABKAESLQoJc3RhbmRpbmdzGAUgAygLMhouc3dlZXBzdGFrZS52",
-            "MS5Bcm1TdGFuZGluZyKqAQoLQXJtU3RhbmRpbmcSGQoRbGl2ZV93aW5kb3df",
-            "Y291bnQYASABKAQSGAoQbGFuZV92aXNpdF9jb3VudBgCIAEoBBIeChZlZmZl",
-            "Y3RpdmVfd2luZG93X2NvdW50GAMgASgBEhgKEGJlc3RfcHJvYmFiaWxpdHkY",
-            "BCABKAESLAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3ZWVwc3Rha2UudjEuQ29z",
-            "dFJhdGlvIjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4YASABKAESCwoDbG93GAIg",
-            "ASgBEgwKBGhpZ2gYAyABKAEiLAoJUmVjb25uZWN0EhAKCGRlbGF5X21zGAIg",
-            "ASgNSgQIARACUgdhZGRyZXNzIl4KDU9wZXJhdG9yT3JkZXISEAoIb3JkZXJf",
-            "aWQYASABKAQSIQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQ",
-            "CgNhcm0YAyABKA1IAIgBAUIGCgRfYXJtKjoKBE1vZGUSFAoQTU9ERV9VTlNQ",
-            "RUNJRklFRBAAEg8KC01PREVfTUFOVUFMEAESCwoHTU9ERV9BSRACKpwBCgxT",
-            "d2l0Y2hSZWFzb24SHQoZU1dJVENIX1JFQVNPTl9VTlNQRUNJRklFRBAAEhgK",
-            "FFNXSVRDSF9SRUFTT05fUE9MSUNZEAESHQoZU1dJVENIX1JFQVNPTl9FWFBM",
-            "T1JBVElPThACEhoKFlNXSVRDSF9SRUFTT05fQkFJTF9PVVQQAxIYChRTV0lU",
-            "Q0hfUkVBU09OX01BTlVBTBAEKkgKCkNhcGFiaWxpdHkSGgoWQ0FQQUJJTElU",
-            "WV9VTlNQRUNJRklFRBAAEh4KGkNBUEFCSUxJVFlfT1BFUkFUT1JfT1JERVJT",
-            "EAEqWQoKU2hhZG93RmxhZxIbChdTSEFET1dfRkxBR19VTlNQRUNJRklFRBAA",
-            "EhYKElNIQURPV19GTEFHX0FDVElWRRABEhYKElNIQURPV19GTEFHX0NBUFBF",
-            "RBACKocBCglGcmFtZUZsYWcSGgoWRlJBTUVfRkxBR19VTlNQRUNJRklFRBAA",
-            "EhYKEkZSQU1FX0ZMQUdfUkVCVUlMRBABEhUKEUZSQU1FX0ZMQUdfUEFVU0VE",
-            "EAISFgoSRlJBTUVfRkxBR19MT0FESU5HEAQSFwoTRlJBTUVfRkxBR19CQUlM",
-            "X09VVBAIKoIBChJPcmRlclJlZnVzYWxSZWFzb24SJAogT1JERVJfUkVGVVNB",
-            "TF9SRUFTT05fVU5TUEVDSUZJRUQQABIkCiBPUkRFUl9SRUZVU0FMX1JFQVNP",
-            "Tl9OT1RfQUxMT1dFRBABEiAKHE9SREVSX1JFRlVTQUxfUkVBU09OX1VOS05P",
-            "V04QAip0CgdWZXJkaWN0EhcKE1ZFUkRJQ1RfVU5TUEVDSUZJRUQQABISCg5W",
-            "RVJESUNUX1NUQUJMRRABEg8KC1ZFUkRJQ1RfVElFEAISFQoRVkVSRElDVF9B",
-            "TUJJR1VPVVMQAxIUChBWRVJESUNUX0RFR1JBREVEEAQyeAoQVGVsZW1ldHJ5",
-            "U2VydmljZRJkCg9TdHJlYW1UZWxlbWV0cnkSJS5zd2VlcHN0YWtlLnYxLlN0",
-            "cmVhbVRlbGVtZXRyeVJlcXVlc3QaJi5zd2VlcHN0YWtlLnYxLlN0cmVhbVRl",
-            "bGVtZXRyeVJlc3BvbnNlKAEwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5W",
-            "MWIGcHJvdG8z"));
+            "dGFrZS52MS5PcmRlclJlZnVzYWxIABIqCghib3hfdmlldxgJIAEoCzIWLnN3",
+            "ZWVwc3Rha2UudjEuQm94Vmlld0gAQgkKB21lc3NhZ2UiggMKF1N0cmVhbVRl",
+            "bGVtZXRyeVJlc3BvbnNlEicKB3dlbGNvbWUYASABKAsyFi5zd2VlcHN0YWtl",
+            "LnYxLldlbGNvbWUSNAoOc3dpdGNoX2NvbW1hbmQYAiABKAsyHC5zd2VlcHN0",
+            "YWtlLnYxLlN3aXRjaENvbW1hbmQSNwoPYWNrbm93bGVkZ2VtZW50GAMgASgL",
+            "Mh4uc3dlZXBzdGFrZS52MS5BY2tub3dsZWRnZW1lbnQSPAoScG9zdGVyaW9y",
+            "X3NuYXBzaG90GAQgASgLMiAuc3dlZXBzdGFrZS52MS5Qb3N0ZXJpb3JTbmFw",
+            "c2hvdBIrCglyZWNvbm5lY3QYBSABKAsyGC5zd2VlcHN0YWtlLnYxLlJlY29u",
+            "bmVjdBI0Cg5vcGVyYXRvcl9vcmRlchgGIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
+            "T3BlcmF0b3JPcmRlchIuCgtib3hfcmVxdWVzdBgHIAEoCzIZLnN3ZWVwc3Rh",
+            "a2UudjEuQm94UmVxdWVzdCIsCgNBcm0SDAoEbmFtZRgBIAEoCRIXCg9iYWNr",
+            "ZW5kX3ZlcnNpb24YAiABKA0irgMKBUhlbGxvEhgKEHByb3RvY29sX3ZlcnNp",
+            "b24YASABKA0SDwoHcHJvamVjdBgCIAEoCRINCgVzY2VuZRgDIAEoCRINCgVi",
+            "dWlsZBgEIAEoCRIVCg1tYWNoaW5lX2NsYXNzGAUgASgJEiAKBGFybXMYBiAD",
+            "KAsyEi5zd2VlcHN0YWtlLnYxLkFybRISCgphY3RpdmVfYXJtGAggASgNEiEK",
+            "BG1vZGUYCSABKA4yEy5zd2VlcHN0YWtlLnYxLk1vZGUSEgoKc2Vzc2lvbl9p",
+            "ZBgKIAEoCRISCgp0aW1lX3NjYWxlGAsgASgBEhUKDWlnbm9yZV9wcmlvcnMY",
+            "DCABKAgSDAoEc2VlZBgNIAEoBBIOCgZwb2xpY3kYDiABKAkSFAoMc3dpdGNo",
+            "X2Vwb2NoGA8gASgNEhQKDHJlc3VtZV90b2tlbhgQIAEoDBIcChRtaW5fcHJv",
+            "dG9jb2xfdmVyc2lvbhgRIAEoDRIvCgxjYXBhYmlsaXRpZXMYEiADKA4yGS5z",
+            "d2VlcHN0YWtlLnYxLkNhcGFiaWxpdHlKBAgHEAhSDnJld2FyZF92ZXJzaW9u",
+            "Iu0CCgpGcmFtZUJhdGNoEhUKDWZyYW1lX3RpbWVfbnMYAiADKAQSGQoRZGV0",
+            "ZWN0aW9uX3RpbWVfbnMYAyADKAQSGAoQYWFiYl9jaGVja19jb3VudBgEIAMo",
+            "BBIUCgxuYXRpdmVfYnl0ZXMYBiADKAQSFAoMb2JqZWN0X2NvdW50GAcgAygN",
+            "EgsKA2FybRgIIAMoDRIUCgxzd2l0Y2hfZXBvY2gYCSADKA0SDQoFZmxhZ3MY",
+            "CiADKA0SOAoQc2NlbmVfZGVzY3JpcHRvchgLIAEoCzIeLnN3ZWVwc3Rha2Uu",
+            "djEuU2NlbmVEZXNjcmlwdG9yEhsKE2Ryb3BwZWRfZnJhbWVfY291bnQYDCAB",
+            "KAQSMwoOc2hhZG93X3NhbXBsZXMYDSADKAsyGy5zd2VlcHN0YWtlLnYxLlNo",
+            "YWRvd1NhbXBsZUoECAEQAkoECAUQBlIRZmlyc3RfZnJhbWVfaW5kZXhSCnBh",
+            "aXJfY291bnQi0gEKDFNoYWRvd1NhbXBsZRIZChFmaXJzdF9mcmFtZV9pbmRl",
+            "eBgBIAEoBBILCgNhcm0YAiABKA0SGQoRZGV0ZWN0aW9uX3RpbWVfbnMYAyAB",
+            "KAQSFQoNYnVpbGRfdGltZV9ucxgEIAEoBBIYChBhYWJiX2NoZWNrX2NvdW50",
+            "GAUgASgEEhQKDG5hdGl2ZV9ieXRlcxgGIAEoBBIUCgxvYmplY3RfY291bnQY",
+            "ByABKA0SEwoLZnJhbWVfY291bnQYCCABKA0SDQoFZmxhZ3MYCSABKA0iyQIK",
+            "D1NjZW5lRGVzY3JpcHRvchIZCgxvYmplY3RfY291bnQYASABKAJIAIgBARIa",
+            "Cg1kZW5zaXR5X3JhdGlvGAIgASgCSAGIAQESGAoLc2l6ZV9zcHJlYWQYAyAB",
+            "KAJIAogBARIXCgpzcGVlZF9tZWFuGAQgASgCSAOIAQESGQoMc3BlZWRfc3By",
+            "ZWFkGAUgASgCSASIAQESHQoQY2x1c3RlcmluZ19yYXRpbxgGIAEoAkgFiAEB",
+            "EhkKDHN0YXRpY19yYXRpbxgHIAEoAkgGiAEBQg8KDV9vYmplY3RfY291bnRC",
+            "EAoOX2RlbnNpdHlfcmF0aW9CDgoMX3NpemVfc3ByZWFkQg0KC19zcGVlZF9t",
+            "ZWFuQg8KDV9zcGVlZF9zcHJlYWRCEwoRX2NsdXN0ZXJpbmdfcmF0aW9CDwoN",
+            "X3N0YXRpY19yYXRpbyLFAQoNU3dpdGNoT3V0Y29tZRISCgpjb21tYW5kX2lk",
+            "GAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyABKA0SEAoI",
+            "ZXhlY3V0ZWQYBCABKAgSFwoPcmVidWlsZF90aW1lX25zGAUgASgEEhgKEHNl",
+            "dHRsaW5nX2Nvc3RfbnMYBiABKAQSKwoGcmVhc29uGAggASgOMhsuc3dlZXBz",
+            "dGFrZS52MS5Td2l0Y2hSZWFzb25KBAgHEAhSBWVycm9yIoIBCgdCYWlsT3V0",
+            "EhMKC2ZyYW1lX2luZGV4GAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hf",
+            "ZXBvY2gYAyABKA0SFQoNZnJhbWVfdGltZV9ucxgEIAEoBBIZChFkZXRlY3Rp",
+            "b25fdGltZV9ucxgFIAEoBBINCgVmbGFncxgGIAEoDSJVCgpNb2RlQ2hhbmdl",
+            "EiEKBG1vZGUYASABKA4yEy5zd2VlcHN0YWtlLnYxLk1vZGUSEgoKYWN0aXZl",
+            "X2FybRgCIAEoDRIQCghvcmRlcl9pZBgDIAEoBCJTCgxPcmRlclJlZnVzYWwS",
+            "EAoIb3JkZXJfaWQYASABKAQSMQoGcmVhc29uGAIgASgOMiEuc3dlZXBzdGFr",
+            "ZS52MS5PcmRlclJlZnVzYWxSZWFzb24iFwoHR29vZGJ5ZUoECAEQAlIGcmVh",
+            "c29uIqMECgdXZWxjb21lEhIKCnNlc3Npb25faWQYASABKAkSDwoHcmVzdW1l",
+            "ZBgCIAEoCBIdChVhY2tub3dsZWRnZWRfc2VxdWVuY2UYAyABKAQSGAoQbWF4",
+            "X2JhdGNoX2ZyYW1lcxgEIAEoDRIZChFtYXhfbWVzc2FnZV9ieXRlcxgFIAEo",
+            "DRIZChFiYXRjaF9pbnRlcnZhbF9tcxgGIAEoDRIcChRkZWNpc2lvbl9pbnRl",
+            "cnZhbF9tcxgHIAEoDRITCgtzZXR0bGluZ19tcxgJIAEoDRITCgtiYWlsX291",
+            "dF9tcxgKIAEoDRIWCg5kYWVtb25fdmVyc2lvbhgMIAEoCRIOCgZwb2xpY3kY",
+            "DiABKAkSDAoEc2VlZBgPIAEoBBIsCgZwcmlvcnMYECADKAsyHC5zd2VlcHN0",
+            "YWtlLnYxLkJldGFQb3N0ZXJpb3ISGgoScHJpb3Jfc291cmNlX2NvdW50GBEg",
+            "ASgEEhQKDHJlc3VtZV90b2tlbhgSIAEoDBIaChJwcmlvcnNfdW5hdmFpbGFi",
+            "bGUYEyABKAgSGAoQcHJvdG9jb2xfdmVyc2lvbhgUIAEoDRIvCgxjYXBhYmls",
+            "aXRpZXMYFSADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHlKBAgIEAlK",
+            "BAgLEAxKBAgNEA5SC2Nvb2xkb3duX21zUhByZXN1bWVfd2luZG93X21zUg5y",
+            "ZXdhcmRfdmVyc2lvbiIsCg1CZXRhUG9zdGVyaW9yEg0KBWFscGhhGAEgASgB",
+            "EgwKBGJldGEYAiABKAEiXQoNU3dpdGNoQ29tbWFuZBISCgpjb21tYW5kX2lk",
+            "GAEgASgEEgsKA2FybRgCIAEoDRIrCgZyZWFzb24YAyABKA4yGy5zd2VlcHN0",
+            "YWtlLnYxLlN3aXRjaFJlYXNvbiI+Cg9BY2tub3dsZWRnZW1lbnQSEAoIc2Vx",
+            "dWVuY2UYASABKAQSGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEKEVBv",
+            "c3RlcmlvclNuYXBzaG90EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtlLnYx",
+            "LkJldGFQb3N0ZXJpb3ISJwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rha2Uu",
+            "djEuVmVyZGljdBISCgpsZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9wcm9i",
+            "YWJpbGl0eRgEIAEoARItCglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0YWtl",
+            "LnYxLkFybVN0YW5kaW5nIqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dpbmRv",
+            "d19jb3VudBgBIAEoBBIYChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4KFmVm",
+            "ZmVjdGl2ZV93aW5kb3dfY291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJpbGl0",
+            "eRgEIAEoARIsCgpjb3N0X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52MS5D",
+            "b3N0UmF0aW8iNgoJQ29zdFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNsb3cY",
+            "AiABKAESDAoEaGlnaBgDIAEoASIsCglSZWNvbm5lY3QSEAoIZGVsYXlfbXMY",
+            "AiABKA1KBAgBEAJSB2FkZHJlc3MiXgoNT3BlcmF0b3JPcmRlchIQCghvcmRl",
+            "cl9pZBgBIAEoBBIhCgRtb2RlGAIgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2Rl",
+            "EhAKA2FybRgDIAEoDUgAiAEBQgYKBF9hcm0iRgoKQm94UmVxdWVzdBITCgtp",
+            "bnRlcnZhbF9tcxgBIAEoDRIRCgltYXhfYnl0ZXMYAiABKA0SEAoIdW50aWxf",
+            "bXMYAyABKA0icgoHQm94VmlldxITCgtmcmFtZV9pbmRleBgBIAEoBBIUCgxv",
+            "YmplY3RfY291bnQYAiABKA0SDgoGc3RyaWRlGAMgASgNEg4KBmJvdW5kcxgE",
+            "IAMoAhINCgVib3hlcxgFIAEoDBINCgVwYWlycxgGIAEoDCo6CgRNb2RlEhQK",
+            "EE1PREVfVU5TUEVDSUZJRUQQABIPCgtNT0RFX01BTlVBTBABEgsKB01PREVf",
+            "QUkQAiqcAQoMU3dpdGNoUmVhc29uEh0KGVNXSVRDSF9SRUFTT05fVU5TUEVD",
+            "SUZJRUQQABIYChRTV0lUQ0hfUkVBU09OX1BPTElDWRABEh0KGVNXSVRDSF9S",
+            "RUFTT05fRVhQTE9SQVRJT04QAhIaChZTV0lUQ0hfUkVBU09OX0JBSUxfT1VU",
+            "EAMSGAoUU1dJVENIX1JFQVNPTl9NQU5VQUwQBCphCgpDYXBhYmlsaXR5EhoK",
+            "FkNBUEFCSUxJVFlfVU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJB",
+            "VE9SX09SREVSUxABEhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFk",
+            "b3dGbGFnEhsKF1NIQURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9X",
+            "X0ZMQUdfQUNUSVZFEAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqhwEKCUZy",
+            "YW1lRmxhZxIaChZGUkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVf",
+            "RkxBR19SRUJVSUxEEAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFN",
+            "RV9GTEFHX0xPQURJTkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgqggEK",
+            "Ek9yZGVyUmVmdXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9V",
+            "TlNQRUNJRklFRBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExP",
+            "V0VEEAESIAocT1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1Zl",
+            "cmRpY3QSFwoTVkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RB",
+            "QkxFEAESDwoLVkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxAD",
+            "EhQKEFZFUkRJQ1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQK",
+            "D1N0cmVhbVRlbGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1l",
+            "dHJ5UmVxdWVzdBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVz",
+            "cG9uc2UoATABQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryRequest), global::Sweepstake.Protocol.V1.StreamTelemetryRequest.Parser, new[]{ "Sequence", "Hello", "FrameBatch", "SwitchOutcome", "BailOut", "ModeChange", "Goodbye", "OrderRefusal" }, new[]{ "Message" }, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryResponse), global::Sweepstake.Protocol.V1.StreamTelemetryResponse.Parser, new[]{ "Welcome", "SwitchCommand", "Acknowledgement", "PosteriorSnapshot", "Reconnect", "OperatorOrder" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryRequest), global::Sweepstake.Protocol.V1.StreamTelemetryRequest.Parser, new[]{ "Sequence", "Hello", "FrameBatch", "SwitchOutcome", "BailOut", "ModeChange", "Goodbye", "OrderRefusal", "BoxView" }, new[]{ "Message" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryResponse), global::Sweepstake.Protocol.V1.StreamTelemetryResponse.Parser, new[]{ "Welcome", "SwitchCommand", "Acknowledgement", "PosteriorSnapshot", "Reconnect", "OperatorOrder", "BoxRequest" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Arm), global::Sweepstake.Protocol.V1.Arm.Parser, new[]{ "Name", "BackendVersion" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "MinProtocolVersion", "Capabilities" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples" }, null, null, null, null),
@@ -158,7 +164,9 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmStanding), global::Sweepstake.Protocol.V1.ArmStanding.Parser, new[]{ "LiveWindowCount", "LaneVisitCount", "EffectiveWindowCount", "BestProbability", "CostRatio" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CostRatio), global::Sweepstake.Protocol.V1.CostRatio.Parser, new[]{ "Median", "Low", "High" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Reconnect), global::Sweepstake.Protocol.V1.Reconnect.Parser, new[]{ "DelayMs" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.OperatorOrder), global::Sweepstake.Protocol.V1.OperatorOrder.Parser, new[]{ "OrderId", "Mode", "Arm" }, new[]{ "Arm" }, null, null, null)
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.OperatorOrder), global::Sweepstake.Protocol.V1.OperatorOrder.Parser, new[]{ "OrderId", "Mode", "Arm" }, new[]{ "Arm" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BoxRequest), global::Sweepstake.Protocol.V1.BoxRequest.Parser, new[]{ "IntervalMs", "MaxBytes", "UntilMs" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BoxView), global::Sweepstake.Protocol.V1.BoxView.Parser, new[]{ "FrameIndex", "ObjectCount", "Stride", "Bounds", "Boxes", "Pairs" }, null, null, null, null)
           }));
     }
     #endregion
@@ -221,6 +229,10 @@ namespace Sweepstake.Protocol.V1 {
     /// The game does what operators order. A shipped game does not have it.
     /// </summary>
     [pbr::OriginalName("CAPABILITY_OPERATOR_ORDERS")] OperatorOrders = 1,
+    /// <summary>
+    /// The game shows the boxes of its objects to operators who ask. A shipped game does not have it.
+    /// </summary>
+    [pbr::OriginalName("CAPABILITY_BOX_VIEW")] BoxView = 2,
   }
 
   /// <summary>
@@ -375,6 +387,9 @@ namespace Sweepstake.Protocol.V1 {
         case MessageOneofCase.OrderRefusal:
           OrderRefusal = other.OrderRefusal.Clone();
           break;
+        case MessageOneofCase.BoxView:
+          BoxView = other.BoxView.Clone();
+          break;
       }
 
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
@@ -392,7 +407,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>
     /// Numbers every message that carries evidence (frame batch, switch outcome, bail-out, mode change, order refusal) from 1
     /// on, within the session and across its connections. A number at or below one already applied is counted as a replay and not
-    /// applied again. Gaps are allowed (the client dropped messages). Absent (0) in Hello and Goodbye only.
+    /// applied again. Gaps are allowed (the client dropped messages). Absent (0) in Hello, Goodbye and box views only.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -508,6 +523,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "box_view" field.</summary>
+    public const int BoxViewFieldNumber = 9;
+    /// <summary>
+    /// The boxes of a frame, which an operator asked for: no evidence, not acknowledged, and not sent again.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.BoxView BoxView {
+      get { return messageCase_ == MessageOneofCase.BoxView ? (global::Sweepstake.Protocol.V1.BoxView) message_ : null; }
+      set {
+        message_ = value;
+        messageCase_ = value == null ? MessageOneofCase.None : MessageOneofCase.BoxView;
+      }
+    }
+
     private object message_;
     /// <summary>Enum of possible cases for the "message" oneof.</summary>
     public enum MessageOneofCase {
@@ -519,6 +549,7 @@ namespace Sweepstake.Protocol.V1 {
       ModeChange = 6,
       Goodbye = 7,
       OrderRefusal = 8,
+      BoxView = 9,
     }
     private MessageOneofCase messageCase_ = MessageOneofCase.None;
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -557,6 +588,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(ModeChange, other.ModeChange)) return false;
       if (!object.Equals(Goodbye, other.Goodbye)) return false;
       if (!object.Equals(OrderRefusal, other.OrderRefusal)) return false;
+      if (!object.Equals(BoxView, other.BoxView)) return false;
       if (MessageCase != other.MessageCase) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
@@ -573,6 +605,7 @@ namespace Sweepstake.Protocol.V1 {
       if (messageCase_ == MessageOneofCase.ModeChange) hash ^= ModeChange.GetHashCode();
       if (messageCase_ == MessageOneofCase.Goodbye) hash ^= Goodbye.GetHashCode();
       if (messageCase_ == MessageOneofCase.OrderRefusal) hash ^= OrderRefusal.GetHashCode();
+      if (messageCase_ == MessageOneofCase.BoxView) hash ^= BoxView.GetHashCode();
       hash ^= (int) messageCase_;
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
@@ -624,6 +657,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(66);
         output.WriteMessage(OrderRefusal);
       }
+      if (messageCase_ == MessageOneofCase.BoxView) {
+        output.WriteRawTag(74);
+        output.WriteMessage(BoxView);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -666,6 +703,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(66);
         output.WriteMessage(OrderRefusal);
       }
+      if (messageCase_ == MessageOneofCase.BoxView) {
+        output.WriteRawTag(74);
+        output.WriteMessage(BoxView);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -699,6 +740,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (messageCase_ == MessageOneofCase.OrderRefusal) {
         size += 1 + pb::CodedOutputStream.ComputeMessageSize(OrderRefusal);
+      }
+      if (messageCase_ == MessageOneofCase.BoxView) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(BoxView);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -757,6 +801,12 @@ namespace Sweepstake.Protocol.V1 {
             OrderRefusal = new global::Sweepstake.Protocol.V1.OrderRefusal();
           }
           OrderRefusal.MergeFrom(other.OrderRefusal);
+          break;
+        case MessageOneofCase.BoxView:
+          if (BoxView == null) {
+            BoxView = new global::Sweepstake.Protocol.V1.BoxView();
+          }
+          BoxView.MergeFrom(other.BoxView);
           break;
       }
 
@@ -846,6 +896,15 @@ namespace Sweepstake.Protocol.V1 {
             OrderRefusal = subBuilder;
             break;
           }
+          case 74: {
+            global::Sweepstake.Protocol.V1.BoxView subBuilder = new global::Sweepstake.Protocol.V1.BoxView();
+            if (messageCase_ == MessageOneofCase.BoxView) {
+              subBuilder.MergeFrom(BoxView);
+            }
+            input.ReadMessage(subBuilder);
+            BoxView = subBuilder;
+            break;
+          }
         }
       }
     #endif
@@ -932,6 +991,15 @@ namespace Sweepstake.Protocol.V1 {
             OrderRefusal = subBuilder;
             break;
           }
+          case 74: {
+            global::Sweepstake.Protocol.V1.BoxView subBuilder = new global::Sweepstake.Protocol.V1.BoxView();
+            if (messageCase_ == MessageOneofCase.BoxView) {
+              subBuilder.MergeFrom(BoxView);
+            }
+            input.ReadMessage(subBuilder);
+            BoxView = subBuilder;
+            break;
+          }
         }
       }
     }
@@ -984,6 +1052,7 @@ namespace Sweepstake.Protocol.V1 {
       posteriorSnapshot_ = other.posteriorSnapshot_ != null ? other.posteriorSnapshot_.Clone() : null;
       reconnect_ = other.reconnect_ != null ? other.reconnect_.Clone() : null;
       operatorOrder_ = other.operatorOrder_ != null ? other.operatorOrder_.Clone() : null;
+      boxRequest_ = other.boxRequest_ != null ? other.boxRequest_.Clone() : null;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1083,6 +1152,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "box_request" field.</summary>
+    public const int BoxRequestFieldNumber = 7;
+    private global::Sweepstake.Protocol.V1.BoxRequest boxRequest_;
+    /// <summary>
+    /// An operator wants to see the game's boxes; only with CAPABILITY_BOX_VIEW. Only the latest one counts.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.BoxRequest BoxRequest {
+      get { return boxRequest_; }
+      set {
+        boxRequest_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1104,6 +1188,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(PosteriorSnapshot, other.PosteriorSnapshot)) return false;
       if (!object.Equals(Reconnect, other.Reconnect)) return false;
       if (!object.Equals(OperatorOrder, other.OperatorOrder)) return false;
+      if (!object.Equals(BoxRequest, other.BoxRequest)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1117,6 +1202,7 @@ namespace Sweepstake.Protocol.V1 {
       if (posteriorSnapshot_ != null) hash ^= PosteriorSnapshot.GetHashCode();
       if (reconnect_ != null) hash ^= Reconnect.GetHashCode();
       if (operatorOrder_ != null) hash ^= OperatorOrder.GetHashCode();
+      if (boxRequest_ != null) hash ^= BoxRequest.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1159,6 +1245,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(50);
         output.WriteMessage(OperatorOrder);
       }
+      if (boxRequest_ != null) {
+        output.WriteRawTag(58);
+        output.WriteMessage(BoxRequest);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1193,6 +1283,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(50);
         output.WriteMessage(OperatorOrder);
       }
+      if (boxRequest_ != null) {
+        output.WriteRawTag(58);
+        output.WriteMessage(BoxRequest);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1220,6 +1314,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (operatorOrder_ != null) {
         size += 1 + pb::CodedOutputStream.ComputeMessageSize(OperatorOrder);
+      }
+      if (boxRequest_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(BoxRequest);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -1268,6 +1365,12 @@ namespace Sweepstake.Protocol.V1 {
           OperatorOrder = new global::Sweepstake.Protocol.V1.OperatorOrder();
         }
         OperatorOrder.MergeFrom(other.OperatorOrder);
+      }
+      if (other.boxRequest_ != null) {
+        if (boxRequest_ == null) {
+          BoxRequest = new global::Sweepstake.Protocol.V1.BoxRequest();
+        }
+        BoxRequest.MergeFrom(other.BoxRequest);
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1330,6 +1433,13 @@ namespace Sweepstake.Protocol.V1 {
             input.ReadMessage(OperatorOrder);
             break;
           }
+          case 58: {
+            if (boxRequest_ == null) {
+              BoxRequest = new global::Sweepstake.Protocol.V1.BoxRequest();
+            }
+            input.ReadMessage(BoxRequest);
+            break;
+          }
         }
       }
     #endif
@@ -1389,6 +1499,13 @@ namespace Sweepstake.Protocol.V1 {
               OperatorOrder = new global::Sweepstake.Protocol.V1.OperatorOrder();
             }
             input.ReadMessage(OperatorOrder);
+            break;
+          }
+          case 58: {
+            if (boxRequest_ == null) {
+              BoxRequest = new global::Sweepstake.Protocol.V1.BoxRequest();
+            }
+            input.ReadMessage(BoxRequest);
             break;
           }
         }
@@ -8756,6 +8873,687 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 24: {
             Arm = input.ReadUInt32();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// A wish to see the boxes of the game's objects from time to time. It ends by itself, unless the next one comes before.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class BoxRequest : pb::IMessage<BoxRequest>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<BoxRequest> _parser = new pb::MessageParser<BoxRequest>(() => new BoxRequest());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<BoxRequest> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[21]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BoxRequest() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BoxRequest(BoxRequest other) : this() {
+      intervalMs_ = other.intervalMs_;
+      maxBytes_ = other.maxBytes_;
+      untilMs_ = other.untilMs_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BoxRequest Clone() {
+      return new BoxRequest(this);
+    }
+
+    /// <summary>Field number for the "interval_ms" field.</summary>
+    public const int IntervalMsFieldNumber = 1;
+    private uint intervalMs_;
+    /// <summary>
+    /// Time between two views, 250–2000. Absent (0): no view any more.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint IntervalMs {
+      get { return intervalMs_; }
+      set {
+        intervalMs_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "max_bytes" field.</summary>
+    public const int MaxBytesFieldNumber = 2;
+    private uint maxBytes_;
+    /// <summary>
+    /// Max size of a view's boxes and pairs together, up to 65,536 bytes. Absent (0): no view any more.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint MaxBytes {
+      get { return maxBytes_; }
+      set {
+        maxBytes_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "until_ms" field.</summary>
+    public const int UntilMsFieldNumber = 3;
+    private uint untilMs_;
+    /// <summary>
+    /// How long from its receipt on it holds, 1–10,000. Absent (0): no view any more.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint UntilMs {
+      get { return untilMs_; }
+      set {
+        untilMs_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as BoxRequest);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(BoxRequest other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (IntervalMs != other.IntervalMs) return false;
+      if (MaxBytes != other.MaxBytes) return false;
+      if (UntilMs != other.UntilMs) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (IntervalMs != 0) hash ^= IntervalMs.GetHashCode();
+      if (MaxBytes != 0) hash ^= MaxBytes.GetHashCode();
+      if (UntilMs != 0) hash ^= UntilMs.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (IntervalMs != 0) {
+        output.WriteRawTag(8);
+        output.WriteUInt32(IntervalMs);
+      }
+      if (MaxBytes != 0) {
+        output.WriteRawTag(16);
+        output.WriteUInt32(MaxBytes);
+      }
+      if (UntilMs != 0) {
+        output.WriteRawTag(24);
+        output.WriteUInt32(UntilMs);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (IntervalMs != 0) {
+        output.WriteRawTag(8);
+        output.WriteUInt32(IntervalMs);
+      }
+      if (MaxBytes != 0) {
+        output.WriteRawTag(16);
+        output.WriteUInt32(MaxBytes);
+      }
+      if (UntilMs != 0) {
+        output.WriteRawTag(24);
+        output.WriteUInt32(UntilMs);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (IntervalMs != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(IntervalMs);
+      }
+      if (MaxBytes != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(MaxBytes);
+      }
+      if (UntilMs != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(UntilMs);
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(BoxRequest other) {
+      if (other == null) {
+        return;
+      }
+      if (other.IntervalMs != 0) {
+        IntervalMs = other.IntervalMs;
+      }
+      if (other.MaxBytes != 0) {
+        MaxBytes = other.MaxBytes;
+      }
+      if (other.UntilMs != 0) {
+        UntilMs = other.UntilMs;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 8: {
+            IntervalMs = input.ReadUInt32();
+            break;
+          }
+          case 16: {
+            MaxBytes = input.ReadUInt32();
+            break;
+          }
+          case 24: {
+            UntilMs = input.ReadUInt32();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 8: {
+            IntervalMs = input.ReadUInt32();
+            break;
+          }
+          case 16: {
+            MaxBytes = input.ReadUInt32();
+            break;
+          }
+          case 24: {
+            UntilMs = input.ReadUInt32();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// The boxes of some of a frame's objects, and which of these overlap.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class BoxView : pb::IMessage<BoxView>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<BoxView> _parser = new pb::MessageParser<BoxView>(() => new BoxView());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<BoxView> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[22]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BoxView() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BoxView(BoxView other) : this() {
+      frameIndex_ = other.frameIndex_;
+      objectCount_ = other.objectCount_;
+      stride_ = other.stride_;
+      bounds_ = other.bounds_.Clone();
+      boxes_ = other.boxes_;
+      pairs_ = other.pairs_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BoxView Clone() {
+      return new BoxView(this);
+    }
+
+    /// <summary>Field number for the "frame_index" field.</summary>
+    public const int FrameIndexFieldNumber = 1;
+    private ulong frameIndex_;
+    /// <summary>
+    /// The frame. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong FrameIndex {
+      get { return frameIndex_; }
+      set {
+        frameIndex_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "object_count" field.</summary>
+    public const int ObjectCountFieldNumber = 2;
+    private uint objectCount_;
+    /// <summary>
+    /// Objects in the broad phase. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint ObjectCount {
+      get { return objectCount_; }
+      set {
+        objectCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "stride" field.</summary>
+    public const int StrideFieldNumber = 3;
+    private uint stride_;
+    /// <summary>
+    /// The view has each object whose index is a multiple of it. Absent (0): no object.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint Stride {
+      get { return stride_; }
+      set {
+        stride_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "bounds" field.</summary>
+    public const int BoundsFieldNumber = 4;
+    private static readonly pb::FieldCodec<float> _repeated_bounds_codec
+        = pb::FieldCodec.ForFloat(34);
+    private readonly pbc::RepeatedField<float> bounds_ = new pbc::RepeatedField<float>();
+    /// <summary>
+    /// What the boxes lie within: the smallest x, y and z, then the largest ones, in world units, finite. Absent: no boxes.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<float> Bounds {
+      get { return bounds_; }
+    }
+
+    /// <summary>Field number for the "boxes" field.</summary>
+    public const int BoxesFieldNumber = 5;
+    private pb::ByteString boxes_ = pb::ByteString.Empty;
+    /// <summary>
+    /// Six numbers of 16 bits, little-endian, per box: the smallest x, y and z, then the largest ones, from 0 to 65535 within the bounds.
+    /// Absent: no boxes.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pb::ByteString Boxes {
+      get { return boxes_; }
+      set {
+        boxes_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "pairs" field.</summary>
+    public const int PairsFieldNumber = 6;
+    private pb::ByteString pairs_ = pb::ByteString.Empty;
+    /// <summary>
+    /// Two numbers of 16 bits, little-endian, per pair of overlapping boxes: their places in boxes, from 0, the smaller one first. Some are
+    /// left out where there are too many. Absent: none overlap.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pb::ByteString Pairs {
+      get { return pairs_; }
+      set {
+        pairs_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as BoxView);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(BoxView other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (FrameIndex != other.FrameIndex) return false;
+      if (ObjectCount != other.ObjectCount) return false;
+      if (Stride != other.Stride) return false;
+      if(!bounds_.Equals(other.bounds_)) return false;
+      if (Boxes != other.Boxes) return false;
+      if (Pairs != other.Pairs) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (FrameIndex != 0UL) hash ^= FrameIndex.GetHashCode();
+      if (ObjectCount != 0) hash ^= ObjectCount.GetHashCode();
+      if (Stride != 0) hash ^= Stride.GetHashCode();
+      hash ^= bounds_.GetHashCode();
+      if (Boxes.Length != 0) hash ^= Boxes.GetHashCode();
+      if (Pairs.Length != 0) hash ^= Pairs.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (FrameIndex != 0UL) {
+        output.WriteRawTag(8);
+        output.WriteUInt64(FrameIndex);
+      }
+      if (ObjectCount != 0) {
+        output.WriteRawTag(16);
+        output.WriteUInt32(ObjectCount);
+      }
+      if (Stride != 0) {
+        output.WriteRawTag(24);
+        output.WriteUInt32(Stride);
+      }
+      bounds_.WriteTo(output, _repeated_bounds_codec);
+      if (Boxes.Length != 0) {
+        output.WriteRawTag(42);
+        output.WriteBytes(Boxes);
+      }
+      if (Pairs.Length != 0) {
+        output.WriteRawTag(50);
+        output.WriteBytes(Pairs);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (FrameIndex != 0UL) {
+        output.WriteRawTag(8);
+        output.WriteUInt64(FrameIndex);
+      }
+      if (ObjectCount != 0) {
+        output.WriteRawTag(16);
+        output.WriteUInt32(ObjectCount);
+      }
+      if (Stride != 0) {
+        output.WriteRawTag(24);
+        output.WriteUInt32(Stride);
+      }
+      bounds_.WriteTo(ref output, _repeated_bounds_codec);
+      if (Boxes.Length != 0) {
+        output.WriteRawTag(42);
+        output.WriteBytes(Boxes);
+      }
+      if (Pairs.Length != 0) {
+        output.WriteRawTag(50);
+        output.WriteBytes(Pairs);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (FrameIndex != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(FrameIndex);
+      }
+      if (ObjectCount != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(ObjectCount);
+      }
+      if (Stride != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(Stride);
+      }
+      size += bounds_.CalculateSize(_repeated_bounds_codec);
+      if (Boxes.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeBytesSize(Boxes);
+      }
+      if (Pairs.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeBytesSize(Pairs);
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(BoxView other) {
+      if (other == null) {
+        return;
+      }
+      if (other.FrameIndex != 0UL) {
+        FrameIndex = other.FrameIndex;
+      }
+      if (other.ObjectCount != 0) {
+        ObjectCount = other.ObjectCount;
+      }
+      if (other.Stride != 0) {
+        Stride = other.Stride;
+      }
+      bounds_.Add(other.bounds_);
+      if (other.Boxes.Length != 0) {
+        Boxes = other.Boxes;
+      }
+      if (other.Pairs.Length != 0) {
+        Pairs = other.Pairs;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 8: {
+            FrameIndex = input.ReadUInt64();
+            break;
+          }
+          case 16: {
+            ObjectCount = input.ReadUInt32();
+            break;
+          }
+          case 24: {
+            Stride = input.ReadUInt32();
+            break;
+          }
+          case 34:
+          case 37: {
+            bounds_.AddEntriesFrom(input, _repeated_bounds_codec);
+            break;
+          }
+          case 42: {
+            Boxes = input.ReadBytes();
+            break;
+          }
+          case 50: {
+            Pairs = input.ReadBytes();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 8: {
+            FrameIndex = input.ReadUInt64();
+            break;
+          }
+          case 16: {
+            ObjectCount = input.ReadUInt32();
+            break;
+          }
+          case 24: {
+            Stride = input.ReadUInt32();
+            break;
+          }
+          case 34:
+          case 37: {
+            bounds_.AddEntriesFrom(ref input, _repeated_bounds_codec);
+            break;
+          }
+          case 42: {
+            Boxes = input.ReadBytes();
+            break;
+          }
+          case 50: {
+            Pairs = input.ReadBytes();
             break;
           }
         }
