@@ -198,6 +198,7 @@ void RpcServer::EndRefused() {
   telemetry_.EndRefused();
   watchers_.group().EndRefused();
   sessions_service_.watchers().EndRefused();
+  sessions_service_.box_watchers().EndRefused();
 }
 
 void RpcServer::UpdateHealth() {
@@ -238,6 +239,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     watch_hub_.Drain();
     watchers_.group().Drain();
     sessions_service_.watchers().Drain();
+    sessions_service_.box_watchers().Drain();
     sessions_.RetryCommits();
     admin_.Retry();
   });

@@ -148,10 +148,20 @@ absl::Status CheckSwitchOutcome(const v1::SwitchOutcome& outcome, uint32_t arm_c
   return CheckArm(outcome.arm(), arm_count);
 }
 
+absl::Status CheckBoxView(const v1::BoxView& view) {
+  const bool fits = view.boxes().size() + view.pairs().size() <= kMaxBoxViewBytes &&
+                    view.boxes().size() % 12 == 0 && view.pairs().size() % 4 == 0;
+  if (!fits) return Invalid("a box view has a wrong number of bytes");
+  const bool has_bounds = view.bounds_size() == (view.boxes().empty() ? 0 : 6) &&
+                          std::all_of(view.bounds().begin(), view.bounds().end(),
+                                      [](float v) { return std::isfinite(v); });
+  return has_bounds ? absl::OkStatus() : Invalid("a box view has boxes without finite bounds");
+}
+
 absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
-  if (request.has_goodbye() || (request.sequence() >= 1 && request.sequence() <= kMaxSequence))
-    return absl::OkStatus();
-  return Invalid("sequence must be 1 to 2^63 - 1 in every message but Hello and Goodbye");
+  if (request.has_goodbye() || request.has_box_view()) return absl::OkStatus();
+  if (request.sequence() >= 1 && request.sequence() <= kMaxSequence) return absl::OkStatus();
+  return Invalid("sequence must be 1 to 2^63 - 1 in every message but Hello, Goodbye and BoxView");
 }
 
 std::optional<RejectionReason> RejectionOfCounts(uint64_t check_count, uint64_t native_bytes) {
@@ -187,6 +197,8 @@ absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t ar
       return CheckArm(request.bail_out().arm(), arm_count);
     case v1::StreamTelemetryRequest::kModeChange:
       return CheckModeChange(request.mode_change(), arm_count);
+    case v1::StreamTelemetryRequest::kBoxView:
+      return CheckBoxView(request.box_view());
     default:
       return absl::OkStatus();
   }

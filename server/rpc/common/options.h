@@ -24,6 +24,7 @@ inline constexpr uint32_t kMaxProtocolVersion = 2;
 // A message beyond one of these three limits is INVALID_ARGUMENT.
 inline constexpr uint32_t kMaxBatchFrames = 240;
 inline constexpr uint32_t kMaxBatchShadows = 64;
+inline constexpr size_t kMaxBoxViewBytes = 64 * 1024;
 inline constexpr double kMaxTimeScale = 1000;
 inline constexpr uint32_t kMaxMessageBytes = 256 * 1024;  // a longer message is RESOURCE_EXHAUSTED
 inline constexpr uint64_t kMaxFrameNs = 3'600'000'000'000;  // an hour; a longer frame is left out

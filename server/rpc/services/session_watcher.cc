@@ -59,4 +59,35 @@ void SessionWatcher::Forget() {
   changes_.clear();
 }
 
+absl::Status BoxWatcher::Join() {
+  const std::shared_ptr<GameSession> session = context().sessions.Find(session_id_);
+  if (session == nullptr || session->ended()) return UnknownSession();
+  const priors::SceneKey& scene = session->identity().scene;
+  if (!filter().Matches(scene.project, scene.scene)) return UnknownSession();
+  if (absl::Status added = service_.box_watchers().Add(*this); !added.ok()) return added;
+  session_ = session;
+  return session->boxes().Add(*this);
+}
+
+void BoxWatcher::Leave() {
+  service_.box_watchers().Remove(*this);
+  if (const std::shared_ptr<GameSession> session = session_.lock()) session->boxes().Remove(*this);
+  session_.reset();
+}
+
+void BoxWatcher::OnView(const grpc::ByteBuffer& message) {
+  newest_ = message;
+  WriteNext();
+}
+
+std::optional<grpc::ByteBuffer> BoxWatcher::TakeNext() {
+  if (TakeMark()) {
+    v1::WatchBoxesResponse mark;
+    mark.set_all_told(true);
+    ToProto(context().watch_hub.NextStamp(), *mark.mutable_stamp());
+    return Serialize(mark);
+  }
+  return std::exchange(newest_, std::nullopt);
+}
+
 }  // namespace sweepstake::rpc

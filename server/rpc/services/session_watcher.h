@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "server/rpc/services/watcher.h"
+#include "server/rpc/sessions/box_views.h"
 #include "server/watch/watch_hub.h"
+#include "sweepstake/v1/sessions.pb.h"
 
 namespace sweepstake::rpc {
 
@@ -48,6 +50,34 @@ class SessionWatcher final : public Watcher {
   std::shared_ptr<const SessionTick> tick_;       // null if it was read
   size_t next_message_ = 0;                       // of tick_
   watch::SessionChanges changes_;                 // after tick_
+};
+
+// The stream of one who looks at the boxes of a session's objects. One that reads slowly gets the
+// newest view, and no other is kept.
+class BoxWatcher final : public Watcher, public BoxViewer {
+ public:
+  BoxWatcher(ServiceContext& context, SessionsService& service, grpc::CallbackServerContext& call,
+             auth::Principal caller)
+      : Watcher(context, call, std::move(caller)), service_(service) {}
+
+  // Any project that the client's token is for.
+  priors::SceneFilter WantedBy(const v1::WatchBoxesRequest& request) {
+    session_id_ = request.session_id();
+    return {};
+  }
+  void OnView(const grpc::ByteBuffer& message) override;
+  void OnEnd(const absl::Status& status) override { Close(status); }
+
+ private:
+  absl::Status Join() override;
+  void Leave() override;
+  std::optional<grpc::ByteBuffer> TakeNext() override;
+  void Forget() override { newest_.reset(); }
+
+  SessionsService& service_;
+  std::string session_id_;
+  std::weak_ptr<GameSession> session_;  // of which it is a viewer
+  std::optional<grpc::ByteBuffer> newest_;
 };
 
 }  // namespace sweepstake::rpc

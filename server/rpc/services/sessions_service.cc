@@ -22,11 +22,6 @@
 namespace sweepstake::rpc {
 namespace {
 
-absl::Status UnknownSession() {
-  return Refused(v1::ERROR_REASON_UNKNOWN_SESSION,
-                 "there is no such session in memory; list those that there are");
-}
-
 // The caller sets the operator and the time.
 absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& request,
                                               const std::vector<std::string>& arms) {
@@ -115,6 +110,17 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
           end(absl::OkStatus());
         });
   });
+}
+
+grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchBoxes(
+    grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
+  auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/WatchBoxes"));
+  if (caller.ok()) {
+    return Watcher::Start<v1::WatchBoxesRequest>(
+        std::make_shared<BoxWatcher>(context_, *this, *call, *std::move(caller)), *request);
+  }
+  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
+      ToGrpc(caller.status(), context_.counters));
 }
 
 grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerContext* call,

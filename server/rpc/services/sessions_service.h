@@ -12,6 +12,7 @@
 namespace sweepstake::rpc {
 
 class AdminLog;
+class BoxWatcher;
 class SessionWatcher;
 struct SessionTick;
 
@@ -19,11 +20,12 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
                                   v1::SessionsService::WithRawCallbackMethod_WatchSessions<
                                       v1::SessionsService::WithCallbackMethod_KickSession<
                                           v1::SessionsService::WithCallbackMethod_OrderSession<
-                                              v1::SessionsService::Service>>>>,
+                                              v1::SessionsService::WithRawCallbackMethod_WatchBoxes<
+                                                  v1::SessionsService::Service>>>>>,
                               public watch::SessionListener {
  public:
   SessionsService(ServiceContext& context, AdminLog& admin)
-      : context_(context), admin_(admin), watchers_(context) {}
+      : context_(context), admin_(admin), watchers_(context), box_watchers_(context) {}
 
   grpc::ServerUnaryReactor* ListSessions(grpc::CallbackServerContext* call,
                                          const v1::ListSessionsRequest* request,
@@ -36,11 +38,14 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
   grpc::ServerUnaryReactor* OrderSession(grpc::CallbackServerContext* call,
                                          const v1::OrderSessionRequest* request,
                                          v1::OrderSessionResponse* response) override;
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* WatchBoxes(grpc::CallbackServerContext* call,
+                                                         const grpc::ByteBuffer* request) override;
 
   // The rest is called on the loop.
   bool WatchesSessions() const override { return !watchers_.empty(); }
   void OnSessions(const watch::SessionChanges& changes) override;
   WatcherGroup<SessionWatcher>& watchers() { return watchers_; }
+  WatcherGroup<BoxWatcher>& box_watchers() { return box_watchers_; }
   // Takes changes that one message can tell, and returns the message; absent if there are none.
   std::optional<grpc::ByteBuffer> TakeMessage(watch::SessionChanges& changes) const;
 
@@ -62,6 +67,7 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
   ServiceContext& context_;
   AdminLog& admin_;
   WatcherGroup<SessionWatcher> watchers_;
+  WatcherGroup<BoxWatcher> box_watchers_;
 };
 
 }  // namespace sweepstake::rpc

@@ -123,6 +123,8 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
   const std::shared_ptr<GameSession> session = session_;
   if (request.has_goodbye()) {
     session->End();
+  } else if (request.has_box_view()) {
+    session->boxes().OnView(request.box_view());
   } else {
     session->Apply(request);
   }
@@ -327,6 +329,14 @@ void TelemetryStream::SendOrder(uint64_t order_id, const decision::OrderReport& 
   Outbox().clear_operator_order();
   ToProto(order, *outbox_.mutable_operator_order());
   outbox_.mutable_operator_order()->set_order_id(order_id);
+  WriteNext();
+}
+
+void TelemetryStream::SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, uint32_t until_ms) {
+  v1::BoxRequest& message = *Outbox().mutable_box_request();
+  message.set_interval_ms(interval_ms);
+  message.set_max_bytes(max_bytes);
+  message.set_until_ms(until_ms);
   WriteNext();
 }
 

@@ -31,23 +31,29 @@ class Watcher : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                 public StallingCall,
                 public std::enable_shared_from_this<Watcher> {
  public:
-  // Begins to serve the call. `bytes` are its request, which names a project and a scene, and says
-  // whether to mark that all has been told.
-  template <typename Request>
-  static Watcher* Start(const std::shared_ptr<Watcher>& watcher, grpc::ByteBuffer bytes) {
-    watcher->self_ = watcher;
-    watcher->context_.loop.Post([raw = watcher.get(), bytes = std::move(bytes)]() mutable {
+  // Begins to serve the call. `bytes` are its request, which says what is wanted and whether to
+  // mark that all has been told.
+  template <typename Request, typename Kind>
+  static Watcher* Start(const std::shared_ptr<Kind>& watcher, grpc::ByteBuffer bytes) {
+    Watcher* const raw = watcher.get();
+    raw->self_ = watcher;
+    raw->context_.loop.Post([raw, kind = watcher.get(), bytes = std::move(bytes)]() mutable {
       Request request;
       if (!Parse(bytes, request)) {
         return raw->Close(
             Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse"));
       }
       raw->mark_wanted_ = request.mark_all_told();
-      raw->Begin({request.project(), request.scene()});
+      raw->Begin(kind->WantedBy(request));
     });
-    return watcher.get();
+    return raw;
   }
 
+  // Returns what the client asks for.
+  template <typename Request>
+  static priors::SceneFilter WantedBy(const Request& request) {
+    return {request.project(), request.scene()};
+  }
   // Of what the client asked for, only what its token is for.
   const priors::SceneFilter& filter() const { return filter_; }
   // Closes the stream if the caller's token is not valid any more.

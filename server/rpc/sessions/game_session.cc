@@ -37,6 +37,11 @@ bool IsRejected(const Sample& sample, RejectionCounts& counts) {
 
 }  // namespace
 
+absl::Status UnknownSession() {
+  return Refused(v1::ERROR_REASON_UNKNOWN_SESSION,
+                 "there is no such session in memory; list those that there are");
+}
+
 absl::Status SessionKicked() {
   return Refused(v1::ERROR_REASON_SESSION_KICKED,
                  "an operator ended the session; do not come back");
@@ -68,7 +73,8 @@ GameSession::GameSession(SessionContext& context, SessionIdentity identity,
       frame_count_(stored.progress.frame_count),
       acknowledged_sequence_(stored.progress.message_sequence),
       switch_epoch_(setup.switch_epoch),
-      has_stored_evidence_(stored.has_evidence) {
+      has_stored_evidence_(stored.has_evidence),
+      boxes_(context.loop, context.watch_hub) {
   ++context_.counters.session_count;
 }
 
@@ -103,6 +109,7 @@ void GameSession::Attach(SessionLink& link) {
         Refused(v1::ERROR_REASON_SESSION_TAKEN_OVER, "another connection took this session over"));
   }
   LoseOrder();
+  boxes_.Disconnect();
   link_ = &link;
   // The welcome message acknowledges this number.
   acknowledged_sequence_ = durable_sequence();
@@ -111,6 +118,7 @@ void GameSession::Attach(SessionLink& link) {
 
 void GameSession::Start(const v1::Hello& hello) {
   takes_orders_ = Has(hello, v1::CAPABILITY_OPERATOR_ORDERS);
+  boxes_.Connect(*link_, Has(hello, v1::CAPABILITY_BOX_VIEW));
   const auto mode = FromProto(hello.mode());
   const int64_t now_ns = context_.loop.clock().NowNs();
   if (mode != decisions_.mode()) {
@@ -127,6 +135,7 @@ void GameSession::Detach(SessionLink& link) {
   if (link_ != &link) return;
   link_ = nullptr;
   ++timer_generation_;
+  boxes_.Disconnect();
   LoseOrder();
 }
 
@@ -348,6 +357,7 @@ void GameSession::CloseIfSettled() {
 void GameSession::CloseLink(const absl::Status& commit) {
   if (link_ == nullptr) return;
   LoseOrder();
+  boxes_.Disconnect();
   SessionLink* link = std::exchange(link_, nullptr);
   if (!ended())
     return link->Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
@@ -361,11 +371,13 @@ void GameSession::CloseLink(const absl::Status& commit) {
 void GameSession::Kick(bool may_return) {
   if (!may_return) {
     end_ = watch::SessionEnd::kKicked;
+    boxes_.End();
     ++timer_generation_;
     Checkpoint();
   }
   if (link_ == nullptr) return;
   LoseOrder();
+  boxes_.Disconnect();
   SessionLink* link = std::exchange(link_, nullptr);
   link->Close(may_return ? Refused(v1::ERROR_REASON_CONNECTION_KICKED,
                                    "an operator ended the connection; connect again")
@@ -384,6 +396,7 @@ void GameSession::TellEnd() const {
 
 void GameSession::End() {
   end_ = watch::SessionEnd::kGoodbye;
+  boxes_.End();
   ++context_.counters.goodbye_count;
   ++timer_generation_;
   Checkpoint();

@@ -25,6 +25,7 @@
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/session_identity.h"
+#include "server/rpc/sessions/box_views.h"
 #include "server/rpc/sessions/new_scenes.h"
 #include "server/rpc/sessions/session_ledger.h"
 #include "server/watch/log_histogram.h"
@@ -49,6 +50,8 @@ class SessionLink {
   virtual void Flush() = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
   virtual void SendOrder(uint64_t order_id, const decision::OrderReport& order) = 0;
+  // Asks for boxes (v1::BoxRequest); all 0: for none any more.
+  virtual void SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, uint32_t until_ms) = 0;
   // Counts a bail-out of the client's token and address. Returns whether it is evidence.
   virtual bool SpendBailOut() = 0;
   // Ends the stream after all messages are written. The session has released the link before.
@@ -73,6 +76,8 @@ struct StoredSession {
   std::optional<uint64_t> prior_source_count;  // absent if the store could not be read
 };
 
+// UNKNOWN_SESSION: what those are told who name a session that is not in memory, or not theirs.
+absl::Status UnknownSession();
 // SESSION_KICKED: what the client of a kicked session is told, also where it comes back.
 absl::Status SessionKicked();
 
@@ -125,6 +130,9 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }
   bool committing() const { return ledger_->committing(); }
+
+  // The boxes of its objects, for those who look at them.
+  BoxViews& boxes() { return boxes_; }
 
   const SessionIdentity& identity() const { return identity_; }
   const decision::DecisionSession& decisions() const { return decisions_; }
@@ -188,7 +196,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that reconnects
   decision::Verdict sent_verdict_ = decision::Verdict::kUnknown;  // sent to the client
   bool takes_orders_ = false;                                     // says the latest Hello
-  uint64_t order_id_ = 0;                                         // of the latest order
+  BoxViews boxes_;
+  uint64_t order_id_ = 0;          // of the latest order
   OrderAnswer order_answer_;       // empty if the game has answered it
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
   bool commit_failed_ = false;     // the last one

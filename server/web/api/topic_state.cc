@@ -122,6 +122,23 @@ class SessionsState final : public StateOf<v1::WatchSessionsResponse> {
   std::string stamp_;  // of the latest message, as JSON
 };
 
+// The newest boxes.
+class BoxesState final : public StateOf<v1::WatchBoxesResponse> {
+ public:
+  void Tell(const std::function<void(const std::string&)>& tell) const override {
+    if (!newest_.empty()) tell(newest_);
+  }
+  size_t bytes() const override { return newest_.size(); }
+
+ private:
+  absl::Status Keep(const v1::WatchBoxesResponse& /*response*/, const std::string& json) override {
+    newest_ = json;
+    return absl::OkStatus();
+  }
+
+  std::string newest_;  // as JSON
+};
+
 // Returns nothing if the request is another method's.
 template <typename Request, typename State>
 TopicStart StartWith(const google::protobuf::Message& request) {
@@ -137,7 +154,9 @@ TopicStart StartWith(const google::protobuf::Message& request) {
 TopicStart StartOfTopic(const google::protobuf::Message& request) {
   TopicStart topic = StartWith<v1::WatchPosteriorsRequest, PosteriorsState>(request);
   if (topic.state) return topic;
-  return StartWith<v1::WatchSessionsRequest, SessionsState>(request);
+  topic = StartWith<v1::WatchSessionsRequest, SessionsState>(request);
+  if (topic.state) return topic;
+  return StartWith<v1::WatchBoxesRequest, BoxesState>(request);
 }
 
 }  // namespace sweepstake::web

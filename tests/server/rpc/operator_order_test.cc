@@ -18,6 +18,8 @@ class RecordingLink final : public SessionLink {
   void PutSnapshot(const decision::DecisionRecord& /*record*/) override {}
   void Flush() override {}
   void SendReconnect(uint32_t /*delay_ms*/) override {}
+  void SendBoxRequest(uint32_t /*interval_ms*/, uint32_t /*max_bytes*/,
+                      uint32_t /*until_ms*/) override {}
   void SendOrder(uint64_t order_id, const decision::OrderReport& order) override {
     order_ids.push_back(order_id);
     orders.push_back(order);

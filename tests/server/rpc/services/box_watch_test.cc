@@ -1,0 +1,192 @@
+// Operators look at the boxes of a session: who may, what the game is asked for, and that nothing
+// is kept.
+#include <cmath>
+#include <functional>
+
+#include "sweepstake/v1/audit.grpc.pb.h"
+#include "sweepstake/v1/sessions.grpc.pb.h"
+#include "tests/server/rpc/common/scripted_tokens.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using Response = v1::StreamTelemetryResponse;
+
+// One who looks.
+class Look {
+ public:
+  Look(const std::shared_ptr<grpc::Channel>& channel, const std::string& session_id,
+       const std::string& token = "all-token")
+      : stub_(v1::SessionsService::NewStub(channel)) {
+    context_.AddMetadata("authorization", "Bearer " + token);
+    v1::WatchBoxesRequest request;
+    request.set_session_id(session_id);
+    request.set_mark_all_told(true);
+    reader_ = stub_->WatchBoxes(&context_, request);
+  }
+  ~Look() { context_.TryCancel(); }
+
+  v1::WatchBoxesResponse Next() {
+    v1::WatchBoxesResponse response;
+    EXPECT_TRUE(reader_->Read(&response)) << "the stream ended";
+    return response;
+  }
+  grpc::Status Finish() {
+    v1::WatchBoxesResponse response;
+    while (reader_->Read(&response)) {
+    }
+    return reader_->Finish();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<v1::SessionsService::Stub> stub_;
+  std::unique_ptr<grpc::ClientReader<v1::WatchBoxesResponse>> reader_;
+};
+
+v1::StreamTelemetryRequest View(uint64_t frame) {
+  v1::StreamTelemetryRequest request;
+  v1::BoxView& view = *request.mutable_box_view();
+  view.set_frame_index(frame);
+  view.set_object_count(1);
+  view.set_stride(1);
+  for (const float bound : {0.F, 0.F, 0.F, 1.F, 1.F, 1.F}) view.add_bounds(bound);
+  view.set_boxes(std::string(12, '\x7f'));
+  return request;
+}
+
+class BoxWatchTest : public RpcTest {
+ protected:
+  BoxWatchTest() {
+    options_.tokens = &tokens_;
+    tokens_.Add("all", auth::Role::kAdmin);
+    tokens_.Add("reader", auth::Role::kWatch);
+    tokens_.Add("other", auth::Role::kOperator, {"other"});
+  }
+
+  static v1::Hello Hello(bool shows) {
+    v1::Hello hello = OneArmHello();
+    if (shows) hello.add_capabilities(v1::CAPABILITY_BOX_VIEW);
+    return hello;
+  }
+  static v1::BoxRequest Asked(TelemetryClient& game) {
+    return game.Await(&Response::has_box_request).box_request();
+  }
+
+  ScriptedTokens tokens_;
+};
+
+TEST_F(BoxWatchTest, TheGameIsAskedWhileSomebodyLooksAndWhatItShowsIsPassedOn) {
+  TelemetryClient game(channel_, "all-token");
+  const v1::Welcome welcome = game.Open(Hello(true));
+  ASSERT_EQ(welcome.capabilities_size(), 1);
+  EXPECT_EQ(welcome.capabilities(0), v1::CAPABILITY_BOX_VIEW);
+  {
+    Look look(channel_, welcome.session_id());
+    EXPECT_TRUE(look.Next().all_told());
+    const v1::BoxRequest asked = Asked(game);
+    EXPECT_EQ(asked.interval_ms(), 250u);
+    EXPECT_EQ(asked.max_bytes(), 65'536u);
+    game.Send(View(5));
+    const v1::WatchBoxesResponse shown = look.Next();
+    EXPECT_EQ(shown.view().SerializeAsString(), View(5).box_view().SerializeAsString());
+    EXPECT_GT(shown.stamp().sequence(), 0u);
+    clock_.Advance(asked.until_ms() * int64_t{1'000'000} / 2);
+    EXPECT_EQ(Asked(game).interval_ms(), 250u) << "before its time has run out";
+  }
+  EXPECT_EQ(Asked(game).interval_ms(), 0u) << "nobody looks any more";
+}
+
+TEST_F(BoxWatchTest, NothingOfAViewIsEvidenceOrInALog) {
+  TelemetryClient game(channel_, "all-token");
+  const v1::Welcome welcome = game.Open(Hello(true));
+  Look look(channel_, welcome.session_id());
+  look.Next();
+  game.Send(View(5));
+  look.Next();
+  EXPECT_EQ(server_->counters().applied_message_count, 0u);
+  EXPECT_EQ(server_->counters().replayed_message_count, 0u);
+  grpc::ClientContext context;
+  context.AddMetadata("authorization", "Bearer all-token");
+  // Rows come with the session's beginning, its decisions and what befalls it: at most the first
+  // one.
+  v1::ListAuditSegmentsResponse listed;
+  const auto reader = v1::AuditService::NewStub(channel_)->ListAuditSegments(&context, {});
+  uint64_t rows = 0;
+  while (reader->Read(&listed)) {
+    for (const v1::AuditSegment& segment : listed.segments()) rows += segment.row_count();
+  }
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_LE(rows, 1u);
+}
+
+TEST_F(BoxWatchTest, IsForOperatorsOfTheProject) {
+  TelemetryClient game(channel_, "all-token");
+  const std::string id = game.Open(Hello(true)).session_id();
+  EXPECT_EQ(Look(channel_, id, "reader-token").Finish().error_code(),
+            grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_EQ(Look(channel_, id, "other-token").Finish().error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Look(channel_, "no such").Finish().error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(BoxWatchTest, AGameThatDoesNotShowItsBoxesIsNotAsked) {
+  TelemetryClient game(channel_, "all-token");
+  const v1::Welcome welcome = game.Open(Hello(false));
+  EXPECT_EQ(welcome.capabilities_size(), 0);
+  const grpc::Status refused = Look(channel_, welcome.session_id()).Finish();
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(refused.error_message(), ::testing::HasSubstr("allow_box_view"));
+}
+
+TEST_F(BoxWatchTest, TwoMayLookAtASession) {
+  TelemetryClient game(channel_, "all-token");
+  const std::string id = game.Open(Hello(true)).session_id();
+  Look first(channel_, id);
+  Look second(channel_, id);
+  first.Next();
+  second.Next();
+  EXPECT_EQ(Look(channel_, id).Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  game.Send(View(1));
+  EXPECT_EQ(first.Next().view().frame_index(), 1u);
+  EXPECT_EQ(second.Next().view().frame_index(), 1u);
+}
+
+TEST_F(BoxWatchTest, GoesOnWhenTheGameComesBackAndEndsWithTheSession) {
+  auto game = std::make_unique<TelemetryClient>(channel_, "all-token");
+  const v1::Welcome welcome = game->Open(Hello(true));
+  Look look(channel_, welcome.session_id());
+  look.Next();
+  Asked(*game);
+  game.reset();
+  TelemetryClient back(channel_, "all-token");
+  v1::Hello hello = Hello(true);
+  Resume(hello, welcome);
+  ASSERT_TRUE(back.Open(hello).resumed());
+  EXPECT_EQ(Asked(back).interval_ms(), 250u);
+  back.Send(View(9));
+  EXPECT_EQ(look.Next().view().frame_index(), 9u);
+  back.Send(Goodbye());
+  EXPECT_TRUE(look.Finish().ok());
+}
+
+TEST_F(BoxWatchTest, AViewThatBreaksItsBoundsEndsTheStream) {
+  const auto refusal_of = [&](const std::function<void(v1::BoxView&)>& change) {
+    TelemetryClient game(channel_, "all-token");
+    game.Open(Hello(true));
+    v1::StreamTelemetryRequest view = View(1);
+    change(*view.mutable_box_view());
+    game.Send(view);
+    return game.Finish().error_code();
+  };
+  constexpr auto kInvalid = grpc::StatusCode::INVALID_ARGUMENT;
+  EXPECT_EQ(refusal_of([](v1::BoxView& view) { view.set_boxes(std::string(13, 'x')); }), kInvalid);
+  EXPECT_EQ(refusal_of([](v1::BoxView& view) { view.set_pairs("abc"); }), kInvalid);
+  EXPECT_EQ(refusal_of([](v1::BoxView& view) { view.clear_bounds(); }), kInvalid);
+  EXPECT_EQ(refusal_of([](v1::BoxView& view) { view.set_bounds(2, INFINITY); }), kInvalid);
+  EXPECT_EQ(refusal_of([](v1::BoxView& view) { view.set_pairs(std::string(65'536, 'x')); }),
+            kInvalid);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
