@@ -6,7 +6,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { assertAccessible, assertNoTrouble, openPage, rowsOf, runInBrowser } from './browser.mjs';
-import { Game, RealDaemon, until, watched } from './real_daemon.mjs';
+import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake] = process.argv.slice(2);
 const SCENE = '/scenes/arcade/arena?class=test&reward=3';
@@ -135,6 +135,41 @@ async function checkCosts(page) {
   await until('checks of the log', async () => /checks\s*\d/.test(await chart(page, 'checks').locator('.legend').innerText()));
 }
 
+// A picture of the canvas, as a number that is another one for another picture; 0 where nothing is drawn.
+const pictureOf = (page) => page.locator('.boxes canvas').evaluate((canvas) => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data
+  .reduce((sum, value, i) => (value ? (31 * sum + value + i) % 1_000_003 : sum), 0));
+
+// Nothing is asked of the game unless somebody looks; then its objects are drawn, and the camera turns.
+async function checkBoxes(page, daemon, { sessionId }) {
+  const asked = [];
+  page.on('request', (request) => request.url().includes('WatchBoxes') && asked.push(request.url()));
+  await page.goto(`${daemon.origin}/sessions/${sessionId}`);
+  const show = page.getByRole('button', { name: 'Show boxes' });
+  await until('the session is there', () => show.isEnabled());
+  assert.deepEqual(asked, [], 'off by default');
+  await show.click();
+  assert.equal(query(page).get('boxes'), 'on');
+  const count = page.locator('.box-count');
+  await until('all objects are there', async () => /: 100 objects, \d+ of them in \d+ overlapping pairs?\./.test(await count.innerText()));
+  await until('they are drawn', async () => await pictureOf(page) > 0);
+  const frame = async () => (await count.innerText()).split(':')[0];
+  const before = await frame();
+  await until('the next ones come', async () => await frame() !== before);
+  await page.getByRole('button', { name: 'Pause' }).click();
+  await until('they stand still', async () => { const at = await frame(); const picture = await pictureOf(page); await pause(600); return await frame() === at && await pictureOf(page) === picture; });
+  const still = await pictureOf(page);
+  await page.locator('.boxes canvas').focus();
+  await page.keyboard.press('ArrowLeft');
+  await until('the camera turns', async () => await pictureOf(page) !== still);
+  await page.keyboard.press('0');
+  await until('and back', async () => await pictureOf(page) === still);
+  await assertAccessible(page, 'boxes');
+  await page.getByRole('button', { name: 'Go on' }).click();
+  await show.click();
+  assert.ok(!query(page).has('boxes'));
+  assert.equal(await page.locator('.boxes').count(), 0);
+}
+
 async function order(page, button, confirm) {
   await page.getByRole('button', { name: button, exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: confirm, exact: true }).click();
@@ -195,6 +230,8 @@ async function checkRoles(context, folder) {
   await page.getByRole('region', { name: 'Sessions' }).locator('tbody a').first().click();
   await page.getByText('Orders need the role operator; yours is watch.').waitFor();
   assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0);
+  await page.getByText('To look at boxes needs the role operator; yours is watch.').waitFor();
+  assert.ok(await page.getByRole('button', { name: 'Show boxes' }).isDisabled());
   const sessionId = new URL(page.url()).pathname.split('/').at(-1);
   const answer = await page.evaluate(async (id) => (await fetch('/api/sweepstake.v1.SessionsService/OrderSession', { method: 'POST',
     headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' }, body: JSON.stringify({ sessionId: id, mode: 'MODE_AI' }) })).status, sessionId);
@@ -217,9 +254,9 @@ async function checkAll(browser, folder) {
   const page = await openPage(context, daemon.origin);
   const passed = (check) => console.log(`${check.name}: passed`);
   for (const check of [checkNumbers, checkNeverRan, checkFiles]) passed((await check(page, daemon), check));
-  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders'] });
+  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view'] });
   const session = await liveSession(daemon);
-  for (const check of [checkTime, checkWhy, checkCosts, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session), check));
+  for (const check of [checkTime, checkWhy, checkCosts, checkBoxes, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session), check));
   await assertAccessible(page, 'decisions');
   assertNoTrouble(page, 'the views');
   await page.close();

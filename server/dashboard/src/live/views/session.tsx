@@ -1,6 +1,7 @@
 // A session: what ran when and why, what it cost, and what an operator may do about it.
 import { useComputed } from '@preact/signals';
-import { useEffect, useMemo } from 'preact/hooks';
+import type { ComponentType } from 'preact';
+import { useEffect, useMemo, useState } from 'preact/hooks';
 import { counted, grouped } from '../../format';
 import { armsOf, isSwitch, laneVisits, measuredOf, mergedSteps, type Step } from '../audit/steps';
 import { MAX_STEPS, type SessionLog, useSessionLog } from '../audit/use_log';
@@ -18,6 +19,7 @@ import { CopyLink } from '../parts/copy_link';
 import { Name } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
 import { type Column, Table } from '../parts/table';
+import { account, isOperator } from '../state/account';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { sceneKeyOf } from '../state/scenes';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
@@ -133,6 +135,28 @@ function Costs({ sessionId, steps, arms, domain }: ChartsProps) {
   return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} />;
 }
 
+// What draws the boxes is loaded when somebody asks for them.
+function BoxesLater({ sessionId }: { sessionId: string }) {
+  const [View, setView] = useState<ComponentType<{ sessionId: string }> | undefined>(undefined);
+  useEffect(() => { void import('./session/boxes').then(({ SessionBoxes }) => setView(() => SessionBoxes)); }, []);
+  return View ? <View sessionId={sessionId} /> : <Loading what="the view" />;
+}
+
+function Boxes({ sessionId, isOver }: { sessionId: string; isOver: boolean }) {
+  const isShown = route.value.query.has('boxes') && isOperator.value && !isOver;
+  const reason = isOver ? 'The session is over.' : isOperator.value ? '' : `To look at boxes needs the role operator; yours is ${account.value?.role ?? 'not known'}.`;
+  return (
+    <section aria-labelledby="boxes-heading">
+      <h2 id="boxes-heading">Objects</h2>
+      <p class="orders">
+        <button type="button" disabled={reason !== ''} aria-pressed={isShown} onClick={() => setQuery({ boxes: isShown ? undefined : 'on' })}>Show boxes</button>
+        <span class="soft">{reason || 'The game sends some of its objects’ boxes while you look, at most 64 kB four times a second.'}</span>
+      </p>
+      {isShown && <BoxesLater sessionId={sessionId} />}
+    </section>
+  );
+}
+
 function LogState({ log }: { log: SessionLog }) {
   if (log.error) return <Failure what="The session’s log" error={log.error} onRetry={log.again} />;
   if (log.isReading && log.steps.length === 0) return <Loading what="the session’s log" />;
@@ -170,6 +194,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <TimeTools />
       <Timeline {...props} />
       <Costs {...props} />
+      {latest && <Boxes sessionId={sessionId} isOver={latest.ended !== undefined} />}
       <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Beliefs</h2><Beliefs {...props} /></section>
       <section aria-labelledby="lane-heading"><h2 id="lane-heading">Shadow lane</h2><Lane steps={steps} /></section>
     </>

@@ -1,0 +1,49 @@
+import { create } from '@bufbuild/protobuf';
+import { expect, it } from 'vitest';
+import { BoxViewSchema } from '../../gen/sweepstake/v1/telemetry_pb';
+import { boxesOf, projection, START, turned, zoomed } from './boxes';
+
+const littleEndian = (...numbers: number[]) => new Uint8Array(new Uint16Array(numbers).buffer);
+const VIEW = { frameIndex: 7n, objectCount: 9, stride: 3, bounds: [-1, 0, 2, 1, 10, 4],
+  boxes: littleEndian(0, 0, 0, 65535, 65535, 65535, 32768, 0, 65535, 65535, 6554, 65535, 0, 0, 0, 1, 1, 1), pairs: littleEndian(0, 2) };
+
+it('boxes lie within the bounds, and those of a pair overlap', () => {
+  const boxes = boxesOf(create(BoxViewSchema, VIEW));
+  expect(boxes).toMatchObject({ count: 3, pairCount: 1, objectCount: 9, stride: 3, frameIndex: 7n });
+  expect([...boxes.corners.slice(0, 6)]).toEqual([-1, 0, 2, 1, 10, 4]);
+  expect(boxes.corners[6]).toBeCloseTo(0, 4);
+  expect(boxes.corners[10]).toBeCloseTo(1, 3);
+  expect([...boxes.overlaps]).toEqual([1, 0, 1]);
+});
+
+it('what breaks the rules gives no boxes', () => {
+  expect(boxesOf(create(BoxViewSchema, { ...VIEW, bounds: [0, 0, 0] })).count).toBe(0);
+  expect(boxesOf(create(BoxViewSchema, { ...VIEW, bounds: [0, 0, 0, Number.NaN, 1, 1] })).count).toBe(0);
+  expect(boxesOf(create(BoxViewSchema, { ...VIEW, boxes: littleEndian(1, 2, 3) })).count).toBe(0);
+  expect([...boxesOf(create(BoxViewSchema, { ...VIEW, pairs: littleEndian(2, 900) })).overlaps]).toEqual([0, 0, 1]);
+  expect(boxesOf(create(BoxViewSchema, {})).count).toBe(0);
+});
+
+it('the middle is in the middle from everywhere, and all of it is in sight at a zoom of 1', () => {
+  const [low, high] = [[-1, 0, 2], [1, 10, 4]] as const;
+  for (let i = 0; i < 20; ++i) {
+    const project = projection(turned(START, 0.7 * i, 0.3 * i - 3), low, high, 400, 300);
+    const at = { x: 0, y: 0 };
+    project(0, 5, 3, at);
+    expect(at.x).toBeCloseTo(200, 9);
+    expect(at.y).toBeCloseTo(150, 9);
+    for (let corner = 0; corner < 8; ++corner) {
+      project(corner & 1 ? 1 : -1, corner & 2 ? 10 : 0, corner & 4 ? 4 : 2, at);
+      expect(Math.hypot(at.x - 200, at.y - 150)).toBeLessThanOrEqual(150 + 1e-9);
+    }
+  }
+});
+
+it('up is up, seen from the side, and to turn and to zoom have limits', () => {
+  const at = { x: 0, y: 0 };
+  projection({ yaw: 0, pitch: 0, zoom: 1 }, [0, 0, 0], [2, 2, 2], 200, 200)(1, 2, 1, at);
+  expect(at.x).toBeCloseTo(100, 9);
+  expect(at.y).toBeLessThan(100);
+  expect(turned(START, 0, 100).pitch).toBeLessThan(Math.PI / 2);
+  expect(zoomed(START, 1e9).zoom).toBe(zoomed(zoomed(START, 1e9), 2).zoom);
+});

@@ -1,0 +1,71 @@
+// What a game shows of its objects' boxes, and where they are on a screen that a camera on an orbit looks from.
+import type { BoxView } from '../../gen/sweepstake/v1/telemetry_pb';
+
+const BOX_BYTES = 12;
+const PAIR_BYTES = 4;
+const STEPS = 65_535;
+
+export interface Boxes {
+  /** Per box the smallest x, y and z, then the largest ones, in world units. */
+  readonly corners: Float32Array;
+  readonly count: number;
+  readonly pairCount: number;
+  /** Per box 1 where it overlaps another one that is shown. */
+  readonly overlaps: Uint8Array;
+  readonly objectCount: number;
+  /** Of the objects each so-manieth is shown. */
+  readonly stride: number;
+  readonly frameIndex: bigint;
+  readonly low: readonly [number, number, number];
+  readonly high: readonly [number, number, number];
+}
+
+/** A message that breaks its own rules gives no boxes. */
+export function boxesOf(view: BoxView): Boxes {
+  const { bounds, objectCount, stride, frameIndex } = view;
+  const isWhole = bounds.length === 6 && bounds.every(Number.isFinite) && view.boxes.length % BOX_BYTES === 0;
+  const count = isWhole ? view.boxes.length / BOX_BYTES : 0;
+  const low: [number, number, number] = isWhole ? [bounds[0]!, bounds[1]!, bounds[2]!] : [0, 0, 0];
+  const high: [number, number, number] = isWhole ? [bounds[3]!, bounds[4]!, bounds[5]!] : [0, 0, 0];
+  const numbers = new DataView(view.boxes.buffer, view.boxes.byteOffset, view.boxes.byteLength);
+  const corners = Float32Array.from({ length: 6 * count }, (_, i) => {
+    const axis = i % 3;
+    return low[axis]! + (numbers.getUint16(2 * i, true) / STEPS) * (high[axis]! - low[axis]!);
+  });
+  const pairs = new DataView(view.pairs.buffer, view.pairs.byteOffset, view.pairs.byteLength);
+  const pairCount = isWhole ? Math.floor(view.pairs.length / PAIR_BYTES) : 0;
+  const overlaps = new Uint8Array(count);
+  for (let i = 0; i < 2 * pairCount; ++i) {
+    const place = pairs.getUint16(2 * i, true);
+    if (place < count) overlaps[place] = 1;
+  }
+  return { corners, count, pairCount, overlaps, objectCount, stride, frameIndex, low, high };
+}
+
+/** Looks at the middle of what is shown. Angles in radians; a zoom of 1 shows all of it. */
+export interface Camera { readonly yaw: number; readonly pitch: number; readonly zoom: number }
+
+export const START: Camera = { yaw: 0.7, pitch: 0.5, zoom: 1 };
+const MAX_PITCH = Math.PI / 2 - 0.01;
+const MIN_ZOOM = 0.2;
+const MAX_ZOOM = 50;
+
+const limited = (value: number, low: number, high: number) => Math.min(Math.max(value, low), high);
+
+export const turned = ({ yaw, pitch, zoom }: Camera, right: number, up: number): Camera =>
+  ({ yaw: (yaw + right) % (2 * Math.PI), pitch: limited(pitch + up, -MAX_PITCH, MAX_PITCH), zoom });
+export const zoomed = (camera: Camera, factor: number): Camera => ({ ...camera, zoom: limited(camera.zoom * factor, MIN_ZOOM, MAX_ZOOM) });
+
+/** Returns the function that writes the pixel of a point in the world (y is up) into `out`. */
+export function projection({ yaw, pitch, zoom }: Camera, low: readonly number[], high: readonly number[], width: number, height: number) {
+  const middle = low.map((value, axis) => (value + high[axis]!) / 2);
+  const radius = Math.hypot(...low.map((value, axis) => high[axis]! - value)) / 2 || 1;
+  const scale = (zoom * Math.min(width, height)) / 2 / radius;
+  const [sinYaw, cosYaw, sinPitch, cosPitch] = [Math.sin(yaw), Math.cos(yaw), Math.sin(pitch), Math.cos(pitch)];
+  return (x: number, y: number, z: number, out: { x: number; y: number }): void => {
+    const [dx, dy, dz] = [x - middle[0]!, y - middle[1]!, z - middle[2]!];
+    const depth = sinYaw * dx + cosYaw * dz;
+    out.x = width / 2 + scale * (cosYaw * dx - sinYaw * dz);
+    out.y = height / 2 - scale * (cosPitch * dy - sinPitch * depth);
+  };
+}

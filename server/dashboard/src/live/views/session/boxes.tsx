@@ -1,0 +1,102 @@
+// A session's objects as its game shows them: boxes in space, looked at from a camera on an orbit. They come while this is in sight, and
+// are kept nowhere.
+import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
+import { SessionsService } from '../../../gen/sweepstake/v1/sessions_pb';
+import { counted, grouped } from '../../../format';
+import { drawBoxes } from '../../charts/box_picture';
+import { theme } from '../../charts/colours';
+import { pausedMs } from '../../charts/view_state';
+import { useWidth } from '../../charts/width';
+import { type Boxes, boxesOf, type Camera, START, turned, zoomed } from '../../numbers/boxes';
+import { Empty, Failure, Loading } from '../../parts/states';
+import type { ApiError } from '../../transport/calls';
+import { Watch } from '../../transport/events';
+
+const TURN = Math.PI / 24;
+const ZOOM = 1.15;
+// Asking again changes nothing.
+const FINAL = ['NOT_FOUND', 'FAILED_PRECONDITION', 'PERMISSION_DENIED'];
+
+function useIsHidden(): boolean {
+  const [isHidden, setHidden] = useState(document.hidden);
+  useEffect(() => {
+    const look = () => setHidden(document.hidden);
+    document.addEventListener('visibilitychange', look);
+    return () => document.removeEventListener('visibilitychange', look);
+  }, []);
+  return isHidden;
+}
+
+function useBoxes(sessionId: string): { boxes: Boxes | undefined; error: ApiError | undefined; again(): void } {
+  const [boxes, setBoxes] = useState<Boxes | undefined>(undefined);
+  const [error, setError] = useState<ApiError | undefined>(undefined);
+  const [turn, setTurn] = useState(0);
+  const isHidden = useIsHidden();
+  useEffect(() => {
+    if (isHidden) return undefined;
+    const watch = new Watch(SessionsService.method.watchBoxes, { sessionId }, {
+      snapshotBegan: () => undefined,
+      snapshotEnded: () => undefined,
+      heard: () => undefined,
+      message: ({ view }) => { if (view && pausedMs.peek() === undefined) setBoxes(boxesOf(view)); },
+      status: (status, reason) => {
+        setError(status === 'live' ? undefined : reason);
+        if (reason && FINAL.includes(reason.code)) watch.close();
+      },
+    });
+    return () => watch.close();
+  }, [sessionId, turn, isHidden]);
+  return { boxes, error, again: () => setTurn(turn + 1) };
+}
+
+const KEYS: Readonly<Record<string, (camera: Camera) => Camera>> = {
+  ArrowLeft: (camera) => turned(camera, -TURN, 0), ArrowRight: (camera) => turned(camera, TURN, 0),
+  ArrowUp: (camera) => turned(camera, 0, TURN), ArrowDown: (camera) => turned(camera, 0, -TURN),
+  '+': (camera) => zoomed(camera, ZOOM), '=': (camera) => zoomed(camera, ZOOM), '-': (camera) => zoomed(camera, 1 / ZOOM), '0': () => START,
+};
+
+function describe({ count, objectCount, stride, pairCount, overlaps, frameIndex }: Boxes): string {
+  const shown = stride > 1 ? `${grouped(count)} of ${counted(objectCount, 'object', 'objects')} (one in ${grouped(stride)})` : counted(count, 'object', 'objects');
+  const overlapping = overlaps.reduce((sum, each) => sum + each, 0);
+  return `Frame ${grouped(Number(frameIndex))}: ${shown}, ${grouped(overlapping)} of them in ${counted(pairCount, 'overlapping pair', 'overlapping pairs')}.`;
+}
+
+function Picture({ boxes }: { boxes: Boxes }) {
+  const [camera, setCamera] = useState(START);
+  const { element, width } = useWidth<HTMLDivElement>();
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const height = Math.round(Math.min(width * 0.6, 560));
+  useLayoutEffect(() => {
+    if (!canvas.current || width === 0) return undefined;
+    const handle = requestAnimationFrame(() => drawBoxes(canvas.current!, boxes, camera, { width, height }));
+    return () => cancelAnimationFrame(handle);
+  }, [boxes, camera, width, height, theme.value]);
+  const onKeyDown = (event: KeyboardEvent) => {
+    const change = KEYS[event.key];
+    if (!change || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    setCamera(change);
+  };
+  const onPointerMove = (event: PointerEvent) => {
+    if (event.buttons === 1) setCamera((before) => turned(before, -0.008 * event.movementX, 0.008 * event.movementY));
+  };
+  return (
+    <div class="boxes" ref={element}>
+      <canvas ref={canvas} style={{ height }} tabIndex={0} role="img" aria-label={`Boxes of the objects. ${describe(boxes)} Arrow keys turn, plus and minus zoom, 0 shows all.`}
+        onKeyDown={onKeyDown} onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)} onPointerMove={onPointerMove} />
+      <div class="tools">
+        <button type="button" class="quiet" onClick={() => setCamera((before) => zoomed(before, ZOOM))}>Nearer</button>
+        <button type="button" class="quiet" onClick={() => setCamera((before) => zoomed(before, 1 / ZOOM))}>Farther</button>
+        <button type="button" class="quiet" onClick={() => setCamera(START)}>All</button>
+        <span class="soft box-count">{describe(boxes)}</span>
+      </div>
+    </div>
+  );
+}
+
+export function SessionBoxes({ sessionId }: { sessionId: string }) {
+  const { boxes, error, again } = useBoxes(sessionId);
+  if (error) return <Failure what="The boxes" error={error} onRetry={again} />;
+  if (!boxes) return <Loading what="the boxes of the next frame" />;
+  return boxes.count === 0 ? <Empty title="The frame had no objects" /> : <Picture boxes={boxes} />;
+}
