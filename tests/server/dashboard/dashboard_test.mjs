@@ -195,7 +195,9 @@ async function checkDownload(page, daemon) {
   assert.ok(lines.some((line) => line.startsWith("'=1+2")), 'a name is no formula');
 }
 
-// ---- All views: whole, empty, in error, in both themes, wide and narrow.
+// ---- All views: whole, empty, in error, in both themes, from 320 px to 4K.
+
+const SIZES = { wide: { width: 1440, height: 900 }, narrow: { width: 390, height: 844 }, small: { width: 320, height: 640 }, huge: { width: 3840, height: 2160 } };
 
 // What each view has once it shows something.
 const ROWS = 'main tbody tr[data-key]';
@@ -209,7 +211,7 @@ async function viewsOf(daemon) {
 }
 
 async function checkViews(browser, daemon) {
-  for (const [size, viewport] of Object.entries({ wide: { width: 1440, height: 900 }, narrow: { width: 390, height: 844 } })) {
+  for (const [size, viewport] of Object.entries(SIZES)) {
     const context = await browser.newContext({ viewport, reducedMotion: 'reduce' });
     for (const [name, path] of Object.entries(await viewsOf(daemon))) {
       const page = await openPage(context, daemon.origin);

@@ -29,6 +29,7 @@ const TOP = 6;
 const AXIS = 34;
 const SIDE = 12;
 const TICK_SIDE = 26; // the text of a tick is whole
+const ROOM_FOR_INTERVAL = 380; // beside the arm's name
 
 // Costs rise to the right, as do rewards: a reward that tells costs is mirrored.
 interface Axis { low: number; high: number; x: (reward: number) => number; reward: (x: number) => number; tellsCosts: boolean }
@@ -66,7 +67,8 @@ function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Ax
   const { fill, dash } = PAINT[measured];
   const text = (reward: number) => rewardText(reward, axis.tellsCosts);
   const [left, right] = axis.tellsCosts ? [high, low] : [low, high];
-  const value = measured === 'never' ? 'never measured' : `${text(mean(posterior))} (${text(left)} to ${text(right)})${measured === 'lane' ? ', lane only' : ''}`;
+  const told = (interval: string) => (measured === 'never' ? 'never measured' : `${text(mean(posterior))}${interval}${measured === 'lane' ? ', lane only' : ''}`);
+  const value = told(` (${text(left)} to ${text(right)})`);
   return (
     <g>
       <title>{`${visible(label)}: ${value}. ${MEASURED_WORDS[measured]}`}</title>
@@ -77,7 +79,7 @@ function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Ax
       <path d={shapeOf(arm)} transform={`translate(${axis.x(mean(posterior)).toFixed(2)} ${base + 5})`} fill={measured === 'live' ? colour : 'var(--card)'}
         stroke={colour} stroke-width="1.5" />
       <text class="halo" x={SIDE} y={base - CREST - 4} font-size="12" font-weight="600" fill="var(--text)">{shortened(label, width)}</text>
-      <text class="halo" x={width - SIDE} y={base - CREST - 4} font-size="11" fill="var(--soft)" text-anchor="end">{value}</text>
+      <text class="halo" x={width - SIDE} y={base - CREST - 4} font-size="11" fill="var(--soft)" text-anchor="end">{width < ROOM_FOR_INTERVAL ? told('') : value}</text>
     </g>
   );
 }
