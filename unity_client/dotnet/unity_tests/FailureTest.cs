@@ -5,6 +5,7 @@ using System.Linq;
 using System.Threading.Tasks;
 using NUnit.Framework;
 using Sweepstake.Unity;
+using UnityEngine;
 
 namespace Sweepstake.Tests
 {
@@ -42,6 +43,19 @@ namespace Sweepstake.Tests
             // An end waits for a bounded time.
             FramesUntil(() => IsToldAtTheEnd(isOfTheManager), "told");
             Assert.That(Logged("CSV"), Has.Exactly(1).Items);
+        }
+
+        [Test]
+        public void TheProblemOfACsvFileEndsWithTheNextOne()
+        {
+            manager.StartCsv(FullDisk);
+            FramesUntil(() => manager.Problem.Contains("CSV"), "told");
+            string path = Path.GetTempFileName();
+            manager.StartCsv(path);
+            Frames(1);
+            Assert.That(manager.Problem, Is.Empty);
+            manager.StopCsv();
+            File.Delete(path);
         }
 
         private bool IsToldAtTheEnd(bool isOfTheManager)
@@ -82,6 +96,11 @@ namespace Sweepstake.Tests
             Frames(10);
             Assert.That(manager.State, Is.EqualTo(SweepstakeState.Offline));
             Assert.That(Logged("error: "), Has.Exactly(1).Items);
+            Set(manager, "mode", SessionMode.Manual);
+            Set(manager, "backend", "SAP");
+            Player.CallAll("OnValidate");
+            Frames(1);
+            Assert.That((manager.ActiveBackend, manager.Problem.Contains("a bug of the transport")), Is.EqualTo(("SAP", true)), "still nobody decides");
             manager.Disconnect();
             Frames(1);
             Assert.That((manager.State, manager.Problem), Is.EqualTo((SweepstakeState.Embedded, "")), "the game decides itself again");

@@ -331,29 +331,30 @@ namespace Sweepstake.Unity
                     Fail(problem);
                     return;
                 }
-                Tell(problem.Message);
+                trouble = problem.Message;
+                Tell(trouble);
             }
         }
 
-        /// <summary>What is wrong although the frames go on: one line, and the problem from the next frame on.</summary>
-        private void Tell(string problem)
-        {
-            trouble = problem;
-            Debug.LogError("Sweepstake: " + trouble, this);
-        }
+        /// <summary>What is wrong although the frames go on.</summary>
+        private void Tell(string problem) => Debug.LogError("Sweepstake: " + problem, this);
 
         private void UpdateState()
         {
             host!.TellFailures();
-            DaemonConnection? connection = host.Connection;
-            if (connection == null)
-            {
-                SetState(SweepstakeState.Embedded, trouble);
-                return;
-            }
-            ConnectionStatus status = connection.Status;
-            string away = status.Refusal.Length > 0 ? status.Refusal : status.LastError;
-            SetState(StateOf(status), connection.Failure != null || away.Length == 0 ? trouble : away);
+            ConnectionStatus? status = host.Connection?.Status;
+            SetState(status == null ? SweepstakeState.Embedded : StateOf(status), ProblemOf(host, status));
+        }
+
+        /// <summary>The worst of what is wrong, as long as it is.</summary>
+        private string ProblemOf(SessionHost running, ConnectionStatus? status)
+        {
+            if (running.WorkProblem.Length > 0)
+                return running.WorkProblem;
+            string away = status == null ? "" : status.Refusal.Length > 0 ? status.Refusal : status.LastError;
+            if (away.Length > 0)
+                return away;
+            return trouble.Length > 0 ? trouble : running.CsvProblem;
         }
 
         private static SweepstakeState StateOf(ConnectionStatus status)

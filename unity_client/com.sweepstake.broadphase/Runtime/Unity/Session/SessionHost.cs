@@ -11,7 +11,6 @@ namespace Sweepstake.Unity
         private readonly string sceneName;
         private readonly Action<string> tell;
         private FrameCsvWriter? csv;
-        private SessionWork? toldOf;
 
         /// <param name="tell">Is told, once, what went wrong on a thread of its own.</param>
         internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> tell)
@@ -25,6 +24,10 @@ namespace Sweepstake.Unity
         internal BroadPhaseSession Session { get; }
         internal EmbeddedDecider? Decider { get; private set; }
         internal DaemonConnection? Connection { get; private set; }
+        /// <summary>Why nobody decides any more; "": somebody does.</summary>
+        internal string WorkProblem { get; private set; } = "";
+        /// <summary>Why the latest CSV file lacks frames; "": it lacks none, as far as is known.</summary>
+        internal string CsvProblem { get; private set; } = "";
 
         /// <summary>From now on the game decides itself.</summary>
         internal void DecideHere()
@@ -58,6 +61,7 @@ namespace Sweepstake.Unity
         {
             StopCsv();
             csv = new FrameCsvWriter(path, Session, scene, seed, vSyncCount: QualitySettings.vSyncCount);
+            CsvProblem = "";
         }
 
         internal void StopCsv()
@@ -72,11 +76,11 @@ namespace Sweepstake.Unity
             if (csv?.Failure != null)
                 LeaveCsv();
             SessionWork? work = (SessionWork?)Connection ?? Decider;
-            if (work?.Failure == null || work == toldOf)
+            if (work?.Failure == null || WorkProblem.Length > 0)
                 return;
-            toldOf = work;
             string what = work == Decider ? "decider" : "connection to the daemon";
-            tell($"Nobody decides any more, because the {what} has failed: {work.Failure.Message} Disable the manager and enable it to begin anew.");
+            WorkProblem = $"Nobody decides any more, because the {what} has failed: {work.Failure.Message} Disable the manager and enable it to begin anew.";
+            tell(WorkProblem);
         }
 
         /// <summary>Lets the CSV file be written to its end, without waiting for it.</summary>
@@ -104,9 +108,11 @@ namespace Sweepstake.Unity
         private void LeaveCsv()
         {
             if (csv?.Failure is Exception problem)
-                tell("The CSV file of frames was not written to its end: " + problem.Message + " Begin another one.");
+                CsvProblem = "The CSV file of frames was not written to its end: " + problem.Message + " Begin another one.";
             else if (csv?.DroppedCount > 0)
-                tell($"The CSV file of frames lacks {csv.DroppedCount} frames, because it was written too slowly. Choose a faster disk.");
+                CsvProblem = $"The CSV file of frames lacks {csv.DroppedCount} frames, because it was written too slowly. Choose a faster disk.";
+            if (csv != null && CsvProblem.Length > 0)
+                tell(CsvProblem);
             csv = null;
         }
 
@@ -116,6 +122,7 @@ namespace Sweepstake.Unity
             Decider = null;
             Connection?.Stop(timeoutMs);
             Connection = null;
+            WorkProblem = "";
         }
     }
 }
