@@ -421,6 +421,24 @@ namespace Sweepstake.Tests
             Assert.That((KnownCount(), ended.Count), Is.EqualTo((0, 1)));
         }
 
+        [Test]
+        public void WhatIsDestroyedWithoutASearchIsForgottenWhenMoreComes()
+        {
+            BoxCollider a = Tracked(Here);
+            BoxCollider b = Tracked(Here);
+            Frames(1);
+            manager.enabled = false;
+            Object.DestroyImmediate(a.gameObject);
+            for (int index = 0; index < 3000; ++index)
+                Object.DestroyImmediate(Tracked(Away, 0, index % 2 == 0).gameObject);
+            Assert.That(new[] { tracker.Count, KnownCount() }, Is.All.LessThan(130));
+            Assert.That(tracker.IsTracked(b), Is.True);
+            manager.enabled = true;
+            // Static ones are looked at in turn.
+            Frames(10);
+            Assert.That((tracker.Count, KnownCount(), ended.Count), Is.EqualTo((1, 1, 1)));
+        }
+
         private int KnownCount() =>
             ((ColliderSet)typeof(ColliderTracker).GetField("colliders", BindingFlags.Instance | BindingFlags.NonPublic)!.GetValue(tracker)).KnownCount;
 

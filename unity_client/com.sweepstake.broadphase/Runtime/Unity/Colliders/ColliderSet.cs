@@ -70,7 +70,8 @@ namespace Sweepstake.Unity
         {
             if (slots.ContainsKey(collider))
                 return false;
-            GrowTo(count + 1);
+            if (count == colliders.Length)
+                MakeRoom();
             bool isStatic = collider.gameObject.isStatic;
             int layer = collider.gameObject.layer;
             Aabb box = BoxOf(collider);
@@ -220,9 +221,15 @@ namespace Sweepstake.Unity
             slots[collider] = slot;
         }
 
-        private void GrowTo(int wanted)
+        /// <summary>That of colliders that were destroyed while nothing was searched, or else more.</summary>
+        private void MakeRoom()
         {
-            if (wanted <= colliders.Length)
+            for (int slot = count - 1; slot >= 0; --slot)
+            {
+                if (colliders[slot] == null)
+                    RemoveAt(slot);
+            }
+            if (count <= colliders.Length / 2)
                 return;
             int size = colliders.Length * 2;
             Array.Resize(ref colliders, size);
