@@ -55,6 +55,7 @@ namespace Sweepstake.Tests
             Assert.That(output, Does.Contain("frame 200").And.Contain("embedded"));
             Assert.That(File.ReadAllLines(csv).Length, Is.EqualTo(201));
             File.Delete(csv);
+            Headless(1, "--objects", "10", "--frames", "10", "--csv", "/dev/full");
         }
 
         [Test]

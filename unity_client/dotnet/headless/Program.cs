@@ -40,8 +40,8 @@ namespace Sweepstake.Headless
             using SessionWork decider = Decider(session, arguments);
             using FrameCsvWriter? csv = arguments.Csv == null ? null : new FrameCsvWriter(arguments.Csv, session, arguments.Scene, arguments.Seed);
             PlayFrames(scene, session, decider, csv, arguments.Frames);
-            csv?.Stop(EndTimeoutMs);
-            return End(session, decider);
+            int ended = End(session, decider);
+            return csv == null || IsComplete(csv) ? ended : 1;
         }
 
         private static SessionWork Decider(BroadPhaseSession session, Arguments arguments)
@@ -93,6 +93,15 @@ namespace Sweepstake.Headless
             return FormattableString.Invariant(
                 $"frame {frame}: {session.Arms[(int)sample.Arm]}, detection {sample.DetectionTimeNs / 1e6:F3} ms, {sample.PairCount} pairs, ") +
                 FormattableString.Invariant($"{session.SwitchEpoch} switches, {verdict.Kind} ({session.Arms[(int)verdict.LeaderArm]}), {state}");
+        }
+
+        private static bool IsComplete(FrameCsvWriter csv)
+        {
+            bool hasEnded = csv.Stop(EndTimeoutMs);
+            if (hasEnded && csv.Failure == null && csv.DroppedCount == 0)
+                return true;
+            Console.Error.WriteLine($"The CSV file is not complete: {csv.Failure?.Message ?? $"{csv.DroppedCount} frames came too fast for it."}");
+            return false;
         }
 
         private static int End(BroadPhaseSession session, SessionWork decider)
