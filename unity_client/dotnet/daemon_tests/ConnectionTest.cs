@@ -159,7 +159,7 @@ namespace Sweepstake.Tests
             Assert.That(missing.StatusCode, Is.EqualTo(StatusCode.NotFound));
         }
 
-        /// <summary>The policy of the paper tries each arm in turn at first.</summary>
+        /// <summary>The policy of the paper draws from posteriors that know nothing at first: it tries other arms, whatever they cost.</summary>
         private static void ExploresFast(LinkOptions options)
         {
             options.Policy = "paper";

@@ -88,7 +88,7 @@ namespace Sweepstake.Tests
         [Test]
         public void TheInspectorShowsStateReasonAndWhatMayBeDone()
         {
-            SweepstakeManager manager = MakeManager();
+            SweepstakeManager manager = MakeManager(config => config.daemon.address = "127.0.0.1:9");
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
             Frames(3);
             var inspector = ScriptableObject.CreateInstance<SweepstakeManagerEditor>();
