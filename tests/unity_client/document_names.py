@@ -17,7 +17,7 @@ API_WORD = re.compile(r"\b[A-Z]\w*[a-z]\w*")
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 # What Unity itself shows, in its menus, its settings and its profiler: whole paths.
 UNITY = {"Window > Package Management > Package Manager", "Window > Package Manager", "+ > Install package from disk", "+ > Add package from disk",
-         "Samples > Import", "Project Settings > Graphics > Shader Stripping > Instancing Variants", "Keep All", "High", "Reload Domain", "GC Alloc"}
+         "Samples > Import", "Project Settings > Tags and Layers", "Project Settings > Graphics > Shader Stripping > Instancing Variants", "Keep All", "High", "Reload Domain", "GC Alloc"}
 # Where the package has a menu or a page of its own.
 PARENTS = ("Window > ", "GameObject > ", "Assets > Create > ", "Project Settings > ")
 # Of Unity, .NET and other packages, as far as no stub has it.
