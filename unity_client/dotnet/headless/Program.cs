@@ -100,7 +100,8 @@ namespace Sweepstake.Headless
             bool hasEnded = csv.Stop(EndTimeoutMs);
             if (hasEnded && csv.Failure == null && csv.DroppedCount == 0)
                 return true;
-            Console.Error.WriteLine($"The CSV file is not complete: {csv.Failure?.Message ?? $"{csv.DroppedCount} frames came too fast for it."}");
+            string why = csv.Failure != null ? csv.Failure.Message : hasEnded ? $"{csv.DroppedCount} frames came too fast for it." : "the disk is too slow.";
+            Console.Error.WriteLine("The CSV file is not complete: " + why);
             return false;
         }
 
