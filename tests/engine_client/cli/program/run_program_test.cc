@@ -19,16 +19,15 @@ using nlohmann::json;
 using test_support::FileText;
 using testing::HasSubstr;
 
-constexpr char kSmallRun[] = "run --scene suite-b --objects 100 --embedded --duration 300ms ";
+constexpr char kSmallGame[] = "run --scene suite-b --objects 100 --embedded ";
+const std::string kSmallRun = std::string(kSmallGame) + "--duration 300ms ";
 
 // The policy of the paper explores whatever the arms cost. Runs longer and longer games until one
 // has switched: a busy machine gives a short one too few frames.
 ProgramRun RunUntilItSwitches(const std::string& options) {
   for (int duration_ms = 300;; duration_ms *= 2) {
-    ProgramRun run = RunProgram(
-        "run --scene suite-b --objects 100 --embedded --policy paper --time-scale 1000 "
-        "--duration " +
-        std::to_string(duration_ms) + "ms " + options);
+    ProgramRun run = RunProgram(kSmallGame + std::string("--policy paper --time-scale 1000 ") +
+                                "--duration " + std::to_string(duration_ms) + "ms " + options);
     const bool has_switched = run.out.find("(exploration)") != std::string::npos ||
                               run.out.find("\"reason\": \"exploration\"") != std::string::npos;
     if (has_switched || run.exit_code != 0 || duration_ms > 60'000) return run;
@@ -57,7 +56,7 @@ TEST(RunProgram, EmbeddedPrintsOneDocumentWhoseNumbersAddUp) {
 
 TEST(RunProgram, TellsWhatTheShadowLaneDid) {
   const auto shadow_of = [](const std::string& options) {
-    const ProgramRun run = RunProgram(std::string(kSmallRun) + "--json " + options);
+    const ProgramRun run = RunProgram(kSmallRun + "--json " + options);
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return json::parse(run.out)["shadow"];
   };
@@ -76,7 +75,7 @@ TEST(RunProgram, TellsWhatTheShadowLaneDid) {
   EXPECT_GT(on["copy_ns_per_frame"].get<double>(), 0);
   EXPECT_GT(on["frame_share"].get<double>(), 0);
   EXPECT_LT(on["frame_share"].get<double>(), 1);
-  EXPECT_EQ(RunProgram(std::string(kSmallRun) + "--shadow maybe").exit_code, 2);
+  EXPECT_EQ(RunProgram(kSmallRun + "--shadow maybe").exit_code, 2);
 }
 
 TEST(RunProgram, PrintsSwitchesAndATableForPeople) {
@@ -93,7 +92,7 @@ TEST(RunProgram, SaysWhenThePriorsFileHasNoneForIt) {
   const std::string file = TemporaryPath("priors.json");
   std::ofstream(file) << R"({"format":"sweepstake-priors","version":1,"records":[]})";
   const ProgramRun run =
-      RunProgram(std::string(kSmallRun) + "--project p --machine-class m --json --priors " + file);
+      RunProgram(kSmallRun + "--project p --machine-class m --json --priors " + file);
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.err, HasSubstr(file + " has no priors of these backends for project p, scene "
                                         "suite-b-100, machines m"));
@@ -134,8 +133,7 @@ TEST(PriorsArm, PrintsWhatTheFileSaysOfTheSceneAndOfItsNeighbours) {
 }
 
 TEST(RunProgram, ManualModeStaysOnItsArm) {
-  const ProgramRun run =
-      RunProgram(std::string(kSmallRun) + "--mode manual --arm SAP --time-scale 1000 --json");
+  const ProgramRun run = RunProgram(kSmallRun + "--mode manual --arm SAP --time-scale 1000 --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json document = json::parse(run.out);
   EXPECT_EQ(document["active_arm"], "SAP");
@@ -145,7 +143,7 @@ TEST(RunProgram, ManualModeStaysOnItsArm) {
 TEST(RunProgram, WritesFourCsvFiles) {
   const std::filesystem::path folder = TemporaryPath("csv");
   const ProgramRun run =
-      RunProgram(std::string(kSmallRun) + "--time-scale 1000 --json --csv " + folder.string());
+      RunProgram(kSmallRun + "--time-scale 1000 --json --csv " + folder.string());
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json document = json::parse(run.out);
   EXPECT_EQ(Lines(FileText(folder / "frames.csv")), 1 + document["frames"].get<size_t>());
