@@ -16,12 +16,14 @@
 """
 
 import json
+import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import unittest.mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "unity_client" / "tools"))
 import document_names  # noqa: E402
@@ -75,10 +77,14 @@ def commit_errors(root, package):
     """A tree without its history has no tag."""
     if not (root / ".git").exists():
         return
-    asked = subprocess.run(["git", "-C", str(root), "tag", "--points-at", "HEAD", "v*"], capture_output=True, text=True, check=False)
-    if asked.returncode != 0:
-        yield f"git cannot say which tags the commit has: {asked.stderr.strip()}"
-    yield from release_errors(package, asked.stdout.split())
+    try:
+        asked = subprocess.run(["git", "-C", str(root), "tag", "--points-at", "HEAD", "v*"], capture_output=True, text=True, check=True)
+    except subprocess.CalledProcessError as problem:
+        yield f"git cannot say which tags the commit has: {problem.stderr.strip()}"
+    except OSError as problem:
+        yield f"git cannot be started, which knows the tags of the commit ({problem.strerror}): install it, and put its folder into PATH"
+    else:
+        yield from release_errors(package, asked.stdout.split())
 
 
 def release_errors(package, tags):
@@ -308,8 +314,15 @@ def release_misses(package):
                 yield f"a release with '{heading}' was not found"
 
 
+def git_misses(package):
+    with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(os.environ, {"PATH": folder}):
+        place(pathlib.Path(folder), ".git")
+        if not any("git cannot be started" in error for error in commit_errors(pathlib.Path(folder), package)):
+            yield "that there is no git was not said"
+
+
 def self_test(root):
-    missed = list(release_misses(root / PACKAGE))
+    missed = [*release_misses(root / PACKAGE), *git_misses(root / PACKAGE)]
     for change, error in BAD:
         with tempfile.TemporaryDirectory() as folder:
             copy = pathlib.Path(folder)

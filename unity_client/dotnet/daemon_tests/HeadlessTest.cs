@@ -64,6 +64,7 @@ namespace Sweepstake.Tests
             Headless(2, "--objects", "many");
             Headless(2, "--scene", "huricane");
             Headless(2, "--what", "1");
+            Headless(2, "--csv", "/dev/null/frames.csv");
             Assert.That(Headless(0, "--help"), Does.Contain("--daemon HOST:PORT"));
         }
 

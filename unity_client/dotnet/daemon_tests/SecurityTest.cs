@@ -35,9 +35,9 @@ namespace Sweepstake.Tests
             using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles { CaFile = authority.File }))
                 game.PlayUntilOnline();
             using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles { CaFile = stranger.File }))
-                AssertNeverOnline(game, "");
+                AssertNeverOnline(game);
             using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles()))
-                AssertNeverOnline(game, "");
+                AssertNeverOnline(game);
         }
 
         [Test]
@@ -47,7 +47,7 @@ namespace Sweepstake.Tests
             authority.Issue("daemon", "elsewhere.example", IPAddress.Parse("127.0.0.9"));
             using var daemon = new DaemonProcess("--tls-cert", PathOf("daemon.pem"), "--tls-key", PathOf("daemon.key"));
             using Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles { CaFile = authority.File });
-            AssertNeverOnline(game, "");
+            AssertNeverOnline(game);
         }
 
         [Test]
@@ -62,7 +62,7 @@ namespace Sweepstake.Tests
             using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = files))
                 game.PlayUntilOnline();
             using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles { CaFile = authority.File }))
-                AssertNeverOnline(game, "");
+                AssertNeverOnline(game);
         }
 
         [Test]
@@ -117,11 +117,10 @@ namespace Sweepstake.Tests
             Assert.That(wrong.Message, Does.Contain(advice));
         }
 
-        /// <summary>Three attempts fail, and the game plays on.</summary>
-        private static void AssertNeverOnline(Game game, string reason)
+        /// <summary>The game is told that something is wrong, and plays on.</summary>
+        private static void AssertNeverOnline(Game game)
         {
             game.PlayUntil(() => game.Status.LastError.Length > 0, "told what is wrong");
-            Assert.That(game.Status.LastError, Does.Contain(reason));
             game.Play(1000);
             Assert.That(game.Status.Stats.ConnectionCount, Is.EqualTo(0));
         }

@@ -1,4 +1,5 @@
 using System;
+using System.IO;
 using System.Net.Http;
 using Sweepstake.GrpcNet;
 
@@ -22,7 +23,7 @@ namespace Sweepstake.Headless
             {
                 return Play(Arguments.Parse(words));
             }
-            catch (Exception problem) when (problem is FormatException || problem is SweepstakeException)
+            catch (Exception problem) when (problem is FormatException || problem is SweepstakeException || problem is IOException || problem is UnauthorizedAccessException)
             {
                 Console.Error.WriteLine(problem.Message + " Say --help for the options.");
                 return 2;

@@ -56,6 +56,10 @@ namespace Sweepstake.Tests
                 backends.Show(SeriesOf(0, 0, 1, 1, 0));
             }
             Assert.That(Painter2D.BadPointCount, Is.EqualTo(0));
+            var legend = new BackendChart();
+            legend.Name(new[] { "SAP", "DBVT" });
+            legend.Name(new[] { "SAP", "KDTree" });
+            Assert.That(Texts(legend).Where(text => text.StartsWith('■')), Is.EqualTo(new[] { "■ SAP", "■ KDTree" }), "those of the game that plays now");
             Assert.That(Texts(new LineChart("Detection", "ms")), Has.Some.EqualTo("Detection (ms)").And.Some.Contains("60 s"), "the axes have units");
         }
 
@@ -91,15 +95,43 @@ namespace Sweepstake.Tests
             SweepstakeManager manager = MakeManager(config => config.daemon.address = "127.0.0.1:9");
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
             Frames(3);
-            var inspector = ScriptableObject.CreateInstance<SweepstakeManagerEditor>();
-            inspector.target = manager;
+            SweepstakeManagerEditor inspector = InspectorOf(manager);
             VisualElement root = inspector.CreateInspectorGUI();
             Assert.That(Texts(root), Has.Some.EqualTo("Offline (embedded)").And.Some.Contains("Decision: ").And.Some.EqualTo("Connect"));
             Call(inspector, "ToggleConnection");
             Assert.That(Texts(root), Has.Some.EqualTo("Disconnect"));
             Call(inspector, "ToggleConnection");
             Assert.That(Texts(root), Has.Some.EqualTo("Connect"));
+        }
+
+        [Test]
+        public void PriorsAreExportedOrTheReasonIsTold()
+        {
+            SweepstakeManager manager = MakeManager(config => config.daemon.address = "127.0.0.1:9");
+            SweepstakeManagerEditor inspector = InspectorOf(manager);
+            string path = Path.GetTempFileName();
+            EditorUtility.ChosenFile = path;
             Call(inspector, "Export");
+            Assert.That(File.ReadAllBytes(path), Is.EqualTo(manager.Decider.ExportPriors()));
+            EditorUtility.ChosenFile = Path.Combine(path, "priors.bytes");
+            Call(inspector, "Export");
+            Assert.That(EditorUtility.LastMessage, Does.Contain("not exported").And.Contain(path), "a file is no folder");
+            EditorUtility.ChosenFile = "";
+            File.Delete(path);
+
+            KillDecider(manager);
+            Call(inspector, "Export");
+            Assert.That(EditorUtility.LastMessage, Does.Contain("not exported").And.Contain(manager.Decider.Failure.Message));
+            manager.Connect();
+            Call(inspector, "Export");
+            Assert.That(EditorUtility.LastMessage, Does.Contain("A daemon keeps"));
+        }
+
+        private static SweepstakeManagerEditor InspectorOf(SweepstakeManager manager)
+        {
+            var inspector = ScriptableObject.CreateInstance<SweepstakeManagerEditor>();
+            inspector.target = manager;
+            return inspector;
         }
 
         [Test]

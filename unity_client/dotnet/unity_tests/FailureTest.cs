@@ -106,6 +106,22 @@ namespace Sweepstake.Tests
             Assert.That((manager.State, manager.Problem), Is.EqualTo((SweepstakeState.Embedded, "")), "the game decides itself again");
         }
 
+        [Test]
+        public void ADeciderWhoseThreadDiesIsToldUntilItBeginsAnew()
+        {
+            KillDecider(manager);
+            FramesUntil(() => manager.Problem.Contains("the decider has failed"), "told");
+            Assert.That(manager.Problem, Does.Contain(manager.Decider.Failure.Message).And.Contain("enable it"));
+            ulong frame = manager.LastSample.FrameIndex;
+            Frames(10);
+            Assert.That((manager.State, manager.LastSample.FrameIndex), Is.EqualTo((SweepstakeState.Embedded, frame + 10)));
+            Assert.That(Logged("error: "), Has.Exactly(1).Items);
+            manager.enabled = false;
+            manager.enabled = true;
+            Frames(1);
+            Assert.That((manager.Problem, manager.Decider.Failure), Is.EqualTo(("", (Exception)null)));
+        }
+
         private sealed class BrokenTransport : ITelemetryTransport, ITelemetryStream
         {
             private int disposed;

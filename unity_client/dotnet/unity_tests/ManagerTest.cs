@@ -42,7 +42,10 @@ namespace Sweepstake.Tests
         public void EachBackendIsSelectableWhileTheGamePlaysAndFindsTheSamePairs()
         {
             SweepstakeManager manager = MakeManager(mode: SessionMode.Manual, backend: "BruteForce");
-            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 300;
+            var player = manager.gameObject.AddComponent<ScenarioPlayer>();
+            player.ObjectCount = 300;
+            player.WorldHalfExtent = 12;
+            var boxes = new List<Aabb>();
             var changes = new List<string>();
             manager.BackendChanged += changes.Add;
             foreach (string backend in manager.Backends.Reverse())
@@ -50,6 +53,8 @@ namespace Sweepstake.Tests
                 manager.SelectBackend(backend);
                 Frames(2);
                 Assert.That(manager.ActiveBackend, Is.EqualTo(backend));
+                manager.Source.CopyBoxes(boxes);
+                Assert.That(Oracle.Sorted(manager.Session.Pairs), Is.EqualTo(Oracle.Pairs(boxes.ToArray())).And.Not.Empty);
             }
             Assert.That(changes, Is.EqualTo(manager.Backends.Reverse()));
             Assert.That(Assert.Throws<SweepstakeException>(() => manager.SelectBackend("Quadtree")).Message, Does.Contain("SAP"));

@@ -2,6 +2,7 @@ using System;
 using System.Collections.Generic;
 using System.Reflection;
 using NUnit.Framework;
+using Sweepstake.LowLevel;
 using Sweepstake.Unity;
 using UnityEngine;
 
@@ -46,6 +47,14 @@ namespace Sweepstake.Tests
 
         /// <summary>What the inspector would set.</summary>
         protected static void Set(object owner, string field, object value) => owner.GetType().GetField(field, Fields)!.SetValue(owner, value);
+
+        /// <summary>Takes from the decider's thread what it decides with, of which the thread dies.</summary>
+        protected static void KillDecider(SweepstakeManager manager)
+        {
+            lock (typeof(SessionWork).GetProperty("Gate", Fields)!.GetValue(manager.Decider)!)
+                Assert.That(NativeMethods.swp_session_detach_decider(manager.Session.Pointer), Is.EqualTo(ResultCode.Ok));
+            FramesUntil(() => manager.Decider.Failure != null, "dead");
+        }
 
         protected static void Frames(int count)
         {

@@ -1,4 +1,5 @@
 #nullable enable
+using System;
 using System.Collections.Generic;
 using System.IO;
 using System.Text;
@@ -105,15 +106,28 @@ namespace Sweepstake.Editor
         {
             if (Manager.Decider == null)
             {
-                EditorUtility.DisplayDialog("Sweepstake", "A daemon keeps what is learnt now; ask it by `sweepstake priors export`.", "OK");
+                Tell("A daemon keeps what is learnt now; ask it by `sweepstake priors export`.");
                 return;
             }
-            byte[] priors = Manager.Decider.ExportPriors();
+            try
+            {
+                Save(Manager.Decider.ExportPriors());
+            }
+            catch (Exception problem) when (problem is SweepstakeException || problem is IOException || problem is UnauthorizedAccessException)
+            {
+                Tell("The priors were not exported. " + problem.Message);
+            }
+        }
+
+        private static void Save(byte[] priors)
+        {
             string path = EditorUtility.SaveFilePanel("Export priors", "Assets", "priors", "bytes");
             if (path.Length == 0)
                 return;
             File.WriteAllBytes(path, priors);
             AssetDatabase.Refresh();
         }
+
+        private static void Tell(string problem) => EditorUtility.DisplayDialog("Sweepstake", problem, "OK");
     }
 }

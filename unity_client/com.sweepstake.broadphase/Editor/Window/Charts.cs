@@ -1,5 +1,7 @@
 #nullable enable
+using System;
 using System.Collections.Generic;
+using System.Linq;
 using UnityEngine;
 using UnityEngine.UIElements;
 
@@ -93,7 +95,7 @@ namespace Sweepstake.Editor
     internal sealed class BackendChart : Chart
     {
         private readonly VisualElement legend = new VisualElement();
-        private int namedCount = -1;
+        private string[] named = Array.Empty<string>();
 
         internal BackendChart()
             : base("Backend")
@@ -104,9 +106,9 @@ namespace Sweepstake.Editor
 
         internal void Name(IReadOnlyList<string> backends)
         {
-            if (backends.Count == namedCount)
+            if (backends.SequenceEqual(named))
                 return;
-            namedCount = backends.Count;
+            named = backends.ToArray();
             legend.Clear();
             for (int index = 0; index < backends.Count; ++index)
             {

@@ -126,8 +126,17 @@ namespace UnityEditor
 
     public sealed class EditorUtility
     {
-        public static bool DisplayDialog(string title, string message, string ok) => true;
-        public static string SaveFilePanel(string title, string directory, string defaultName, string extension) => "";
+        /// <summary>For tests: what was told last, and the file that is chosen.</summary>
+        public static string LastMessage { get; private set; } = "";
+        public static string ChosenFile { get; set; } = "";
+
+        public static bool DisplayDialog(string title, string message, string ok)
+        {
+            LastMessage = message;
+            return true;
+        }
+
+        public static string SaveFilePanel(string title, string directory, string defaultName, string extension) => ChosenFile;
     }
 
     public sealed class AssetDatabase

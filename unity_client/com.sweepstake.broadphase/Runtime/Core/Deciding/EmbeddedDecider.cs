@@ -74,13 +74,13 @@ namespace Sweepstake
         /// All records that it was given and what it has learnt since, for the next run's <see cref="DeciderOptions.PriorsData"/> or for
         /// `sweepstake priors import`. Ask before it is disposed of, which ends what it knows.
         /// </summary>
-        /// <exception cref="SweepstakeException">It has ended.</exception>
+        /// <exception cref="SweepstakeException">It has ended; if by itself, the message says why.</exception>
         public byte[] ExportPriors()
         {
             lock (Gate)
             {
                 if (IsClosed)
-                    throw new SweepstakeException(ResultCode.FailedPrecondition, "The decider has ended; export its priors before.");
+                    throw new SweepstakeException(ResultCode.FailedPrecondition, EndReason(), Failure);
                 ulong bytes;
                 ResultCode result = NativeMethods.swp_session_export_priors(Session.Pointer, null, 0, &bytes);
                 if (result != ResultCode.ResourceExhausted)
@@ -91,6 +91,10 @@ namespace Sweepstake
                 return priors;
             }
         }
+
+        private string EndReason() => Failure == null
+            ? "The decider has ended; export its priors before."
+            : "The decider has failed, and what it has learnt is lost; make another one. The failure: " + Failure.Message;
 
         private void Publish()
         {

@@ -20,7 +20,7 @@ namespace Sweepstake.Unity
     /// <summary>
     /// Lets the manager beside it search in the boxes of colliders: triggers without physics, and queries. It tells which boxes begin and
     /// cease to overlap, for the layers that meet by the collision matrix. Rigidbodies go on as before: PhysX has its own broad phase. What
-    /// is spawned later is to be registered, or found by <see cref="Scan"/>.
+    /// is spawned later is to be registered, or found by <see cref="Scan()"/>.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Collider Tracker")]
     [RequireComponent(typeof(SweepstakeManager))]
