@@ -195,15 +195,11 @@ namespace Sweepstake.Tests
         {
             var random = new System.Random(3);
             var boxes = new List<BoxCollider>();
-            var numbers = new Dictionary<Collider, int>();
-            var open = new HashSet<(int, int)>();
+            var open = new HashSet<(Collider, Collider)>();
             for (int frame = 0; frame < 60; ++frame)
             {
                 for (int made = 0; made < 5; ++made)
-                {
                     boxes.Add(Tracked(Place(random), random.Next(3), random.Next(4) == 0));
-                    numbers.Add(boxes[boxes.Count - 1], numbers.Count);
-                }
                 BoxCollider gone = boxes[random.Next(boxes.Count)];
                 boxes.Remove(gone);
                 if (frame % 2 == 0 || gone.gameObject.isStatic)
@@ -213,8 +209,8 @@ namespace Sweepstake.Tests
                 foreach (BoxCollider box in boxes.Where(box => !box.gameObject.isStatic))
                     box.transform.position = Place(random);
                 Frames(1);
-                Follow(open, numbers);
-                Assert.That(open.SetEquals(Overlapping(boxes, numbers)), Is.True, $"frame {frame}");
+                Follow(open);
+                Assert.That(open.SetEquals(Overlapping(boxes)), Is.True, $"frame {frame}");
             }
             Assert.That(tracker.Count, Is.EqualTo(boxes.Count));
         }
@@ -463,22 +459,17 @@ namespace Sweepstake.Tests
             return box;
         }
 
-        /// <summary>Changes the pairs that are open by those that were told, each of which begins before it ends.</summary>
-        private void Follow(HashSet<(int, int)> open, Dictionary<Collider, int> numbers)
+        /// <summary>Changes the open pairs, each both ways round, by those that were told.</summary>
+        private void Follow(HashSet<(Collider, Collider)> open)
         {
-            Assert.That(ended.All(pair => open.Remove(Ascending(numbers[pair.Item1], numbers[pair.Item2]))), Is.True);
-            Assert.That(began.All(pair => open.Add(Ascending(numbers[pair.Item1], numbers[pair.Item2]))), Is.True);
+            Assert.That(ended.All(pair => open.Remove(pair) && open.Remove((pair.Item2, pair.Item1))), Is.True);
+            Assert.That(began.All(pair => open.Add(pair) && open.Add((pair.Item2, pair.Item1))), Is.True);
             ended.Clear();
             began.Clear();
         }
 
-        private static IEnumerable<(int, int)> Overlapping(List<BoxCollider> boxes, Dictionary<Collider, int> numbers) =>
-            from a in boxes
-            from b in boxes
-            where numbers[a] < numbers[b] && Overlap(a, b) && !(a.gameObject.isStatic && b.gameObject.isStatic)
-            select (numbers[a], numbers[b]);
-
-        private static (int, int) Ascending(int a, int b) => a < b ? (a, b) : (b, a);
+        private static IEnumerable<(Collider, Collider)> Overlapping(List<BoxCollider> boxes) => boxes.SelectMany(a => boxes
+            .Where(b => a != b && Overlap(a, b) && !(a.gameObject.isStatic && b.gameObject.isStatic)).Select(b => ((Collider)a, (Collider)b)));
 
         private static bool Overlap(Collider a, Collider b)
         {
