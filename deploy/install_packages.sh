@@ -3,6 +3,12 @@
 # Does nothing, and needs no rights, when everything is there. Arguments: packages that are wanted besides; before them
 # --programs leaves out what only tests need.
 set -euo pipefail
+case ${1:-} in
+  -h | --help)
+    sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//p}' "$0"
+    exit 0
+    ;;
+esac
 
 packages=(
   build-essential cmake ninja-build ccache pkg-config git ca-certificates
@@ -52,5 +58,11 @@ if [ "$(id -u)" -ne 0 ]; then
   as_root=(sudo)
 fi
 echo "Installing ${#missing[@]} packages: ${missing[*]}" >&2
-"${as_root[@]}" apt-get update -q >&2
-"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >&2
+apt() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o Acquire::Retries=5 "$@" >&2; }
+# An archive in the middle of an update answers with lists that do not fit each other, or without a package of its own lists.
+for wait_s in 10 30 end; do
+  apt update && apt install -y --no-install-recommends "${missing[@]}" && break
+  [ "$wait_s" != end ] || exit 1
+  echo "Once more in $wait_s s." >&2
+  sleep "$wait_s"
+done

@@ -19,7 +19,7 @@ archive_of_highway() {
 private_apt() {
   local state=$1
   shift
-  apt-get -q -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none \
+  apt-get -q -o Acquire::Retries=5 -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none \
     -o Acquire::IndexTargets::deb::DEP-11::DefaultEnabled=false -o Dir::Etc::SourceList="$state/sources.list" \
     -o Dir::Etc::SourceParts=/dev/null -o Dir::State="$state" -o Dir::State::Lists="$state/lists" \
     -o Dir::State::Status=/dev/null -o Dir::Cache="$state/cache" "$@"
