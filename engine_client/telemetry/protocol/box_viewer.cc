@@ -50,7 +50,8 @@ void PutBox(const Aabb& box, const Aabb& bounds, std::string& bytes) {
     PutNumber(std::ceil((box.max[axis] - bounds.min[axis]) * scale[axis]), bytes);
 }
 
-// Sweeps along x until there are `max_pairs`.
+// Sweeps along x until there are `max_pairs`: a backend would find all, of which there are millions
+// where all boxes overlap.
 std::string PairsOf(const std::vector<Aabb>& boxes, size_t max_pairs) {
   std::vector<uint32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0U);
