@@ -12,9 +12,7 @@ namespace sweepstake::server {
 
 web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   web::ApiOptions options;
-  options.with_channel = [channel = rpc.in_process()](const auto& begin) {
-    return channel->Use(begin);
-  };
+  options.channel = rpc.own_channel();
   options.caller_key = rpc::kCallerKey;
   for (const rpc::Rpc& method : rpc::kRoleTable) options.methods.emplace_back(method.name);
   options.identify = [&rpc](const std::string& caller, std::optional<std::string_view> token) {

@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/rpc/common/own_connection.h"
 #include "server/rpc/connection_listener.h"
 #include "server/rpc/services/posterior_watcher.h"
 #include "server/rpc/services/session_watcher.h"
@@ -138,16 +139,10 @@ absl::Status RpcServer::Listen(const std::string& address) {
   SetLimits(builder, options_);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
   BindListener(builder, *credentials);
-  builder.RegisterService(&telemetry_);
-  builder.RegisterService(&posteriors_);
-  builder.RegisterService(&priors_);
-  builder.RegisterService(&audit_);
-  builder.RegisterService(&sessions_service_);
+  Register(builder);
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) return absl::UnavailableError("gRPC could not start its server");
-  grpc::ChannelArguments own_answers;
-  own_answers.SetMaxReceiveMessageSize(-1);
-  in_process_ = std::make_shared<InProcessChannel>(server_->InProcessChannel(own_answers));
+  if (absl::Status status = ServeOneself(); !status.ok()) return status;
   if (absl::Status status = listener_->Listen(address); !status.ok()) return status;
   port_ = listener_->port();
   last_beat_ns_ = loop_.clock().NowNs();
@@ -155,8 +150,29 @@ absl::Status RpcServer::Listen(const std::string& address) {
   return absl::OkStatus();
 }
 
+absl::Status RpcServer::ServeOneself() {
+  grpc::ServerBuilder builder;
+  builder.SetMaxReceiveMessageSize(static_cast<int>(kMaxMessageBytes));
+  builder.SetOption(std::make_unique<WithoutReflection>());
+  Register(builder);
+  own_server_ = builder.BuildAndStart();
+  if (own_server_ == nullptr) return absl::UnavailableError("gRPC could not start its own server");
+  auto channel = ConnectWithin(*own_server_);
+  if (channel.ok()) own_channel_ = *std::move(channel);
+  return channel.status();
+}
+
+void RpcServer::Register(grpc::ServerBuilder& builder) {
+  builder.RegisterService(&telemetry_);
+  builder.RegisterService(&posteriors_);
+  builder.RegisterService(&priors_);
+  builder.RegisterService(&audit_);
+  builder.RegisterService(&sessions_service_);
+}
+
 RpcServer::~RpcServer() {
   Drain(std::chrono::milliseconds(0));
+  own_server_.reset();
   server_.reset();
 }
 
@@ -244,9 +260,11 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     admin_.Retry();
   });
   listener_.reset();
-  in_process_->Close();
-  server_->Shutdown(std::chrono::system_clock::now() + patience);
-  server_->Wait();
+  for (grpc::Server* const server : {own_server_.get(), server_.get()}) {
+    if (server == nullptr) continue;
+    server->Shutdown(std::chrono::system_clock::now() + patience);
+    server->Wait();
+  }
   AwaitCommits(deadline);
 }
 

@@ -22,7 +22,6 @@
 #include "absl/status/statusor.h"
 #include "server/rpc/common/access_control.h"
 #include "server/rpc/common/decision_loop.h"
-#include "server/rpc/in_process_channel.h"
 #include "server/rpc/services/audit_service.h"
 #include "server/rpc/services/posteriors_service.h"
 #include "server/rpc/services/priors_service.h"
@@ -56,8 +55,9 @@ class RpcServer {
   void RecordAction(std::string action, std::string who) {
     admin_.Record(std::move(action), std::move(who));
   }
-  // Calls through it name in the metadata kCallerKey for whom they are. It may outlive the server.
-  const std::shared_ptr<InProcessChannel>& in_process() const { return in_process_; }
+  // Calls through it name in the metadata kCallerKey for whom they are. It may outlive the server,
+  // and then they are UNAVAILABLE.
+  const std::shared_ptr<grpc::Channel>& own_channel() const { return own_channel_; }
   // Who speaks HTTP, as AccessControl says. Any thread may ask.
   absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
                                                    std::optional<std::string_view> token) {
@@ -78,6 +78,9 @@ class RpcServer {
  private:
   RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store, spdlog::logger& log);
   absl::Status Listen(const std::string& address);
+  // Starts the services a second time, for the daemon itself.
+  absl::Status ServeOneself();
+  void Register(grpc::ServerBuilder& builder);
   // Makes the listener, whose connections the server of this builder will serve.
   void BindListener(grpc::ServerBuilder& builder,
                     const std::shared_ptr<grpc::ServerCredentials>& credentials);
@@ -113,12 +116,14 @@ class RpcServer {
   uint64_t lost_by_store_ = 0;            // audit rows that are counted; used on the loop
   uint64_t reported_lost_rows_ = 0;       // used on the loop
   int64_t next_loss_report_ns_ = 0;       // used on the loop
-  std::shared_ptr<InProcessChannel> in_process_;
+  std::shared_ptr<grpc::Channel> own_channel_;
   bool drained_ = false;  // used by Drain's caller
   // The loop is declared after everything that its tasks use, since its destructor runs the last
   // ones.
   DecisionLoop loop_;
   std::unique_ptr<grpc::Server> server_;
+  // Nobody but the daemon reaches it, so that no limit of a connection holds here.
+  std::unique_ptr<grpc::Server> own_server_;
   std::unique_ptr<ConnectionListener> listener_;
   int port_ = 0;
 };

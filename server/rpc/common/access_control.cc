@@ -11,12 +11,12 @@
 #include "server/decision/math/names.h"
 #include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
+#include "server/rpc/common/own_connection.h"
 
 namespace sweepstake::rpc {
 namespace {
 
 constexpr absl::string_view kScheme = "Bearer ";
-constexpr char kInProcess[] = "unknown";  // gRPC's name of the other end
 
 // Returns the call's token; absent if there is none, or more than one.
 std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
@@ -27,8 +27,8 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
   return value.substr(kScheme.size());
 }
 
-// Returns whether the daemon itself makes the call, over no connection.
-bool IsInProcess(const grpc::ServerContextBase& call) { return call.peer() == kInProcess; }
+// Returns whether the daemon itself makes the call.
+bool IsOwn(const grpc::ServerContextBase& call) { return call.peer().starts_with(kOwnPeer); }
 
 // Returns what a token is counted by, beside addresses.
 std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id); }
@@ -38,8 +38,7 @@ std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id)
 absl::StatusOr<auth::Principal> AccessControl::Authorize(const grpc::ServerContextBase& call,
                                                          Rpc rpc) {
   const std::string caller = CallerOf(call);
-  auto holder =
-      Identify(caller, TokenOf(call), IsInProcess(call) ? asks_over_http() : asks_for_tokens());
+  auto holder = Identify(caller, TokenOf(call), IsOwn(call) ? asks_over_http() : asks_for_tokens());
   if (holder.ok()) {
     const absl::Status allowed = CheckRole(*holder, net::AddressOf(caller), rpc);
     if (!allowed.ok()) holder = allowed;
@@ -202,7 +201,7 @@ absl::Status CheckProject(const auth::Principal& caller, std::string_view projec
 
 std::string CallerOf(const grpc::ServerContextBase& call) {
   const auto& metadata = call.client_metadata();
-  const auto found = IsInProcess(call) ? metadata.find(kCallerKey) : metadata.end();
+  const auto found = IsOwn(call) ? metadata.find(kCallerKey) : metadata.end();
   return found == metadata.end() ? call.peer()
                                  : std::string(found->second.data(), found->second.size());
 }

@@ -94,7 +94,7 @@ absl::Status UnknownMethod() {
 Api::Api(ApiOptions options, boost::asio::io_context& io)
     : options_(std::move(options)),
       methods_(options_.methods),
-      upstream_(options_.with_channel, options_.caller_key, io),
+      upstream_(options_.channel, options_.caller_key, io),
       topics_(io, upstream_, options_.events, *options_.event_counters) {}
 
 void Api::Handle(const std::shared_ptr<Exchange>& exchange) {

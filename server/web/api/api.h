@@ -28,9 +28,9 @@
 namespace sweepstake::web {
 
 struct ApiOptions {
-  WithChannel with_channel;          // to the daemon's services
-  std::string caller_key;            // the metadata that names for whom a call is made
-  std::vector<std::string> methods;  // those that may be called: "SERVICE/METHOD"
+  std::shared_ptr<grpc::Channel> channel;  // to the daemon's services
+  std::string caller_key;                  // the metadata that names for whom a call is made
+  std::vector<std::string> methods;        // those that may be called: "SERVICE/METHOD"
   // Returns whose token it is, or why it is nobody's. `caller` as UpstreamRequest::caller.
   std::function<absl::StatusOr<auth::Principal>(const std::string& caller,
                                                 std::optional<std::string_view> token)>

@@ -105,11 +105,7 @@ void Upstream::Start(const std::shared_ptr<Call>& call, UpstreamRequest request)
     const std::lock_guard lock(mutex_);
     calls_.insert(call.get());
   }
-  const bool begun =
-      with_channel_([&](const auto& channel) { call->Start(channel, std::move(request)); });
-  if (begun) return;
-  Remove(call.get());
-  call->End(absl::UnavailableError("the daemon is going away; try again"));
+  call->Start(channel_, std::move(request));
 }
 
 void Upstream::Remove(Call* call) {

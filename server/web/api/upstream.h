@@ -1,9 +1,7 @@
 // Calls of the daemon's own services, in its process, on behalf of those who speak HTTP. What is
 // called and how it ends is told on the thread of the HTTP server.
 //
-// gRPC's threads only hand over what comes; a stream is read as fast as its owner asks. In process,
-// gRPC 1.51 loses the details of about one in a hundred streams that the daemon ends: their code
-// and message come, and the reason is empty.
+// gRPC's threads only hand over what comes; a stream is read as fast as its owner asks.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -29,11 +27,6 @@ struct UpstreamRequest {
   std::string caller;                // for whom, as gRPC names the other end
   std::optional<std::string> token;  // printable ASCII
 };
-
-// Has a call begun with a channel to the services. Returns false, and does nothing, if there is
-// none any more.
-using WithChannel =
-    std::function<bool(const std::function<void(const std::shared_ptr<grpc::Channel>&)>& begin)>;
 
 class Upstream {
  public:
@@ -61,8 +54,9 @@ class Upstream {
 
   // `caller_key` is the metadata that names the caller. The context must outlive this object, and
   // its thread must have ended when this object does, which ends all calls.
-  Upstream(WithChannel with_channel, std::string caller_key, boost::asio::io_context& io)
-      : with_channel_(std::move(with_channel)), caller_key_(std::move(caller_key)), io_(io) {}
+  Upstream(std::shared_ptr<grpc::Channel> channel, std::string caller_key,
+           boost::asio::io_context& io)
+      : channel_(std::move(channel)), caller_key_(std::move(caller_key)), io_(io) {}
   ~Upstream();
 
   // Calls a method with one answer.
@@ -75,7 +69,7 @@ class Upstream {
   void Start(const std::shared_ptr<Call>& call, UpstreamRequest request);
   void Remove(Call* call);
 
-  const WithChannel with_channel_;
+  const std::shared_ptr<grpc::Channel> channel_;
   const std::string caller_key_;
   boost::asio::io_context& io_;
   std::mutex mutex_;  // guards what follows

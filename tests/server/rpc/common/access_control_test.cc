@@ -343,7 +343,9 @@ TEST_F(AccessTest, AnImportWhoseTokenIsRevokedAfterItsLastMessageIsRefused) {
   const auto context = Mine();
   v1::ImportPriorsResponse response;
   const auto writer = stub->ImportPriors(context.get(), &response);
-  ASSERT_TRUE(Eventually([&] { return ReasonOf(Import({})) == v1::ERROR_REASON_TOO_MANY_IMPORTS; }))
+  // One refusal may be due to the import before it, which is counted until gRPC is done with it.
+  const auto refused = [&] { return ReasonOf(Import({})) == v1::ERROR_REASON_TOO_MANY_IMPORTS; };
+  ASSERT_TRUE(Eventually([&] { return refused() && refused() && refused(); }))
       << "it has begun, and waits for a message or the end";
   tokens_.Revoke("mine");
   writer->WritesDone();
@@ -472,12 +474,10 @@ TEST_F(AccessTest, ForWhomTheHttpSideCallsIsTakenFromItAlone) {
   }
   EXPECT_EQ(list(channel_, "ipv4:192.0.2.99:1"), v1::ERROR_REASON_TOO_MANY_FAILURES)
       << "over a connection it counts for nothing";
-  std::shared_ptr<grpc::Channel> in_process;
-  ASSERT_TRUE(server_->in_process()->Use([&](const auto& channel) { in_process = channel; }));
   for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i)
-    EXPECT_EQ(list(in_process, "ipv4:192.0.2.7:1"), v1::ERROR_REASON_TOKEN_REFUSED);
-  EXPECT_EQ(list(in_process, "ipv4:192.0.2.7:2"), v1::ERROR_REASON_TOO_MANY_FAILURES);
-  EXPECT_EQ(list(in_process, "ipv4:192.0.2.8:1"), v1::ERROR_REASON_TOKEN_REFUSED)
+    EXPECT_EQ(list(server_->own_channel(), "ipv4:192.0.2.7:1"), v1::ERROR_REASON_TOKEN_REFUSED);
+  EXPECT_EQ(list(server_->own_channel(), "ipv4:192.0.2.7:2"), v1::ERROR_REASON_TOO_MANY_FAILURES);
+  EXPECT_EQ(list(server_->own_channel(), "ipv4:192.0.2.8:1"), v1::ERROR_REASON_TOKEN_REFUSED)
       << "others have a count of their own";
   EXPECT_THAT(logged_->text(), ::testing::Not(HasSubstr("192.0.2.99")));
 }
