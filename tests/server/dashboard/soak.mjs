@@ -37,7 +37,7 @@ const framesPerSecond = (page, ms) => page.evaluate((duration) => new Promise((r
 async function soak() {
   const page = await openPage(await browser.newContext({ viewport: { width: 1440, height: 900 } }), daemon.origin);
   const session = await page.context().newCDPSession(page);
-  await until('all scenes are there', async () => (await page.locator('.count').innerText()).startsWith('1,000'));
+  await until('all scenes are there', async () => (await page.locator('main').innerText()).includes('Scenes: 1,000'));
   await page.locator('.scroll tbody tr').nth(3).hover();
   const names = () => page.locator('.scroll tbody th').allInnerTexts();
   const order = (await names()).slice(0, 10).join('\n');

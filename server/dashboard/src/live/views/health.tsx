@@ -1,5 +1,4 @@
 // How the daemon itself does: what it checks, and the figures that tell an operator early.
-import type { ComponentChildren } from 'preact';
 import { useEffect } from 'preact/hooks';
 import { bytes, grouped, significant } from '../../format';
 import { Chip } from '../parts/chips';
@@ -16,7 +15,7 @@ const WINDOW = 30;  // samples that rates and quantiles are of: a minute
 // What changes from sample to sample, as a figure and as its curve.
 interface Row {
   name: string;
-  value: ComponentChildren;
+  value: string;
   curve?: readonly number[];
   isBad?: boolean;
   hint?: string;
@@ -42,11 +41,13 @@ function gauge(name: string, all: readonly Sample[], read: Reader, text: (value:
   return { name, value: value === undefined ? '–' : text(value), curve, ...more };
 }
 
-function rate(name: string, all: readonly Sample[], read: Reader, more: Partial<Row> = {}): Row {
+const perSecond = (value: number) => `${significant(value)} /s`;
+
+function rate(name: string, all: readonly Sample[], read: Reader, text = perSecond, more: Partial<Row> = {}): Row {
   const curve = ratesOf(all, read);
   const lately = curve.slice(-WINDOW);
   const value = lately.length ? lately.reduce((sum, each) => sum + each, 0) / lately.length : undefined;
-  return { name, value: value === undefined ? '–' : `${significant(value)} /s`, curve, ...more };
+  return { name, value: value === undefined ? '–' : text(value), curve, ...more };
 }
 
 function seconds(value: number | undefined): string {
@@ -122,7 +123,7 @@ function processRows(all: readonly Sample[]): Row[] {
   return [
     { name: 'Version', value: account.value?.version || labelOf([...metrics.get('sweepstake_build_info')?.keys() ?? []][0] ?? '', 'version') || '–' },
     { name: 'Up', value: started ? duration(now.value - started * 1000) : '–' },
-    rate('Processor', all, named('process_cpu_seconds_total'), { hint: 'Seconds of processor time in a second' }),
+    rate('Processor', all, named('process_cpu_seconds_total'), (cores) => `${significant(100 * cores, 2)} % of a core`),
     gauge('Memory', all, named('process_resident_memory_bytes'), bytes),
     gauge('Open files', all, named('process_open_fds'), (value) => `${count(value)} of ${count(valueOf(metrics, 'process_max_fds') ?? NaN)}`),
     ...(expires ? [{ name: 'Certificate expires', value: timeText(expires * 1000), isBad: expires * 1000 < now.value }] : []),
@@ -149,6 +150,9 @@ function refusalRows(all: readonly Sample[]): Row[] {
   ];
 }
 
+// Lines break between figures, not between a figure and its unit.
+const glued = (text: string) => text.replaceAll(/(?<=[\d≤>]) (?=[\dA-Za-z/%])/g, '\u00a0');
+
 function Rows({ heading, rows, empty }: { heading: string; rows: readonly Row[]; empty?: string }) {
   return (
     <section class="card">
@@ -160,7 +164,7 @@ function Rows({ heading, rows, empty }: { heading: string; rows: readonly Row[];
             {rows.map(({ name, value, curve, isBad, hint }) => (
               <tr key={name} class={isBad ? 'bad' : undefined} title={hint}>
                 <th scope="row">{name}</th>
-                <td>{isBad && <span aria-hidden="true">▲ </span>}{value}</td>
+                <td>{isBad && <span aria-hidden="true">▲ </span>}{glued(value)}</td>
                 <td class="curve">{curve && curve.length > 1 && <Sparkline values={curve} low={0} />}</td>
               </tr>
             ))}

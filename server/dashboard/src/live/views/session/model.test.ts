@@ -39,6 +39,8 @@ describe('what frames cost', () => {
     expect(columns.frame[0]!.filter((value) => value !== null).length).toBeGreaterThan(20);
     expect(columns.checks).toContain(55_680);
     expect(columns.objects).toContain(300);
+    const told = columns.objects.findIndex((value) => value !== null);
+    expect(columns.objects.slice(told).every((value) => value !== null), 'a count holds until the next').toBe(true);
     expect(new Set(columns.frame.map(({ length }) => length))).toEqual(new Set([columns.timesMs.length]));
   });
 

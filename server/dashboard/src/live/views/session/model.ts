@@ -82,6 +82,12 @@ const orNull = (value: number | undefined) => (value === undefined || Number.isN
 const withPercentiles = (own: (number | null)[], all: readonly (Percentiles | undefined)[]) =>
   [own, ...[0, 1, 2].map((place) => all.map((each) => orNull(each?.[place])))];
 
+// What is told now and then counts until it is told again.
+function held(values: (number | null)[]): (number | null)[] {
+  let latest: number | null = null;
+  return values.map((value) => (latest = value ?? latest));
+}
+
 export function costColumns(all: readonly Measured[]): CostColumns {
   const worst = (each: Measured) => orNull(each.frameMs?.[2] ?? each.window?.frameMs);
   const slowest = (each: Measured) => orNull(each.detectionMs?.[2] ?? each.window?.detectionMs);
@@ -93,7 +99,7 @@ export function costColumns(all: readonly Measured[]): CostColumns {
     detection: withPercentiles(means(({ window }) => window?.detectionMs), kept.map(({ detectionMs }) => detectionMs)),
     bytes: withPercentiles(means(({ window }) => window?.nativeBytes), kept.map(({ nativeBytes }) => nativeBytes)),
     checks: means(({ window }) => window?.checkCount),
-    objects: means(({ objectCount }) => objectCount),
+    objects: held(means(({ objectCount }) => objectCount)),
   };
 }
 
