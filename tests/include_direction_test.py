@@ -74,6 +74,7 @@ PUBLIC_HEADERS = {
     "names/begin.h": "engine_client/broad_phase",
     "names/end.h": "engine_client/broad_phase",
     "pair_buffer.h": "engine_client/broad_phase",
+    "machine_class.h": "engine_client/broad_phase",
     "simd.h": "engine_client/broad_phase",
     "pair_sorter.h": "engine_client/broad_phase",
     "proxy_set.h": "engine_client/broad_phase",
@@ -109,8 +110,9 @@ ROOM_ORDER = {
 PLATFORM_FOLDERS = {
     "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/cli", "server", "server/auth", "server/net", "server/priors", "server/storage",
     "server/tls", "server/watch", "server/rpc", "server/web"}
-# The names of threads are the system's alone; where it has none, this file does nothing.
-PLATFORM_FILES = {"engine_client/broad_phase/host/threads.cc", "engine_client/broad_phase/host/usable_cores.cc"}
+# What the system alone knows: names of threads, cores, the processor and the memory. Where it does not tell, these do nothing.
+PLATFORM_FILES = {
+    "engine_client/broad_phase/host/" + name for name in ("machine_class.cc", "processor_name.cc", "threads.cc", "usable_cores.cc")}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")

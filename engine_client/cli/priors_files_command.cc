@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine_client/cli/commands.h"
-#include "engine_client/cli/game/machine_class.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/priors/priors_diff.h"
 #include "engine_client/cli/priors/priors_doctor.h"
@@ -17,6 +16,7 @@
 #include "server/decision/policy/log_cost.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/embedded_decider.h"
+#include "sweepstake/machine_class.h"
 
 namespace sweepstake::cli {
 namespace {

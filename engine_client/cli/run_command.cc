@@ -9,7 +9,6 @@
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/game_run.h"
-#include "engine_client/cli/game/machine_class.h"
 #include "engine_client/cli/game/run_report.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/duration.h"
@@ -19,6 +18,7 @@
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/telemetry/daemon_session.h"
 #include "server/audit/audit_log.h"
+#include "sweepstake/machine_class.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake::cli {

@@ -6,9 +6,9 @@
 #include <system_error>
 
 #include "engine_client/cli/game/machine.h"
-#include "engine_client/cli/game/machine_class.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "server/decision/options.h"
+#include "sweepstake/machine_class.h"
 
 namespace sweepstake::cli {
 

@@ -4,10 +4,10 @@
 #include <sys/utsname.h>
 
 #include <ctime>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "engine_client/broad_phase/host/processor_name.h"
 #include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
@@ -21,16 +21,6 @@ std::string DateUtc() {
     (void)std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
   }
   return text;
-}
-
-// Returns the processor's name as Linux reports it, or "unknown" on other systems.
-std::string CpuName() {
-  std::ifstream cpus("/proc/cpuinfo");
-  for (std::string line; std::getline(cpus, line);) {
-    const size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown";
 }
 
 std::string SystemName() {
@@ -55,7 +45,7 @@ Machine DescribeMachine() {
   Machine machine;
   machine.date_utc = DateUtc();
   machine.program = SWEEPSTAKE_VERSION;
-  machine.cpu = CpuName();
+  machine.cpu = ProcessorName();
   machine.core_count = std::thread::hardware_concurrency();
   machine.system = SystemName();
   machine.compiler = CompilerName();

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "engine_client/cli/game/machine_class.h"
 #include "engine_client/cli/trace/trace_pass.h"
+#include "sweepstake/machine_class.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -30,7 +30,7 @@ typedef struct swp_decider_options {
   const char* policy;        /* NULL: the default */
   const char* project;       /* NULL: "default" */
   const char* scene;         /* NULL: "default" */
-  const char* machine_class; /* NULL: unknown */
+  const char* machine_class; /* NULL: detected from processor, threads and memory */
   const char* build;         /* of the game; priors of others count less. NULL: unknown */
   /* Under what name swp_session_export_priors gives what is learnt. A game that keeps a name per
    * installation has records that grow from run to run. If it loses its save, it needs a new name

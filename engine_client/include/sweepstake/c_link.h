@@ -49,7 +49,7 @@ typedef struct swp_link_options {
   const char* project;            /* NULL: "default" */
   const char* scene;              /* NULL: "default" */
   const char* build;              /* NULL: unknown */
-  const char* machine_class;      /* NULL: unknown */
+  const char* machine_class;      /* NULL: detected from processor, threads and memory */
   const char* policy;             /* NULL: the daemon's default */
   uint64_t seed;                  /* 0: the daemon chooses */
   double time_scale;          /* 1 to 1000; above 1 a daemon refuses unless it is set to allow it */

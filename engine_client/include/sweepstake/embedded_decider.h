@@ -84,8 +84,8 @@ struct EmbeddedOptions {
   // The priors are stored by project, scene, machine class and backend version.
   std::string project = "default";
   std::string scene = "default";
-  std::string machine_class;
-  std::string build;  // of the game; what others taught counts less. Empty: unknown
+  std::string machine_class;  // machines whose timings compare; empty: MachineClass() says it
+  std::string build;          // of the game; what others taught counts less. Empty: unknown
   // Priors to start from, as `sweepstake priors export` and ExportPriors write them: the path of a
   // file (in UTF-8), their text, or both, for example those that came with the game and those that
   // it saved. They are united; of evidence that is in both, the later counts. Empty: Beta(1,1).

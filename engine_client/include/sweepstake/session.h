@@ -89,7 +89,7 @@ struct SessionOptions {
   std::string project = "default";
   std::string scene = "default";
   std::string build;          // empty: unknown
-  std::string machine_class;  // empty: unknown
+  std::string machine_class;  // machines whose timings compare; empty: MachineClass() says it
   std::string policy;         // empty: the decider's default
   double time_scale = 1;      // 1–1000; above 1 a daemon refuses unless it is set to allow it
   bool ignore_priors = false;

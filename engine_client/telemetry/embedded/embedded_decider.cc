@@ -18,6 +18,7 @@
 #include "server/decision/session/arm_runs.h"
 #include "server/decision/session/decision_session.h"
 #include "server/decision/session/policy_registry.h"
+#include "sweepstake/machine_class.h"
 
 namespace sweepstake {
 namespace {
@@ -95,13 +96,17 @@ Result<std::vector<PriorRecord>> ReadPriors(const EmbeddedOptions& options) {
   return Unite(std::move(records), std::move(*parsed));
 }
 
+std::string MachineClassOf(const EmbeddedOptions& options) {
+  return options.machine_class.empty() ? MachineClass() : options.machine_class;
+}
+
 EvidenceLedger MakeLedger(std::vector<PriorRecord> records, const EmbeddedOptions& options,
                           const decision::PolicyKind& policy, std::span<const std::string> arms,
                           std::span<const uint32_t> arm_versions) {
   EvidenceLedger::Key key{
       .project = options.project,
       .scene = options.scene,
-      .machine_class = options.machine_class,
+      .machine_class = MachineClassOf(options),
       .reward_version = policy.reward_version,
       .source_id = options.source_id.empty() ? NewSourceId() : options.source_id,
       .build = options.build,
@@ -125,7 +130,7 @@ decision::AuditOrigin OriginOf(const EmbeddedOptions& options, std::span<const u
           .segment = 1,
           .project = options.project,
           .scene = options.scene,
-          .machine_class = options.machine_class,
+          .machine_class = MachineClassOf(options),
           .program_version = SWEEPSTAKE_VERSION,
           .backend_versions = {versions.begin(), versions.end()},
           .unix_start_ms = 0};
@@ -278,7 +283,7 @@ Result<std::string> EmbeddedDecider::ArmOfPriors(const EmbeddedOptions& options,
   if (best) return arms[*best];
   return Status(StatusCode::kNotFound,
                 "the priors say nothing of scene \"" + options.scene + "\" of project \"" +
-                    options.project + "\" on machine class \"" + options.machine_class +
+                    options.project + "\" on machine class \"" + MachineClassOf(options) +
                     "\" with these arms; sweepstake priors export writes those of a daemon");
 }
 

@@ -49,17 +49,16 @@ EvidenceLedger::EvidenceLedger(std::vector<PriorRecord> given, Key key,
 }
 
 bool EvidenceLedger::Applies(const PriorRecord& record, size_t arm) const {
-  return record.project == key_.project && record.machine_class == key_.machine_class &&
-         record.reward_version == key_.reward_version && record.arm == arms_[arm] &&
-         record.backend_version == arm_versions_[arm];
+  return record.project == key_.project && record.reward_version == key_.reward_version &&
+         record.arm == arms_[arm] && record.backend_version == arm_versions_[arm];
 }
 
-std::map<std::string, EvidenceLedger::Scene> EvidenceLedger::ScenesOfProject() const {
-  std::map<std::string, Scene> scenes;
+EvidenceLedger::Scenes EvidenceLedger::ScenesOfProject() const {
+  Scenes scenes;
   for (const PriorRecord& record : records_) {
     for (size_t arm = 0; arm < arms_.size(); ++arm) {
       if (!Applies(record, arm)) continue;
-      Scene& scene = scenes[record.scene];
+      Scene& scene = scenes[{record.scene, record.machine_class}];
       scene.arms.resize(arms_.size());
       scene.sources.insert(record.source_id);
       sweepstake::Add(record, scene.arms[arm]);
@@ -115,25 +114,30 @@ void EvidenceLedger::TakeSources() {
   prior_source_count_ = sources.size();
 }
 
-void EvidenceLedger::TakeOtherScenes(const std::map<std::string, Scene>& scenes) {
+// Those of this machine class, or of all classes where it has none.
+void EvidenceLedger::TakeOtherScenes(const Scenes& scenes) {
+  const auto is_of_class = [&](const auto& named) {
+    return named.first.first != key_.scene && named.first.second == key_.machine_class;
+  };
+  const bool takes_all = std::none_of(scenes.begin(), scenes.end(), is_of_class);
   std::vector<std::vector<decision::EvidenceSum>> others;
   uint64_t source_count = 0;
-  for (const auto& [name, scene] : scenes) {
-    if (name == key_.scene) continue;
-    others.push_back(decision::PoolEvidence(scene.arms));
-    source_count += scene.sources.size();
+  for (const auto& named : scenes) {
+    if (named.first.first == key_.scene || !(takes_all || is_of_class(named))) continue;
+    others.push_back(decision::PoolEvidence(named.second.arms));
+    source_count += named.second.sources.size();
   }
   given_ = decision::WithOtherScenes(std::move(given_), others);
   if (prior_source_count_ == 0) prior_source_count_ = source_count;
 }
 
 void EvidenceLedger::TakeGiven() {
-  const std::map<std::string, Scene> scenes = ScenesOfProject();
+  const Scenes scenes = ScenesOfProject();
   given_.resize(arms_.size());
   if (key_.compares_sources) {
     TakeSources();
     TakeOtherScenes(scenes);
-  } else if (const auto own = scenes.find(key_.scene); own != scenes.end()) {
+  } else if (const auto own = scenes.find({key_.scene, key_.machine_class}); own != scenes.end()) {
     given_ = decision::PoolEvidence(own->second.arms);
     prior_source_count_ = own->second.sources.size();
   }
@@ -164,7 +168,8 @@ void EvidenceLedger::Add(const decision::Increment& increment, std::string_view 
 PriorRecord& EvidenceLedger::OwnRecord(size_t arm, std::string_view measured_by) {
   const auto found = std::find_if(records_.begin(), records_.end(), [&](const PriorRecord& record) {
     return record.source_id == key_.source_id && record.measured_by == measured_by &&
-           record.scene == key_.scene && Applies(record, arm);
+           record.scene == key_.scene && record.machine_class == key_.machine_class &&
+           Applies(record, arm);
   });
   if (found != records_.end()) return *found;
   PriorRecord& record = records_.emplace_back();

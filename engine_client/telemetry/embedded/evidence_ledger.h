@@ -64,6 +64,7 @@ class EvidenceLedger {
     std::vector<decision::ArmEvidence> arms;
     std::set<std::string> sources;
   };
+  using Scenes = std::map<std::pair<std::string, std::string>, Scene>;  // by name and class
 
   // One source's evidence of the scene on one class of machines.
   struct Source {
@@ -73,12 +74,12 @@ class EvidenceLedger {
   };
   using Sources = std::map<std::pair<std::string, std::string>, Source>;  // by id and class
 
-  std::map<std::string, Scene> ScenesOfProject() const;
+  Scenes ScenesOfProject() const;
   Sources SourcesOfScene() const;
   // Fills in what the sources of the scene say.
   void TakeSources();
   // Fills in what the project's other scenes have in common.
-  void TakeOtherScenes(const std::map<std::string, Scene>& scenes);
+  void TakeOtherScenes(const Scenes& scenes);
   void TakeGiven();
   bool Applies(const PriorRecord& record, size_t arm) const;
   void Add(const decision::Increment& increment, std::string_view measured_by);

@@ -8,6 +8,7 @@
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/protocol/wire.h"
 #include "server/decision/math/names.h"
+#include "sweepstake/machine_class.h"
 
 namespace sweepstake {
 namespace {
@@ -48,7 +49,7 @@ protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhas
   hello.project = options.project;
   hello.scene = options.scene;
   hello.build = options.build;
-  hello.machine_class = options.machine_class;
+  hello.machine_class = options.machine_class.empty() ? MachineClass() : options.machine_class;
   for (size_t arm = 0; arm < adaptive.arms().size(); ++arm)
     hello.arms.push_back(
         {.name = adaptive.arms()[arm], .backend_version = adaptive.arm_versions()[arm]});

@@ -167,33 +167,41 @@ absl::Status AddSums(priors::PriorReader& store, const v1::Hello& hello, StoredS
   return absl::OkStatus();
 }
 
-// Fills in what the project's other scenes of this machine class say of arms of which the scene's
-// evidence says nothing.
+// Fills in what the project's other scenes say of arms of which the scene's evidence says nothing:
+// those of this machine class, or of all classes where it has none.
 absl::Status AddOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
                             StoredStart& start) {
   const priors::SceneKey scene = FromProto(hello);
-  std::vector<std::vector<decision::EvidenceSum>> others;
-  uint64_t source_count = 0;
+  struct Others {
+    std::vector<std::vector<decision::EvidenceSum>> scenes;
+    uint64_t source_count = 0;
+  };
+  Others of_class;
+  Others of_all;
   std::optional<priors::SceneKey> after;
-  for (int page = 0; page < kMaxOtherPages && others.size() < kMaxOtherScenes; ++page) {
+  for (int page = 0; page < kMaxOtherPages && of_class.scenes.size() < kMaxOtherScenes; ++page) {
     auto listed = store.List({.project = scene.project, .scene = {}}, after, kMaxOtherScenes);
     if (!listed.ok()) return listed.status();
     if (listed->empty()) break;
     after = listed->back().key;
     for (const priors::SceneEvidence& other : *listed) {
-      if (other.key.machine_class != scene.machine_class || other.key.scene == scene.scene ||
-          other.key.reward_version != scene.reward_version)
+      if (other.key.scene == scene.scene || other.key.reward_version != scene.reward_version)
         continue;
-      source_count += other.source_count;
-      others.push_back(PooledFor(hello, other));
+      const bool is_of_class = other.key.machine_class == scene.machine_class;
+      for (Others* const others : {&of_all, is_of_class ? &of_class : nullptr}) {
+        if (others == nullptr) continue;
+        others->source_count += other.source_count;
+        others->scenes.push_back(PooledFor(hello, other));
+      }
     }
   }
-  start.priors = decision::WithOtherScenes(std::move(start.priors), others);
-  if (!others.empty())
+  const Others& others = of_class.scenes.empty() ? of_all : of_class;
+  start.priors = decision::WithOtherScenes(std::move(start.priors), others.scenes);
+  if (!others.scenes.empty())
     start.prior_sources.push_back(
-        absl::StrCat("what ", others.size(), " other scenes have in common"));
+        absl::StrCat("what ", others.scenes.size(), " other scenes have in common"));
   if (start.prior_source_count == 0 && decision::IsAnythingKnown(start.priors))
-    start.prior_source_count = source_count;
+    start.prior_source_count = others.source_count;
   return absl::OkStatus();
 }
 

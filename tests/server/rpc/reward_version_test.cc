@@ -165,7 +165,6 @@ TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
 
   for (const auto& change : std::vector<std::function<void(v1::Hello&)>>{
            [](v1::Hello& other) { other.set_project("other"); },
-           [](v1::Hello& other) { other.set_machine_class("phone"); },
            [](v1::Hello& other) { other.set_policy("calibrated"); },
            [](v1::Hello& other) { other.set_ignore_priors(true); }}) {
     v1::Hello other = hello;
@@ -175,6 +174,15 @@ TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
     EXPECT_EQ(welcome.prior_source_count(), 0u);
     EXPECT_EQ(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)));
   }
+}
+
+TEST_F(RewardVersionTest, ANewSceneOfANewClassOfMachinesBeginsWithThoseOfTheOthers) {
+  v1::Hello hello = LearnInTheLane();
+  hello.set_scene("desert");
+  hello.set_machine_class("phone");
+  const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
+  EXPECT_EQ(welcome.prior_source_count(), 1u);
+  EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02);
 }
 
 TEST_F(RewardVersionTest, PoliciesOfOneVersionShareTheirEvidence) {

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/cli/game/machine_class.h"
 #include "engine_client/telemetry/embedded/priors_file.h"
 #include "engine_client/telemetry/embedded/priors_sums.h"
 #include "server/decision/policy/log_cost.h"
 #include "sweepstake/broad_phase.h"
+#include "sweepstake/machine_class.h"
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/support/temporary_directory.h"
 

@@ -4,6 +4,7 @@
 
 #include "engine_client/telemetry/embedded/priors_file.h"
 #include "sweepstake/embedded_decider.h"
+#include "sweepstake/machine_class.h"
 
 namespace sweepstake {
 namespace {
@@ -14,11 +15,12 @@ const std::vector<std::string> kArms = {"SAP", "DBVT", "KDTree"};
 const std::vector<uint32_t> kVersions = {1, 1, 2};
 
 // The lane's visits of the arms from this one on, each of which costs less than the one before it.
-std::string Visits(size_t first_arm = 0) {
+std::string Visits(size_t first_arm = 0, const std::string& machine_class = MachineClass()) {
   std::vector<PriorRecord> records;
   for (size_t arm = first_arm; arm < kArms.size(); ++arm) {
     PriorRecord& record = records.emplace_back();
     record.project = record.scene = "default";
+    record.machine_class = machine_class;
     record.measured_by = "lane";
     record.arm = kArms[arm];
     record.backend_version = kVersions[arm];
@@ -31,15 +33,17 @@ std::string Visits(size_t first_arm = 0) {
   return FormatPriors(records);
 }
 
-TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedAndInANewSceneToo) {
+TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedInANewSceneAndOnAnotherMachineToo) {
   EmbeddedOptions options;
-  options.priors_data = Visits();
-  for (const char* scene : {"default", "a new one"}) {
-    options.scene = scene;
-    for (options.seed = 1; options.seed <= 3; ++options.seed) {
-      const auto arm = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
-      ASSERT_TRUE(arm.ok()) << arm.status().message();
-      EXPECT_EQ(*arm, "KDTree");
+  for (const std::string& priors : {Visits(), Visits(0, "of the studio")}) {
+    options.priors_data = priors;
+    for (const char* scene : {"default", "a new one"}) {
+      options.scene = scene;
+      for (options.seed = 1; options.seed <= 3; ++options.seed) {
+        const auto arm = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
+        ASSERT_TRUE(arm.ok()) << arm.status().message();
+        EXPECT_EQ(*arm, "KDTree");
+      }
     }
   }
 }

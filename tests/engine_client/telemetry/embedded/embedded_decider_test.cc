@@ -9,6 +9,7 @@
 #include "engine_client/telemetry/embedded/priors_file.h"
 #include "server/decision/options.h"
 #include "server/decision/types.h"
+#include "sweepstake/machine_class.h"
 
 namespace sweepstake {
 namespace {
@@ -258,6 +259,7 @@ class EmbeddedDeciderPriors : public ::testing::Test {
   static PriorRecord RecordOf(const std::string& arm, uint32_t version, const std::string& source) {
     PriorRecord record;
     record.project = record.scene = "default";
+    record.machine_class = MachineClass();
     record.arm = arm;
     record.backend_version = version;
     record.reward_version = 1;

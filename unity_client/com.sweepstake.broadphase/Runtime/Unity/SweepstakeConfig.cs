@@ -152,7 +152,7 @@ namespace Sweepstake.Unity
         public string tokenFile = "";
         [Tooltip("The build of the game, to compare builds. Empty: the version of the player settings.")]
         public string build = "";
-        [Tooltip("Class of machine whose timings are comparable, such as 'desktop'. Empty: unknown.")]
+        [Tooltip("Class of machine whose timings are comparable, such as 'desktop'. Empty: processor, threads, instruction set and memory.")]
         public string machineClass = "";
         [Tooltip("Operators of the daemon may choose mode and backend. Not in a game that players get.")]
         public bool allowsOperatorOrders = false;

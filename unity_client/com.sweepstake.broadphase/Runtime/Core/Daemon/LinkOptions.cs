@@ -28,7 +28,7 @@ namespace Sweepstake
         public string? Scene { get; set; }
         /// <summary>Null: unknown.</summary>
         public string? Build { get; set; }
-        /// <summary>Class of machine whose timings are comparable. Null: unknown.</summary>
+        /// <summary>Class of machine whose timings are comparable. Null: processor, threads, instruction set and memory.</summary>
         public string? MachineClass { get; set; }
         /// <summary>Null: the daemon's default.</summary>
         public string? Policy { get; set; }

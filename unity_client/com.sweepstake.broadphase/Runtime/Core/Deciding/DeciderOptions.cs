@@ -23,7 +23,7 @@ namespace Sweepstake
         public string? Project { get; set; }
         /// <summary>Null: "default".</summary>
         public string? Scene { get; set; }
-        /// <summary>Null: unknown.</summary>
+        /// <summary>Null: processor, threads, instruction set and memory.</summary>
         public string? MachineClass { get; set; }
         /// <summary>Of the game; priors of other builds count less. Null: unknown.</summary>
         public string? Build { get; set; }
