@@ -8,7 +8,7 @@
     storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
     net, auth <- rpc, web, which do not know one another, <- daemon; dashboard <- web
 
-Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
+Within the decision core: math <- decision <- policy <- baselines <- session. The laboratory, which cli alone may include, is above it.
 
 Besides: the server never includes engine_client; the decision core and the audit log include the standard library, Eigen
 and themselves (math without Eigen), and take no clock, thread, file, distribution or libm function whose last bit differs
@@ -41,14 +41,14 @@ ALLOWED = {
     "engine_client/c_api/flavours": set(),
     "engine_client/cli": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
-        *DECISION, "server/decision/study", "server/audit", "server/dashboard", "proto"},
+        *DECISION, "server/laboratory", "server/audit", "server/dashboard", "proto"},
     "server/dashboard": set(),
     "server/decision/math": set(),
     "server/decision": set(),
     "server/decision/policy": {"server/decision"},
     "server/decision/baselines": {"server/decision", "server/decision/policy"},
     "server/decision/session": DECISION,
-    "server/decision/study": DECISION,
+    "server/laboratory": DECISION,
     "server/audit": DECISION,
     "server/priors": DECISION | {"server/audit"},
     "server/storage": DECISION | {"server/audit", "server/priors"},
@@ -119,7 +119,7 @@ PLATFORM_HEADER = re.compile(
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
 # These may know nothing but the standard library and Eigen.
-PURE_FOLDERS = DECISION | {"server/decision/math", "server/decision/study", "server/audit"}
+PURE_FOLDERS = DECISION | {"server/decision/math", "server/laboratory", "server/audit"}
 DECISION_HEADERS = re.compile(
     r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
     r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
@@ -229,7 +229,7 @@ GOOD = {
     "server/decision/policy/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
     "server/decision/session/decision_session.cc": '#include "server/decision/policy/policy.h"\n',
     "server/audit/audit_log.cc": '#include "server/decision/session/decision_session.h"\n',
-    "engine_client/cli/replay/replay_run.cc": '#include "server/decision/study/ablations.h"\n',
+    "engine_client/cli/replay/replay_run.cc": '#include "server/laboratory/ablations.h"\n',
     "server/rpc/telemetry_service.cc": '#include "server/audit/audit_log.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
     "engine_client/scene/suite.cc": '#include "server/decision/math/hash.h"\n',
     "server/decision/math/beta.cc": '#include "server/decision/math/portable_math.h"\n#include <cmath>\n',
@@ -272,9 +272,9 @@ BAD = {
     "server/decision/session/w.cc": '#include "server/audit/audit_log.h"\n',
     "server/decision/policy/x.cc": '#include "server/decision/session/decision_session.h"\n',
     "server/decision/y.cc": '#include "server/decision/policy/policy.h"\n',
-    "server/rpc/z.cc": '#include "server/decision/study/ablations.h"\n',
+    "server/rpc/z.cc": '#include "server/laboratory/ablations.h"\n',
     "engine_client/telemetry/embedded/z.cc": '#include "engine_client/telemetry/proto_conversion.h"\n',
-    "engine_client/telemetry/aa.cc": '#include "server/decision/study/ablations.h"\n',
+    "engine_client/telemetry/aa.cc": '#include "server/laboratory/ablations.h"\n',
     "server/audit/ab.cc": '#include "server/priors/prior_store.h"\n',
     "server/audit/ac.cc": "#include <fstream>\n",
     "server/tls/af.cc": '#include "server/rpc/common/options.h"\n',

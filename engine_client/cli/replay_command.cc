@@ -14,7 +14,7 @@
 #include "engine_client/cli/replay/replay_log.h"
 #include "engine_client/cli/replay/replay_output.h"
 #include "engine_client/cli/replay/replay_plan.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 
 namespace sweepstake::cli {
 namespace {

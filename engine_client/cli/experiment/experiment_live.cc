@@ -12,7 +12,7 @@
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/decision/options.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake::cli {

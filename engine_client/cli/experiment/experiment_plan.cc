@@ -10,7 +10,7 @@
 #include "engine_client/cli/io/duration.h"
 #include "server/decision/math/hash.h"
 #include "server/decision/session/session_setup.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {

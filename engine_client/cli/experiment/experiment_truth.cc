@@ -8,7 +8,7 @@
 
 #include "engine_client/cli/replay/replay_plan.h"
 #include "server/decision/options.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/io/numbers.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/trace/cost_trace.h"
 #include "server/decision/math/names.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/telemetry/embedded/decision_conversion.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -39,7 +39,8 @@
 
 namespace sweepstake::decision {
 
-// The policy's components, which an ablation study can disable one by one (study/ablations.h).
+// The policy's components, which an ablation study can disable one by one
+// (server/laboratory/ablations.h).
 struct AdaptiveComponents {
   FilterComponents filter{};
   bool shadow = true;          // learns from the shadow lane

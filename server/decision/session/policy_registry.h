@@ -1,5 +1,5 @@
 // The policies by name. The shipped ones are those that a daemon or a game can choose; a laboratory
-// may pass a registry with more (study/ablations.h).
+// may pass a registry with more (server/laboratory/ablations.h).
 #pragma once
 
 #include <memory>

@@ -11,7 +11,7 @@
 #include "server/audit/cells.h"
 #include "server/audit/csv.h"
 #include "server/audit/rederive.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "tests/server/audit/audited_game.h"
 
 namespace sweepstake::decision {

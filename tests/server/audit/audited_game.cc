@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -8,7 +8,7 @@
 
 #include "server/decision/session/decision_session.h"
 #include "server/decision/session/policy_registry.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

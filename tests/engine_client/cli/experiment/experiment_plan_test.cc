@@ -10,7 +10,7 @@
 #include "engine_client/cli/experiment/experiment_live.h"
 #include "engine_client/cli/experiment/paper_tables.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/engine_client/cli/experiment/experiment_records.h"

@@ -12,7 +12,7 @@
 #include "engine_client/cli/io/terminal.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/audit/audit_log.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/support/temporary_directory.h"
 

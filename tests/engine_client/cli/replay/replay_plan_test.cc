@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "tests/engine_client/cli/replay/replay_fixtures.h"
 #include "tests/support/temporary_directory.h"
 

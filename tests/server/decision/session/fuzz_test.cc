@@ -11,7 +11,7 @@
 
 #include "server/decision/math/random.h"
 #include "server/decision/session/decision_session.h"
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

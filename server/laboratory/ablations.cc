@@ -1,4 +1,4 @@
-#include "server/decision/study/ablations.h"
+#include "server/laboratory/ablations.h"
 
 #include <array>
 
