@@ -4,7 +4,7 @@
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     adaptive <- bullet
     server/decision/math <- everything else, since it is pure
-    server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
+    server/decision <- server/audit, server/priors/pooling <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
     storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
     net, auth <- rpc, web, which do not know one another, <- daemon; dashboard <- web
 
@@ -35,13 +35,13 @@ ALLOWED = {
     "engine_client/bullet": {"engine_client/broad_phase", "engine_client/adaptive"},
     "engine_client/telemetry": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", *DECISION, "server/audit",
-        "server/tls", "proto"},
+        "server/priors/pooling", "server/tls", "proto"},
     "engine_client/c_api": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry"},
     "engine_client/c_api/flavours": set(),
     "engine_client/cli": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
-        *DECISION, "server/laboratory", "server/audit", "server/dashboard", "proto"},
+        *DECISION, "server/laboratory", "server/audit", "server/priors/pooling", "server/dashboard", "proto"},
     "server/dashboard": set(),
     "server/decision/math": set(),
     "server/decision": set(),
@@ -51,13 +51,14 @@ ALLOWED = {
     "server/laboratory": DECISION,
     "server/audit": DECISION,
     "server/priors": DECISION | {"server/audit"},
-    "server/storage": DECISION | {"server/audit", "server/priors"},
+    "server/priors/pooling": DECISION,
+    "server/storage": DECISION | {"server/audit", "server/priors", "server/priors/pooling"},
     "server/tls": set(),
     "server/auth": {"server/storage"},
     "server/watch": DECISION | {"server/audit", "server/priors"},
     "server/net": set(),
     "server/web": {"server/auth", "server/dashboard", "server/net", "proto"},
-    "server/rpc": DECISION | {"server/audit", "server/auth", "server/net", "server/priors", "server/tls", "server/watch", "proto"},
+    "server/rpc": DECISION | {"server/audit", "server/auth", "server/net", "server/priors", "server/priors/pooling", "server/tls", "server/watch", "proto"},
     "server": DECISION | {
         "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "server/dashboard", "proto"},
 }
@@ -119,7 +120,7 @@ PLATFORM_HEADER = re.compile(
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
 # These may know nothing but the standard library and Eigen.
-PURE_FOLDERS = DECISION | {"server/decision/math", "server/laboratory", "server/audit"}
+PURE_FOLDERS = DECISION | {"server/decision/math", "server/laboratory", "server/priors/pooling", "server/audit"}
 DECISION_HEADERS = re.compile(
     r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
     r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
@@ -255,6 +256,7 @@ BAD = {
     "engine_client/telemetry/j.cc": '#include "server/storage/prior_store.h"\n',
     "server/rpc/k.cc": '#include "server/storage/prior_store.h"\n',
     "server/storage/l.cc": '#include "server/rpc/rpc_server.h"\n',
+    "server/priors/pooling/m.cc": '#include "server/priors/prior_store.h"\n',
     "server/rpc/n.cc": '#include "sweepstake/frame_sample.h"\n',
     "server/main.cc": '#include "engine_client/scene/world.h"\n',
     "server/rpc/o.cc": '#include "server/daemon.h"\n',

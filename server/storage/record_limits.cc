@@ -6,7 +6,7 @@
 #include "absl/strings/string_view.h"
 #include "server/audit/audit_log.h"
 #include "server/decision/math/names.h"
-#include "server/decision/policy/scene_prior.h"
+#include "server/priors/pooling/scene_prior.h"
 
 namespace sweepstake::storage {
 namespace {

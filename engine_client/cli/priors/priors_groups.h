@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "engine_client/telemetry/embedded/priors_file.h"
-#include "server/decision/policy/scene_prior.h"
+#include "server/priors/pooling/scene_prior.h"
 
 namespace sweepstake::cli {
 

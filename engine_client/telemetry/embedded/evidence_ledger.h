@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "engine_client/telemetry/embedded/priors_file.h"
-#include "server/decision/policy/scene_prior.h"
-#include "server/decision/policy/source_prior.h"
 #include "server/decision/types.h"
+#include "server/priors/pooling/scene_prior.h"
+#include "server/priors/pooling/source_prior.h"
 
 namespace sweepstake {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "server/decision/math/names.h"
-#include "server/decision/policy/scene_prior.h"
+#include "server/priors/pooling/scene_prior.h"
 
 namespace sweepstake {
 

@@ -8,9 +8,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/decision/math/names.h"
-#include "server/decision/policy/scene_prior.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/decision/session/session_setup.h"
+#include "server/priors/pooling/scene_prior.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/options.h"
 

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "server/decision/policy/scene_prior.h"
 #include "server/decision/session/decision_observer.h"
 #include "server/decision/types.h"
 #include "server/priors/audit_rows.h"
+#include "server/priors/pooling/scene_prior.h"
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/session_identity.h"
@@ -44,7 +44,7 @@ void ToProto(const decision::DecisionRecord& record, uint32_t arm, v1::ArmStandi
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message);
 // Fills in the key only.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
-// Returns what the arms' evidence says together (decision/policy/scene_prior.h).
+// Returns what the arms' evidence says together (priors/pooling/scene_prior.h).
 std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::Arm> arms);
 // The posteriors are Beta(1,1) plus what that is. The caller sets active_session_count.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);

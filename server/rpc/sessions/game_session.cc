@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/decision/policy/scene_prior.h"
 #include "server/decision/session/arm_runs.h"
+#include "server/priors/pooling/scene_prior.h"
 #include "server/priors/unix_time.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"

@@ -1,4 +1,4 @@
-#include "server/decision/policy/source_prior.h"
+#include "server/priors/pooling/source_prior.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "server/decision/math/random.h"
 #include "server/decision/policy/log_cost.h"
-#include "tests/server/decision/policy/evidence_sums.h"
+#include "tests/server/priors/pooling/evidence_sums.h"
 
 namespace sweepstake::decision {
 namespace {

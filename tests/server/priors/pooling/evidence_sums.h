@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "server/decision/policy/log_cost.h"
-#include "server/decision/policy/scene_prior.h"
+#include "server/priors/pooling/scene_prior.h"
 
 namespace sweepstake::decision {
 

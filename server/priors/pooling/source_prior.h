@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "server/decision/policy/scene_prior.h"
+#include "server/priors/pooling/scene_prior.h"
 
 namespace sweepstake::decision {
 

@@ -1,11 +1,11 @@
-#include "server/decision/policy/scene_prior.h"
+#include "server/priors/pooling/scene_prior.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "server/decision/policy/log_cost.h"
-#include "tests/server/decision/policy/evidence_sums.h"
+#include "tests/server/priors/pooling/evidence_sums.h"
 
 namespace sweepstake::decision {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/decision/policy/source_prior.h"
+#include "server/priors/pooling/source_prior.h"
 
 #include <algorithm>
 #include <cmath>  // std::abs

@@ -1,4 +1,4 @@
-#include "server/decision/policy/scene_prior.h"
+#include "server/priors/pooling/scene_prior.h"
 
 #include <algorithm>
 
