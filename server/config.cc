@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "server/baselines/shipped_policies.h"
 #include "server/config_settings.h"
 #include "server/decision/math/names.h"
 #include "server/decision/session/session_setup.h"
@@ -293,7 +294,8 @@ absl::Status Validate(const Config& config, const SettingNames& names) {
                               names.Of("audit_mb")));
   }
   if (config.data.empty()) problems.Add(names.Of("data") + ": name a directory");
-  for (const std::string& problem : decision::Problems(config.rpc.decision))
+  for (const std::string& problem :
+       decision::Problems(config.rpc.decision, decision::ShippedPolicies()))
     problems.Add(absl::StrCat("decision: ", problem));
   return problems.Sum();
 }

@@ -4,11 +4,13 @@
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     adaptive <- bullet
     server/decision/math <- everything else, since it is pure
-    server/decision <- server/audit, server/priors/pooling <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
+    server/decision <- server/baselines <- server/audit <- telemetry, cli, rpc; server/decision <- priors/pooling <- the same
+    server/decision <- priors <- storage, watch, rpc <- daemon <- main
     storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
     net, auth <- rpc, web, which do not know one another, <- daemon; dashboard <- web
 
-Within the decision core: math <- decision <- policy <- baselines <- session. The laboratory, which cli alone may include, is above it.
+Within the decision core: math <- decision <- policy <- session. Above it are the baselines, and above these the laboratory, which
+cli alone may include.
 
 Besides: the server never includes engine_client; the decision core and the audit log include the standard library, Eigen
 and themselves (math without Eigen), and take no clock, thread, file, distribution or libm function whose last bit differs
@@ -24,8 +26,7 @@ import sys
 import tempfile
 
 # The decision core without the ablations, which are the laboratory's.
-DECISION = {
-    "server/decision", "server/decision/policy", "server/decision/baselines", "server/decision/session"}
+DECISION = {"server/decision", "server/decision/policy", "server/decision/session"}
 
 # A folder may include itself and these.
 ALLOWED = {
@@ -34,22 +35,22 @@ ALLOWED = {
     "engine_client/adaptive": {"engine_client/broad_phase", "engine_client/scene"},
     "engine_client/bullet": {"engine_client/broad_phase", "engine_client/adaptive"},
     "engine_client/telemetry": {
-        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", *DECISION, "server/audit",
+        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", *DECISION, "server/baselines", "server/audit",
         "server/priors/pooling", "server/tls", "proto"},
     "engine_client/c_api": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry"},
     "engine_client/c_api/flavours": set(),
     "engine_client/cli": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
-        *DECISION, "server/laboratory", "server/audit", "server/priors/pooling", "server/dashboard", "proto"},
+        *DECISION, "server/baselines", "server/laboratory", "server/audit", "server/priors/pooling", "server/dashboard", "proto"},
     "server/dashboard": set(),
     "server/decision/math": set(),
     "server/decision": set(),
     "server/decision/policy": {"server/decision"},
-    "server/decision/baselines": {"server/decision", "server/decision/policy"},
     "server/decision/session": DECISION,
-    "server/laboratory": DECISION,
-    "server/audit": DECISION,
+    "server/baselines": DECISION,
+    "server/laboratory": DECISION | {"server/baselines"},
+    "server/audit": DECISION | {"server/baselines"},
     "server/priors": DECISION | {"server/audit"},
     "server/priors/pooling": DECISION,
     "server/storage": DECISION | {"server/audit", "server/priors", "server/priors/pooling"},
@@ -58,9 +59,9 @@ ALLOWED = {
     "server/watch": DECISION | {"server/audit", "server/priors"},
     "server/net": set(),
     "server/web": {"server/auth", "server/dashboard", "server/net", "proto"},
-    "server/rpc": DECISION | {"server/audit", "server/auth", "server/net", "server/priors", "server/priors/pooling", "server/tls", "server/watch", "proto"},
+    "server/rpc": DECISION | {"server/baselines", "server/audit", "server/auth", "server/net", "server/priors", "server/priors/pooling", "server/tls", "server/watch", "proto"},
     "server": DECISION | {
-        "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "server/dashboard", "proto"},
+        "server/baselines", "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "server/dashboard", "proto"},
 }
 
 # Pure functions that every folder may include.
@@ -120,7 +121,7 @@ PLATFORM_HEADER = re.compile(
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
 # These may know nothing but the standard library and Eigen.
-PURE_FOLDERS = DECISION | {"server/decision/math", "server/laboratory", "server/priors/pooling", "server/audit"}
+PURE_FOLDERS = DECISION | {"server/decision/math", "server/baselines", "server/laboratory", "server/priors/pooling", "server/audit"}
 DECISION_HEADERS = re.compile(
     r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
     r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
@@ -272,6 +273,7 @@ BAD = {
     "server/decision/math/y.cc": "#include <Eigen/Core>\n",
     "server/decision/math/z.cc": "double F(double x) { return std::exp(x); }\n",
     "server/decision/session/w.cc": '#include "server/audit/audit_log.h"\n',
+    "server/decision/session/x.cc": '#include "server/baselines/shipped_policies.h"\n',
     "server/decision/policy/x.cc": '#include "server/decision/session/decision_session.h"\n',
     "server/decision/y.cc": '#include "server/decision/policy/policy.h"\n',
     "server/rpc/z.cc": '#include "server/laboratory/ablations.h"\n',

@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/session/policy_registry.h"
 
 namespace sweepstake::decision {

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/policy/adaptive_policy.h"
 
 namespace sweepstake::decision {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "engine_client/cli/replay/replay_plan.h"
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/options.h"
 #include "server/laboratory/ablations.h"
 
@@ -18,7 +19,7 @@ constexpr double kNormal95 = 1.96;
 // Returns the players: AI Decides, its baselines, each arm alone, and the oracle.
 std::vector<ReplayPlayer> JudgedPlayers(std::span<const std::string> arms) {
   std::vector<std::string> words;
-  for (const std::string_view policy : decision::PolicyNames()) {
+  for (const std::string_view policy : decision::PolicyNames(decision::ShippedPolicies())) {
     if (policy != "default") words.emplace_back(policy);
   }
   words.insert(words.end(), {"fixed", "oracle"});

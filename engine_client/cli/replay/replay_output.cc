@@ -7,6 +7,7 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/session/policy_registry.h"
 
 namespace sweepstake::cli {
@@ -225,11 +226,12 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
 }
 
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
-  Json document = {{"command", "replay"},
-                   {"seeds", report.options.seed_count},
-                   {"own_policy", decision::PolicyKindOf("default").name},
-                   {"scenes", Json::array()},
-                   {"rows", Json::array()}};
+  Json document = {
+      {"command", "replay"},
+      {"seeds", report.options.seed_count},
+      {"own_policy", decision::PolicyKindOf("default", decision::ShippedPolicies()).name},
+      {"scenes", Json::array()},
+      {"rows", Json::array()}};
   for (const StudyScene& each : report.scenes) {
     const GameOptions& game = each.scene.options();
     document["scenes"].push_back({{"costs", each.name},

@@ -1,5 +1,6 @@
 // Step 9 in the game process: frames and outcomes go to the decision core, its commands come back.
 #include "sweepstake/embedded_decider.h"
+#include "server/baselines/shipped_policies.h"
 
 #include <algorithm>
 #include <array>

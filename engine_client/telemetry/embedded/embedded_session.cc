@@ -9,6 +9,7 @@
 #include "engine_client/telemetry/common/validation.h"
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
+#include "server/baselines/shipped_policies.h"
 
 namespace sweepstake {
 namespace {

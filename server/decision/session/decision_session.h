@@ -65,7 +65,7 @@ namespace sweepstake::decision {
 class DecisionSession {
  public:
   // The policy is looked up in `policies`. REQUIRES: !Validate(setup, policies).
-  explicit DecisionSession(SessionSetup setup, PolicyRegistry policies = ShippedPolicies());
+  explicit DecisionSession(SessionSetup setup, PolicyRegistry policies);
   DecisionSession(const DecisionSession&) = delete;
   DecisionSession& operator=(const DecisionSession&) = delete;
 

@@ -1,5 +1,5 @@
-// The policies by name. The shipped ones are those that a daemon or a game can choose; a laboratory
-// may pass a registry with more (server/laboratory/ablations.h).
+// Policies by name. What a daemon or a game can choose is in server/baselines/shipped_policies.h; a
+// laboratory may pass a registry with more (server/laboratory/ablations.h).
 #pragma once
 
 #include <memory>
@@ -18,20 +18,17 @@ struct PolicyEntry {
 
 using PolicyRegistry = std::span<const PolicyEntry>;
 
-PolicyRegistry ShippedPolicies();
-
 // Returns the names in the registry's order, preceded by "default", which stands for the policy of
 // "AI Decides".
-std::vector<std::string_view> PolicyNames(PolicyRegistry policies = ShippedPolicies());
+std::vector<std::string_view> PolicyNames(PolicyRegistry policies);
 
 // Returns null if no policy has this name.
-const PolicyEntry* FindPolicy(std::string_view name, PolicyRegistry policies = ShippedPolicies());
+const PolicyEntry* FindPolicy(std::string_view name, PolicyRegistry policies);
 
 // REQUIRES: FindPolicy(name, policies) finds it.
-const PolicyKind& PolicyKindOf(std::string_view name, PolicyRegistry policies = ShippedPolicies());
+const PolicyKind& PolicyKindOf(std::string_view name, PolicyRegistry policies);
 
 // Makes the policy of setup.options.policy. REQUIRES: FindPolicy finds it.
-std::unique_ptr<Policy> MakePolicy(const PolicySetup& setup,
-                                   PolicyRegistry policies = ShippedPolicies());
+std::unique_ptr<Policy> MakePolicy(const PolicySetup& setup, PolicyRegistry policies);
 
 }  // namespace sweepstake::decision

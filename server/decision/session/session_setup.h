@@ -32,13 +32,10 @@ struct SessionSetup {
 
 // Returns all that is wrong and how to correct it, a line for each. It looks up the policy's name
 // in `policies`.
-std::vector<std::string> Problems(const DecisionOptions& options,
-                                  PolicyRegistry policies = ShippedPolicies());
+std::vector<std::string> Problems(const DecisionOptions& options, PolicyRegistry policies);
 // Validate returns the first thing that is wrong and how to correct it, in one line, or nothing if
 // all is valid. It looks up policy names in `policies`.
-std::optional<std::string> Validate(const DecisionOptions& options,
-                                    PolicyRegistry policies = ShippedPolicies());
-std::optional<std::string> Validate(const SessionSetup& setup,
-                                    PolicyRegistry policies = ShippedPolicies());
+std::optional<std::string> Validate(const DecisionOptions& options, PolicyRegistry policies);
+std::optional<std::string> Validate(const SessionSetup& setup, PolicyRegistry policies);
 
 }  // namespace sweepstake::decision

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/math/names.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/decision/session/session_setup.h"
@@ -91,7 +92,7 @@ absl::Status CheckNames(const v1::Hello& hello) {
 }
 
 absl::Status CheckPolicy(const std::string& policy) {
-  const auto valid = decision::PolicyNames();
+  const auto valid = decision::PolicyNames(decision::ShippedPolicies());
   if (std::find(valid.begin(), valid.end(), policy) != valid.end()) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_UNKNOWN_POLICY, math::UnknownName("policy", policy, valid));
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/session/policy_registry.h"
 
 namespace sweepstake::rpc {
@@ -25,7 +26,8 @@ uint32_t Milliseconds(int64_t interval_ns) {
 
 // Returns the registry's name, since options may call it "default".
 std::string PolicyNameOf(const SessionIdentity& identity) {
-  return std::string(decision::PolicyKindOf(identity.decision.policy).name);
+  return std::string(
+      decision::PolicyKindOf(identity.decision.policy, decision::ShippedPolicies()).name);
 }
 
 void ToProto(const watch::LogHistogram& histogram, v1::LogHistogram& message) {
@@ -325,7 +327,7 @@ decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome) {
 
 priors::SceneKey FromProto(const v1::Hello& message) {
   return {message.project(), message.scene(), message.machine_class(),
-          decision::PolicyKindOf(message.policy()).reward_version};
+          decision::PolicyKindOf(message.policy(), decision::ShippedPolicies()).reward_version};
 }
 
 priors::SceneKey FromProto(const v1::ScenePosterior& message) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/math/names.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/rpc/common/error_reasons.h"
@@ -53,7 +54,8 @@ std::optional<SceneKey> KeyOf(const std::string& token) {
 }
 
 uint32_t DefaultRewardVersion(const RpcOptions& options) {
-  return decision::PolicyKindOf(options.decision.policy).reward_version;
+  return decision::PolicyKindOf(options.decision.policy, decision::ShippedPolicies())
+      .reward_version;
 }
 
 // Runs `read` on the store's reading thread and then `answer(result)` on the loop, whose status

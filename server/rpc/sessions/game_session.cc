@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/session/arm_runs.h"
 #include "server/priors/pooling/scene_prior.h"
 #include "server/priors/unix_time.h"
@@ -67,7 +68,7 @@ GameSession::GameSession(SessionContext& context, SessionIdentity identity,
                          const decision::SessionSetup& setup, const StoredSession& stored)
     : context_(context),
       identity_(std::move(identity)),
-      decisions_(setup),
+      decisions_(setup, decision::ShippedPolicies()),
       prior_source_count_(stored.prior_source_count),
       applied_sequence_(stored.progress.message_sequence),
       frame_count_(stored.progress.frame_count),

@@ -16,6 +16,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/baselines/shipped_policies.h"
 #include "server/priors/pooling/scene_prior.h"
 #include "server/priors/pooling/source_prior.h"
 #include "server/rpc/common/error_reasons.h"
@@ -207,7 +208,7 @@ absl::Status AddOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
 
 // Whether other scenes could tell something that the store's own evidence does not.
 bool LacksArms(const v1::Hello& hello, const StoredStart& start) {
-  return decision::PolicyKindOf(hello.policy()).starts_from_priors &&
+  return decision::PolicyKindOf(hello.policy(), decision::ShippedPolicies()).starts_from_priors &&
          std::any_of(start.priors.begin(), start.priors.end(),
                      [](const auto& arm) { return !(arm.evidence() > 0); });
 }
@@ -300,7 +301,8 @@ StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const 
   }
   start.priors = OwnEvidence(hello, start.source);
   if (hello.ignore_priors()) return start;
-  const bool compares = decision::PolicyKindOf(hello.policy()).starts_from_priors;
+  const bool compares =
+      decision::PolicyKindOf(hello.policy(), decision::ShippedPolicies()).starts_from_priors;
   const absl::Status added =
       compares ? AddSources(store, hello, start) : AddSums(store, hello, start);
   start.status.Update(added);
@@ -320,7 +322,7 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
   SessionIdentity identity = IdentityOf(hello, start, token_id, context.options);
   const decision::SessionSetup setup =
       SetupOf(hello, identity, start, context.loop.clock().NowNs());
-  if (const auto problem = decision::Validate(setup))
+  if (const auto problem = decision::Validate(setup, decision::ShippedPolicies()))
     return Refused(v1::ERROR_REASON_INVALID_MESSAGE, *problem);
   StoredSession stored;
   if (start.source) {

@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/decision/baselines/reward_baselines.h"
+#include "server/baselines/reward_baselines.h"
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/math/random.h"
 #include "server/decision/policy/paper_policy.h"
 #include "server/decision/session/decision_session.h"
@@ -33,7 +34,7 @@ class Undiagnosed : public Kind {
 
 template <typename Kind>
 decision::PolicyEntry EntryOf(std::string_view name) {
-  return {decision::PolicyKindOf(name),
+  return {decision::PolicyKindOf(name, decision::ShippedPolicies()),
           [](const decision::PolicySetup& setup) -> std::unique_ptr<decision::Policy> {
             return std::make_unique<Undiagnosed<Kind>>(setup);
           }};

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "server/audit/audit_log.h"
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/math/random.h"
 #include "server/decision/session/decision_session.h"
 
@@ -59,7 +60,7 @@ class Game {
  public:
   // Without a sink there is no audit log.
   Game(const std::string& policy, uint32_t arm_count, AuditSink* sink)
-      : session_(Setup(policy, arm_count)) {
+      : session_(Setup(policy, arm_count), ShippedPolicies()) {
     if (sink != nullptr) StartAudit(session_, *sink, {});
   }
 
@@ -190,7 +191,7 @@ int Run(std::vector<std::string> words) {
   for (const std::string& policy : words) {
     DecisionOptions options;
     options.policy = policy;
-    if (const auto error = Validate(options)) {
+    if (const auto error = Validate(options, ShippedPolicies())) {
       std::fprintf(stderr, "%s\n", error->c_str());
       return 2;
     }

@@ -1,4 +1,5 @@
 #include "server/decision/options.h"
+#include "server/baselines/shipped_policies.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ using testing::HasSubstr;
 
 TEST(Options, DefaultsAreThePapersAndValid) {
   const DecisionOptions options;
-  EXPECT_EQ(Validate(options), std::nullopt);
+  EXPECT_EQ(Validate(options, ShippedPolicies()), std::nullopt);
   EXPECT_EQ(options.decision_interval_ns, 2 * kSecond);
   EXPECT_EQ(options.cooldown_ns, 40 * kSecond);
   EXPECT_EQ(options.settling_ns, 2 * kSecond);
@@ -28,16 +29,16 @@ TEST(Options, DefaultsAreThePapersAndValid) {
 
 TEST(Options, WithoutAPolicyThatOfAiDecidesIsMeant) {
   EXPECT_EQ(DecisionOptions().policy, "default");
-  EXPECT_EQ(PolicyKindOf("default").name, "adaptive");
+  EXPECT_EQ(PolicyKindOf("default", ShippedPolicies()).name, "adaptive");
 }
 
 TEST(Options, UnknownPolicyListsTheValidOnes) {
   DecisionOptions options;
   options.policy = "papre";
-  ASSERT_TRUE(Validate(options));
-  EXPECT_THAT(*Validate(options), HasSubstr("papre"));
-  for (const std::string_view name : PolicyNames())
-    EXPECT_THAT(*Validate(options), HasSubstr(std::string(name)));
+  ASSERT_TRUE(Validate(options, ShippedPolicies()));
+  EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("papre"));
+  for (const std::string_view name : PolicyNames(ShippedPolicies()))
+    EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr(std::string(name)));
 }
 
 TEST(Options, AnAblationIsUnknownOutsideTheLaboratory) {
@@ -47,51 +48,51 @@ TEST(Options, AnAblationIsUnknownOutsideTheLaboratory) {
     ++ablation_count;
     DecisionOptions options;
     options.policy = entry.kind.name;
-    ASSERT_TRUE(Validate(options)) << entry.kind.name;
-    EXPECT_THAT(*Validate(options), HasSubstr("unknown policy"));
+    ASSERT_TRUE(Validate(options, ShippedPolicies())) << entry.kind.name;
+    EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("unknown policy"));
     EXPECT_EQ(Validate(options, StudyPolicies()), std::nullopt);
   }
   EXPECT_EQ(ablation_count, 6u);
 }
 
 TEST(Options, TheLaboratoryKnowsEveryShippedPolicy) {
-  EXPECT_EQ(PolicyNames(StudyPolicies()).size(), PolicyNames().size() + 6);
-  for (const std::string_view name : PolicyNames())
+  EXPECT_EQ(PolicyNames(StudyPolicies()).size(), PolicyNames(ShippedPolicies()).size() + 6);
+  for (const std::string_view name : PolicyNames(ShippedPolicies()))
     EXPECT_NE(FindPolicy(name, StudyPolicies()), nullptr) << name;
 }
 
 TEST(Options, WeightsMustSumToOne) {
   DecisionOptions options;
   options.weights.fps = 0.56;
-  EXPECT_THAT(*Validate(options), HasSubstr("sum to 1"));
+  EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("sum to 1"));
   options.weights = {.fps = 0.25, .detection = 0.25, .memory = 0.25, .checks = 0.25};
-  EXPECT_EQ(Validate(options), std::nullopt);
+  EXPECT_EQ(Validate(options, ShippedPolicies()), std::nullopt);
   options.weights = {.fps = 1.5, .detection = -0.5, .memory = 0, .checks = 0};
-  EXPECT_TRUE(Validate(options));
+  EXPECT_TRUE(Validate(options, ShippedPolicies()));
   options.weights.fps = std::nan("");
-  EXPECT_TRUE(Validate(options));
+  EXPECT_TRUE(Validate(options, ShippedPolicies()));
 }
 
 TEST(Options, IntervalsOutOfRangeAreNamed) {
   DecisionOptions options;
   options.decision_interval_ns = 0;
-  EXPECT_THAT(*Validate(options), HasSubstr("decision_interval_ns"));
+  EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("decision_interval_ns"));
   options = {};
   options.cooldown_ns = -1;
-  EXPECT_THAT(*Validate(options), HasSubstr("cooldown_ns"));
+  EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("cooldown_ns"));
   options = {};
   options.bail_out_ns = std::numeric_limits<int64_t>::max();
-  EXPECT_THAT(*Validate(options), HasSubstr("bail_out_ns"));
+  EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("bail_out_ns"));
   options = {};
   options.exploration_measure_ns = 0;
-  EXPECT_THAT(*Validate(options), HasSubstr("exploration_measure_ns"));
+  EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("exploration_measure_ns"));
 }
 
 TEST(Options, BailOutPenaltyIsFiniteAndNotNegative) {
   for (const double penalty : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     DecisionOptions options;
     options.bail_out_penalty = penalty;
-    EXPECT_THAT(*Validate(options), HasSubstr("bail_out_penalty"));
+    EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("bail_out_penalty"));
   }
 }
 
@@ -100,7 +101,7 @@ TEST(Options, FrameRateFloorIsFiniteAndNotNegative) {
   for (const double floor : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     DecisionOptions options;
     options.fps_floor = floor;
-    EXPECT_THAT(*Validate(options), HasSubstr("fps_floor"));
+    EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("fps_floor"));
   }
 }
 
@@ -123,43 +124,43 @@ TEST(TimeScale, NeverMakesAnIntervalZeroThatWasNot) {
 }
 
 TEST(Setup, TakesOneToThirtyTwoUniqueArms) {
-  EXPECT_TRUE(Validate(PlainSetup(0)));
-  EXPECT_EQ(Validate(PlainSetup(1)), std::nullopt);
-  EXPECT_EQ(Validate(PlainSetup(32)), std::nullopt);
-  EXPECT_TRUE(Validate(PlainSetup(33)));
+  EXPECT_TRUE(Validate(PlainSetup(0), ShippedPolicies()));
+  EXPECT_EQ(Validate(PlainSetup(1), ShippedPolicies()), std::nullopt);
+  EXPECT_EQ(Validate(PlainSetup(32), ShippedPolicies()), std::nullopt);
+  EXPECT_TRUE(Validate(PlainSetup(33), ShippedPolicies()));
   SessionSetup setup = PlainSetup(2);
   setup.arms[1] = setup.arms[0];
-  EXPECT_THAT(*Validate(setup), HasSubstr("arm0"));
+  EXPECT_THAT(*Validate(setup, ShippedPolicies()), HasSubstr("arm0"));
   setup.arms[1].clear();
-  EXPECT_TRUE(Validate(setup));
+  EXPECT_TRUE(Validate(setup, ShippedPolicies()));
 }
 
 TEST(Setup, IndicesMustBeWithinTheArms) {
   SessionSetup setup = PlainSetup(2);
   setup.active_arm = 2;
-  EXPECT_TRUE(Validate(setup));
+  EXPECT_TRUE(Validate(setup, ShippedPolicies()));
   setup.active_arm = 0;
   setup.explored_arm_count = 3;
-  EXPECT_TRUE(Validate(setup));
+  EXPECT_TRUE(Validate(setup, ShippedPolicies()));
 }
 
 TEST(Priors, MustBePositiveFiniteAndOnePerArm) {
   SessionSetup setup = PlainSetup(2);
   setup.priors = {{1, 1}};
-  EXPECT_TRUE(Validate(setup));
+  EXPECT_TRUE(Validate(setup, ShippedPolicies()));
   for (const double bad :
        {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity(), 1e15}) {
     setup.priors = {{1, 1}, {bad, 1}};
-    EXPECT_THAT(*Validate(setup), HasSubstr("arm1"));
+    EXPECT_THAT(*Validate(setup, ShippedPolicies()), HasSubstr("arm1"));
     setup.priors = {{1, 1}, {1, bad}};
-    EXPECT_THAT(*Validate(setup), HasSubstr("arm1"));
+    EXPECT_THAT(*Validate(setup, ShippedPolicies()), HasSubstr("arm1"));
   }
 }
 
 TEST(Setup, ModeIsManualOrAi) {
   SessionSetup setup = PlainSetup(2);
   setup.mode = static_cast<Mode>(0);
-  EXPECT_TRUE(Validate(setup));
+  EXPECT_TRUE(Validate(setup, ShippedPolicies()));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "tests/server/decision/scripted_client.h"
 
+#include "server/baselines/shipped_policies.h"
+
 namespace sweepstake::decision {
 
 SessionSetup PlainSetup(uint32_t arm_count) {
@@ -17,7 +19,10 @@ SessionSetup SetupThatWantsArmOne() {
 }
 
 ScriptedClient::ScriptedClient(const SessionSetup& setup)
-    : session(setup), now_ns(setup.start_ns), arm(setup.active_arm), epoch(setup.switch_epoch) {}
+    : session(setup, ShippedPolicies()),
+      now_ns(setup.start_ns),
+      arm(setup.active_arm),
+      epoch(setup.switch_epoch) {}
 
 void ScriptedClient::RunFrame() {
   Frame next = frame;

@@ -1,4 +1,5 @@
 // Posteriors and priors are listed, watched, exported and imported.
+#include "server/baselines/shipped_policies.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 #include <grpcpp/generic/generic_stub.h>
@@ -167,7 +168,8 @@ TEST_F(PosteriorsTest, OneSceneIsBetaOneOnePlusItsEvidence) {
   v1::GetPosteriorRequest request;
   request.set_project("game");
   request.set_scene("harbour");
-  request.set_reward_version(decision::PolicyKindOf("paper").reward_version);
+  request.set_reward_version(
+      decision::PolicyKindOf("paper", decision::ShippedPolicies()).reward_version);
   v1::GetPosteriorResponse response;
   grpc::ClientContext context;
   ASSERT_TRUE(posteriors_->GetPosterior(&context, request, &response).ok());

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
@@ -191,7 +192,8 @@ TEST_F(RewardVersionTest, PoliciesOfOneVersionShareTheirEvidence) {
 }
 
 TEST_F(RewardVersionTest, TheWelcomeNamesThePolicyAsTheRegistryDoes) {
-  EXPECT_EQ(WelcomeOf("default").policy(), decision::PolicyKindOf("default").name);
+  EXPECT_EQ(WelcomeOf("default").policy(),
+            decision::PolicyKindOf("default", decision::ShippedPolicies()).name);
 }
 
 TEST_F(RewardVersionTest, ASceneIsListedAndReadOncePerVersion) {
@@ -205,7 +207,8 @@ TEST_F(RewardVersionTest, ASceneIsListedAndReadOncePerVersion) {
     EXPECT_EQ(Get(version).reward_version(), version);
     EXPECT_EQ(Get(version).arms(0).posterior().alpha(), scene.arms(0).posterior().alpha());
   }
-  EXPECT_EQ(Get(0).reward_version(), decision::PolicyKindOf("default").reward_version);
+  EXPECT_EQ(Get(0).reward_version(),
+            decision::PolicyKindOf("default", decision::ShippedPolicies()).reward_version);
 }
 
 TEST_F(RewardVersionTest, AWatcherSeesEachVersion) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/session/decision_session.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/decision/session/run_phases.h"

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/math/random.h"
 #include "server/decision/policy/reward.h"
 #include "server/decision/session/decision_session.h"
@@ -19,14 +20,14 @@ namespace {
 TEST(Arms, AreTheNamesTheClientAnnounced) {
   SessionSetup setup = PlainSetup(3);
   setup.arms = {"KDTree", "a game's own arm", "SAP"};
-  EXPECT_EQ(DecisionSession(setup).arms(), setup.arms);
+  EXPECT_EQ(DecisionSession(setup, ShippedPolicies()).arms(), setup.arms);
 }
 
 TEST(Priors, AreBetaOneOneUnlessGiven) {
-  DecisionSession fresh(PlainSetup(2));
+  DecisionSession fresh(PlainSetup(2), ShippedPolicies());
   EXPECT_EQ(fresh.posteriors()[1], (BetaPosterior{1, 1}));
   EXPECT_EQ(fresh.posteriors()[1].evidence(), 2);  // n includes the prior
-  DecisionSession loaded(SetupThatWantsArmOne());
+  DecisionSession loaded(SetupThatWantsArmOne(), ShippedPolicies());
   EXPECT_EQ(loaded.posteriors()[1], (BetaPosterior{1e6, 1}));
 }
 
@@ -158,7 +159,7 @@ TEST(Update, AbsurdFramesGiveARewardInTheUnitInterval) {
       for (const uint32_t objects : {0u, 1u, 2u, ~0u}) {
         SessionSetup setup = PlainSetup(1);
         setup.options.settling_ns = 0;
-        DecisionSession session(setup);
+        DecisionSession session(setup, ShippedPolicies());
         const Frame frame{.frame_time_ns = time,
                           .detection_time_ns = value,
                           .aabb_check_count = value,
@@ -297,7 +298,7 @@ TEST(Settling, RunsOnFrameTimeNotOnTheTicksClock) {
 TEST(Ticks, ComeEveryTwoSeconds) {
   SessionSetup setup = PlainSetup(1);
   setup.start_ns = -5 * kSecond;
-  DecisionSession session(setup);
+  DecisionSession session(setup, ShippedPolicies());
   EXPECT_EQ(session.next_tick_ns(), -3 * kSecond);
   session.Tick(-3 * kSecond);
   EXPECT_EQ(session.next_tick_ns(), -1 * kSecond);
@@ -320,7 +321,7 @@ TEST(LateTick, IsOneTickWithOneUpdateNeverSeveral) {
 TEST(LateTick, AtTheEndOfTimeDoesNotOverflow) {
   SessionSetup setup = PlainSetup(2);
   setup.start_ns = std::numeric_limits<int64_t>::min();
-  DecisionSession session(setup);
+  DecisionSession session(setup, ShippedPolicies());
   session.ObserveSwitch(1, 1, SwitchReason::kManual, setup.start_ns);
   session.Tick(std::numeric_limits<int64_t>::max());
   EXPECT_EQ(session.next_tick_ns(), std::numeric_limits<int64_t>::max());

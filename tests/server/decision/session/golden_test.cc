@@ -19,6 +19,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/baselines/shipped_policies.h"
 #include "server/decision/math/hash.h"
 #include "server/decision/math/random.h"
 #include "server/decision/session/decision_session.h"
@@ -73,7 +74,8 @@ std::string LineOf(const Decision& decision) {
 // do.
 class ScriptedGame {
  public:
-  explicit ScriptedGame(std::string_view policy = "paper") : session_(Setup(policy)) {}
+  explicit ScriptedGame(std::string_view policy = "paper")
+      : session_(Setup(policy), ShippedPolicies()) {}
 
   std::string Run() {
     while (now_ns_ < kRunTime) Step();

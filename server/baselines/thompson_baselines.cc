@@ -1,4 +1,4 @@
-#include "server/decision/baselines/thompson_baselines.h"
+#include "server/baselines/thompson_baselines.h"
 
 #include <algorithm>
 #include <utility>

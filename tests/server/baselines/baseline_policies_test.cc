@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "server/decision/baselines/lin_ts_policy.h"
-#include "server/decision/baselines/reward_baselines.h"
-#include "server/decision/baselines/thompson_baselines.h"
+#include "server/baselines/lin_ts_policy.h"
+#include "server/baselines/reward_baselines.h"
+#include "server/baselines/shipped_policies.h"
+#include "server/baselines/thompson_baselines.h"
 #include "server/decision/math/random.h"
 #include "server/decision/session/policy_registry.h"
 #include "tests/server/decision/scripted_client.h"
@@ -88,7 +89,7 @@ TEST(Baselines, DecideTheSameFromTheSameCalls) {
 
 TEST(Baselines, LearnByThePapersReward) {
   for (const char* policy : kBaselines) {
-    EXPECT_EQ(PolicyKindOf(policy).reward_version, 1u);
+    EXPECT_EQ(PolicyKindOf(policy, ShippedPolicies()).reward_version, 1u);
     Game game(SetupOf(policy, 1));
     Game paper(SetupOf("paper", 1));
     game.Run();
@@ -102,7 +103,9 @@ TEST(Baselines, LearnByThePapersReward) {
 TEST(Baselines, OnlyThoseThatLearnExplore) {
   for (const char* policy : kBaselines) {
     const std::string name = policy;
-    EXPECT_EQ(PolicyKindOf(policy).explores, name != "random" && name != "thresholds") << policy;
+    EXPECT_EQ(PolicyKindOf(policy, ShippedPolicies()).explores,
+              name != "random" && name != "thresholds")
+        << policy;
   }
 }
 
@@ -170,7 +173,7 @@ TEST(Random, KeepsItsArmForACooldown) {
 }
 
 uint32_t RuleFor(const SceneDescriptor& scene, std::vector<std::string> arms) {
-  const auto policy = MakePolicy(PlainPolicy("thresholds", std::move(arms)));
+  const auto policy = MakePolicy(PlainPolicy("thresholds", std::move(arms)), ShippedPolicies());
   policy->LearnDescriptor(scene, 0);
   ChoiceInput input;
   input.active_arm = 2;
@@ -195,7 +198,8 @@ TEST(Thresholds, TakeTheSecondArmOfARowOrStay) {
 }
 
 TEST(Thresholds, LeaveAnArmThatBailedOut) {
-  const auto policy = MakePolicy(PlainPolicy("thresholds", {"KDTree", "DBVT", "SAP"}));
+  const auto policy =
+      MakePolicy(PlainPolicy("thresholds", {"KDTree", "DBVT", "SAP"}), ShippedPolicies());
   policy->LearnDescriptor(SceneWith(9'000), 0);
   EXPECT_EQ(policy->Choose({}).candidate, 0u);
   policy->LearnBailOut(0);
@@ -237,7 +241,7 @@ TEST(EpsilonGreedy, TakesTheHighestMeanButForOneChoiceInTen) {
 }
 
 TEST(LaneArgmin, RunsWhatTheLaneFindsCheapestByMoreThanTheMargin) {
-  const auto policy = MakePolicy(PlainPolicy("lane-argmin", {"a", "b", "c"}));
+  const auto policy = MakePolicy(PlainPolicy("lane-argmin", {"a", "b", "c"}), ShippedPolicies());
   const auto visit = [&](uint32_t arm, uint64_t us) {
     const ShadowSample sample{.detection_time_ns = us * 1000, .arm = arm};
     policy->LearnShadow({&sample, 1}, 0);
@@ -263,7 +267,7 @@ TEST(LaneArgmin, RunsWhatTheLaneFindsCheapestByMoreThanTheMargin) {
 TEST(Discounted, ForgetsAllArmsByTheFactorAndMakesWholeWindowsDurable) {
   PolicySetup setup = PlainPolicy("discounted-ts", {"a", "b"});
   setup.priors[1] = {31, 11};
-  const auto policy = MakePolicy(setup);
+  const auto policy = MakePolicy(setup, ShippedPolicies());
   double seen = 0;
   for (int i = 0; i < 2'000; ++i) {
     Learn(*policy, 0, 10'000'000);
@@ -281,7 +285,7 @@ TEST(Discounted, ForgetsAllArmsByTheFactorAndMakesWholeWindowsDurable) {
 }
 
 TEST(Discounted, ChargesABailOutInFull) {
-  const auto policy = MakePolicy(PlainPolicy("discounted-ts", {"a", "b"}));
+  const auto policy = MakePolicy(PlainPolicy("discounted-ts", {"a", "b"}), ShippedPolicies());
   policy->LearnBailOut(1);
   EXPECT_EQ(policy->posteriors()[1], (BetaPosterior{1, 11}));
 }
@@ -289,7 +293,7 @@ TEST(Discounted, ChargesABailOutInFull) {
 TEST(LinTs, DrawsFromThePosteriorOfTheLinearModel) {
   PolicySetup setup = PlainPolicy("lin-ts", {"a", "b"});
   setup.priors[1] = {30, 10};
-  const auto policy = MakePolicy(setup);
+  const auto policy = MakePolicy(setup, ShippedPolicies());
   ChoiceInput input;
   input.seed = 5;
   input.decision_id = 7;
@@ -306,7 +310,7 @@ TEST(LinTs, DrawsFromThePosteriorOfTheLinearModel) {
 }
 
 TEST(LinTs, LearnsWhichArmSuitsWhichScene) {
-  const auto policy = MakePolicy(PlainPolicy("lin-ts", {"a", "b"}));
+  const auto policy = MakePolicy(PlainPolicy("lin-ts", {"a", "b"}), ShippedPolicies());
   const std::array<SceneDescriptor, 2> scenes = {SceneWith(100, 0), SceneWith(100'000, 50)};
   for (int i = 0; i < 300; ++i) {
     const uint32_t scene = (i / 2) % 2;
@@ -325,7 +329,7 @@ TEST(LinTs, LearnsWhichArmSuitsWhichScene) {
 }
 
 TEST(LinTs, CountsABailOutAsManyObservationsOfNothing) {
-  const auto policy = MakePolicy(PlainPolicy("lin-ts", {"a", "b"}));
+  const auto policy = MakePolicy(PlainPolicy("lin-ts", {"a", "b"}), ShippedPolicies());
   policy->LearnBailOut(0);
   double sum = 0;
   for (uint64_t id = 1; id <= 400; ++id) {

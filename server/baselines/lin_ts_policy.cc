@@ -1,4 +1,4 @@
-#include "server/decision/baselines/lin_ts_policy.h"
+#include "server/baselines/lin_ts_policy.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>

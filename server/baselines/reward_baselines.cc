@@ -1,4 +1,4 @@
-#include "server/decision/baselines/reward_baselines.h"
+#include "server/baselines/reward_baselines.h"
 
 #include <algorithm>
 #include <array>
