@@ -14,8 +14,8 @@
 #include "absl/strings/str_split.h"
 #include "server/baselines/shipped_policies.h"
 #include "server/config_settings.h"
-#include "server/decision/math/names.h"
 #include "server/decision/session/session_setup.h"
+#include "server/text/names.h"
 #include "server/tls/loopback.h"
 #include "server/tls/tls_files.h"
 
@@ -41,7 +41,7 @@ std::string FlagOf(const std::string& key) {
 absl::Status UnknownName(std::string_view what, std::string_view name,
                          std::span<const std::string> known) {
   const std::vector<std::string_view> names(known.begin(), known.end());
-  return absl::InvalidArgumentError(math::UnknownNameOfMany(what, name, names));
+  return absl::InvalidArgumentError(text::UnknownNameOfMany(what, name, names));
 }
 
 // Returns whether Kubernetes sets such a variable in every container beside a service whose name

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake::server {
 namespace {
@@ -31,7 +31,7 @@ template <typename Field>
 Setting Text(std::string key, Field field, std::string help) {
   return {std::move(key), std::move(help),
           [field](Config& config, const std::string& value) {
-            if (!math::IsLine(value)) return Expected("UTF-8 without control characters");
+            if (!text::IsLine(value)) return Expected("UTF-8 without control characters");
             field(config) = value;
             return absl::OkStatus();
           },

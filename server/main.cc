@@ -26,12 +26,12 @@
 #include "absl/synchronization/mutex.h"
 #include "server/config.h"
 #include "server/daemon.h"
-#include "server/decision/math/names.h"
 #include "server/exit_guard.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/health_probe.h"
 #include "server/service_manager.h"
 #include "server/storage/backup/sqlite_backup.h"
+#include "server/text/names.h"
 #include "server/token_command.h"
 
 namespace {
@@ -199,7 +199,7 @@ std::string UnknownOption(const std::vector<const CLI::App*>& given, std::string
     }
   }
   const std::vector<std::string_view> known(names.begin(), names.end());
-  return sweepstake::math::UnknownNameOfMany("option", word.substr(0, word.find('=')), known);
+  return sweepstake::text::UnknownNameOfMany("option", word.substr(0, word.find('=')), known);
 }
 
 // Returns what to say of the first word that nothing takes.
@@ -211,11 +211,11 @@ std::string UnknownWord(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* each : command.get_subcommands({})) names.push_back(each->get_name());
   if (names.empty()) {
-    return command.get_name() + ": nothing takes '" + sweepstake::math::PrintableLine(word) +
+    return command.get_name() + ": nothing takes '" + sweepstake::text::PrintableLine(word) +
            "'; --help says what it takes";
   }
   const std::vector<std::string_view> known(names.begin(), names.end());
-  return sweepstake::math::UnknownName("command of " + command.get_name(), word, known);
+  return sweepstake::text::UnknownName("command of " + command.get_name(), word, known);
 }
 
 // Blocks the signals before any thread starts, so that only sigwait receives them.

@@ -15,9 +15,9 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "server/auth/token_store.h"
-#include "server/decision/math/names.h"
 #include "server/priors/unix_time.h"
 #include "server/storage/data_directory.h"
+#include "server/text/names.h"
 
 namespace sweepstake::server {
 namespace {
@@ -35,7 +35,7 @@ std::string UserName() {
   passwd user{};
   passwd* found = nullptr;
   if (getpwuid_r(getuid(), &user, buffer.data(), buffer.size(), &found) == 0 && found != nullptr &&
-      math::IsName(found->pw_name))
+      text::IsName(found->pw_name))
     return found->pw_name;
   return absl::StrCat("uid ", getuid());
 }
@@ -180,7 +180,7 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out,
     std::error_code unknown;  // a path that cannot be told whole is told as it was given
     fs::path whole = fs::absolute(data, unknown);
     if (unknown) whole = data;
-    notes << "token " << math::PrintableLine(name_) << " is in "
+    notes << "token " << text::PrintableLine(name_) << " is in "
           << (whole / storage::DataDirectory::kTokensName).string()
           << "; it is shown this once, and the daemon of that directory takes it\n";
     if (out) return absl::OkStatus();
@@ -191,7 +191,7 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out,
   if (!file.made()) return CannotMake(out_file_, errno);
   const auto token = store->Create(request, now_s);
   if (token.ok() && file.Write(*token + '\n')) {
-    out << out_file_.string() << ": token " << math::PrintableLine(name_) << " of " << data.string()
+    out << out_file_.string() << ": token " << text::PrintableLine(name_) << " of " << data.string()
         << '\n';
     return absl::OkStatus();
   }
@@ -220,7 +220,7 @@ absl::Status TokenCommand::List(const fs::path& data, std::ostream& out) const {
   out << absl::StrFormat(*row, "NAME", "ROLE", "STATE", "CREATED", "EXPIRES", "LAST USED",
                          "PROJECTS");
   for (const StoredToken& token : *tokens) {
-    out << absl::StrFormat(*row, math::PrintableLine(token.request.name),
+    out << absl::StrFormat(*row, text::PrintableLine(token.request.name),
                            std::string(auth::NameOf(token.request.role)),
                            std::string(StateOf(token, now_s)), DateText(token.created_unix_s),
                            DateText(token.request.expires_unix_s), DateText(token.last_used_unix_s),
@@ -234,7 +234,7 @@ absl::Status TokenCommand::Revoke(const fs::path& data, std::ostream& out) const
   if (!store.ok()) return store.status();
   absl::Status status = store->Revoke(name_, UserName(), priors::UnixNowS());
   if (status.ok()) {
-    out << math::PrintableLine(name_) << ": revoked; a daemon that runs ends its streams within "
+    out << text::PrintableLine(name_) << ": revoked; a daemon that runs ends its streams within "
         << "five seconds\n";
   }
   return status;

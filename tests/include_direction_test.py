@@ -3,7 +3,7 @@
 
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     adaptive <- bullet
-    server/decision/math <- everything else, since it is pure
+    server/text, server/decision/math <- everything else, since they are pure
     server/decision <- server/baselines <- server/audit <- telemetry, cli, rpc; server/decision <- priors/pooling <- the same
     server/decision <- priors <- storage, watch, rpc <- daemon <- main
     storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
@@ -13,7 +13,7 @@ Within the decision core: math <- decision <- policy <- session. Above it are th
 cli alone may include.
 
 Besides: the server never includes engine_client; the decision core and the audit log include the standard library, Eigen
-and themselves (math without Eigen), and take no clock, thread, file, distribution or libm function whose last bit differs
+and themselves (math and text without Eigen), and take no clock, thread, file, distribution or libm function whose last bit differs
 between platforms; headers of one operating system stay in telemetry, the server and the command line.
 
     include_direction_test.py ROOT          checks the tree at ROOT
@@ -44,6 +44,7 @@ ALLOWED = {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
         *DECISION, "server/baselines", "server/laboratory", "server/audit", "server/priors/pooling", "server/dashboard", "proto"},
     "server/dashboard": set(),
+    "server/text": set(),
     "server/decision/math": set(),
     "server/decision": set(),
     "server/decision/policy": {"server/decision"},
@@ -64,8 +65,8 @@ ALLOWED = {
         "server/baselines", "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "server/dashboard", "proto"},
 }
 
-# Pure functions that every folder may include.
-MATH = "server/decision/math"
+# Pure functions that every folder may include; they need the standard library only.
+FOR_ALL = {"server/text", "server/decision/math"}
 
 # Each public header belongs to the layer that implements it.
 PUBLIC_HEADERS = {
@@ -121,7 +122,7 @@ PLATFORM_HEADER = re.compile(
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
 # These may know nothing but the standard library and Eigen.
-PURE_FOLDERS = DECISION | {"server/decision/math", "server/baselines", "server/laboratory", "server/priors/pooling", "server/audit"}
+PURE_FOLDERS = DECISION | FOR_ALL | {"server/baselines", "server/laboratory", "server/priors/pooling", "server/audit"}
 DECISION_HEADERS = re.compile(
     r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
     r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
@@ -169,13 +170,13 @@ def is_core(folder):
 def include_errors(path, folder, name):
     target = target_of(name)
     if target is not None:
-        if target not in (folder, MATH) and target not in ALLOWED[folder]:
+        if target not in {folder, *FOR_ALL, *ALLOWED[folder]}:
             yield f'"{name}" ({target}) must not be included from {folder}'
         return
     if is_core(folder) and not DECISION_HEADERS.match(name):
         yield f"<{name}> must not be included from the decision core"
-    if folder == MATH and name.startswith("Eigen/"):
-        yield f"<{name}> must not be included from {MATH}, which needs the standard library only"
+    if folder in FOR_ALL and name.startswith("Eigen/"):
+        yield f"<{name}> must not be included from {folder}, which needs the standard library only"
     if folder not in PLATFORM_FOLDERS:
         if PLATFORM_HEADER.match(name) and path not in PLATFORM_FILES:
             yield f"<{name}> is not portable and must not be included from {folder}"
@@ -233,6 +234,7 @@ GOOD = {
     "server/audit/audit_log.cc": '#include "server/decision/session/decision_session.h"\n',
     "engine_client/cli/replay/replay_run.cc": '#include "server/laboratory/ablations.h"\n',
     "server/rpc/telemetry_service.cc": '#include "server/audit/audit_log.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
+    "engine_client/broad_phase/simd.cc": '#include "server/text/names.h"\n',
     "engine_client/scene/suite.cc": '#include "server/decision/math/hash.h"\n',
     "server/decision/math/beta.cc": '#include "server/decision/math/portable_math.h"\n#include <cmath>\n',
     "server/main.cc": '#include "server/daemon.h"\n#include "server/storage/sqlite_prior_store.h"\n',
@@ -270,6 +272,7 @@ BAD = {
     "server/elsewhere/v.cc": "\n",
     "engine_client/scene/w.cc": '#include "server/decision/types.h"\n',
     "server/decision/math/x.cc": '#include "server/decision/types.h"\n',
+    "server/text/x.cc": '#include "server/decision/types.h"\n',
     "server/decision/math/y.cc": "#include <Eigen/Core>\n",
     "server/decision/math/z.cc": "double F(double x) { return std::exp(x); }\n",
     "server/decision/session/w.cc": '#include "server/audit/audit_log.h"\n',

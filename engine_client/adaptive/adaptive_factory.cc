@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine_client/adaptive/adaptive_impl.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake {
 namespace {
@@ -65,7 +65,7 @@ std::optional<uint32_t> IndexOfArm(std::string_view name, std::span<const std::s
 
 Status UnknownArm(std::string_view name, std::span<const std::string> arms) {
   const std::vector<std::string_view> valid(arms.begin(), arms.end());
-  return {StatusCode::kNotFound, math::UnknownName("arm", name, valid)};
+  return {StatusCode::kNotFound, text::UnknownName("arm", name, valid)};
 }
 
 Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(const AdaptiveOptions& options,

@@ -8,7 +8,7 @@
 #include "engine_client/broad_phase/sweep/axis_sweep.h"
 #include "engine_client/broad_phase/sweep/sap.h"
 #include "engine_client/broad_phase/tracy/tracy.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/simd.h"
 
@@ -43,7 +43,7 @@ Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
   for (const Family& family : kFamilies) {
     if (family.name == name) return family.make(options);
   }
-  return Status(StatusCode::kNotFound, math::UnknownName("broad phase", name, kNames));
+  return Status(StatusCode::kNotFound, text::UnknownName("broad phase", name, kNames));
 }
 
 }  // namespace sweepstake

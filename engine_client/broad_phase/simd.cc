@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/simd.cc"
@@ -117,7 +117,7 @@ Status UseSimdTarget(std::string_view name) {
     return {};
   }
   return {StatusCode::kInvalidArgument,
-          math::UnknownName("instruction set of this machine", name, SimdTargets())};
+          text::UnknownName("instruction set of this machine", name, SimdTargets())};
 }
 
 Status UseSimdTargetOfEnvironment() {

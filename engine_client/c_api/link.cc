@@ -10,7 +10,7 @@
 #include "engine_client/telemetry/common/validation.h"
 #include "engine_client/telemetry/protocol/session_link.h"
 #include "server/decision/math/hash.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 using sweepstake::ConnectionState;
 using sweepstake::LinkAction;
@@ -102,7 +102,7 @@ swp_result CheckOptions(const swp_link_options& given) {
     return Fail(SWP_INVALID_ARGUMENT, "allow_operator_orders and ignore_priors must be 0 or 1");
   }
   if (given.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
-  if (!sweepstake::math::IsOptionalName(TextOr(given.daemon, ""))) {
+  if (!sweepstake::text::IsOptionalName(TextOr(given.daemon, ""))) {
     return Fail(SWP_INVALID_ARGUMENT,
                 "daemon must be at most 128 bytes of UTF-8 without control characters");
   }

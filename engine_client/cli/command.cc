@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -85,7 +85,7 @@ CLI::Validator OneOf(std::span<const std::string_view> words) {
   for (const std::string_view word : words) all.append(all.empty() ? "{" : ",").append(word);
   return {[words](const std::string& text) {
             return std::find(words.begin(), words.end(), text) == words.end()
-                       ? math::UnknownName("value", text, words)
+                       ? text::UnknownName("value", text, words)
                        : std::string();
           },
           all + "}"};

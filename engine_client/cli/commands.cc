@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine_client/cli/game/scene_choice.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 #include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
@@ -29,7 +29,7 @@ Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
   }
   const std::vector<std::string_view> valid(names.begin(), names.end());
   return {StatusCode::kInvalidArgument,
-          math::UnknownName("command of " + app.get_name(), words.front(), valid)};
+          text::UnknownName("command of " + app.get_name(), words.front(), valid)};
 }
 
 // The parser's own message for an unknown option comes after the one for a missing option, and does
@@ -51,7 +51,7 @@ Status CheckOptionNames(const CLI::App& app, std::span<char* const> words) {
     if (!name.starts_with("--") || std::find(valid.begin(), valid.end(), name) != valid.end())
       continue;
     return {StatusCode::kInvalidArgument,
-            math::UnknownName("option of " + app.get_name(), name, valid)};
+            text::UnknownName("option of " + app.get_name(), name, valid)};
   }
   return {};
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake::aabbs {
 namespace {
@@ -33,7 +33,7 @@ void PutInt32(int32_t value, size_t offset, HeaderBytes& bytes) {
 }
 
 void PutText(std::string_view text, size_t offset, HeaderBytes& bytes) {
-  const std::string clean = math::PrintableLine(text.substr(0, kNameBytes - 1));
+  const std::string clean = text::PrintableLine(text.substr(0, kNameBytes - 1));
   std::memcpy(bytes.data() + offset, clean.data(), clean.size());
 }
 

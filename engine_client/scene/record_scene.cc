@@ -12,7 +12,7 @@
 
 #include "engine_client/scene/aabbs_format.h"
 #include "engine_client/scene/utf8_path.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 #include "sweepstake/scene.h"
 
 namespace sweepstake {
@@ -160,7 +160,7 @@ Status CheckTarget(uint64_t frame_count, const fs::path& path) {
   const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::is_directory(directory, error)) {
     return {StatusCode::kNotFound,
-            math::PrintableLine(directory.string()) + " is no directory: create it first"};
+            text::PrintableLine(directory.string()) + " is no directory: create it first"};
   }
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
     return CannotWrite(path, "it is no file; give the path of a file");
@@ -172,7 +172,7 @@ Status CheckTarget(uint64_t frame_count, const fs::path& path) {
 Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path) {
   const std::optional<fs::path> target = PathOfUtf8(path);
   if (!target) {
-    return {StatusCode::kInvalidArgument, "'" + math::PrintableLine(path) + "' is not UTF-8"};
+    return {StatusCode::kInvalidArgument, "'" + text::PrintableLine(path) + "' is not UTF-8"};
   }
   if (Status status = CheckTarget(frame_count, *target); !status.ok()) return status;
   PendingFile file(*target);

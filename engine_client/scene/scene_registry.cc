@@ -14,7 +14,7 @@
 #include "engine_client/scene/scenarios.h"
 #include "engine_client/scene/suite_scene.h"
 #include "engine_client/scene/utf8_path.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 #include "sweepstake/scene.h"
 
 namespace sweepstake {
@@ -161,7 +161,7 @@ Result<ScenePointer> MakeEntry(const Entry& entry, const SceneOptions& options) 
 
 Status UnknownScene(std::string_view scene) {
   return {StatusCode::kNotFound,
-          math::UnknownName("scene", scene, kNames) + ", or the path of a .aabbs file"};
+          text::UnknownName("scene", scene, kNames) + ", or the path of a .aabbs file"};
 }
 
 Result<ScenePointer> MakeNamedScene(std::string_view scene, const SceneOptions& options) {

@@ -7,20 +7,20 @@
 #include <string>
 #include <string_view>
 
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake {
 
 // Returns nothing for text that is not UTF-8 or holds a control character.
 inline std::optional<std::filesystem::path> PathOfUtf8(std::string_view text) {
-  if (!math::IsLine(text)) return std::nullopt;
+  if (!text::IsLine(text)) return std::nullopt;
   return std::filesystem::path(std::u8string(text.begin(), text.end()));
 }
 
 // Returns the path for a message.
 inline std::string PathText(const std::filesystem::path& path) {
   const std::u8string text = path.u8string();
-  return math::PrintableLine({reinterpret_cast<const char*>(text.data()), text.size()});
+  return text::PrintableLine({reinterpret_cast<const char*>(text.data()), text.size()});
 }
 
 }  // namespace sweepstake

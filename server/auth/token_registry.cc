@@ -7,19 +7,19 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake::auth {
 namespace {
 
 constexpr size_t kIndexedDigits = 16;
 
-std::string NameFor(const StoredToken& token) { return math::PrintableLine(token.request.name); }
+std::string NameFor(const StoredToken& token) { return text::PrintableLine(token.request.name); }
 
 std::string MadeText(const StoredToken& token) {
   const TokenRequest& request = token.request;
   return absl::StrCat("token ", NameFor(token), " was made by ",
-                      math::PrintableLine(request.made_by), ": ", std::string(NameOf(request.role)),
+                      text::PrintableLine(request.made_by), ": ", std::string(NameOf(request.role)),
                       " of ", request.projects.empty() ? "all projects" : "some projects");
 }
 
@@ -128,7 +128,7 @@ void TokenRegistry::Report(const Entries& before, const Entries& after) const {
     if (!known) options_.on_change(MadeText(token));
     if (token.revoked_unix_s && !(known && before.list[i].token.revoked_unix_s)) {
       options_.on_change(absl::StrCat("token ", NameFor(token), " was revoked by ",
-                                      math::PrintableLine(token.revoked_by)));
+                                      text::PrintableLine(token.revoked_by)));
     }
   }
 }

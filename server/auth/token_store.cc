@@ -15,8 +15,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "server/decision/math/names.h"
 #include "server/storage/private_file.h"
+#include "server/text/names.h"
 
 namespace sweepstake::auth {
 namespace {
@@ -136,7 +136,7 @@ absl::Status CheckFile(SqliteDatabase& database, const fs::path& path) {
 }
 
 absl::Status Check(const TokenRequest& request, int64_t unix_s) {
-  if (!math::IsName(request.name)) {
+  if (!text::IsName(request.name)) {
     return absl::InvalidArgumentError(
         "a token's name must have 1 to 128 bytes and no control characters");
   }
@@ -144,7 +144,7 @@ absl::Status Check(const TokenRequest& request, int64_t unix_s) {
     return absl::InvalidArgumentError(absl::StrCat("a token has at most ", kMaxProjects,
                                                    " projects; leave them out to allow all"));
   for (const std::string& project : request.projects) {
-    if (!math::IsName(project) || project == kAllProjects)
+    if (!text::IsName(project) || project == kAllProjects)
       return absl::InvalidArgumentError(
           "a project must have 1 to 128 bytes and no control characters; for all of them name "
           "none");
@@ -264,7 +264,7 @@ absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int6
   if (!status.ok()) return status;
   if (!inserted) {
     return absl::AlreadyExistsError(absl::StrCat("there is, or was, a token of the name ",
-                                                 math::PrintableLine(request.name),
+                                                 text::PrintableLine(request.name),
                                                  "; choose another name"));
   }
   // Before the commit, so that no token is made that could be lost unnoticed; after all else that
@@ -283,7 +283,7 @@ absl::Status TokenStore::Revoke(const std::string& name, const std::string& revo
   });
   if (found == tokens->end()) {
     return absl::NotFoundError(absl::StrCat("there is no token of the name ",
-                                            math::PrintableLine(name),
+                                            text::PrintableLine(name),
                                             "; `sweepstaked token list` shows them"));
   }
   if (found->revoked_unix_s) return absl::FailedPreconditionError("it was revoked before");

@@ -20,7 +20,7 @@ struct AuditRow {
 // Rows of one segment that come after those stored before.
 struct AuditRows {
   uint32_t segment = 1;  // counts from 1
-  std::string project;   // project and scene are names (decision/math/names.h)
+  std::string project;   // project and scene are names (text/names.h)
   std::string scene;
   int64_t unix_start_ms = 0;   // time at which the segment began
   std::vector<AuditRow> rows;  // in the order of their numbers, which may leave out some

@@ -5,16 +5,16 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "server/audit/audit_log.h"
-#include "server/decision/math/names.h"
 #include "server/priors/pooling/scene_prior.h"
+#include "server/text/names.h"
 
 namespace sweepstake::storage {
 namespace {
 
-using math::IsName;
-using math::IsOptionalName;
 using priors::Evidence;
 using priors::EvidenceKey;
+using text::IsName;
+using text::IsOptionalName;
 
 // Returns an empty text if all is valid. The comparisons are written so that NaN fails.
 absl::string_view WrongEvidence(const Evidence& evidence) {

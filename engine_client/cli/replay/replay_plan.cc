@@ -7,8 +7,8 @@
 
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/trace/cost_trace.h"
-#include "server/decision/math/names.h"
 #include "server/laboratory/ablations.h"
+#include "server/text/names.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -26,7 +26,7 @@ Result<ReplayPlayer> FixedPlayer(const std::string& word, std::span<const std::s
   const auto found = std::find(arms.begin(), arms.end(), name);
   if (found == arms.end()) {
     const std::vector<std::string_view> valid(arms.begin(), arms.end());
-    return Invalid(math::UnknownName("arm of the traces", name, valid));
+    return Invalid(text::UnknownName("arm of the traces", name, valid));
   }
   return ReplayPlayer{.name = word,
                       .kind = ReplayPlayer::Kind::kFixed,
@@ -37,7 +37,7 @@ Status CheckPolicy(const std::string& word) {
   if (decision::FindPolicy(word, decision::StudyPolicies()) != nullptr) return {};
   std::vector<std::string_view> valid = decision::PolicyNames(decision::StudyPolicies());
   valid.insert(valid.end(), {"all", "fixed", "fixed:ARM", "oracle"});
-  return Invalid(math::UnknownName("policy", word, valid));
+  return Invalid(text::UnknownName("policy", word, valid));
 }
 
 Status ReadDuration(const std::string& text, uint64_t& ns) {
@@ -108,7 +108,7 @@ Result<std::vector<double>> LaneRatios(const ReplayRequest& request,
     const auto arm = std::find(arms.begin(), arms.end(), name);
     if (arm == arms.end()) {
       const std::vector<std::string_view> valid(arms.begin(), arms.end());
-      return Invalid(math::UnknownName("arm of the traces", name, valid));
+      return Invalid(text::UnknownName("arm of the traces", name, valid));
     }
     double ratio = 0;
     const auto read = std::from_chars(text.data(), text.data() + text.size(), ratio);

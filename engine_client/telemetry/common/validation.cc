@@ -7,7 +7,7 @@
 #include <string>
 
 #include "engine_client/telemetry/common/sample_queue.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake {
 namespace {
@@ -38,11 +38,11 @@ Status ValidateNames(const SessionOptions& options) {
   constexpr std::string_view kRule = "1 to 128 bytes of UTF-8 without control characters";
   constexpr std::string_view kOptionalRule =
       "at most 128 bytes of UTF-8 without control characters";
-  if (!math::IsName(options.project)) return Invalid("project", kRule);
-  if (!math::IsName(options.scene)) return Invalid("scene", kRule);
-  if (!math::IsOptionalName(options.build)) return Invalid("build", kOptionalRule);
-  if (!math::IsOptionalName(options.machine_class)) return Invalid("machine_class", kOptionalRule);
-  if (!math::IsOptionalName(options.policy)) return Invalid("policy", kOptionalRule);
+  if (!text::IsName(options.project)) return Invalid("project", kRule);
+  if (!text::IsName(options.scene)) return Invalid("scene", kRule);
+  if (!text::IsOptionalName(options.build)) return Invalid("build", kOptionalRule);
+  if (!text::IsOptionalName(options.machine_class)) return Invalid("machine_class", kOptionalRule);
+  if (!text::IsOptionalName(options.policy)) return Invalid("policy", kOptionalRule);
   return {};
 }
 

@@ -15,10 +15,10 @@
 #include "engine_client/telemetry/embedded/priors_sums.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/audit/audit_log.h"
-#include "server/decision/math/names.h"
 #include "server/decision/session/arm_runs.h"
 #include "server/decision/session/decision_session.h"
 #include "server/decision/session/policy_registry.h"
+#include "server/text/names.h"
 #include "sweepstake/machine_class.h"
 
 namespace sweepstake {
@@ -54,14 +54,14 @@ Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t
   if (!problems.empty()) return invalid(problems.front());
   for (const auto& [field, name] :
        {std::pair{"project", &options.project}, {"scene", &options.scene}}) {
-    if (!math::IsName(*name)) {
+    if (!text::IsName(*name)) {
       return invalid(std::string(field) + " must be 1 to 128 bytes without control characters");
     }
   }
   for (const auto& [field, name] : {std::pair{"machine_class", &options.machine_class},
                                     {"build", &options.build},
                                     {"source_id", &options.source_id}}) {
-    if (!math::IsOptionalName(*name)) {
+    if (!text::IsOptionalName(*name)) {
       return invalid(std::string(field) + " must be at most 128 bytes without control characters");
     }
   }

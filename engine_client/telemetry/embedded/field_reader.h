@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 
-#include "server/decision/math/names.h"
 #include "server/priors/pooling/scene_prior.h"
+#include "server/text/names.h"
 
 namespace sweepstake {
 
@@ -30,7 +30,7 @@ class FieldReader {
     if (!field->is_string()) return SetError(key, "is not a string");
     value = field->get_ref<const std::string&>();
     if (required && value.empty()) return SetError(key, "is empty");
-    if (!math::IsOptionalName(value)) {
+    if (!text::IsOptionalName(value)) {
       SetError(key, "is over 128 bytes or holds a control character");
     }
   }
@@ -88,7 +88,7 @@ class FieldReader {
   }
 
   void SetError(const std::string& key, const char* what) {
-    if (!error_) error_ = key.substr(0, math::kMaxNameBytes) + " " + what;
+    if (!error_) error_ = key.substr(0, text::kMaxNameBytes) + " " + what;
   }
 
   const nlohmann::json& object_;

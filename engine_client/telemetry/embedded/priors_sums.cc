@@ -146,12 +146,12 @@ class SceneReader {
     std::pair<std::string, uint32_t>& read = arms_.emplace_back(text.substr(0, mark), 0);
     const char* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data() + mark + 1, end, read.second);
-    if (error != std::errc() || stop != end || read.second == 0 || !math::IsName(read.first))
+    if (error != std::errc() || stop != end || read.second == 0 || !text::IsName(read.first))
       SetError("an arm is not NAME/VERSION");
   }
 
   void ReadBuild(const std::string& build, const Json& line) {
-    if (!math::IsOptionalName(build)) return SetError("a build is over 128 bytes or no text");
+    if (!text::IsOptionalName(build)) return SetError("a build is over 128 bytes or no text");
     const bool whole = line.is_array() && line.size() == 3 && line[0].is_number_unsigned() &&
                        line[1].is_array() && line[2].is_array() &&
                        line[0].get<uint64_t>() <= kMaxSequence && line[1].size() == arms_.size() &&

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine_client/telemetry/protocol/wire.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake::protocol {
 namespace {
@@ -370,8 +370,8 @@ Response ReadResponse(std::string_view bytes) {
 }
 
 bool HasTextsOfALine(const Welcome& welcome) {
-  return math::IsLine(welcome.session_id) && math::IsLine(welcome.daemon_version) &&
-         math::IsLine(welcome.policy);
+  return text::IsLine(welcome.session_id) && text::IsLine(welcome.daemon_version) &&
+         text::IsLine(welcome.policy);
 }
 
 struct ErrorInfo {
@@ -409,7 +409,7 @@ std::string ReasonInDetail(std::string_view bytes) {
   if (type_url != "type.googleapis.com/google.rpc.ErrorInfo") return "";
   ErrorInfo info;
   Read(value, info);
-  return info.domain == "sweepstake" && math::IsName(info.reason) ? info.reason : "";
+  return info.domain == "sweepstake" && text::IsName(info.reason) ? info.reason : "";
 }
 
 std::string ReasonInDetails(std::string_view bytes) {

@@ -7,7 +7,7 @@
 
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/protocol/wire.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 #include "sweepstake/machine_class.h"
 
 namespace sweepstake {
@@ -114,7 +114,7 @@ bool IsTokenRefused(uint32_t code, const std::string& reason) {
 // Returns the text of another party as one that a log can show as it is: it may hold any bytes.
 std::string OneLine(std::string_view text) {
   const std::string_view beginning = text.substr(0, kMaxEndBytes);
-  return math::IsLine(beginning) ? std::string(beginning) : math::PrintableLine(beginning);
+  return text::IsLine(beginning) ? std::string(beginning) : text::PrintableLine(beginning);
 }
 
 StreamEnd Readable(StreamEnd end) {

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -49,7 +49,7 @@ std::vector<std::string> Problems(const DecisionOptions& options, PolicyRegistry
   std::vector<std::string> problems = NumberProblems(options);
   if (FindPolicy(options.policy, policies) == nullptr) {
     problems.insert(problems.begin(),
-                    math::UnknownName("policy", options.policy, PolicyNames(policies)));
+                    text::UnknownName("policy", options.policy, PolicyNames(policies)));
   }
   return problems;
 }

@@ -8,10 +8,10 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "server/decision/math/names.h"
 #include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/own_connection.h"
+#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -195,7 +195,7 @@ absl::Status AccessControl::CheckStill(const auth::Principal& caller) const {
 absl::Status CheckProject(const auth::Principal& caller, std::string_view project) {
   if (caller.MayUse(project)) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_NOT_ALLOWED,
-                 absl::StrCat("this token is not for the project ", math::PrintableLine(project),
+                 absl::StrCat("this token is not for the project ", text::PrintableLine(project),
                               "; use one that is (`sweepstaked token create --project`)"));
 }
 
@@ -208,7 +208,7 @@ std::string CallerOf(const grpc::ServerContextBase& call) {
 
 std::string NameForLog(const auth::Principal& caller) {
   return caller.token_id == 0 ? "somebody without a token"
-                              : absl::StrCat("token ", math::PrintableLine(caller.name));
+                              : absl::StrCat("token ", text::PrintableLine(caller.name));
 }
 
 std::string NameAndAddress(const auth::Principal& caller, const grpc::ServerContextBase& call) {

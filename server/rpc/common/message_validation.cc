@@ -8,18 +8,18 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/baselines/shipped_policies.h"
-#include "server/decision/math/names.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/decision/session/session_setup.h"
 #include "server/priors/pooling/scene_prior.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/options.h"
+#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {
 
-using math::IsName;
-using math::IsOptionalName;
+using text::IsName;
+using text::IsOptionalName;
 
 constexpr uint64_t kMinFrameNs = 1'000;
 constexpr uint64_t kMaxChecks = 1ull << 60;
@@ -94,7 +94,7 @@ absl::Status CheckNames(const v1::Hello& hello) {
 absl::Status CheckPolicy(const std::string& policy) {
   const auto valid = decision::PolicyNames(decision::ShippedPolicies());
   if (std::find(valid.begin(), valid.end(), policy) != valid.end()) return absl::OkStatus();
-  return Refused(v1::ERROR_REASON_UNKNOWN_POLICY, math::UnknownName("policy", policy, valid));
+  return Refused(v1::ERROR_REASON_UNKNOWN_POLICY, text::UnknownName("policy", policy, valid));
 }
 
 absl::Status CheckColumns(const v1::FrameBatch& batch) {

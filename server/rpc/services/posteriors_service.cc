@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "server/baselines/shipped_policies.h"
-#include "server/decision/math/names.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/posterior_watcher.h"
 #include "server/rpc/services/unary_call.h"
 #include "server/rpc/sessions/session_table.h"
+#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -116,8 +116,8 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
     const SceneKey key{request->project(), request->scene(), request->machine_class(),
                        request->reward_version() != 0 ? request->reward_version()
                                                       : DefaultRewardVersion(context_.options)};
-    if (!math::IsName(key.project) || !math::IsName(key.scene) ||
-        !math::IsOptionalName(key.machine_class)) {
+    if (!text::IsName(key.project) || !text::IsName(key.scene) ||
+        !text::IsOptionalName(key.machine_class)) {
       return end(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
                          "project and scene must have 1 to 128 bytes and no control characters"));
     }

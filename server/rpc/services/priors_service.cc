@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/decision/math/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
@@ -16,6 +15,7 @@
 #include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/scene_quota.h"
 #include "server/rpc/sessions/session_table.h"
+#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -205,7 +205,7 @@ absl::StatusOr<priors::SourceFilter> FilterOf(const v1::RevokePriorsRequest& req
         "name the sources to revoke: by source_id, build, token_id, or a time since 1970");
   }
   for (const std::string* name : {&request.project(), &request.source_id(), &request.build()}) {
-    if (!math::IsOptionalName(*name))
+    if (!text::IsOptionalName(*name))
       return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "a name has at most 128 bytes of UTF-8");
   }
   if (absl::Status allowed = CheckProject(caller, request.project()); !allowed.ok()) return allowed;

@@ -11,13 +11,13 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
-#include "server/decision/math/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/session_watcher.h"
 #include "server/rpc/services/unary_call.h"
 #include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/session_table.h"
+#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -40,7 +40,7 @@ absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& req
   if (arm == arms.end()) {
     const std::vector<std::string_view> valid(arms.begin(), arms.end());
     return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                   math::UnknownName("arm", request.arm(), valid));
+                   text::UnknownName("arm", request.arm(), valid));
   }
   order.arm = static_cast<uint32_t>(arm - arms.begin());
   return order;

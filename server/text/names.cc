@@ -1,4 +1,4 @@
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace sweepstake::math {
+namespace sweepstake::text {
 namespace {
 
 constexpr size_t kMaxLineBytes = 200;
@@ -116,4 +116,4 @@ std::string UnknownNameOfMany(std::string_view kind, std::string_view name,
   return message.append("; --help lists all");
 }
 
-}  // namespace sweepstake::math
+}  // namespace sweepstake::text

@@ -1,4 +1,4 @@
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/decision/math/hash.h"
-
-namespace sweepstake::math {
+namespace sweepstake::text {
 namespace {
 
 constexpr std::array<std::string_view, 4> kFruits = {"apple", "banana", "pear", "peach"};
@@ -63,15 +61,5 @@ TEST(Names, AMessageOfOneLineHoldsNoControlCharacterAndAtMost200Bytes) {
   EXPECT_EQ(PrintableLine(std::string(1000, 'x')), std::string(200, 'x'));
 }
 
-TEST(Hash, GivesThePublishedValues) {
-  EXPECT_EQ(Fnv1a(kFnv1aStart, ""), 0xCBF29CE484222325U);
-  EXPECT_EQ(Fnv1a(kFnv1aStart, "foobar"), 0x85944171F73967E8U);
-  EXPECT_EQ(Fnv1aOfWord(kFnv1aStart, 0x6F6F66U), Fnv1a(kFnv1aStart, std::string_view("foo\0", 4)));
-  // The first outputs of splitmix64 from state 1234567.
-  SplitMix64 random{1234567};
-  EXPECT_EQ(random.Next(), 6457827717110365317U);
-  EXPECT_EQ(random.Next(), 3203168211198807973U);
-}
-
 }  // namespace
-}  // namespace sweepstake::math
+}  // namespace sweepstake::text

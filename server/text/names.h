@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace sweepstake::math {
+namespace sweepstake::text {
 
 inline constexpr size_t kMaxNameBytes = 128;
 
@@ -39,4 +39,4 @@ std::string UnknownName(std::string_view kind, std::string_view name,
 std::string UnknownNameOfMany(std::string_view kind, std::string_view name,
                               std::span<const std::string_view> valid);
 
-}  // namespace sweepstake::math
+}  // namespace sweepstake::text
