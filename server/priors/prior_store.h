@@ -194,6 +194,7 @@ struct PriorRecord {
   std::string build = {};         // of the source; empty if unknown
   uint64_t last_seen_unix_s = 0;  // when the source taught last; 0 if unknown
   bool is_imported = false;       // no session of the store has it; imports take no notice
+  bool is_quarantined = false;    // it waits to be promoted; imports take no notice
 
   friend bool operator==(const PriorRecord&, const PriorRecord&) = default;
 };
@@ -241,8 +242,17 @@ struct RevokeResult {
   friend bool operator==(const RevokeResult&, const RevokeResult&) = default;
 };
 
-// What a store has. Errors: UNAVAILABLE (the disk cannot read, or the file is locked), DATA_LOSS
-// (what was asked for is damaged).
+struct PromoteResult {
+  uint64_t source_count = 0;  // that had records in quarantine
+  uint64_t record_count = 0;
+  uint64_t window_count = 0;  // visits of the lane count, too
+  uint64_t scene_count = 0;   // whose evidence changes; one per machine class and reward version
+
+  friend bool operator==(const PromoteResult&, const PromoteResult&) = default;
+};
+
+// What a store has. Evidence in quarantine is in ExportQuarantined alone. Errors: UNAVAILABLE (the
+// disk cannot read, or the file is locked), DATA_LOSS (what was asked for is damaged).
 class PriorReader {
  public:
   virtual ~PriorReader() = default;
@@ -277,6 +287,11 @@ class PriorReader {
   // 0.
   virtual absl::StatusOr<ExportPage> Export(const SceneFilter& filter, const ExportPlace& after,
                                             uint32_t limit) = 0;
+
+  // Returns the next records behind `after` that wait in quarantine, in the same order.
+  virtual absl::StatusOr<ExportPage> ExportQuarantined(const SceneFilter& filter,
+                                                       const ExportPlace& after,
+                                                       uint32_t limit) = 0;
 
   // Returns up to `limit` segments of the audit log with ids above `after`, ordered by id.
   virtual absl::StatusOr<std::vector<AuditSegment>> ListAudit(const AuditFilter& filter,
@@ -315,13 +330,25 @@ class PriorStore : public PriorReader {
 
   // Imports all records or, if one is invalid, none. A record replaces an older one of the same key
   // and source, and is ignored if the stored one is as new. Evidence of unknown sources is added. A
-  // record of a source that was committed here is ignored: the store's own evidence is newer.
+  // record of a source that was committed here is ignored: the store's own evidence is newer. What
+  // waits in quarantine and is no newer than an imported record of its key and source is dropped.
   virtual absl::StatusOr<ImportResult> Import(std::span<const PriorRecord> records) = 0;
 
-  // Removes exactly the evidence of the sources, and bars them from later commits and imports; an
-  // unknown id is barred, too, unless a project is named. What was folded of their evidence stays,
-  // unless all sources of a build are meant. The log of administrators is no source. With `preview`
-  // nothing changes. REQUIRES: an id, a build, a token or a time.
+  // The same into the quarantine, where it is no evidence of any scene: what is there, or counts
+  // already, is replaced by what is newer alone. A source that is committed here loses what waits
+  // of it. Error: RESOURCE_EXHAUSTED (more than `max_records` would wait).
+  virtual absl::StatusOr<ImportResult> Quarantine(std::span<const PriorRecord> records,
+                                                  uint64_t max_records) = 0;
+
+  // Takes the sources' records out of the quarantine, into what counts: then the store is as if
+  // Import had had them. With `preview` nothing changes.
+  virtual absl::StatusOr<PromoteResult> Promote(const SourceFilter& filter, bool preview) = 0;
+
+  // Removes exactly the evidence of the sources, in quarantine and out of it, and bars them from
+  // later commits and imports; an unknown id is barred, too, unless a project is named. What was
+  // folded of their evidence stays, unless all sources of a build are meant. The log of
+  // administrators is no source. With `preview` nothing changes. REQUIRES: an id, a build, a token
+  // or a time.
   virtual absl::StatusOr<RevokeResult> Revoke(const SourceFilter& filter, bool preview) = 0;
 };
 

@@ -198,6 +198,7 @@ void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
   }
   source.last_seen_unix_s = update.unix_time_s;
   source.is_session = true;
+  for (auto& [key, entries] : quarantine_) entries.erase(update.progress.source_id);
   for (const auto& increment : update.increments) {
     Entry& entry = evidence_[increment.key][update.progress.source_id];
     entry.sequence = update.progress.commit_sequence;
@@ -307,8 +308,21 @@ absl::StatusOr<uint64_t> MemoryPriorStore::CountProjects() {
 absl::StatusOr<priors::ExportPage> MemoryPriorStore::Export(const SceneFilter& filter,
                                                             const priors::ExportPlace& after,
                                                             uint32_t limit) {
+  return ExportOf(evidence_, filter, after, limit);
+}
+
+absl::StatusOr<priors::ExportPage> MemoryPriorStore::ExportQuarantined(
+    const SceneFilter& filter, const priors::ExportPlace& after, uint32_t limit) {
+  priors::ExportPage page = ExportOf(quarantine_, filter, after, limit);
+  for (PriorRecord& record : page.records) record.is_quarantined = true;
+  return page;
+}
+
+priors::ExportPage MemoryPriorStore::ExportOf(const EntriesByKey& all, const SceneFilter& filter,
+                                              const priors::ExportPlace& after,
+                                              uint32_t limit) const {
   std::map<std::pair<EvidenceKey, uint64_t>, PriorRecord> records;
-  for (const auto& [key, entries] : evidence_) {
+  for (const auto& [key, entries] : all) {
     if (!filter.Matches(key.project, key.scene)) continue;
     for (const auto& [source_id, entry] : entries) {
       const Source& source = sources_.at(source_id);
@@ -332,17 +346,44 @@ absl::StatusOr<priors::ExportPage> MemoryPriorStore::Export(const SceneFilter& f
   return page;
 }
 
-bool MemoryPriorStore::ImportOne(const PriorRecord& record) {
+bool MemoryPriorStore::TakesImports(const PriorRecord& record) {
   const bool is_new = sources_.find(record.source_id) == sources_.end();
   Source& source = FindSource(record.source_id);
   if (is_new) {
     source.origin.build = record.build;
     source.last_seen_unix_s = record.last_seen_unix_s;
   }
-  if (source.revoked || source.is_session) return false;
-  Entry& entry = evidence_[record.key][record.source_id];
-  if (record.source_sequence <= entry.sequence) return false;
-  entry = {record.source_sequence, priors::InUnits(record.evidence)};
+  return !source.revoked && !source.is_session;
+}
+
+bool MemoryPriorStore::Take(const EvidenceKey& key, const std::string& source_id,
+                            const Entry& entry) {
+  Entry& counted = evidence_[key][source_id];
+  const bool is_newer = entry.sequence > counted.sequence;
+  if (is_newer) counted = entry;
+  std::erase_if(quarantine_[key], [&](const auto& waiting) {
+    return waiting.first == source_id && waiting.second.sequence <= entry.sequence;
+  });
+  return is_newer;
+}
+
+bool MemoryPriorStore::ImportOne(const PriorRecord& record) {
+  return TakesImports(record) && Take(record.key, record.source_id,
+                                      {record.source_sequence, priors::InUnits(record.evidence)});
+}
+
+bool MemoryPriorStore::QuarantineOne(const PriorRecord& record) {
+  if (!TakesImports(record)) return false;
+  const auto sequence_in = [&](const EntriesByKey& all) {
+    const auto entries = all.find(record.key);
+    if (entries == all.end()) return uint64_t{0};
+    const auto entry = entries->second.find(record.source_id);
+    return entry == entries->second.end() ? uint64_t{0} : entry->second.sequence;
+  };
+  if (record.source_sequence <= std::max(sequence_in(evidence_), sequence_in(quarantine_)))
+    return false;
+  quarantine_[record.key][record.source_id] = {record.source_sequence,
+                                               priors::InUnits(record.evidence)};
   return true;
 }
 
@@ -357,17 +398,58 @@ absl::StatusOr<priors::ImportResult> MemoryPriorStore::Import(
   return result;
 }
 
+absl::StatusOr<priors::ImportResult> MemoryPriorStore::Quarantine(
+    std::span<const PriorRecord> records, uint64_t max_records) {
+  absl::Status status = CheckRecords(records);
+  if (!status.ok()) return status;
+  auto sources = sources_;
+  auto quarantine = quarantine_;
+  priors::ImportResult result;
+  for (const PriorRecord& record : records) {
+    ++(QuarantineOne(record) ? result.applied_count : result.unchanged_count);
+  }
+  uint64_t count = 0;
+  for (const auto& [key, entries] : quarantine_) count += entries.size();
+  status = QuarantineBound(count, max_records);
+  if (status.ok()) return result;
+  sources_ = std::move(sources);
+  quarantine_ = std::move(quarantine);
+  return status;
+}
+
+absl::StatusOr<priors::PromoteResult> MemoryPriorStore::Promote(const priors::SourceFilter& filter,
+                                                                bool preview) {
+  priors::PromoteResult result;
+  std::set<std::string> sources;
+  std::set<SceneKey> scenes;
+  for (auto& [key, waiting] : quarantine_) {
+    if (!filter.project.empty() && filter.project != key.project) continue;
+    for (const auto& [source_id, entry] : EntriesBySource(waiting)) {
+      if (!Matches(source_id, filter)) continue;
+      sources.insert(source_id);
+      scenes.insert(SceneOf(key));
+      ++result.record_count;
+      result.window_count += entry.evidence.window_count;
+      if (!preview) Take(key, source_id, entry);
+    }
+  }
+  result.source_count = sources.size();
+  result.scene_count = scenes.size();
+  return result;
+}
+
 bool MemoryPriorStore::HasEvidence(const std::string& source_id, const std::string& project) const {
-  return std::any_of(evidence_.begin(), evidence_.end(), [&](const auto& entries) {
+  const auto is_evidence = [&](const auto& entries) {
     return entries.first.project == project && entries.second.contains(source_id);
-  });
+  };
+  return std::any_of(evidence_.begin(), evidence_.end(), is_evidence) ||
+         std::any_of(quarantine_.begin(), quarantine_.end(), is_evidence);
 }
 
 bool MemoryPriorStore::Matches(const std::string& source_id,
                                const priors::SourceFilter& filter) const {
   const Source& source = sources_.at(source_id);
-  return !source.revoked && source_id != decision::kAdminSession &&
-         (filter.id.empty() || filter.id == source_id) &&
+  return source_id != decision::kAdminSession && (filter.id.empty() || filter.id == source_id) &&
          (filter.build.empty() || filter.build == source.origin.build) &&
          (filter.token_id == 0 || filter.token_id == source.origin.token_id) &&
          source.created_unix_s >= filter.from_unix_s &&
@@ -379,18 +461,20 @@ absl::StatusOr<priors::RevokeResult> MemoryPriorStore::Revoke(const priors::Sour
                                                               bool preview) {
   std::set<std::string> matching;
   for (const auto& [id, source] : sources_) {
-    if (Matches(id, filter)) matching.insert(id);
+    if (!source.revoked && Matches(id, filter)) matching.insert(id);
   }
   priors::RevokeResult result{.source_count = matching.size()};
-  for (auto entries = evidence_.begin(); entries != evidence_.end();) {
-    const bool is_meant = filter.project.empty() || filter.project == entries->first.project;
-    std::erase_if(entries->second, [&](const auto& entry) {
-      if (!is_meant || !matching.contains(entry.first)) return false;
-      ++result.record_count;
-      result.window_count += entry.second.evidence.window_count;
-      return !preview;
-    });
-    entries = entries->second.empty() ? evidence_.erase(entries) : std::next(entries);
+  for (EntriesByKey* all : {&evidence_, &quarantine_}) {
+    for (auto entries = all->begin(); entries != all->end();) {
+      const bool is_meant = filter.project.empty() || filter.project == entries->first.project;
+      std::erase_if(entries->second, [&](const auto& entry) {
+        if (!is_meant || !matching.contains(entry.first)) return false;
+        ++result.record_count;
+        result.window_count += entry.second.evidence.window_count;
+        return !preview;
+      });
+      entries = entries->second.empty() ? all->erase(entries) : std::next(entries);
+    }
   }
   if (preview) return result;
   for (const std::string& id : matching) FindSource(id).revoked = true;

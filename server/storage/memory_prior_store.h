@@ -72,8 +72,15 @@ class MemoryPriorStore : public priors::PriorStore {
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
                                             const priors::ExportPlace& after,
                                             uint32_t limit) override;
+  absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
+                                                       const priors::ExportPlace& after,
+                                                       uint32_t limit) override;
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override;
+  absl::StatusOr<priors::ImportResult> Quarantine(std::span<const priors::PriorRecord> records,
+                                                  uint64_t max_records) override;
+  absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
+                                                bool preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               bool preview) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
@@ -98,6 +105,7 @@ class MemoryPriorStore : public priors::PriorStore {
     priors::Evidence evidence;
   };
   using EntriesBySource = std::map<std::string, Entry>;
+  using EntriesByKey = std::map<priors::EvidenceKey, EntriesBySource>;
 
   // Adds the source if there is none.
   Source& FindSource(const std::string& id);
@@ -109,12 +117,22 @@ class MemoryPriorStore : public priors::PriorStore {
   std::vector<std::pair<std::string, Entry>> Latest(const EntriesBySource& entries,
                                                     size_t limit) const;
   bool HasEvidence(const std::string& source_id, const std::string& project) const;
+  // Whether or not it is revoked.
   bool Matches(const std::string& source_id, const priors::SourceFilter& filter) const;
+  // Returns whether the record's source has imports, which it is added for.
+  bool TakesImports(const priors::PriorRecord& record);
   bool ImportOne(const priors::PriorRecord& record);
+  bool QuarantineOne(const priors::PriorRecord& record);
+  // Puts the entry where it counts, and drops what waits and is no newer. Returns whether it is
+  // newer than what counted.
+  bool Take(const priors::EvidenceKey& key, const std::string& source_id, const Entry& entry);
+  priors::ExportPage ExportOf(const EntriesByKey& all, const priors::SceneFilter& filter,
+                              const priors::ExportPlace& after, uint32_t limit) const;
   priors::SceneEvidence Sum(const priors::SceneKey& key) const;
 
   std::map<std::string, Source> sources_;
-  std::map<priors::EvidenceKey, EntriesBySource> evidence_;
+  EntriesByKey evidence_;
+  EntriesByKey quarantine_;
   MemoryAuditLog audit_;
   uint64_t lost_audit_row_count_ = 0;
 };

@@ -69,4 +69,23 @@ absl::StatusOr<FileId> FileId::Of(const fs::path& path) {
   return Unavailable(path, errno);
 }
 
+absl::Status FilesInUse::Add(const fs::path& path) {
+  const auto id = FileId::Of(path);
+  if (!id.ok()) return id.status();
+  files_.emplace_back(path, *id);
+  return absl::OkStatus();
+}
+
+absl::Status FilesInUse::Check() const {
+  for (const auto& [path, id] : files_) {
+    const auto now = FileId::Of(path);
+    if (!now.ok()) return now.status();
+    if (*now == id) continue;
+    return absl::NotFoundError(
+        absl::StrCat(path.string(), " was ", *now == FileId() ? "removed" : "replaced",
+                     " while it was in use, and what is committed would be lost"));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace sweepstake::storage

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -34,6 +36,18 @@ struct FileId {
   // Returns which file the name means. Error: UNAVAILABLE (it cannot be told).
   static absl::StatusOr<FileId> Of(const std::filesystem::path& path);
   friend bool operator==(const FileId&, const FileId&) = default;
+};
+
+// Files that are in use, and which ones their names meant when that began.
+class FilesInUse {
+ public:
+  // Error: UNAVAILABLE (it cannot be told).
+  absl::Status Add(const std::filesystem::path& path);
+  // Errors: NOT_FOUND (a name means no file any more, or another one), UNAVAILABLE.
+  absl::Status Check() const;
+
+ private:
+  std::vector<std::pair<std::filesystem::path, FileId>> files_;
 };
 
 }  // namespace sweepstake::storage

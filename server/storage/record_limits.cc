@@ -98,6 +98,13 @@ absl::Status CheckRecords(std::span<const priors::PriorRecord> records) {
   return absl::OkStatus();
 }
 
+absl::Status QuarantineBound(uint64_t count, uint64_t max_records) {
+  if (count <= max_records) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("with these ", count, " records would wait in quarantine, more than ",
+                   max_records, "; promote or revoke what waits there first"));
+}
+
 bool BarsUnknown(const priors::SourceFilter& filter) {
   return !filter.id.empty() && filter.id != decision::kAdminSession && filter.project.empty();
 }

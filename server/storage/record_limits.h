@@ -17,6 +17,9 @@ inline constexpr uint64_t kMaxCount = (1ull << 63) - 1;
 absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates);
 absl::Status CheckRecords(std::span<const priors::PriorRecord> records);
 
+// Error: RESOURCE_EXHAUSTED (so many records in quarantine are more than may wait there).
+absl::Status QuarantineBound(uint64_t count, uint64_t max_records);
+
 // Returns whether a revocation bars a source that the store has nothing of. One that is about a
 // project does not, since the source may be another project's.
 bool BarsUnknown(const priors::SourceFilter& filter);

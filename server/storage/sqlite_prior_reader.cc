@@ -236,9 +236,12 @@ absl::StatusOr<uint64_t> SqlitePriorReader::CountProjects() {
 }
 
 absl::StatusOr<SqlitePriorReader::ExportKey> SqlitePriorReader::NextKey(
-    const SceneFilter& filter, const EvidenceKey& first, int64_t first_reward_version) {
+    const SceneFilter& filter, const EvidenceKey& first, int64_t first_reward_version,
+    bool quarantined) {
   ExportKey next;
-  absl::Status status = statements_.next_key.ForEachRow(
+  SqliteStatement& statement =
+      quarantined ? statements_.next_quarantined_key : statements_.next_key;
+  absl::Status status = statement.ForEachRow(
       [&](const SqliteRow& row) {
         next = {.key = KeyOf(row), .id = row.Integer(7), .damaged = row.Integer(8) == 0};
       },
@@ -258,18 +261,20 @@ absl::Status SqlitePriorReader::CountFolded(const ExportKey& key, priors::Export
 }
 
 absl::Status SqlitePriorReader::AppendEvidence(const ExportKey& key, uint32_t limit,
-                                               priors::ExportPage& page) {
+                                               bool quarantined, priors::ExportPage& page) {
   const uint64_t first = page.next.key == key.key ? page.next.source_number : 0;
-  if (first == 0) {
+  if (first == 0 && !quarantined) {
     absl::Status status = CountFolded(key, page);
     if (!status.ok()) return status;
   }
   bool damaged = key.damaged;
-  absl::Status status = statements_.key_evidence.ForEachRow(
+  SqliteStatement& statement =
+      quarantined ? statements_.quarantined_evidence : statements_.key_evidence;
+  absl::Status status = statement.ForEachRow(
       [&](const SqliteRow& row) {
         damaged = damaged || row.Integer(7) == 0;
         page.records.push_back({key.key, row.Text(1), row.Unsigned(2), EvidenceOf(row, 3),
-                                row.Text(8), row.Unsigned(9), row.Integer(10) != 0});
+                                row.Text(8), row.Unsigned(9), row.Integer(10) != 0, quarantined});
         page.next = {key.key, row.Unsigned(0)};
       },
       key.id, first, limit - static_cast<uint32_t>(page.records.size()));
@@ -279,6 +284,17 @@ absl::Status SqlitePriorReader::AppendEvidence(const ExportKey& key, uint32_t li
 absl::StatusOr<priors::ExportPage> SqlitePriorReader::Export(const SceneFilter& filter,
                                                              const priors::ExportPlace& after,
                                                              uint32_t limit) {
+  return ExportAll(filter, after, limit, /*quarantined=*/false);
+}
+
+absl::StatusOr<priors::ExportPage> SqlitePriorReader::ExportQuarantined(
+    const SceneFilter& filter, const priors::ExportPlace& after, uint32_t limit) {
+  return ExportAll(filter, after, limit, /*quarantined=*/true);
+}
+
+absl::StatusOr<priors::ExportPage> SqlitePriorReader::ExportAll(const SceneFilter& filter,
+                                                                const priors::ExportPlace& after,
+                                                                uint32_t limit, bool quarantined) {
   priors::ExportPage page{.records = {}, .next = after};
   EvidenceKey first = after.key;
   // The index begins where the filter's project does.
@@ -289,10 +305,11 @@ absl::StatusOr<priors::ExportPage> SqlitePriorReader::Export(const SceneFilter& 
   }
   int64_t first_reward_version = first.reward_version;
   while (page.records.size() < limit) {
-    const auto key = NextKey(filter, first, first_reward_version);
+    const auto key = NextKey(filter, first, first_reward_version, quarantined);
     if (!key.ok()) return key.status();
     if (key->id == 0) break;
-    if (absl::Status status = AppendEvidence(*key, limit, page); !status.ok()) return status;
+    if (absl::Status status = AppendEvidence(*key, limit, quarantined, page); !status.ok())
+      return status;
     // The version is the last in the order of keys, and a whole number.
     first = key->key;
     first_reward_version = int64_t{first.reward_version} + 1;

@@ -56,6 +56,9 @@ class SqlitePriorReader final : public priors::PriorReader {
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
                                             const priors::ExportPlace& after,
                                             uint32_t limit) override;
+  absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
+                                                       const priors::ExportPlace& after,
+                                                       uint32_t limit) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -81,13 +84,19 @@ class SqlitePriorReader final : public priors::PriorReader {
   // Appends what the latest `limit` sources of each key say of the scene in that row.
   absl::Status AppendSources(int64_t scene_id, const priors::SceneKey& scene, uint32_t limit,
                              std::vector<priors::SceneSource>& sources);
+  // What counts, or what waits in quarantine.
+  absl::StatusOr<priors::ExportPage> ExportAll(const priors::SceneFilter& filter,
+                                               const priors::ExportPlace& after, uint32_t limit,
+                                               bool quarantined);
   // Returns the first matching key from `first` on, but with the given reward version.
   absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
-                                    const priors::EvidenceKey& first, int64_t first_reward_version);
+                                    const priors::EvidenceKey& first, int64_t first_reward_version,
+                                    bool quarantined);
   // Adds what of the key is left out to the page.
   absl::Status CountFolded(const ExportKey& key, priors::ExportPage& page);
   // Appends the key's records behind the page's place, until the page has `limit` of them.
-  absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, priors::ExportPage& page);
+  absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
+                              priors::ExportPage& page);
 
   PriorReadStatements statements_;
   SqliteAuditReader audit_;

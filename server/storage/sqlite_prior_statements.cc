@@ -22,6 +22,8 @@ struct StatementText {
 // control character (FoldSources). No session and no record has such a name, and all of theirs sort
 // behind ' '.
 //
+// What waits in quarantine is in a table of its own, which only the statements that name it read.
+//
 // Whoever writes a row writes its hash (sqlite_schema.h): row_hash of the new values where the row
 // is new, and where it is changed next_hash, which leaves a wrong hash wrong.
 constexpr StatementText<PriorStatements> kStatements[] = {
@@ -133,12 +135,16 @@ constexpr StatementText<PriorStatements> kStatements[] = {
     // Of sources whose names begin with a control character only where all of a build are meant.
     {&PriorStatements::matching_sources, R"sql(
         SELECT id, name FROM source
-        WHERE revoked = 0 AND (?1 = '' OR name = ?1) AND (?2 = '' OR build = ?2)
+        WHERE (revoked = 0 OR ?9) AND (?1 = '' OR name = ?1) AND (?2 = '' OR build = ?2)
           AND (?3 = 0 OR token_id = ?3) AND created_unix_s BETWEEN ?4 AND ?5
           AND (name >= ' ' OR ?6) AND name <> ?8
           AND (?7 = '' OR name < ' '
                OR EXISTS (SELECT 1 FROM scene_source j JOIN scene s ON s.id = scene_id
-                          WHERE source_id = source.id AND project = ?7)))sql"},
+                          WHERE source_id = source.id AND project = ?7)
+               OR EXISTS (SELECT 1 FROM quarantined_evidence q JOIN evidence_key k ON k.id = key_id
+                          WHERE source_id = source.id AND project = ?7))
+          AND (NOT ?9
+               OR EXISTS (SELECT 1 FROM quarantined_evidence WHERE source_id = source.id)))sql"},
     // A source whose evidence was folded stays counted where that is, unless that goes, too.
     {&PriorStatements::leave_scenes, R"sql(
         UPDATE scene
@@ -204,6 +210,31 @@ constexpr StatementText<PriorStatements> kStatements[] = {
                                         bail_out_count + excluded.bail_out_count))
         RETURNING sequence)sql"},
     {&PriorStatements::delete_folded, "DELETE FROM evidence WHERE key_id = ?1 AND source_id = ?2"},
+    {&PriorStatements::quarantine_evidence, R"sql(
+        INSERT INTO quarantined_evidence (key_id, source_id, sequence, alpha, beta, window_count,
+                                          bail_out_count, hash)
+        SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7)
+        WHERE NOT EXISTS (SELECT 1 FROM evidence
+                          WHERE key_id = ?1 AND source_id = ?2 AND sequence >= ?3)
+        ON CONFLICT DO UPDATE
+          SET sequence = ?3, alpha = ?4, beta = ?5, window_count = ?6, bail_out_count = ?7,
+              hash = next_hash(hash, content_hash, row_hash(key_id, source_id, ?3, ?4, ?5, ?6, ?7))
+          WHERE ?3 > sequence
+        RETURNING 1)sql"},
+    {&PriorStatements::drop_quarantined, R"sql(
+        DELETE FROM quarantined_evidence
+        WHERE key_id = ?1 AND source_id = ?2 AND sequence <= ?3)sql"},
+    {&PriorStatements::forget_quarantined, R"sql(
+        DELETE FROM quarantined_evidence
+        WHERE source_id = ?1
+          AND (?2 = '' OR (SELECT project FROM evidence_key WHERE id = key_id) = ?2)
+        RETURNING window_count)sql"},
+    {&PriorStatements::quarantined_of_source, R"sql(
+        SELECT q.key_id, k.scene_id, sequence, alpha, beta, window_count, bail_out_count
+        FROM quarantined_evidence q CROSS JOIN evidence_key k ON k.id = q.key_id
+        WHERE source_id = ?1 AND (?2 = '' OR project = ?2) AND q.hash = q.content_hash
+        ORDER BY key_id)sql"},
+    {&PriorStatements::count_quarantined, "SELECT count(*) FROM quarantined_evidence"},
 };
 
 constexpr StatementText<PriorReadStatements> kReadStatements[] = {
@@ -299,6 +330,23 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         SELECT CAST(total(sequence) AS INTEGER), CAST(total(window_count) AS INTEGER)
         FROM source s CROSS JOIN evidence e ON key_id = ?1 AND source_id = s.id
         WHERE name < ' ')sql"},
+    {&PriorReadStatements::next_quarantined_key, R"sql(
+        SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
+               id, hash = content_hash
+        FROM evidence_key
+        WHERE (project, scene, measured_by, arm, backend_version, machine_class, reward_version)
+              >= (?3, ?4, ?5, ?6, ?7, ?8, ?9)
+          AND (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
+          AND (?10 = '' OR instr(?10, char(10) || project || char(10)))
+          AND EXISTS (SELECT 1 FROM quarantined_evidence WHERE key_id = id)
+        ORDER BY 1, 2, 3, 4, 5, 6, 7 LIMIT 1)sql"},
+    {&PriorReadStatements::quarantined_evidence, R"sql(
+        SELECT s.id, name, sequence, alpha, beta, window_count, bail_out_count,
+               q.hash = q.content_hash AND s.hash = s.content_hash, build, last_seen_unix_s,
+               NOT is_session
+        FROM quarantined_evidence q CROSS JOIN source s ON s.id = source_id
+        WHERE key_id = ?1 AND source_id > ?2
+        ORDER BY source_id LIMIT ?3)sql"},
 };
 
 template <typename Statements, size_t kCount>

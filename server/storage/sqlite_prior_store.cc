@@ -9,6 +9,7 @@
 #include "server/storage/folding/sqlite_folding.h"
 #include "server/storage/private_file.h"
 #include "server/storage/record_limits.h"
+#include "server/storage/sources/sqlite_sources.h"
 #include "server/storage/sqlite_audit_log.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_reader.h"
@@ -25,23 +26,7 @@ using priors::SceneEvidence;
 using priors::SceneFilter;
 using priors::SceneKey;
 
-using KeyIds = std::unordered_set<int64_t>;
-
-// A file that commits are written to, and which one it was when it was opened.
-struct OpenFile {
-  std::filesystem::path path;
-  FileId id;
-};
-
 using SceneCounts = std::map<std::string, priors::SceneCount>;  // by project
-// Such a source has the folded evidence of others.
-bool IsFolded(const std::string& source) { return source.front() < ' '; }
-
-// Whether all sources of a build are meant.
-bool MeansABuild(const priors::SourceFilter& filter) {
-  return !filter.build.empty() && filter.id.empty() && filter.token_id == 0 &&
-         filter.from_unix_s == 0 && filter.until_unix_s == priors::SourceFilter().until_unix_s;
-}
 
 class SqlitePriorStore final : public priors::PriorStore {
  public:
@@ -54,7 +39,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status CopyTo(const std::filesystem::path& file, const SqliteDatabase::Edit& edit);
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
-  absl::Status CheckPlace() override;
+  absl::Status CheckPlace() override { return files_.Check(); }
   uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
   absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(const SceneKey& scene) override {
     return reader_->LoadSources(scene);
@@ -78,7 +63,16 @@ class SqlitePriorStore final : public priors::PriorStore {
                                             uint32_t limit) override {
     return reader_->Export(filter, after, limit);
   }
+  absl::StatusOr<priors::ExportPage> ExportQuarantined(const SceneFilter& filter,
+                                                       const priors::ExportPlace& after,
+                                                       uint32_t limit) override {
+    return reader_->ExportQuarantined(filter, after, limit);
+  }
   absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override;
+  absl::StatusOr<priors::ImportResult> Quarantine(std::span<const PriorRecord> records,
+                                                  uint64_t max_records) override;
+  absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
+                                                bool preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               bool preview) override;
   absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s, uint32_t row_count);
@@ -94,8 +88,6 @@ class SqlitePriorStore final : public priors::PriorStore {
   }
 
  private:
-  // Remembers which file the name means.
-  absl::Status Follow(const std::filesystem::path& path);
   // Runs `body` in a transaction, which is rolled back if it fails. Nothing runs where what it
   // commits would be lost.
   template <typename Body>
@@ -106,18 +98,18 @@ class SqlitePriorStore final : public priors::PriorStore {
   // Returns false if the update was applied before or its source is revoked.
   absl::StatusOr<bool> Apply(const priors::SourceUpdate& update);
   absl::Status Add(int64_t source, uint64_t sequence, const priors::KeyedEvidence& increment);
-  // Inserts the key of an applied record into `changed`.
-  absl::Status ImportOne(const PriorRecord& record, priors::ImportResult& result, KeyIds& changed);
+  // Runs `apply` of its source's id, its key and its row for each record that a source of imports
+  // has, and counts those for which it is true.
+  template <typename Body>
+  absl::Status ForEachImported(std::span<const PriorRecord> records, priors::ImportResult& result,
+                               Body apply);
+  // Puts the evidence where it counts, and inserts its key into `changed`. Returns false if what
+  // is there is as new.
+  absl::StatusOr<bool> Take(const QuarantinedRow& row, KeyIds& changed);
   // Counts the source in the scene, once, and the scene if this is its first.
   absl::Status JoinScene(int64_t source, int64_t scene);
   absl::Status CountSource(int64_t scene);
-  absl::Status RecountSums(const KeyIds& keys);
-  // Returns the ids and names of those that are not revoked.
-  absl::StatusOr<std::map<int64_t, std::string>> Matching(const priors::SourceFilter& filter);
-  absl::StatusOr<priors::RevokeResult> RevokeAll(const priors::SourceFilter& filter);
-  // Removes the source's evidence and inserts the keys of it into `changed`.
-  absl::Status RemoveEvidence(int64_t source, const priors::SourceFilter& filter,
-                              priors::RevokeResult& result, KeyIds& changed);
+  absl::StatusOr<priors::PromoteResult> PromoteAll(const priors::SourceFilter& filter);
   absl::StatusOr<StoredKey> FindOrAddKey(const EvidenceKey& key);
   SqliteDatabase database_;
   // Statements must be destroyed before the database, so they stand after it.
@@ -127,8 +119,8 @@ class SqlitePriorStore final : public priors::PriorStore {
   uint64_t lost_audit_row_count_ = 0;
   // By project: those that have scenes and were asked for, so that a count visits the rows once.
   SceneCounts scene_counts_;
-  SceneCounts added_counts_;     // by the transaction that runs
-  std::vector<OpenFile> files_;  // the database and its log
+  SceneCounts added_counts_;  // by the transaction that runs
+  FilesInUse files_;          // the database and its log
 };
 
 absl::Status SqlitePriorStore::Prepare(const std::filesystem::path& path,
@@ -142,27 +134,8 @@ absl::Status SqlitePriorStore::Prepare(const std::filesystem::path& path,
   auto audit = SqliteAuditLog::Open(database_, audit_limits);
   if (!audit.ok()) return audit.status();
   audit_ = *std::move(audit);
-  absl::Status status = Follow(path);
-  return status.ok() ? Follow(path.string() + "-wal") : status;
-}
-
-absl::Status SqlitePriorStore::Follow(const std::filesystem::path& path) {
-  const auto id = FileId::Of(path);
-  if (!id.ok()) return id.status();
-  files_.push_back({path, *id});
-  return absl::OkStatus();
-}
-
-absl::Status SqlitePriorStore::CheckPlace() {
-  for (const OpenFile& file : files_) {
-    const auto now = FileId::Of(file.path);
-    if (!now.ok()) return now.status();
-    if (*now == file.id) continue;
-    return absl::NotFoundError(
-        absl::StrCat(file.path.string(), " was ", *now == FileId() ? "removed" : "replaced",
-                     " while it was in use, and what is committed would be lost"));
-  }
-  return absl::OkStatus();
+  absl::Status status = files_.Add(path);
+  return status.ok() ? files_.Add(path.string() + "-wal") : status;
 }
 
 absl::Status SqlitePriorStore::CopyTo(const std::filesystem::path& file,
@@ -252,6 +225,8 @@ absl::StatusOr<bool> SqlitePriorStore::Apply(const priors::SourceUpdate& update)
       update.origin.build, update.origin.token_id);
   if (!status.ok()) return status;
   if (source == 0) return false;
+  status = statements_.forget_quarantined.ForEachRow([](const SqliteRow&) {}, source, "");
+  if (!status.ok()) return status;
   for (const auto& increment : update.increments) {
     if (status = Add(source, progress.commit_sequence, increment); !status.ok()) return status;
   }
@@ -304,13 +279,6 @@ absl::Status SqlitePriorStore::CountSource(int64_t scene) {
   return absl::OkStatus();
 }
 
-absl::Status SqlitePriorStore::RecountSums(const KeyIds& keys) {
-  for (const int64_t key : keys) {
-    if (absl::Status status = statements_.recount_sums.Run(key); !status.ok()) return status;
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<StoredKey> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key) {
   auto stored = reader_->FindKey(key);
   if (!stored.ok() || stored->id != 0) return stored;
@@ -326,26 +294,38 @@ absl::StatusOr<StoredKey> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key)
   return stored;
 }
 
-absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record, priors::ImportResult& result,
-                                         KeyIds& changed) {
-  int64_t source = 0;
-  absl::Status status =
-      statements_.import_source.ForEachRow([&](const SqliteRow& row) { source = row.Integer(0); },
-                                           record.source_id, record.build, record.last_seen_unix_s);
-  if (!status.ok()) return status;
-  bool applied = false;
-  if (source != 0) {
-    auto key = FindOrAddKey(record.key);
-    if (!key.ok()) return key.status();
-    const Evidence evidence = priors::InUnits(record.evidence);
-    status = statements_.import_evidence.ForEachRow(
-        [&](const SqliteRow&) { applied = true; }, key->id, source, record.source_sequence,
-        evidence.alpha, evidence.beta, evidence.window_count, evidence.bail_out_count);
-    if (status.ok() && applied) status = JoinScene(source, key->scene_id);
-    if (applied) changed.insert(key->id);
+template <typename Body>
+absl::Status SqlitePriorStore::ForEachImported(std::span<const PriorRecord> records,
+                                               priors::ImportResult& result, Body apply) {
+  for (const PriorRecord& record : records) {
+    int64_t source = 0;
+    absl::Status status = statements_.import_source.ForEachRow(
+        [&](const SqliteRow& row) { source = row.Integer(0); }, record.source_id, record.build,
+        record.last_seen_unix_s);
+    if (!status.ok()) return status;
+    absl::StatusOr<bool> applied = false;
+    if (source != 0) {
+      const auto key = FindOrAddKey(record.key);
+      if (!key.ok()) return key.status();
+      applied = apply({source, *key, record.source_sequence, priors::InUnits(record.evidence)});
+    }
+    if (!applied.ok()) return applied.status();
+    ++(*applied ? result.applied_count : result.unchanged_count);
   }
-  ++(applied ? result.applied_count : result.unchanged_count);
-  return status;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<bool> SqlitePriorStore::Take(const QuarantinedRow& row, KeyIds& changed) {
+  bool applied = false;
+  const auto& [source, key, sequence, evidence] = row;
+  absl::Status status = statements_.import_evidence.ForEachRow(
+      [&](const SqliteRow&) { applied = true; }, key.id, source, sequence, evidence.alpha,
+      evidence.beta, evidence.window_count, evidence.bail_out_count);
+  if (status.ok() && applied) status = JoinScene(source, key.scene_id);
+  if (status.ok()) status = statements_.drop_quarantined.Run(key.id, source, sequence);
+  if (!status.ok()) return status;
+  if (applied) changed.insert(key.id);
+  return applied;
 }
 
 absl::StatusOr<priors::ImportResult> SqlitePriorStore::Import(
@@ -354,70 +334,70 @@ absl::StatusOr<priors::ImportResult> SqlitePriorStore::Import(
   priors::ImportResult result;
   absl::Status status = InTransaction([&] {
     KeyIds changed;
-    for (const PriorRecord& record : records) {
-      if (absl::Status one = ImportOne(record, result, changed); !one.ok()) return one;
-    }
-    return RecountSums(changed);
+    absl::Status imported = ForEachImported(
+        records, result, [&](const QuarantinedRow& row) { return Take(row, changed); });
+    return imported.ok() ? RecountSums(statements_, changed) : imported;
   });
   if (!status.ok()) return status;
   return result;
 }
 
-// A preview is a revocation that is not committed.
-absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::SourceFilter& filter,
-                                                              bool preview) {
-  scene_counts_.clear();  // fewer may have evidence then
-  absl::StatusOr<priors::RevokeResult> result;
+absl::StatusOr<priors::ImportResult> SqlitePriorStore::Quarantine(
+    std::span<const PriorRecord> records, uint64_t max_records) {
+  if (absl::Status status = CheckRecords(records); !status.ok()) return status;
+  priors::ImportResult result;
   absl::Status status = InTransaction([&] {
-    result = RevokeAll(filter);
+    absl::Status imported = ForEachImported(
+        records, result, [&](const QuarantinedRow& row) { return SetAside(statements_, row); });
+    return imported.ok() ? CheckQuarantineSize(statements_, max_records) : imported;
+  });
+  if (!status.ok()) return status;
+  return result;
+}
+
+// A preview is a change that is not committed.
+absl::StatusOr<priors::PromoteResult> SqlitePriorStore::Promote(const priors::SourceFilter& filter,
+                                                                bool preview) {
+  absl::StatusOr<priors::PromoteResult> result;
+  absl::Status status = InTransaction([&] {
+    result = PromoteAll(filter);
     return result.ok() && preview ? absl::CancelledError("a preview") : result.status();
   });
   return status.ok() || (result.ok() && preview) ? result : status;
 }
 
-absl::StatusOr<std::map<int64_t, std::string>> SqlitePriorStore::Matching(
+absl::StatusOr<priors::PromoteResult> SqlitePriorStore::PromoteAll(
     const priors::SourceFilter& filter) {
-  std::map<int64_t, std::string> sources;
-  absl::Status status = statements_.matching_sources.ForEachRow(
-      [&](const SqliteRow& row) { sources.emplace(row.Integer(0), row.Text(1)); }, filter.id,
-      filter.build, filter.token_id, filter.from_unix_s, filter.until_unix_s,
-      uint32_t{MeansABuild(filter)}, filter.project, decision::kAdminSession);
-  if (!status.ok()) return status;
-  return sources;
-}
-
-absl::StatusOr<priors::RevokeResult> SqlitePriorStore::RevokeAll(
-    const priors::SourceFilter& filter) {
-  auto sources = Matching(filter);
+  const auto sources = MatchingSources(statements_, filter, /*quarantined=*/true);
   if (!sources.ok()) return sources.status();
-  if (sources->empty() && BarsUnknown(filter)) sources->emplace(0, filter.id);
-  priors::RevokeResult result;
+  priors::PromoteResult result;
   KeyIds changed;
-  for (const auto& [id, name] : *sources) {
-    absl::Status status = RemoveEvidence(id, filter, result, changed);
-    if (!status.ok()) return status;
-    if (IsFolded(name)) continue;
-    result.source_count += id == 0 ? 0 : 1;
-    status = statements_.revoke_source.ForEachRow([](const SqliteRow&) {}, name);
-    if (!status.ok()) return status;
+  std::unordered_set<int64_t> scenes;
+  for (const auto& [source, name] : *sources) {
+    const auto rows = QuarantinedOf(statements_, source, filter.project);
+    if (!rows.ok()) return rows.status();
+    for (const QuarantinedRow& row : *rows) {
+      if (const auto taken = Take(row, changed); !taken.ok()) return taken.status();
+      result.window_count += row.evidence.window_count;
+      scenes.insert(row.key.scene_id);
+    }
+    result.record_count += rows->size();
+    result.source_count += rows->empty() ? 0 : 1;
   }
-  if (absl::Status status = RecountSums(changed); !status.ok()) return status;
+  result.scene_count = scenes.size();
+  if (absl::Status status = RecountSums(statements_, changed); !status.ok()) return status;
   return result;
 }
 
-absl::Status SqlitePriorStore::RemoveEvidence(int64_t source, const priors::SourceFilter& filter,
-                                              priors::RevokeResult& result, KeyIds& changed) {
-  const uint32_t of_build = MeansABuild(filter) ? 1 : 0;
-  absl::Status status = statements_.leave_scenes.Run(source, filter.project, of_build);
-  if (status.ok()) status = statements_.forget_scenes.Run(source, filter.project, of_build);
-  if (!status.ok()) return status;
-  return statements_.delete_evidence.ForEachRow(
-      [&](const SqliteRow& row) {
-        changed.insert(row.Integer(0));
-        ++result.record_count;
-        result.window_count += row.Unsigned(1);
-      },
-      source, filter.project);
+absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::SourceFilter& filter,
+                                                              bool preview) {
+  scene_counts_.clear();  // fewer may have evidence then
+  absl::StatusOr<priors::RevokeResult> result;
+  absl::Status status = InTransaction([&] {
+    result = RevokeSources(statements_, filter);
+    return result.ok() && preview ? absl::CancelledError("a preview") : result.status();
+  });
+  return status.ok() || (result.ok() && preview) ? result : status;
 }
 
 absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s,

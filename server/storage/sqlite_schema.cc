@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 // Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
 // sides, because `alpha >= 0` alone would accept +Inf.
-constexpr std::array<const char*, 9> kMigrations = {R"sql(
+constexpr std::array<const char*, 10> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -57,7 +57,7 @@ constexpr std::array<const char*, 9> kMigrations = {R"sql(
 
   CREATE INDEX evidence_by_source ON evidence (source_id);
 )sql",
-                                                    R"sql(
+                                                     R"sql(
   CREATE TABLE audit_segment (
     id INTEGER PRIMARY KEY,
     session TEXT NOT NULL CHECK (length(CAST(session AS BLOB)) BETWEEN 1 AND 128),
@@ -76,7 +76,7 @@ constexpr std::array<const char*, 9> kMigrations = {R"sql(
     UNIQUE (segment_id, number)
   ) STRICT;
 )sql",
-                                                    R"sql(
+                                                     R"sql(
   CREATE TABLE scene (
     id INTEGER PRIMARY KEY,
     project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
@@ -122,17 +122,17 @@ constexpr std::array<const char*, 9> kMigrations = {R"sql(
     WHERE scene_id = scene.id;
   CREATE INDEX evidence_key_by_scene ON evidence_key (scene_id, arm, backend_version);
 )sql",
-                                                    R"sql(
+                                                     R"sql(
   ALTER TABLE source ADD COLUMN created_unix_s INTEGER NOT NULL DEFAULT 0
     CHECK (created_unix_s BETWEEN 0 AND 9223372036854775807);
   ALTER TABLE source ADD COLUMN last_seen_unix_s INTEGER NOT NULL DEFAULT 0
     CHECK (last_seen_unix_s BETWEEN 0 AND 9223372036854775807);
 )sql",
-                                                    R"sql(
+                                                     R"sql(
   CREATE TABLE store (id TEXT NOT NULL CHECK (length(id) = 32)) STRICT;
   INSERT INTO store VALUES (lower(hex(randomblob(16))));
 )sql",
-                                                    R"sql(
+                                                     R"sql(
   ALTER TABLE audit_segment DROP COLUMN row_count;
   ALTER TABLE audit_row RENAME TO audit_row_5;
 
@@ -157,7 +157,7 @@ constexpr std::array<const char*, 9> kMigrations = {R"sql(
     FROM audit_row r JOIN audit_segment s ON s.id = segment_id
     GROUP BY r.id / 5000;  -- some 5 MB each, to be removed one by one
 )sql",
-                                                    R"sql(
+                                                     R"sql(
   ALTER TABLE source ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
   ALTER TABLE source ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
     row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
@@ -180,10 +180,10 @@ constexpr std::array<const char*, 9> kMigrations = {R"sql(
     row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL;
   UPDATE evidence SET hash = content_hash;
 )sql",
-                                                    R"sql(
+                                                     R"sql(
   ALTER TABLE evidence_key RENAME COLUMN context_bucket TO measured_by;
 )sql",
-                                                    R"sql(
+                                                     R"sql(
   UPDATE source
     SET hash = next_hash(hash, content_hash,
                          row_hash(name, is_session, revoked, commit_sequence, message_sequence,
@@ -198,6 +198,23 @@ constexpr std::array<const char*, 9> kMigrations = {R"sql(
     row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
              decision_count, frame_count, seed, created_unix_s, last_seen_unix_s, build,
              token_id)) VIRTUAL;
+)sql",
+                                                     R"sql(
+  CREATE TABLE quarantined_evidence (
+    key_id INTEGER NOT NULL REFERENCES evidence_key (id),
+    source_id INTEGER NOT NULL REFERENCES source (id),
+    sequence INTEGER NOT NULL CHECK (sequence BETWEEN 1 AND 9223372036854775807),
+    alpha REAL NOT NULL CHECK (alpha >= 0 AND alpha < 1e15),
+    beta REAL NOT NULL CHECK (beta >= 0 AND beta < 1e15),
+    window_count INTEGER NOT NULL CHECK (window_count BETWEEN 0 AND 9223372036854775807),
+    bail_out_count INTEGER NOT NULL CHECK (bail_out_count BETWEEN 0 AND 9223372036854775807),
+    hash INTEGER NOT NULL,
+    content_hash INTEGER GENERATED ALWAYS AS (
+      row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL,
+    PRIMARY KEY (key_id, source_id)
+  ) STRICT, WITHOUT ROWID;
+
+  CREATE INDEX quarantined_evidence_by_source ON quarantined_evidence (source_id);
 )sql"};
 
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {
@@ -377,7 +394,12 @@ int64_t SqliteSchemaVersion() { return static_cast<int64_t>(kMigrations.size());
 
 absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database) {
   int64_t count = 0;
-  for (const char* table : {"source", "scene", "evidence_key", "evidence"}) {
+  // A file of an older version has no quarantine.
+  auto tables = database.QueryText(
+      "SELECT group_concat(name) FROM sqlite_schema WHERE type = 'table' AND instr(sql, "
+      "'content_hash')");
+  if (!tables.ok()) return tables.status();
+  for (const absl::string_view table : absl::StrSplit(*tables, ',', absl::SkipEmpty())) {
     auto damaged = database.QueryInteger(
         absl::StrCat("SELECT count(*) FROM ", table, " WHERE hash <> content_hash"));
     if (!damaged.ok()) return damaged.status();

@@ -81,6 +81,8 @@ std::string ValidDatabase() {
     const PriorRecord imported{Update("", 1).increments[0].key, "c", 1, {1, 1, 1, 0}};
     Require((*store)->Import({&imported, 1}).ok(), "imported");
     Require((*store)->Revoke({.id = "b"}, false).ok(), "revoked");
+    const PriorRecord waiting{Update("", 1).increments[0].key, "e", 1, {1, 1, 1, 0}};
+    Require((*store)->Quarantine({&waiting, 1}, kPage).ok(), "set aside");
   }
   std::ifstream file(path, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(file), {});
@@ -109,6 +111,8 @@ std::string Changed(std::string bytes, Input input) {
 void Read(PriorStore& store) {
   if (const auto records = store.Export({}, {}, kPage); records.ok())
     Require(CheckRecords(records->records).ok(), "what is read is valid");
+  if (const auto records = store.ExportQuarantined({}, {}, kPage); records.ok())
+    Require(CheckRecords(records->records).ok(), "what waits is valid");
   if (const auto scenes = store.List({}, std::nullopt, kPage); scenes.ok()) {
     for (const auto& scene : *scenes) {
       (void)store.LoadScene(scene.key);
@@ -148,6 +152,8 @@ void Write(PriorStore& store) {
   (void)store.Commit({&update, 1});
   const PriorRecord record{update.increments[0].key, "d", 1, {1, 1, 1, 0}};
   (void)store.Import({&record, 1});
+  (void)store.Quarantine({&record, 1}, kPage);
+  (void)store.Promote({}, false);
   (void)store.Revoke({.id = "c"}, false);
 }
 

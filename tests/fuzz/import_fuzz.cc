@@ -1,5 +1,5 @@
-// Imports, commits and revocations: the messages of a client, their checks, and both stores, which
-// must agree.
+// Imports, promotions, commits and revocations: the messages of a client, their checks, and both
+// stores, which must agree.
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -25,6 +25,7 @@ using priors::PriorRecord;
 using priors::PriorStore;
 
 constexpr uint32_t kAll = 1'000'000;
+constexpr uint64_t kMaxWaiting = 50;
 
 std::unique_ptr<PriorStore> Open(const fs::path& path) {
   auto store = OpenSqlitePriorStore(path);
@@ -52,13 +53,20 @@ std::unique_ptr<PriorStore> OpenEmpty() {
 // Both stores, which are told the same.
 class Stores {
  public:
-  void Import(const std::vector<PriorRecord>& records) {
-    const auto by_file = sqlite_->Import(records);
-    const auto by_memory = memory_.Import(records);
+  void Import(const std::vector<PriorRecord>& records, bool waits) {
+    const auto by_file =
+        waits ? sqlite_->Quarantine(records, kMaxWaiting) : sqlite_->Import(records);
+    const auto by_memory =
+        waits ? memory_.Quarantine(records, kMaxWaiting) : memory_.Import(records);
     Require(by_file.status().code() == by_memory.status().code(), "imports end alike");
     if (!by_file.ok()) return;
     Require(by_file->applied_count == by_memory->applied_count, "imports apply alike");
     Require(by_file->unchanged_count == by_memory->unchanged_count, "imports ignore alike");
+  }
+  void Promote(const std::string& source_id, bool preview) {
+    const auto by_file = sqlite_->Promote({.id = source_id}, preview);
+    const auto by_memory = memory_.Promote({.id = source_id}, preview);
+    Require(by_file.ok() && *by_file == *by_memory, "promotions change alike");
   }
   void Commit(const PriorRecord& record) {
     priors::SourceUpdate update;
@@ -79,6 +87,9 @@ class Stores {
     const auto by_memory = memory_.Export({}, {}, kAll);
     Require(by_file.ok() && by_memory.ok() && by_file->records == by_memory->records,
             "records are the same");
+    const auto waiting = sqlite_->ExportQuarantined({}, {}, kAll);
+    Require(waiting.ok() && waiting->records == memory_.ExportQuarantined({}, {}, kAll)->records,
+            "records that wait are the same");
     Require(CheckRecords(by_file->records).ok(), "what is stored is valid");
     CompareSums(*sqlite_->List({}, std::nullopt, kAll), *memory_.List({}, std::nullopt, kAll));
   }
@@ -132,8 +143,9 @@ void Run(Input input) {
     const uint8_t step = input.Byte();
     const auto records = Read(input.Piece());
     if (!records) continue;
-    if (step % 4 != 1 && step % 4 != 2) stores.Import(*records);
+    if (step % 4 != 1 && step % 4 != 2) stores.Import(*records, /*waits=*/step % 8 == 3);
     for (const PriorRecord& record : *records) {
+      if (step % 8 == 7) stores.Promote(record.source_id, /*preview=*/step % 16 == 7);
       if (step % 4 == 1) stores.Commit(record);
       if (step % 4 == 2) stores.Revoke(record.source_id);
     }

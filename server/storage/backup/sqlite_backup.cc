@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 
 // The version from which on keys have sums and scenes have counts.
 constexpr int64_t kFirstVersionWithSums = 3;
+// The version from which on there is a quarantine.
+constexpr int64_t kFirstVersionWithQuarantine = 10;
 
 // Sums are added in another order than here, and counts go up to their max only.
 constexpr const char* kWrongSums = R"sql(
@@ -72,6 +74,12 @@ constexpr const char* kDeleteDamagedRows = R"sql(
   DELETE FROM scene_source WHERE source_id IN wrong_source;
   DELETE FROM source WHERE id IN wrong_source;
   DELETE FROM scene_source WHERE (source_id, scene_id) IN ()sql";
+
+// Of a file that has a quarantine, before its sources go.
+constexpr const char* kDeleteDamagedQuarantine = R"sql(
+  DELETE FROM quarantined_evidence
+  WHERE hash <> content_hash
+    OR source_id IN (SELECT id FROM source WHERE hash <> content_hash);)sql";
 
 constexpr const char* kMakeSumsAnew = R"sql();
   UPDATE evidence_key
@@ -178,8 +186,11 @@ int64_t LeaveOutDamagedRows(SqliteDatabase& copy) {
   if (!count.ok() || *count == 0) return 0;
   const auto verdict = copy.QueryText("PRAGMA integrity_check(1)");
   if (!verdict.ok() || *verdict != "ok") return 0;
+  const int64_t version = copy.QueryInteger("PRAGMA user_version").value_or(0);
   SqliteTransaction transaction(copy);
   absl::Status status = transaction.begun();
+  if (status.ok() && version >= kFirstVersionWithQuarantine)
+    status = copy.Execute(kDeleteDamagedQuarantine);
   if (status.ok()) {
     status = copy.Execute(
         absl::StrCat(kMarkDamagedRows, kDeleteDamagedRows, kSourcesOfNothing, kMakeSumsAnew));

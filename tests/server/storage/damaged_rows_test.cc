@@ -54,6 +54,14 @@ TEST_F(DamagedRowsTest, EveryWriteOfTheStoreKeepsTheHashesRight) {
                                        Record("j", 1, Key("KDTree", "canyon"), -0.0)})
                   .ok());
   ASSERT_TRUE(store_->Import(std::vector{Record("i", 2, Key("Grid"), 5.5)}).ok());
+  ASSERT_TRUE(store_
+                  ->Quarantine(std::vector{Record("i", 3, Key("Grid"), 6.0),
+                                           Record("k", 1, Key("Grid", "quay"), 0.25)},
+                               9)
+                  .ok());
+  ASSERT_TRUE(store_->Quarantine(std::vector{Record("k", 2, Key("Grid", "quay"), 1.5)}, 9).ok());
+  ASSERT_TRUE(store_->Promote({.id = "k"}, false).ok());
+  ASSERT_TRUE(store_->Quarantine(std::vector{Record("l", 1, Key("Grid"), 3.0)}, 9).ok());
   ASSERT_TRUE(store_->Commit(std::vector{Update("i", 9, {Key("Grid")})}).ok());
   ASSERT_TRUE(store_->Revoke({.id = "b"}, false).ok());
   ASSERT_TRUE(store_->Revoke({.id = "nobody"}, false).ok());
@@ -115,6 +123,24 @@ TEST_F(DamagedRowsTest, SumsThatAreAddedAnewLeaveWrongEvidenceOut) {
   ASSERT_TRUE(sums.ok()) << sums.status();
   EXPECT_EQ(sums->sums[0].evidence.alpha, 4.75);
   EXPECT_EQ(sums->sums[0].source_count, 2u);
+}
+
+TEST_F(DamagedRowsTest, WhatWaitsAndIsWrongIsNotPromoted) {
+  ASSERT_TRUE(store_
+                  ->Quarantine(std::vector{Record("i", 1, Key("Grid", "quay"), 4.0),
+                                           Record("j", 1, Key("Grid"), 1.0)},
+                               9)
+                  .ok());
+  Damage("quarantined_evidence SET alpha = 1000 WHERE source_id = 3");
+  EXPECT_EQ(DamagedRowCount(), 1);
+  EXPECT_TRUE(absl::IsDataLoss(store_->ExportQuarantined({}, {}, 9).status()));
+  EXPECT_EQ(store_->Promote({}, false)->record_count, 1u);
+  EXPECT_EQ(LoadSums(*store_, {Key("Grid")})->sums[0].evidence.alpha, 2.5);
+  EXPECT_EQ(DamagedRowCount(), 1);
+  const std::filesystem::path copy = directory_.path() / "copy.db";
+  const auto kept = BackUpStore(directory_.path(), copy);
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_EQ(kept->damaged_row_count, 1);
 }
 
 TEST_F(DamagedRowsTest, AnIndexThatDoesNotHaveItsRowsIsFoundAtTheStart) {

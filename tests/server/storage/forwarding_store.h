@@ -50,9 +50,22 @@ class ForwardingStore : public priors::PriorStore {
                                             uint32_t limit) override {
     return store_->Export(filter, after, limit);
   }
+  absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
+                                                       const priors::ExportPlace& after,
+                                                       uint32_t limit) override {
+    return store_->ExportQuarantined(filter, after, limit);
+  }
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override {
     return store_->Import(records);
+  }
+  absl::StatusOr<priors::ImportResult> Quarantine(std::span<const priors::PriorRecord> records,
+                                                  uint64_t max_records) override {
+    return store_->Quarantine(records, max_records);
+  }
+  absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
+                                                bool preview) override {
+    return store_->Promote(filter, preview);
   }
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               bool preview) override {

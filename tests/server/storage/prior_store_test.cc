@@ -6,6 +6,7 @@
 #include "tests/server/storage/audit_conformance.h"
 #include "tests/server/storage/forwarding_store.h"
 #include "tests/server/storage/prior_store_conformance.h"
+#include "tests/server/storage/quarantine_conformance.h"
 #include "tests/server/storage/source_conformance.h"
 #include "tests/support/temporary_directory.h"
 
@@ -32,6 +33,7 @@ std::string NameOf(const ::testing::TestParamInfo<std::pair<std::string, MakeSto
 
 INSTANTIATE_TEST_SUITE_P(Stores, PriorStoreConformance, kStores, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, SourceConformance, kStores, NameOf);
+INSTANTIATE_TEST_SUITE_P(Stores, QuarantineConformance, kStores, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, AuditConformance, kStores, NameOf);
 
 }  // namespace

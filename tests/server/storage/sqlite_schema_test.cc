@@ -60,6 +60,14 @@ TEST_P(OlderSchemaTest, IsWholeAfterTheMigrationAndBefore) {
   EXPECT_EQ(contents->record_count, 6);
 }
 
+TEST_P(OlderSchemaTest, HasNothingInQuarantineAfterTheMigration) {
+  auto store = *OpenSqlitePriorStore(path_);
+  EXPECT_TRUE(store->ExportQuarantined({}, {}, 9)->records.empty());
+  EXPECT_EQ(store->Export({}, {}, 9)->records.size(), 6u);
+  ASSERT_TRUE(store->Quarantine(std::vector{Record("new", 1, Key("Grid"), 4)}, 9).ok());
+  EXPECT_EQ(store->ExportQuarantined({}, {}, 9)->records.size(), 1u);
+}
+
 TEST_P(OlderSchemaTest, GoesOnAfterTheMigration) {
   auto store = *OpenSqlitePriorStore(path_);
   EXPECT_EQ((*store->LoadSource("a"))->progress.commit_sequence, 3u);
@@ -107,7 +115,7 @@ TEST_P(OlderSchemaTest, IsNotChangedWhereItCannotBeKept) {
   EXPECT_EQ(*database.QueryInteger("PRAGMA user_version"), GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 9));
+INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 10));
 
 }  // namespace
 }  // namespace sweepstake::storage
