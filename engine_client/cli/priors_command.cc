@@ -1,5 +1,5 @@
-// `sweepstake priors list|export|import|revoke`: a daemon's evidence to look at, to ship with a
-// game, to carry to another daemon, and to take out again.
+// `sweepstake priors list|export|import|promote|revoke`: a daemon's evidence to look at, to ship
+// with a game, to carry to another daemon, where it waits to be promoted, and to take out again.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -10,6 +10,7 @@
 #include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/priors_transfer.h"
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/priors/priors_diff.h"
 #include "engine_client/telemetry/embedded/priors_sums.h"
 
 namespace sweepstake::cli {
@@ -24,17 +25,30 @@ struct PriorsOptions {
   std::string file;
   SourceChoice sources;
   bool sums = false;
+  bool promote = false;
   bool yes = false;
   bool json = false;
 };
 
+std::string QuarantinedText(const PriorsGroups& groups) {
+  if (groups.empty()) return "";
+  return "\nImports that wait, and count once they are promoted (`sweepstake priors promote`):\n" +
+         ShowText(groups);
+}
+
 int RunList(const PriorsOptions& options, Terminal& terminal) {
   const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
   if (!scenes.ok()) return FailAnswer(terminal, scenes.status());
+  const auto waiting =
+      ExportPriors(options.daemon, options.project, options.scene, Exported::kQuarantined);
+  if (!waiting.ok()) return FailAnswer(terminal, waiting.status());
+  const PriorsGroups quarantined = GroupPriors(waiting->records);
   const Json document = {{"command", "priors list"},
                          {"daemon", options.daemon.address},
-                         {"scenes", PosteriorsJson(*scenes)}};
-  PrintResult(terminal, options.json, document, PosteriorsText(*scenes));
+                         {"scenes", PosteriorsJson(*scenes)},
+                         {"quarantined", ShowJson(quarantined)}};
+  PrintResult(terminal, options.json, document,
+              PosteriorsText(*scenes) + QuarantinedText(quarantined));
   return kDone;
 }
 
@@ -87,6 +101,11 @@ std::string SumsText(uint64_t count) {
          " sums of builds were left out: a daemon cannot know what it has of them already\n";
 }
 
+std::string WaitsText(const PriorsOptions& options, const ImportResult& result) {
+  if (options.promote || result.applied_count == 0) return "";
+  return "they wait in quarantine, and count once `sweepstake priors promote` lets them\n";
+}
+
 int RunImport(const PriorsOptions& options, Terminal& terminal) {
   auto records = ReadPriorsFile(options.file);
   if (!records.ok()) return Fail(terminal, records.status());
@@ -97,29 +116,31 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
                        options.file + " has nothing but sums of builds, of which a daemon cannot "
                                       "know what it has already: export it without --sums"));
   }
-  const auto result = ImportPriors(options.daemon, *records);
+  const auto result = ImportPriors(options.daemon, *records, options.promote);
   if (!result.ok()) return FailAnswer(terminal, result.status());
-  const Json document = {{"command", "priors import"},
-                         {"file", options.file},
-                         {"records", records->size()},
-                         {"applied", result->applied_count},
-                         {"unchanged", result->unchanged_count},
-                         {"absent", result->absent_count},
-                         {"sums", sum_count}};
+  const Json document = {{"command", "priors import"},           {"file", options.file},
+                         {"records", records->size()},           {"applied", result->applied_count},
+                         {"unchanged", result->unchanged_count}, {"absent", result->absent_count},
+                         {"promoted", options.promote},          {"sums", sum_count}};
   PrintResult(terminal, options.json, document,
               options.file + ": " + std::to_string(result->applied_count) + " of " +
                   std::to_string(records->size()) + " records were new or newer, " +
                   std::to_string(result->unchanged_count) + " were known already\n" +
-                  AbsentText(result->absent_count) + SumsText(sum_count));
+                  WaitsText(options, *result) + AbsentText(result->absent_count) +
+                  SumsText(sum_count));
   return kDone;
 }
 
-std::string RevokedText(const PriorsOptions& options, const RevokeResult& result) {
-  const std::string what = std::to_string(result.source_count) + " sources with " +
-                           std::to_string(result.record_count) + " records of " +
-                           std::to_string(result.window_count) + " windows and visits";
-  if (options.yes) return what + " were revoked\n";
-  return what + " would be revoked; say --yes to do it\n";
+// Of what was, or would be, revoked or promoted.
+template <typename Result>
+std::string CountsText(const Result& result) {
+  return std::to_string(result.source_count) + " sources with " +
+         std::to_string(result.record_count) + " records of " +
+         std::to_string(result.window_count) + " windows and visits";
+}
+
+std::string DoneText(const PriorsOptions& options, const std::string& done) {
+  return options.yes ? " were " + done + "\n" : " would be " + done + "; say --yes to do it\n";
 }
 
 int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
@@ -130,7 +151,19 @@ int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
                          {"sources", result->source_count},
                          {"records", result->record_count},
                          {"windows", result->window_count}};
-  PrintResult(terminal, options.json, document, RevokedText(options, *result));
+  PrintResult(terminal, options.json, document, CountsText(*result) + DoneText(options, "revoked"));
+  return kDone;
+}
+
+int RunPromote(const PriorsOptions& options, Terminal& terminal) {
+  const auto result = PromotePriors(options.daemon, options.sources, /*preview=*/!options.yes);
+  if (!result.ok()) return FailAnswer(terminal, result.status());
+  const Json document = {{"command", "priors promote"},     {"promoted", options.yes},
+                         {"sources", result->source_count}, {"records", result->record_count},
+                         {"windows", result->window_count}, {"scenes", result->scene_count}};
+  PrintResult(terminal, options.json, document,
+              CountsText(*result) + " for " + std::to_string(result->scene_count) + " scenes" +
+                  DoneText(options, "promoted"));
   return kDone;
 }
 
@@ -142,6 +175,42 @@ void DeclareCommon(CLI::App& command, PriorsOptions& options) {
 void DeclareFilter(CLI::App& command, PriorsOptions& options) {
   command.add_option("--project", options.project, "Only this project");
   command.add_option("--scene", options.scene, "Only this scene");
+}
+
+void DeclareSources(CLI::App& command, PriorsOptions& options) {
+  DeclareCommon(command, options);
+  SourceChoice& sources = options.sources;
+  command.add_option("--project", sources.project, "Only evidence of this project");
+  command.add_option("--source", sources.source_id, "This session");
+  command.add_option("--build", sources.build, "Sessions of this build of the game");
+  command.add_option("--token-id", sources.token_id, "Sessions that began with this token")
+      ->check(NotNegative());
+  command.add_option("--since", sources.unix_from_s, "Sessions that began then or later")
+      ->check(NotNegative())
+      ->type_name("UNIX_S");
+  command.add_option("--until", sources.unix_until_s, "Sessions that began then or before")
+      ->check(NotNegative())
+      ->type_name("UNIX_S");
+  command.add_flag("--yes", options.yes, "Do it");
+}
+
+void AddSourceCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
+  AddCommand<PriorsOptions>(
+      priors, "promote", "Let imports that wait in a daemon's quarantine count",
+      "  sweepstake priors promote --daemon 127.0.0.1:7433\n"
+      "  sweepstake priors promote --daemon 127.0.0.1:7433 --project arcade --build 1.3 --yes\n"
+      "Without --yes it says what would count, and changes nothing. Without a filter it means all\n"
+      "that waits, which `priors list` shows. `priors revoke` takes it out again, exactly.\n",
+      exit_code, DeclareSources,
+      [&terminal](const PriorsOptions& options) { return RunPromote(options, terminal); });
+  AddCommand<PriorsOptions>(
+      priors, "revoke", "Take the evidence of sessions out of a daemon, exactly",
+      "  sweepstake priors revoke --daemon 127.0.0.1:7433 --project arcade --build 1.3\n"
+      "  sweepstake priors revoke --daemon 127.0.0.1:7433 --token-id 7 --since 1760000000 --yes\n"
+      "Without --yes it says what would go, and changes nothing. What is revoked stays away: the\n"
+      "sessions' later evidence counts no more, and imports of it neither.\n",
+      exit_code, DeclareSources,
+      [&terminal](const PriorsOptions& options) { return RunRevoke(options, terminal); });
 }
 
 }  // namespace
@@ -179,36 +248,18 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       [&terminal](const PriorsOptions& options) { return RunExport(options, terminal); });
   AddCommand<PriorsOptions>(
       *priors, "import", "Add a priors file to a daemon's evidence; twice changes nothing",
-      "  sweepstake priors import --daemon 127.0.0.1:7433 --in priors.json\n", exit_code,
-      [](CLI::App& command, PriorsOptions& options) {
-        DeclareCommon(command, options);
-        command.add_option("--in", options.file, "File to read")->required();
-      },
-      [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
-  AddCommand<PriorsOptions>(
-      *priors, "revoke", "Take the evidence of sessions out of a daemon, exactly",
-      "  sweepstake priors revoke --daemon 127.0.0.1:7433 --project arcade --build 1.3\n"
-      "  sweepstake priors revoke --daemon 127.0.0.1:7433 --token-id 7 --since 1760000000 --yes\n"
-      "Without --yes it says what would go, and changes nothing. What is revoked stays away: the\n"
-      "sessions' later evidence counts no more, and imports of it neither.\n",
+      "  sweepstake priors import --daemon 127.0.0.1:7433 --in priors.json\n"
+      "  sweepstake priors import --daemon 127.0.0.1:7433 --in priors.json --promote\n"
+      "It waits in quarantine, where no session begins with it, until `priors promote` lets it\n"
+      "count; with --promote it counts at once.\n",
       exit_code,
       [](CLI::App& command, PriorsOptions& options) {
         DeclareCommon(command, options);
-        SourceChoice& sources = options.sources;
-        command.add_option("--project", sources.project, "Only evidence of this project");
-        command.add_option("--source", sources.source_id, "This session");
-        command.add_option("--build", sources.build, "Sessions of this build of the game");
-        command.add_option("--token-id", sources.token_id, "Sessions that began with this token")
-            ->check(NotNegative());
-        command.add_option("--since", sources.unix_from_s, "Sessions that began then or later")
-            ->check(NotNegative())
-            ->type_name("UNIX_S");
-        command.add_option("--until", sources.unix_until_s, "Sessions that began then or before")
-            ->check(NotNegative())
-            ->type_name("UNIX_S");
-        command.add_flag("--yes", options.yes, "Do it");
+        command.add_option("--in", options.file, "File to read")->required();
+        command.add_flag("--promote", options.promote, "Let it count at once");
       },
-      [&terminal](const PriorsOptions& options) { return RunRevoke(options, terminal); });
+      [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
+  AddSourceCommands(*priors, terminal, exit_code);
   AddPriorsFileCommands(*priors, terminal, exit_code);
 }
 

@@ -77,11 +77,15 @@ int RunDoctor(const PriorsFileOptions& options, Terminal& terminal) {
   return any ? kDone : kCheckFailed;
 }
 
-// The records of the build, or of all builds, as if they were of one.
+// The records of the build, or of all builds, as if they were of one. What waits in quarantine is
+// compared, too: that is how one sees what promoting it would bring.
 Records OfBuild(Records records, const std::string& build) {
   std::erase_if(records,
                 [&](const PriorRecord& record) { return !build.empty() && record.build != build; });
-  for (PriorRecord& record : records) record.build.clear();
+  for (PriorRecord& record : records) {
+    record.build.clear();
+    record.is_quarantined = false;
+  }
   return records;
 }
 
@@ -190,8 +194,8 @@ void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code)
       "  sweepstake priors doctor --in priors.json --build 1.2\n"
       "An entry is valid (it counts as if this machine and build had measured it), near (it "
       "counts\n"
-      "less: another build, machine class or version of an arm) or foreign. Exit code 1 when all\n"
-      "are foreign.\n",
+      "less: another build, machine class or version of an arm) or foreign, as is what waits in\n"
+      "a daemon's quarantine. Exit code 1 when all are foreign.\n",
       exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareFile(command, options);

@@ -83,7 +83,8 @@ PriorRecord FromProto(const v1::PriorRecord& message) {
           .window_count = message.window_count(),
           .bail_out_count = message.bail_out_count(),
           .build = message.build(),
-          .last_seen_unix_s = static_cast<uint64_t>(message.unix_last_seen_s())};
+          .last_seen_unix_s = static_cast<uint64_t>(message.unix_last_seen_s()),
+          .is_quarantined = message.is_quarantined()};
 }
 
 }  // namespace sweepstake

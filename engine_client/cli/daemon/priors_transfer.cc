@@ -33,10 +33,21 @@ uint64_t CountAbsent(const DaemonOptions& daemon, std::span<const PriorRecord> r
       }));
 }
 
+v1::SourceFilter FilterOf(const SourceChoice& sources) {
+  v1::SourceFilter filter;
+  filter.set_project(sources.project);
+  filter.set_source_id(sources.source_id);
+  filter.set_build(sources.build);
+  filter.set_token_id(sources.token_id);
+  filter.set_unix_from_s(sources.unix_from_s);
+  filter.set_unix_until_s(sources.unix_until_s);
+  return filter;
+}
+
 }  // namespace
 
 Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string& project,
-                                  const std::string& scene) {
+                                  const std::string& scene, Exported what) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
@@ -45,6 +56,7 @@ Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string
   v1::ExportPriorsRequest request;
   request.set_project(project);
   request.set_scene(scene);
+  request.set_quarantined_only(what == Exported::kQuarantined);
   const auto reader = stub->ExportPriors(&context, request);
   ExportResult result;
   v1::ExportPriorsResponse part;
@@ -60,7 +72,7 @@ Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string
 }
 
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
-                                  std::span<const PriorRecord> all_records) {
+                                  std::span<const PriorRecord> all_records, bool promote) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
@@ -73,6 +85,7 @@ Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
     const auto part = records.first(std::min(kRecordsPerMessage, records.size()));
     records = records.subspan(part.size());
     v1::ImportPriorsRequest request;
+    request.set_promote(promote);
     for (const PriorRecord& record : part) *request.add_records() = ToProto(record);
     // If the daemon refuses a message, Finish returns the reason.
     if (!writer->Write(request)) break;
@@ -91,14 +104,9 @@ Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoic
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
   grpc::ClientContext context;
-  SetDeadline(context);
+  SetDeadline(context, kTransferPatience);
   v1::RevokePriorsRequest request;
-  request.set_project(sources.project);
-  request.set_source_id(sources.source_id);
-  request.set_build(sources.build);
-  request.set_token_id(sources.token_id);
-  request.set_unix_from_s(sources.unix_from_s);
-  request.set_unix_until_s(sources.unix_until_s);
+  *request.mutable_sources() = FilterOf(sources);
   request.set_preview(preview);
   v1::RevokePriorsResponse response;
   const Status status = ToStatus(stub->RevokePriors(&context, request, &response), daemon);
@@ -106,6 +114,25 @@ Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoic
   return RevokeResult{.source_count = response.source_count(),
                       .record_count = response.record_count(),
                       .window_count = response.window_count()};
+}
+
+Result<PromoteResult> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
+                                    bool preview) {
+  const auto channel = OpenChannel(daemon);
+  if (!channel.ok()) return channel.status();
+  const auto stub = v1::PriorsService::NewStub(*channel);
+  grpc::ClientContext context;
+  SetDeadline(context, kTransferPatience);
+  v1::PromotePriorsRequest request;
+  *request.mutable_sources() = FilterOf(sources);
+  request.set_preview(preview);
+  v1::PromotePriorsResponse response;
+  const Status status = ToStatus(stub->PromotePriors(&context, request, &response), daemon);
+  if (!status.ok()) return status;
+  return PromoteResult{.source_count = response.source_count(),
+                       .record_count = response.record_count(),
+                       .window_count = response.window_count(),
+                       .scene_count = response.scene_count()};
 }
 
 }  // namespace sweepstake::cli

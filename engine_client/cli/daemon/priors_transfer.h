@@ -28,14 +28,17 @@ struct ImportResult {
   uint64_t absent_count = 0;
 };
 
+// What to export: what counts and what waits in quarantine, or the latter alone.
+enum class Exported : uint8_t { kAll, kQuarantined };
+
 // An empty `project` or `scene` selects all. Error: kUnavailable (no daemon answered).
 Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string& project,
-                                  const std::string& scene);
-// Adds all records or, on an error, none.
-Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
-                                  std::span<const PriorRecord> records);
+                                  const std::string& scene, Exported what = Exported::kAll);
+// Adds all records or, on an error, none: to the quarantine, or with `promote` so that they count.
+Result<ImportResult> ImportPriors(const DaemonOptions& daemon, std::span<const PriorRecord> records,
+                                  bool promote = false);
 
-// Which sources to revoke: those that match all that is set.
+// Which sources: those that match all that is set.
 struct SourceChoice {
   std::string project;
   std::string source_id;
@@ -50,6 +53,17 @@ struct RevokeResult {
   uint64_t record_count = 0;
   uint64_t window_count = 0;
 };
+
+struct PromoteResult {
+  uint64_t source_count = 0;
+  uint64_t record_count = 0;
+  uint64_t window_count = 0;
+  uint64_t scene_count = 0;
+};
+
+// Lets what waits of them count or, with `preview`, only says what that would be.
+Result<PromoteResult> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
+                                    bool preview);
 
 // Takes their evidence out of the daemon or, with `preview`, only says what that would be.
 Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,

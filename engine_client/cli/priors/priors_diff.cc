@@ -95,6 +95,7 @@ Json ShowJson(const PriorsGroups& groups) {
                        {"build", key.build},
                        {"machine_class", key.machine_class},
                        {"reward_version", key.reward_version},
+                       {"quarantined", key.is_quarantined},
                        {"sources", group.sources.size()},
                        {"arms", arms}});
   }

@@ -70,6 +70,12 @@ Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const Pr
     return here.arm_versions.contains(arm.first);
   });
   if (!knows_any) found.weight = 0;
+  if (key.is_quarantined) {
+    found.reasons.insert(
+        found.reasons.begin(),
+        "it waits in quarantine, and counts once it is promoted and exported anew");
+    found.weight = 0;
+  }
   found.fitness = found.weight == 0       ? Fitness::kForeign
                   : found.reasons.empty() ? Fitness::kValid
                                           : Fitness::kNear;
@@ -102,6 +108,7 @@ Json DoctorJson(const std::vector<Diagnosed>& diagnosed) {
                        {"build", one.key.build},
                        {"machine_class", one.key.machine_class},
                        {"reward_version", one.key.reward_version},
+                       {"quarantined", one.key.is_quarantined},
                        {"fitness", WordOf(one.fitness)},
                        {"weight", one.weight},
                        {"reasons", one.reasons}});

@@ -23,7 +23,7 @@ PriorsGroups GroupPriors(std::span<const PriorRecord> records) {
   PriorsGroups groups;
   for (const PriorRecord& record : records) {
     PriorsGroup& group = groups[{record.project, record.scene, record.build, record.machine_class,
-                                 record.reward_version}];
+                                 record.reward_version, record.is_quarantined}];
     group.sources.insert(record.source_id);
     group.last_seen_unix_s = std::max(group.last_seen_unix_s, record.last_seen_unix_s);
     PriorsArm& arm = group.arms[record.arm];
@@ -57,6 +57,7 @@ std::string NameOf(const PriorsGroupKey& key) {
   std::string name = key.project + "/" + key.scene;
   if (!key.machine_class.empty()) name += " on " + key.machine_class;
   if (!key.build.empty()) name += " in build " + key.build;
+  if (key.is_quarantined) name += " (in quarantine)";
   return name;
 }
 

@@ -1,5 +1,6 @@
 // The records of a priors file by what a session takes together: one scene on one class of machines
-// in one build, measured by one version of the reward. Pure functions.
+// in one build, measured by one version of the reward; what waits in quarantine apart. Pure
+// functions.
 #pragma once
 
 #include <compare>
@@ -22,6 +23,7 @@ struct PriorsGroupKey {
   std::string build;
   std::string machine_class;
   uint32_t reward_version = 1;
+  bool is_quarantined = false;  // it waits in a daemon's quarantine
 
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
   friend auto operator<=>(const PriorsGroupKey&, const PriorsGroupKey&) = default;

@@ -80,6 +80,12 @@ std::string NewSourceId() {
   return name.data();
 }
 
+// What waits in a daemon's quarantine counts in no game either.
+std::vector<PriorRecord> WithoutQuarantined(std::vector<PriorRecord> records) {
+  std::erase_if(records, [](const PriorRecord& record) { return record.is_quarantined; });
+  return records;
+}
+
 // Reads the priors of the file and of the text.
 Result<std::vector<PriorRecord>> ReadPriors(const EmbeddedOptions& options) {
   std::vector<PriorRecord> records;
@@ -87,14 +93,14 @@ Result<std::vector<PriorRecord>> ReadPriors(const EmbeddedOptions& options) {
     const std::u8string path(options.priors_file.begin(), options.priors_file.end());
     Result<std::vector<PriorRecord>> read = ReadPriorsFile(path);
     if (!read.ok()) return read;
-    records = std::move(*read);
+    records = WithoutQuarantined(std::move(*read));
   }
   if (options.priors_data.empty()) return records;
   Result<std::vector<PriorRecord>> parsed = ParsePriors(options.priors_data);
   if (!parsed.ok()) {
     return Status(parsed.status().code(), "priors_data: " + parsed.status().message());
   }
-  return Unite(std::move(records), std::move(*parsed));
+  return Unite(std::move(records), WithoutQuarantined(std::move(*parsed)));
 }
 
 std::string MachineClassOf(const EmbeddedOptions& options) {

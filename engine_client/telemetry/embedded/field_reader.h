@@ -40,6 +40,14 @@ class FieldReader {
     if (!decision::IsMeasuredBy(value)) SetError(key, "is neither absent nor \"lane\"");
   }
 
+  // Absent: left as it is.
+  void Flag(const char* key, bool& value) {
+    const nlohmann::json* field = Find(key, /*required=*/false);
+    if (field == nullptr) return;
+    if (!field->is_boolean()) return SetError(key, "is neither true nor false");
+    value = field->get<bool>();
+  }
+
   template <typename Integer>
   void Count(const char* key, Integer& value, bool required,
              Integer max = std::numeric_limits<Integer>::max()) {

@@ -41,6 +41,7 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   reader.Count("bail_out_count", record.bail_out_count, false);
   reader.Name("build", record.build, false);
   reader.Count("unix_last_seen_s", record.last_seen_unix_s, false, kMaxSequence);
+  reader.Flag("is_quarantined", record.is_quarantined);
   reader.RejectUnknown();
   return reader.error();
 }
@@ -80,21 +81,23 @@ Result<std::vector<PriorRecord>> RecordsOf(const Json& document) {
 }
 
 Json ToJson(const PriorRecord& record) {
-  return {{"project", record.project},
-          {"scene", record.scene},
-          {"measured_by", record.measured_by},
-          {"arm", record.arm},
-          {"backend_version", record.backend_version},
-          {"machine_class", record.machine_class},
-          {"reward_version", record.reward_version},
-          {"source_id", record.source_id},
-          {"source_sequence", record.source_sequence},
-          {"alpha_increment", record.alpha_increment},
-          {"beta_increment", record.beta_increment},
-          {"window_count", record.window_count},
-          {"bail_out_count", record.bail_out_count},
-          {"build", record.build},
-          {"unix_last_seen_s", record.last_seen_unix_s}};
+  Json json = {{"project", record.project},
+               {"scene", record.scene},
+               {"measured_by", record.measured_by},
+               {"arm", record.arm},
+               {"backend_version", record.backend_version},
+               {"machine_class", record.machine_class},
+               {"reward_version", record.reward_version},
+               {"source_id", record.source_id},
+               {"source_sequence", record.source_sequence},
+               {"alpha_increment", record.alpha_increment},
+               {"beta_increment", record.beta_increment},
+               {"window_count", record.window_count},
+               {"bail_out_count", record.bail_out_count},
+               {"build", record.build},
+               {"unix_last_seen_s", record.last_seen_unix_s}};
+  if (record.is_quarantined) json["is_quarantined"] = true;
+  return json;
 }
 
 Status Unwritable(const std::filesystem::path& path) {

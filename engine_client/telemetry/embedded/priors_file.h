@@ -3,7 +3,8 @@
 //
 // It is one JSON document: {"format": "sweepstake-priors", "version": 1, "records": [{…}, …]}. A
 // record has the fields of sweepstake.v1.PriorRecord in snake_case. An absent measured_by,
-// machine_class or build is empty, an absent count is 0, and every other field is required. An
+// machine_class or build is empty, an absent count is 0, an absent is_quarantined false, and every
+// other field is required. An
 // unknown field is an error, since a misspelt one would silently change the key.
 //
 // Sums of builds (priors_sums.h) make a version 2, a smaller one, of which ParsePriors returns the
@@ -43,13 +44,17 @@ struct PriorRecord {
   uint64_t bail_out_count = 0;
   std::string build = {};         // of the game that the source played; empty: unknown
   uint64_t last_seen_unix_s = 0;  // when the source taught last, below 2^63; 0: unknown
+  // It waited in the quarantine of the daemon that exported it. It counts nowhere; a daemon that
+  // imports it takes no notice of the mark.
+  bool is_quarantined = false;
 };
 
-// Returns what names the evidence; two records of which it is equal are the same evidence.
+// Returns what names the evidence; two records of which it is equal are the same evidence. What
+// waits may be newer than what counts of the same source, and stands beside it.
 inline auto KeyOf(const PriorRecord& record) {
   return std::tie(record.project, record.scene, record.measured_by, record.arm,
                   record.backend_version, record.machine_class, record.reward_version,
-                  record.source_id);
+                  record.source_id, record.is_quarantined);
 }
 
 // Parses the text and checks every record. A repeated pair of key and source is an error, since it

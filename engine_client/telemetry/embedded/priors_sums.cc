@@ -199,6 +199,7 @@ Status Damaged(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
 std::vector<PriorRecord> SumByBuild(std::span<const PriorRecord> records) {
   std::vector<PriorRecord> all(records.begin(), records.end());
+  std::erase_if(all, [](const PriorRecord& record) { return record.is_quarantined; });
   for (PriorRecord& record : all) {
     record.source_id = NameOfSum(record.build);
     record.source_sequence = 0;

@@ -33,6 +33,9 @@ inline constexpr uint32_t kRecordsPerMessage = 200;
 // One import has at most this many records, all imports under way have twice as many. More are
 // RESOURCE_EXHAUSTED.
 inline constexpr uint32_t kMaxImportRecords = 200'000;
+// So many records may wait to be promoted; an import that would make more of them is
+// RESOURCE_EXHAUSTED.
+inline constexpr uint64_t kMaxQuarantinedRecords = 1'000'000;
 // A message of a listing has at most this many segments, a page of an export this many rows.
 inline constexpr uint32_t kAuditSegmentsPerMessage = 100;
 inline constexpr uint32_t kAuditRowsPerPage = 500;

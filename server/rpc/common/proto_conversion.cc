@@ -247,6 +247,7 @@ void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
   message.set_build(record.build);
   message.set_unix_last_seen_s(static_cast<int64_t>(record.last_seen_unix_s));
   message.set_is_imported(record.is_imported);
+  message.set_is_quarantined(record.is_quarantined);
 }
 
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {

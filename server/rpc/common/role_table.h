@@ -29,6 +29,7 @@ inline constexpr std::array kRoleTable = {
     Rpc{"PriorsService/ExportPriors", auth::Role::kWatch},
     Rpc{"PriorsService/ImportPriors", auth::Role::kOperator},
     Rpc{"PriorsService/RevokePriors", auth::Role::kOperator},
+    Rpc{"PriorsService/PromotePriors", auth::Role::kOperator},
 };
 
 consteval Rpc RpcOf(std::string_view name) {

@@ -21,21 +21,44 @@ namespace sweepstake::rpc {
 namespace {
 
 using priors::PriorRecord;
-using ExportStream = PageStream<v1::ExportPriorsResponse, priors::ExportPlace>;
+
+// A place in the evidence that counts or, behind all of that, in what waits in quarantine.
+struct TransferPlace {
+  bool in_quarantine = false;
+  priors::ExportPlace after;
+};
+using ExportStream = PageStream<v1::ExportPriorsResponse, TransferPlace>;
 
 absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
                                                const priors::SceneFilter& filter,
-                                               const priors::ExportPlace& after) {
-  const auto stored = store.Export(filter, after, kRecordsPerMessage);
+                                               const TransferPlace& place) {
+  const auto stored = place.in_quarantine
+                          ? store.ExportQuarantined(filter, place.after, kRecordsPerMessage)
+                          : store.Export(filter, place.after, kRecordsPerMessage);
   if (!stored.ok()) return stored.status();
+  const bool ends = stored->records.size() < kRecordsPerMessage;
+  const bool has_any = !stored->records.empty() || stored->folded_record_count > 0;
+  if (ends && !has_any && !place.in_quarantine)
+    return LoadRecords(store, filter, {.in_quarantine = true, .after = {}});
   ExportStream::Page page;
-  page.empty = stored->records.empty() && stored->folded_record_count == 0;
-  page.last = stored->records.size() < kRecordsPerMessage;
+  page.empty = !has_any;
+  page.last = ends && place.in_quarantine;
   for (const PriorRecord& record : stored->records) ToProto(record, *page.response.add_records());
   page.response.set_folded_record_count(stored->folded_record_count);
   page.response.set_folded_window_count(stored->folded_window_count);
-  page.next = stored->next;
+  page.next = ends ? TransferPlace{.in_quarantine = true, .after = {}}
+                   : TransferPlace{place.in_quarantine, stored->next};
   return page;
+}
+
+// The store was asked to let evidence count, and has said whether it does.
+void OnEvidence(ServiceContext& context, const absl::Status& status,
+                const std::vector<priors::SceneKey>& new_scenes) {
+  // It may have the evidence although it says that it is not available.
+  if (status.ok() || absl::IsUnavailable(status)) context.watch_hub.Reset();
+  if (!status.ok()) return;
+  // Sessions that hold the scenes would otherwise count them a second time.
+  for (const priors::SceneKey& scene : new_scenes) context.sessions.new_scenes().Forget(scene);
 }
 
 // One import. gRPC's callbacks parse and check one message at a time and post to the decision loop,
@@ -101,8 +124,10 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
       if (const absl::Status allowed = CheckQuota(store); !allowed.ok())
         return context_.loop.Post([this, allowed] { End(allowed); });
+      const auto result =
+          promotes_ ? store.Import(records_) : store.Quarantine(records_, kMaxQuarantinedRecords);
       // Behind what was read before of the store, as commits are.
-      context_.loop.PostLater([this, result = store.Import(records_)] { OnImported(result); });
+      context_.loop.PostLater([this, result] { OnImported(result); });
     });
     if (!submitted)
       End(Refused(v1::ERROR_REASON_STORE_BUSY,
@@ -112,9 +137,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   absl::Status CheckQuota(priors::PriorStore& store) {
     SceneQuota quota(store, context_.options);
     for (const PriorRecord& record : records_) {
-      const priors::EvidenceKey& key = record.key;
-      const priors::SceneKey scene{key.project, key.scene, key.machine_class, key.reward_version};
-      absl::Status status = quota.Add(scene, {key.arm, key.backend_version});
+      absl::Status status = quota.Add(record.key);
       if (!status.ok()) return status;
     }
     new_scenes_ = quota.new_scenes();
@@ -122,20 +145,20 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   }
 
   void OnImported(const absl::StatusOr<priors::ImportResult>& result) {
-    if (absl::IsUnavailable(result.status())) context_.watch_hub.Reset();  // it may have them
+    if (absl::IsResourceExhausted(result.status()))
+      return End(Refused(v1::ERROR_REASON_IMPORT_TOO_LARGE, result.status().message()));
+    if (promotes_) OnEvidence(context_, result.status(), new_scenes_);
     if (!result.ok()) return End(StoreFailed(result.status()));
-    // Sessions that hold them would otherwise count them a second time.
-    for (const priors::SceneKey& scene : new_scenes_) context_.sessions.new_scenes().Forget(scene);
     v1::ImportPriorsResponse answer;
     answer.set_applied_count(result->applied_count);
     answer.set_unchanged_count(result->unchanged_count);
     response_ = Serialize(answer);
-    context_.log.info("{} imported {} records, {} of them new or newer", NameForLog(caller_),
-                      records_.size(), result->applied_count);
-    admin_.Record(
-        absl::StrCat("action=import records=", records_.size(), " applied=", result->applied_count),
-        NameAndAddress(caller_, call_));
-    context_.watch_hub.Reset();
+    context_.log.info("{} imported {} records, {} of them new or newer, {}", NameForLog(caller_),
+                      records_.size(), result->applied_count,
+                      promotes_ ? "which count at once" : "which wait in quarantine");
+    admin_.Record(absl::StrCat("action=import records=", records_.size(), " applied=",
+                               result->applied_count, " promoted=", promotes_ ? "yes" : "no"),
+                  NameAndAddress(caller_, call_));
     End(absl::OkStatus());
   }
 
@@ -155,6 +178,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
                      absl::StrCat("a message may hold ", kRecordsPerMessage, " records"));
     }
+    promotes_ = promotes_ || request_.promote();
     for (const v1::PriorRecord& record : request_.records()) {
       if (records_.size() == kMaxImportRecords) {
         return Refused(
@@ -189,34 +213,63 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;
+  bool promotes_ = false;
   std::vector<priors::SceneKey> new_scenes_;  // that the store gets; used by its job, then the loop
 };
 
-// Returns which sources a revocation means.
-absl::StatusOr<priors::SourceFilter> FilterOf(const v1::RevokePriorsRequest& request,
+bool NamesAny(const v1::SourceFilter& sources) {
+  return !sources.source_id().empty() || !sources.build().empty() || sources.token_id() != 0 ||
+         sources.unix_from_s() != 0 || sources.unix_until_s() != 0;
+}
+
+// Returns which sources a request means.
+absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
                                               const auth::Principal& caller) {
-  const bool names_any = !request.source_id().empty() || !request.build().empty() ||
-                         request.token_id() != 0 || request.unix_from_s() != 0 ||
-                         request.unix_until_s() != 0;
-  if (!names_any || request.token_id() < 0 || request.unix_from_s() < 0 ||
-      request.unix_until_s() < 0) {
-    return Refused(
-        v1::ERROR_REASON_INVALID_MESSAGE,
-        "name the sources to revoke: by source_id, build, token_id, or a time since 1970");
-  }
-  for (const std::string* name : {&request.project(), &request.source_id(), &request.build()}) {
+  if (sources.token_id() < 0 || sources.unix_from_s() < 0 || sources.unix_until_s() < 0)
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "a number of a filter is 0 or more");
+  for (const std::string* name : {&sources.project(), &sources.source_id(), &sources.build()}) {
     if (!text::IsOptionalName(*name))
       return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "a name has at most 128 bytes of UTF-8");
   }
-  if (absl::Status allowed = CheckProject(caller, request.project()); !allowed.ok()) return allowed;
-  priors::SourceFilter filter{.id = request.source_id(),
-                              .project = request.project(),
-                              .build = request.build(),
-                              .token_id = request.token_id(),
-                              .from_unix_s = static_cast<uint64_t>(request.unix_from_s())};
-  if (request.unix_until_s() != 0)
-    filter.until_unix_s = static_cast<uint64_t>(request.unix_until_s());
+  if (absl::Status allowed = CheckProject(caller, sources.project()); !allowed.ok()) return allowed;
+  priors::SourceFilter filter{.id = sources.source_id(),
+                              .project = sources.project(),
+                              .build = sources.build(),
+                              .token_id = sources.token_id(),
+                              .from_unix_s = static_cast<uint64_t>(sources.unix_from_s())};
+  if (sources.unix_until_s() != 0)
+    filter.until_unix_s = static_cast<uint64_t>(sources.unix_until_s());
   return filter;
+}
+
+std::string Describe(const v1::SourceFilter& sources) {
+  return absl::StrCat("project=", sources.project(), " source=", sources.source_id(),
+                      " build=", sources.build(), " token=", sources.token_id(),
+                      " from=", sources.unix_from_s(), " until=", sources.unix_until_s());
+}
+
+// Whether a promotion means a record that waits: no token and no time began its source.
+bool IsMeant(const PriorRecord& record, const priors::SourceFilter& filter) {
+  return filter.token_id == 0 && filter.from_unix_s == 0 &&
+         (filter.id.empty() || filter.id == record.source_id) &&
+         (filter.build.empty() || filter.build == record.build);
+}
+
+// Adds what would be promoted to the quota. What waits fills no project before.
+absl::Status CheckPromotion(priors::PriorStore& store, const priors::SourceFilter& filter,
+                            SceneQuota& quota) {
+  priors::ExportPage page;
+  do {
+    auto next = store.ExportQuarantined({filter.project, ""}, page.next, kRecordsPerMessage);
+    if (!next.ok()) return StoreFailed(next.status());
+    page = *std::move(next);
+    for (const PriorRecord& record : page.records) {
+      if (!IsMeant(record, filter)) continue;
+      absl::Status status = quota.Add(record.key);
+      if (!status.ok()) return status;
+    }
+  } while (page.records.size() == kRecordsPerMessage);
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -234,11 +287,12 @@ grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
     return new RefusedCall<grpc::ServerWriteReactor<v1::ExportPriorsResponse>>(
         ToGrpc(allowed, context_.counters));
   }
-  return ExportStream::Start(
-      context_, *call, *caller,
-      [filter](priors::PriorReader& store, const priors::ExportPlace& after) {
-        return LoadRecords(store, filter, after);
-      });
+  return ExportStream::Start(context_, *call, *caller,
+                             [filter, quarantined_only = request->quarantined_only()](
+                                 priors::PriorReader& store, TransferPlace place) {
+                               place.in_quarantine = place.in_quarantine || quarantined_only;
+                               return LoadRecords(store, filter, place);
+                             });
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(
@@ -257,8 +311,13 @@ grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContex
                                                       v1::RevokePriorsResponse* response) {
   constexpr Rpc kRpc = RpcOf("PriorsService/RevokePriors");
   return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
-    auto filter = FilterOf(*request, caller);
+    auto filter = FilterOf(request->sources(), caller);
     if (!filter.ok()) return end(filter.status());
+    if (!NamesAny(request->sources())) {
+      return end(Refused(
+          v1::ERROR_REASON_INVALID_MESSAGE,
+          "name the sources to revoke: by source_id, build, token_id, or a time since 1970"));
+    }
     const bool submitted =
         context_.store.Submit([this, request, response, end, filter = *std::move(filter),
                                who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
@@ -269,7 +328,13 @@ grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContex
             response->set_source_count(result->source_count);
             response->set_record_count(result->record_count);
             response->set_window_count(result->window_count);
-            if (!request->preview()) OnRevoked(*request, *result, who);
+            if (!request->preview()) {
+              OnChanged("revoke",
+                        absl::StrCat("sources=", result->source_count, " records=",
+                                     result->record_count, " ", Describe(request->sources())),
+                        who);
+              context_.watch_hub.Reset();
+            }
             end(absl::OkStatus());
           });
         });
@@ -278,16 +343,45 @@ grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContex
   });
 }
 
-void PriorsService::OnRevoked(const v1::RevokePriorsRequest& request,
-                              const priors::RevokeResult& result, const std::string& who) {
-  const std::string what =
-      absl::StrCat("sources=", result.source_count, " records=", result.record_count,
-                   " project=", request.project(), " source=", request.source_id(),
-                   " build=", request.build(), " token=", request.token_id(),
-                   " from=", request.unix_from_s(), " until=", request.unix_until_s());
-  context_.log.warn("{} revoked evidence: {}", who, what);
-  admin_.Record("action=revoke " + what, who);
-  context_.watch_hub.Reset();
+grpc::ServerUnaryReactor* PriorsService::PromotePriors(grpc::CallbackServerContext* call,
+                                                       const v1::PromotePriorsRequest* request,
+                                                       v1::PromotePriorsResponse* response) {
+  constexpr Rpc kRpc = RpcOf("PriorsService/PromotePriors");
+  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
+    auto filter = FilterOf(request->sources(), caller);
+    if (!filter.ok()) return end(filter.status());
+    const bool submitted =
+        context_.store.Submit([this, request, response, end, filter = *std::move(filter),
+                               who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
+          SceneQuota quota(store, context_.options);
+          if (const absl::Status allowed = CheckPromotion(store, filter, quota); !allowed.ok())
+            return context_.loop.Post([end, allowed] { end(allowed); });
+          const auto result = store.Promote(filter, request->preview());
+          context_.loop.PostLater(
+              [this, request, response, end, who, result, new_scenes = quota.new_scenes()] {
+                if (!request->preview()) OnEvidence(context_, result.status(), new_scenes);
+                if (!result.ok()) return end(StoreFailed(result.status()));
+                response->set_source_count(result->source_count);
+                response->set_record_count(result->record_count);
+                response->set_window_count(result->window_count);
+                response->set_scene_count(result->scene_count);
+                if (!request->preview())
+                  OnChanged("promote",
+                            absl::StrCat("sources=", result->source_count, " records=",
+                                         result->record_count, " ", Describe(request->sources())),
+                            who);
+                end(absl::OkStatus());
+              });
+        });
+    if (!submitted)
+      end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
+  });
+}
+
+void PriorsService::OnChanged(const std::string& action, const std::string& what,
+                              const std::string& who) {
+  context_.log.warn("{} {}d evidence: {}", who, action, what);
+  admin_.Record(absl::StrCat("action=", action, " ", what), who);
 }
 
 }  // namespace sweepstake::rpc

@@ -3,8 +3,8 @@
 // An export reads the store page by page, as fast as the client reads. Records that are committed
 // during the export may be missing, but none is partial. An import is collected first (up to
 // kMaxImportRecords) and applied in one transaction after the client has half-closed; a stream that
-// is cancelled or has an invalid record changes nothing. Imported evidence reaches the sessions
-// that begin after it.
+// is cancelled or has an invalid record changes nothing. Imported evidence waits in quarantine
+// until it is promoted, and then reaches the sessions that begin after it.
 #pragma once
 
 #include <atomic>
@@ -17,10 +17,11 @@ namespace sweepstake::rpc {
 
 class AdminLog;
 
-class PriorsService final
-    : public v1::PriorsService::WithCallbackMethod_ExportPriors<
-          v1::PriorsService::WithRawCallbackMethod_ImportPriors<
-              v1::PriorsService::WithCallbackMethod_RevokePriors<v1::PriorsService::Service>>> {
+class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportPriors<
+                                v1::PriorsService::WithRawCallbackMethod_ImportPriors<
+                                    v1::PriorsService::WithCallbackMethod_RevokePriors<
+                                        v1::PriorsService::WithCallbackMethod_PromotePriors<
+                                            v1::PriorsService::Service>>>> {
  public:
   PriorsService(ServiceContext& context, AdminLog& admin) : context_(context), admin_(admin) {}
 
@@ -31,11 +32,13 @@ class PriorsService final
   grpc::ServerUnaryReactor* RevokePriors(grpc::CallbackServerContext* call,
                                          const v1::RevokePriorsRequest* request,
                                          v1::RevokePriorsResponse* response) override;
+  grpc::ServerUnaryReactor* PromotePriors(grpc::CallbackServerContext* call,
+                                          const v1::PromotePriorsRequest* request,
+                                          v1::PromotePriorsResponse* response) override;
 
  private:
-  // Tells of a revocation that was committed.
-  void OnRevoked(const v1::RevokePriorsRequest& request, const priors::RevokeResult& result,
-                 const std::string& who);
+  // Tells of a revocation or a promotion that was committed.
+  void OnChanged(const std::string& action, const std::string& what, const std::string& who);
 
   ServiceContext& context_;
   AdminLog& admin_;

@@ -50,6 +50,10 @@ class SceneQuota {
   // before. Error: RESOURCE_EXHAUSTED names the limit. A store that cannot be read allows it: what
   // it cannot read it does not write either.
   absl::Status Add(const priors::SceneKey& scene, const ArmKey& arm);
+  absl::Status Add(const priors::EvidenceKey& key) {
+    return Add({key.project, key.scene, key.machine_class, key.reward_version},
+               {key.arm, key.backend_version});
+  }
 
   // What the store said about the scene that was added last; absent if it has that scene.
   const std::optional<UnstoredScene>& unstored() const { return unstored_; }

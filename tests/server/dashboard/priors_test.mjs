@@ -43,15 +43,55 @@ class Commands {
     const file = join(this.folder, 'theirs.json');
     writeFileSync(file, JSON.stringify({ format: 'sweepstake-priors', version: 1, records: theirs }));
     assert.equal(this.ask('import', '--in', file).applied, theirs.length);
+    return file;
   }
 }
 
+const waits = ({ is_quarantined: isWaiting }) => isWaiting === true;
 const sum = (records, field) => records.reduce((total, record) => total + record[field], 0);
 const seen = (records) => Math.max(...records.map((record) => record.unix_last_seen_s));
 
 function localTime(unixS) {
   const date = new Date(1000 * unixS);
   return new Date(date.getTime() - 60_000 * date.getTimezoneOffset()).toISOString().slice(0, 19).replace('T', ' ');
+}
+
+// What was imported stands on top and counts nowhere; it does when the preview was read and confirmed, and not when the reader thinks
+// better of it.
+async function checkPromote(page, daemon, commands) {
+  await page.goto(`${daemon.origin}/priors`);
+  await page.getByRole('region', { name: 'Quarantine' }).waitFor();
+  assert.equal(await page.getByRole('heading', { level: 2 }).first().innerText(), 'Waiting in quarantine');
+  const before = commands.exported().records;
+  const waiting = before.filter(waits);
+  assert.ok(waiting.length > 0 && waiting.length < before.length);
+  const [row, ...more] = await rowsOf(page, 'Quarantine');
+  assert.equal(more.length, 0);
+  assert.deepEqual([row.Build, row.Sources, number(row.Windows)], ['0.9', '1', sum(waiting, 'window_count')]);
+  const columnOf = async (caption, column) => (await rowsOf(page, caption)).map((each) => each[column]);
+  assert.ok(!(await columnOf('Builds', 'Build')).includes('0.9') && !(await columnOf('Sources', 'Source')).includes(IMPORTED));
+  await assertAccessible(page, 'the quarantine');
+  const preview = commands.ask('promote', '--project', 'arcade', '--build', '0.9');
+  assert.deepEqual([preview.sources, preview.records, preview.scenes], [1, waiting.length, 1]);
+  const ask = async () => {
+    await button(page, 'Promote build 0.9').click();
+    await previewIs(page, preview, /would count\./);
+    assert.match(await dialog(page).getByRole('status').innerText(), / for 1 scenes would count/);
+  };
+  await ask();
+  await assertAccessible(page, 'the dialog of a promotion');
+  await button(dialog(page), 'Cancel').click();
+  assert.deepEqual(commands.exported().records, before, 'what was previewed waits');
+  await ask();
+  await button(dialog(page), 'Promote').click();
+  const toast = await page.locator('.toast', { hasText: 'Promoted' }).innerText();
+  for (const part of countsText(preview)) assert.ok(toast.replaceAll(',', '').includes(part), toast);
+  await until('the source counts', async () => (await columnOf('Sources', 'Source')).includes(IMPORTED));
+  assert.equal(await page.getByRole('region', { name: 'Quarantine' }).count(), 0);
+  const after = commands.exported().records;
+  assert.deepEqual([after.length, after.filter(waits).length], [before.length, 0]);
+  await page.goto(`${daemon.origin}/decisions?session=admin`);
+  await page.getByText('action=promote').first().waitFor();
 }
 
 // Builds and sources are those of an export.
@@ -105,8 +145,8 @@ async function checkChanges(page, daemon, commands) {
 }
 
 const countsText = ({ sources, records, windows }) => [`${sources} sources`, `${records} records`, `${windows} windows`];
-async function previewIs(page, result) {
-  const text = await until('the preview is there', async () => { const shown = await dialog(page).getByRole('status').innerText(); return /would go\./.test(shown) && shown; });
+async function previewIs(page, result, end = /would go\./) {
+  const text = await until('the preview is there', async () => { const shown = await dialog(page).getByRole('status').innerText(); return end.test(shown) && shown; });
   for (const part of countsText(result)) assert.ok(text.replaceAll(',', '').includes(part), `${text} without ${part}`);
 }
 
@@ -173,25 +213,31 @@ async function checkRevokeForm(page, daemon, commands) {
   assert.deepEqual(commands.exported().records, records);
 }
 
-async function checkRole(context, folder) {
+const ROLE_REASON = 'Promoting and revoking need the role operator; yours is watch.';
+
+async function checkRole(context, folder, file) {
   const daemon = new RealDaemon(sweepstaked, join(folder, 'tokens'), ['--require-tokens']);
   const watcher = daemon.makeToken('reader', 'watch');
   daemon.makeToken('player', 'ingest');
+  daemon.makeToken('boss', 'operator');
   await daemon.start();
+  execFileSync(sweepstake, ['priors', 'import', '--in', file, '--daemon', daemon.address, '--token-file', join(folder, 'tokens', 'boss.token')]);
   await new Game(sweepstake, daemon, 'arcade', 'arena', { duration: '3s', more: ['--build', '1.1', '--token-file', join(folder, 'tokens', 'player.token')] }).ended();
   const page = await openPage(context, daemon.origin, '/priors');
   await page.getByLabel('Token').fill(watcher);
   await button(page, 'Log in').click();
-  await page.getByText('Revoking needs the role operator; yours is watch.').waitFor();
+  await page.getByText(ROLE_REASON).waitFor();
   await revokeOf(page, 'build 1.1').waitFor();
-  for (const each of [button(page, 'Revoke …'), revokeOf(page, 'build 1.1')]) {
+  for (const each of [button(page, 'Revoke …'), revokeOf(page, 'build 1.1'), button(page, 'Promote all …'), button(page, 'Promote build 0.9')]) {
     assert.ok(await each.isDisabled());
     assert.equal(await each.evaluate((element) => document.getElementById(element.getAttribute('aria-describedby'))?.textContent),
-      'Revoking needs the role operator; yours is watch.');
+      ROLE_REASON);
   }
-  const status = await page.evaluate(async () => (await fetch('/api/sweepstake.v1.PriorsService/RevokePriors', { method: 'POST',
-    headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' }, body: '{"build":"1.1","preview":true}' })).status);
-  assert.equal(status, 403, 'the daemon refuses what the page does not offer');
+  for (const method of ['RevokePriors', 'PromotePriors']) {
+    const status = await page.evaluate(async (name) => (await fetch(`/api/sweepstake.v1.PriorsService/${name}`, { method: 'POST',
+      headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' }, body: '{"sources":{"build":"1.1"},"preview":true}' })).status, method);
+    assert.equal(status, 403, `the daemon refuses ${method}, which the page does not offer`);
+  }
   await assertAccessible(page, 'a reader');
   assertNoTrouble(page, 'a reader');
   await page.close();
@@ -209,17 +255,17 @@ async function checkAll(browser, folder) {
   await Promise.all(played.map(([scene, build]) => new Game(sweepstake, daemon, 'arcade', scene, { duration: '5s', more: ['--build', build] }).ended()));
   const commands = new Commands(daemon, folder);
   await until('all have taught something', () => new Set(commands.exported().records.map(({ source_id: id }) => id)).size === played.length);
-  commands.importOne();
+  const file = commands.importOne();
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
   const page = await openPage(context, daemon.origin, '/priors');
-  for (const check of [checkTables, checkChanges, checkRevokeBuild, checkRevokeSource, checkRevokeForm]) {
+  for (const check of [checkPromote, checkTables, checkChanges, checkRevokeBuild, checkRevokeSource, checkRevokeForm]) {
     await check(page, daemon, commands);
     console.log(`${check.name}: passed`);
   }
   assertNoTrouble(page, 'the priors');
   await page.close();
   await daemon.stop();
-  await checkRole(context, folder);
+  await checkRole(context, folder, file);
   console.log('checkRole: passed');
   return '';
 }

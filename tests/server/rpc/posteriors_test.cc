@@ -74,6 +74,7 @@ class PosteriorsTest : public RpcTest {
     const auto writer = priors_->ImportPriors(&context, &response);
     for (const v1::PriorRecord& record : records) {
       v1::ImportPriorsRequest part;
+      part.set_promote(true);
       *part.add_records() = record;
       writer->Write(part);
     }

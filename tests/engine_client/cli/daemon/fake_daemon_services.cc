@@ -4,6 +4,15 @@
 #include <thread>
 
 namespace sweepstake::test_support {
+namespace {
+
+// Until the client gives the call up.
+int64_t SecondsLeft(const grpc::ServerContext& context) {
+  const auto left = context.deadline() - std::chrono::system_clock::now();
+  return std::chrono::duration_cast<std::chrono::seconds>(left).count();
+}
+
+}  // namespace
 
 grpc::Status FakePosteriors::ListPosteriors(grpc::ServerContext*,
                                             const v1::ListPosteriorsRequest* request,
@@ -34,12 +43,22 @@ grpc::Status FakePriors::ExportPriors(grpc::ServerContext*, const v1::ExportPrio
   return grpc::Status::OK;
 }
 
+grpc::Status FakePriors::PromotePriors(grpc::ServerContext* context,
+                                       const v1::PromotePriorsRequest* request,
+                                       v1::PromotePriorsResponse* response) {
+  promote_request = *request;
+  patience_s = SecondsLeft(*context);
+  *response = promote_response.get();
+  return grpc::Status::OK;
+}
+
 grpc::Status FakePriors::ImportPriors(grpc::ServerContext*,
                                       grpc::ServerReader<v1::ImportPriorsRequest>* reader,
                                       v1::ImportPriorsResponse* response) {
   v1::ImportPriorsRequest request;
   while (reader->Read(&request)) {
     imported_sizes->push_back(request.records_size());
+    promotes = request.promote();
     for (const v1::PriorRecord& record : request.records()) imported->push_back(record);
   }
   response->set_applied_count(imported->size() - 1);
@@ -47,9 +66,11 @@ grpc::Status FakePriors::ImportPriors(grpc::ServerContext*,
   return import_status.get();
 }
 
-grpc::Status FakePriors::RevokePriors(grpc::ServerContext*, const v1::RevokePriorsRequest* request,
+grpc::Status FakePriors::RevokePriors(grpc::ServerContext* context,
+                                      const v1::RevokePriorsRequest* request,
                                       v1::RevokePriorsResponse* response) {
   revoke_request = *request;
+  patience_s = SecondsLeft(*context);
   *response = revoke_response.get();
   return grpc::Status::OK;
 }

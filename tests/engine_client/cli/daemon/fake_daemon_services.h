@@ -75,8 +75,14 @@ class FakePriors final : public v1::PriorsService::Service {
   Guarded<v1::ExportPriorsRequest> export_request;
   Guarded<v1::RevokePriorsRequest> revoke_request;
   Guarded<v1::RevokePriorsResponse> revoke_response;
+  Guarded<v1::PromotePriorsRequest> promote_request;
+  Guarded<v1::PromotePriorsResponse> promote_response;
+  std::atomic<int64_t> patience_s = 0;  // of the latest of both
+  std::atomic<bool> promotes = false;   // as the latest message of an import says
 
  private:
+  grpc::Status PromotePriors(grpc::ServerContext*, const v1::PromotePriorsRequest* request,
+                             v1::PromotePriorsResponse* response) override;
   grpc::Status RevokePriors(grpc::ServerContext*, const v1::RevokePriorsRequest* request,
                             v1::RevokePriorsResponse* response) override;
   grpc::Status ExportPriors(grpc::ServerContext*, const v1::ExportPriorsRequest* request,

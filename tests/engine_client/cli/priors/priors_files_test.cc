@@ -135,6 +135,21 @@ TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
 }
 
 // One arm in another version, and one that this program does not have.
+TEST_F(PriorsFilesTest, WhatWaitsInQuarantineIsToldApartAndCountsNowhere) {
+  std::vector<PriorRecord> records = Honest();
+  for (PriorRecord& record : records) record.is_quarantined = true;
+  const json entry = Diagnose(records);
+  EXPECT_EQ(entry["fitness"], "foreign");
+  EXPECT_EQ(entry["quarantined"], true);
+  EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("it waits in quarantine"));
+  const std::string waiting = Write("waiting.json", records);
+  EXPECT_THAT(RunCommand("priors show --in " + waiting).out,
+              HasSubstr("in build 1.1 (in quarantine), 1 sources"));
+  EXPECT_THAT(RunCommand("priors diff " + Write("counts.json", Honest()) + " " + waiting).out,
+              HasSubstr("They say the same"))
+      << "what promoting would bring can be compared";
+}
+
 TEST_F(PriorsFilesTest, AnArmThatChangedLosesNothingOfTheOthersKnowledge) {
   std::vector<PriorRecord> records = Honest();
   records[0].backend_version += 1;

@@ -278,6 +278,7 @@ TEST(DaemonProgram, PriorsGoFromOneDaemonToAnotherAndIntoAGame) {
   ASSERT_EQ(imported.exit_code, 0) << imported.err;
   EXPECT_EQ(json::parse(imported.out)["applied"], records);
   EXPECT_EQ(json::parse(RunProgram(import).out)["unchanged"], records);
+  EXPECT_EQ(json::parse(RunProgram(import + " --promote").out)["applied"], records);
 
   const ProgramRun listed = RunProgram("priors list --json --daemon " + other.address());
   EXPECT_EQ(json::parse(listed.out)["scenes"].size(), 1U);
@@ -317,7 +318,8 @@ TEST(DaemonProgram, WhatAGameLearntOfflineCountsOnceInADaemonHoweverOftenItIsImp
   const DaemonProcess daemon(data.path());
   const std::string at = " --json --daemon " + daemon.address();
   for (int run = 1; run <= 2; ++run) {
-    const std::string import = "priors import --in " + PlayOffline(saves.path() / "save.json") + at;
+    const std::string import =
+        "priors import --promote --in " + PlayOffline(saves.path() / "save.json") + at;
     const ProgramRun imported = RunProgram(import);
     ASSERT_EQ(imported.exit_code, 0) << imported.err;
     EXPECT_EQ(json::parse(imported.out)["applied"], 1);

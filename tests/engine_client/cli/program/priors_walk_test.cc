@@ -24,7 +24,10 @@ constexpr char kGame[] =
 class PriorsWalk : public testing::Test {
  protected:
   std::string Path(const std::string& name) const { return (data_.path() / name).string(); }
-  std::string at() const { return " --daemon " + daemon_.address(); }
+  std::string at() const { return At(daemon_); }
+  static std::string At(const test_support::DaemonProcess& daemon) {
+    return " --daemon " + daemon.address();
+  }
   static json JsonOf(const std::string& command) {
     const ProgramRun run = RunProgram(command + " --json");
     EXPECT_EQ(run.exit_code, 0) << command << ": " << run.err;
@@ -75,6 +78,7 @@ TEST_F(PriorsWalk, ABuildLearnsTheNextStartsFromItABadOneGoesAndTheFileShips) {
   EXPECT_EQ(JsonOf("priors import --in " + Path("with-1.2.json") + at())["applied"], 0)
       << "it does not come back with a file";
 
+  const json posteriors = JsonOf("priors list" + at())["scenes"];
   const std::string shipped = Path("shipped.json");
   EXPECT_EQ(JsonOf("priors export --sums --out " + shipped + at())["sums"], true);
   daemon_.Kill();
@@ -88,6 +92,26 @@ TEST_F(PriorsWalk, ABuildLearnsTheNextStartsFromItABadOneGoesAndTheFileShips) {
       JsonOf(kGame + std::string("--duration 200ms --embedded --build 1.1 --priors ") + shipped);
   EXPECT_GE(offline["prior_sources"], 2);
   EXPECT_EQ(offline["decider"], "embedded");
+
+  const test_support::TemporaryDirectory other_data;
+  const test_support::DaemonProcess other(other_data.path());
+  EXPECT_GT(JsonOf("priors import --in " + Path("good.json") + At(other))["applied"], 0);
+  const json waiting = JsonOf("priors list" + At(other));
+  EXPECT_TRUE(waiting["scenes"].empty());
+  EXPECT_EQ(waiting["quarantined"].size(), 2u) << "1.0 and 1.1";
+  const std::string promote = "priors promote --project arcade" + At(other);
+  const json promotion = JsonOf(promote);
+  EXPECT_EQ(promotion["promoted"], false);
+  EXPECT_EQ(promotion["sources"], 2);
+  EXPECT_EQ(promotion["scenes"], 1);
+  EXPECT_EQ(JsonOf("priors list" + At(other)), waiting) << "a preview";
+  EXPECT_EQ(JsonOf(promote + " --yes")["windows"], promotion["windows"]);
+  const json promoted = JsonOf("priors list" + At(other));
+  EXPECT_TRUE(promoted["quarantined"].empty());
+  ASSERT_EQ(promoted["scenes"].size(), 1u);
+  EXPECT_EQ(promoted["scenes"][0]["arms"], posteriors[0]["arms"]) << "to the last bit";
+  EXPECT_EQ(JsonOf("priors revoke --until 1 --yes" + At(other))["sources"], 2);
+  EXPECT_TRUE(JsonOf("priors list" + At(other))["scenes"].empty());
 }
 
 }  // namespace

@@ -48,6 +48,14 @@ TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedInANewSceneAndOnAnotherMachineT
   }
 }
 
+TEST(ArmOfPriors, IsNoneOfWhatWaitsInQuarantine) {
+  std::vector<PriorRecord> records = *ParsePriors(Visits());
+  for (PriorRecord& record : records) record.is_quarantined = true;
+  EmbeddedOptions options;
+  options.priors_data = FormatPriors(records);
+  EXPECT_FALSE(EmbeddedDecider::ArmOfPriors(options, kArms, kVersions).ok());
+}
+
 TEST(ArmOfPriors, IsOneThatThePriorsKnow) {
   EmbeddedOptions options;
   for (const char* policy : {"default", "calibrated"}) {

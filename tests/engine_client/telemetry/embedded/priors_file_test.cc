@@ -72,6 +72,20 @@ TEST(PriorsFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(record.last_seen_unix_s, 1'700'000'000U);
 }
 
+TEST(PriorsFile, KeepsWhatWaitsInQuarantineBesideWhatCounts) {
+  std::vector<PriorRecord> records(2, RecordOf("s"));
+  records[1].is_quarantined = true;
+  records[1].source_sequence = 10;
+  const std::string text = FormatPriors(records);
+  const auto read = ParsePriors(text);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read->size(), 2U);
+  EXPECT_FALSE((*read)[0].is_quarantined);
+  EXPECT_TRUE((*read)[1].is_quarantined);
+  EXPECT_EQ(FormatPriors(*read), text);
+  EXPECT_THAT(ComplaintAbout(DocumentWith("is_quarantined", "1")), HasSubstr("true nor false"));
+}
+
 TEST(PriorsFile, TakesAnEmptyListAndRecordsWithoutOptionalFields) {
   EXPECT_TRUE(ParsePriors(FormatPriors({})).ok());
   const auto read = ParsePriors(

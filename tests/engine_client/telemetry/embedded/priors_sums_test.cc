@@ -78,6 +78,15 @@ TEST(PriorsSums, AddUpWhatTheSessionsOfABuildTaughtAndNameNone) {
   EXPECT_THAT(text, HasSubstr("\"version\":2"));
 }
 
+TEST(PriorsSums, AreWithoutWhatWaitsInQuarantine) {
+  PriorRecord record = RecordOf("one", "1.0", "SAP");
+  const std::vector<PriorRecord> sums = SumByBuild(std::vector{record});
+  PriorRecord waiting = record;
+  waiting.is_quarantined = true;
+  EXPECT_EQ(FormatPriors(SumByBuild(std::vector{record, waiting})), FormatPriors(sums));
+  EXPECT_TRUE(SumByBuild(std::vector{waiting}).empty());
+}
+
 TEST(PriorsSums, AreReadBackAsTheyWereWritten) {
   const std::vector<PriorRecord> sums = SomeSums();
   const std::string text = FormatPriors(sums);

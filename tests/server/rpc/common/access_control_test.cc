@@ -209,11 +209,16 @@ TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
       [&] { return Import({"theirs"}); },
       [&] {
         v1::RevokePriorsRequest request;
-        request.set_build("1.0");
+        request.mutable_sources()->set_build("1.0");
+        request.mutable_sources()->set_project("theirs");
         v1::RevokePriorsResponse response;
-        return ask(request, [&](auto* context, const auto& theirs) {
-          return priors->RevokePriors(context, theirs, &response);
-        });
+        return priors->RevokePriors(Mine().get(), request, &response);
+      },
+      [&] {
+        v1::PromotePriorsRequest request;
+        request.mutable_sources()->set_project("theirs");
+        v1::PromotePriorsResponse response;
+        return priors->PromotePriors(Mine().get(), request, &response);
       },
   };
   for (const auto& call : calls) {

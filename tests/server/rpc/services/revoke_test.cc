@@ -34,7 +34,7 @@ class RevokeTest : public RpcTest {
   }
   static v1::RevokePriorsRequest OfBuild(const std::string& build) {
     v1::RevokePriorsRequest request;
-    request.set_build(build);
+    request.mutable_sources()->set_build(build);
     return request;
   }
   grpc::Status Revoke(const v1::RevokePriorsRequest& request,
@@ -92,7 +92,7 @@ TEST_F(RevokeTest, ABuildGoesWithoutATraceAfterAPreviewThatChangesNothing) {
 TEST_F(RevokeTest, ASessionThatIsRevokedPlaysOnAndTeachesNoMore) {
   TelemetryClient client(channel_, "all-token");
   v1::RevokePriorsRequest request;
-  request.set_source_id(LearnOneWindow(client, OneArmHello()).session_id());
+  request.mutable_sources()->set_source_id(LearnOneWindow(client, OneArmHello()).session_id());
   EXPECT_EQ(RevokedBy(request).record_count(), 1u);
   client.Send(Frames(2, 30));
   ASSERT_TRUE(Applied(2));
@@ -105,7 +105,7 @@ TEST_F(RevokeTest, ATokensSessionsGoByItsNumber) {
   Learn("1.0", 1, "all-token");
   Learn("1.0", 2, "player-token");
   v1::RevokePriorsRequest request;
-  request.set_token_id(3);
+  request.mutable_sources()->set_token_id(3);
   EXPECT_EQ(RevokedBy(request).source_count(), 1u);
   EXPECT_EQ(Stored().source_count, 1u);
 }
@@ -114,18 +114,18 @@ TEST_F(RevokeTest, WhoMayDoItForSomeProjectsNamesOne) {
   Learn("1.0", 1);
   EXPECT_EQ(ReasonOf(Revoke(OfBuild("1.0"), "mine-token")), v1::ERROR_REASON_NOT_ALLOWED);
   v1::RevokePriorsRequest request = OfBuild("1.0");
-  request.set_project("game");
+  request.mutable_sources()->set_project("game");
   EXPECT_TRUE(Revoke(request, "mine-token").ok());
   EXPECT_EQ(revoked_.source_count(), 1u);
 }
 
 TEST_F(RevokeTest, ARequestThatNamesNoSourcesIsRefused) {
   v1::RevokePriorsRequest all;
-  all.set_project("game");
+  all.mutable_sources()->set_project("game");
   v1::RevokePriorsRequest negative = OfBuild("1.0");
-  negative.set_token_id(-1);
+  negative.mutable_sources()->set_token_id(-1);
   v1::RevokePriorsRequest before_1970 = OfBuild("1.0");
-  before_1970.set_unix_until_s(-1);
+  before_1970.mutable_sources()->set_unix_until_s(-1);
   for (const v1::RevokePriorsRequest& request :
        {v1::RevokePriorsRequest(), all, negative, before_1970, OfBuild(std::string(129, 'x'))}) {
     EXPECT_EQ(ReasonOf(Revoke(request)), v1::ERROR_REASON_INVALID_MESSAGE)

@@ -87,18 +87,18 @@ TEST_F(AdminLogTest, SaysWhoKickedOrderedAndImported) {
   ASSERT_TRUE(LogHas(4)) << "and no decision was taken";
   EXPECT_THAT(
       Log(),
-      ElementsAre(
-          AllOf(HasSubstr("admin,1,1,admin,"), HasSubstr("action=import records=0 applied=0"),
-                HasSubstr("operator=token ben at ipv4:127.0.0.1:")),
-          AllOf(HasSubstr("admin,1,2,admin,"),
-                HasSubstr("action=order session=" + id + " mode=MODE_MANUAL arm=Grid"),
-                HasSubstr("token ben")),
-          AllOf(HasSubstr("admin,1,3,admin,"),
-                HasSubstr("action=order-answer answer=GAME_AWAY session=" + id +
-                          " mode=MODE_MANUAL arm=Grid"),
-                HasSubstr("token ben")),
-          AllOf(HasSubstr("admin,1,4,admin,"), HasSubstr("action=kick session=" + id),
-                HasSubstr("token ann"))));
+      ElementsAre(AllOf(HasSubstr("admin,1,1,admin,"),
+                        HasSubstr("action=import records=0 applied=0 promoted=no"),
+                        HasSubstr("operator=token ben at ipv4:127.0.0.1:")),
+                  AllOf(HasSubstr("admin,1,2,admin,"),
+                        HasSubstr("action=order session=" + id + " mode=MODE_MANUAL arm=Grid"),
+                        HasSubstr("token ben")),
+                  AllOf(HasSubstr("admin,1,3,admin,"),
+                        HasSubstr("action=order-answer answer=GAME_AWAY session=" + id +
+                                  " mode=MODE_MANUAL arm=Grid"),
+                        HasSubstr("token ben")),
+                  AllOf(HasSubstr("admin,1,4,admin,"), HasSubstr("action=kick session=" + id),
+                        HasSubstr("token ann"))));
   EXPECT_THAT(Log("ben"), ElementsAre()) << "it is about all projects";
 }
 

@@ -42,12 +42,13 @@ class SceneQuotaTest : public RpcTest {
     return client.Finish();
   }
   grpc::Status Import(const std::vector<std::pair<std::string, std::string>>& scenes_and_arms,
-                      const std::string& project = "game") {
+                      const std::string& project = "game", bool promote = true) {
     const auto stub = v1::PriorsService::NewStub(channel_);
     grpc::ClientContext context;
     v1::ImportPriorsResponse response;
     const auto writer = stub->ImportPriors(&context, &response);
     v1::ImportPriorsRequest request;
+    request.set_promote(promote);
     for (const auto& [scene, arm] : scenes_and_arms) {
       v1::PriorRecord& record = *request.add_records();
       record.set_project(project);
@@ -121,6 +122,27 @@ TEST_F(SceneQuotaTest, AnImportOfOneProjectTooManyImportsNothing) {
   EXPECT_TRUE(Import({{"s", "x"}, {"t", "x"}}, "c").ok());
   EXPECT_EQ(ReasonOf(Import({{"s", "x"}}, "d")), v1::ERROR_REASON_TOO_MANY_PROJECTS);
   EXPECT_TRUE(Import({{"s", "x"}, {"t", "y"}}, "b").ok());
+}
+
+TEST_F(SceneQuotaTest, WhatWaitsInQuarantineFillsNoProjectUntilItIsPromoted) {
+  const auto promote = [&](bool preview = false) {
+    grpc::ClientContext context;
+    v1::PromotePriorsRequest request;
+    request.mutable_sources()->set_project("game");
+    request.set_preview(preview);
+    v1::PromotePriorsResponse response;
+    return v1::PriorsService::NewStub(channel_)->PromotePriors(&context, request, &response);
+  };
+  EXPECT_TRUE(Import({{"a", "x"}, {"b", "x"}}, "game", false).ok());
+  EXPECT_TRUE(Import({{"c", "x"}, {"d", "x"}}, "game", false).ok());
+  for (const char* scene : {"w", "z"}) EXPECT_TRUE(Play(OneArmHello(), scene).ok());
+  EXPECT_EQ(ReasonOf(promote(/*preview=*/true)), v1::ERROR_REASON_TOO_MANY_SCENES);
+  EXPECT_EQ(ReasonOf(promote()), v1::ERROR_REASON_TOO_MANY_SCENES);
+  EXPECT_TRUE(Play(OneArmHello(), "v").ok()) << "the third";
+  options_.max_scenes = 7;
+  server_->Adjust(options_);
+  EXPECT_TRUE(promote().ok());
+  EXPECT_EQ(ReasonOf(Play(OneArmHello(), "one more")), v1::ERROR_REASON_TOO_MANY_SCENES);
 }
 
 TEST_F(SceneQuotaTest, AnArmTooManyIsRefused) {

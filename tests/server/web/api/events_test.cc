@@ -243,6 +243,7 @@ class SlowReaderTest : public EventsTest {
     v1::ImportPriorsResponse response;
     const auto writer = stub->ImportPriors(&context, &response);
     v1::ImportPriorsRequest request;
+    request.set_promote(true);
     v1::PriorRecord& record = *request.add_records();
     record.set_project("game");
     record.set_scene("again");

@@ -3,7 +3,7 @@ import { expect, it } from 'vitest';
 import { ExportPriorsResponseSchema } from '../../gen/sweepstake/v1/priors_pb';
 import { addPart, MAX_SOURCES, noEvidence, priorsFile } from './evidence';
 
-interface More { arm?: string; measuredBy?: string; bailOutCount?: bigint; build?: string; unixLastSeenS?: bigint; isImported?: boolean; machineClass?: string }
+interface More { arm?: string; measuredBy?: string; bailOutCount?: bigint; build?: string; unixLastSeenS?: bigint; isImported?: boolean; isQuarantined?: boolean; machineClass?: string }
 const recordOf = (sourceId: string, more: More = {}) => ({ project: 'p', scene: 's', arm: 'SAP', backendVersion: 1, rewardVersion: 3,
   sourceId, sourceSequence: 7n, alphaIncrement: 1.5, betaIncrement: 0.5, windowCount: 2n, ...more });
 
@@ -35,6 +35,18 @@ it('keeps builds apart, and says of each and of each source what it has taught, 
   expect([...evidence.builds.values()][0]).toMatchObject({ project: 'p', arms: new Set(['SAP', 'Grid']), machineClasses: new Set(['desktop', '']) });
   expect([...evidence.sources.values()].map(({ sourceId, build, isImported, lastSeenS }) => [sourceId, build, isImported, lastSeenS])).toEqual(
     [['x', '1.1', false, 50], ['y', '1.2', false, 70], ['z', '1.1', true, 60]]);
+});
+
+it('keeps what waits in quarantine apart, but for the file', () => {
+  const evidence = evidenceOf({ records: [recordOf('x', { build: '1.1' }), recordOf('x', { build: '1.1', isQuarantined: true }),
+    recordOf('y', { build: '0.9', isQuarantined: true, unixLastSeenS: 60n }), recordOf('z', { build: '0.9', isQuarantined: true })] });
+  expect([...evidence.sums.values()].map(({ alpha }) => alpha)).toEqual([1.5]);
+  expect([[...evidence.sources.keys()], [...evidence.builds.keys()]]).toEqual([['x'], ['p\n1.1']]);
+  expect(evidence).toMatchObject({ recordCount: 1, waitingCount: 3 });
+  expect([...evidence.waiting.values()].map(({ build, sourceIds, windowCount, lastSeenS }) => [build, sourceIds.size, windowCount, lastSeenS])).toEqual(
+    [['1.1', 1, 2, 0], ['0.9', 2, 4, 60]]);
+  const { records } = JSON.parse(priorsFile(evidence.records)) as { records: { is_quarantined?: boolean }[] };
+  expect(records.map(({ is_quarantined: waits }) => waits)).toEqual([undefined, true, true, true]);
 });
 
 it('is bounded, and says so', () => {

@@ -46,6 +46,8 @@ export interface Evidence {
   sums: Map<string, EvidenceSum>;  // up to MAX_SUMS
   sources: Map<string, SourceSum>;  // up to MAX_SOURCES
   builds: Map<string, BuildSum>;  // of those sources
+  waiting: Map<string, BuildSum>;  // what counts nowhere until it is promoted, by build too; up to MAX_SOURCES
+  waitingCount: number;  // its records, which recordCount is without
   records: PriorRecord[];  // up to MAX_KEPT_RECORDS
   isCut: boolean;  // there was more than one of those holds
   recordCount: number;
@@ -53,7 +55,7 @@ export interface Evidence {
   foldedWindowCount: number;
 }
 
-export const noEvidence = (): Evidence => ({ sums: new Map(), sources: new Map(), builds: new Map(), records: [], isCut: false,
+export const noEvidence = (): Evidence => ({ sums: new Map(), sources: new Map(), builds: new Map(), waiting: new Map(), waitingCount: 0, records: [], isCut: false,
   recordCount: 0, foldedRecordCount: 0, foldedWindowCount: 0 });
 
 const keyOf = (record: PriorRecord) => [record.project, record.scene, record.machineClass, record.rewardVersion, record.build, record.arm,
@@ -79,8 +81,25 @@ function learn(from: Teacher, { scene, arm, machineClass, unixLastSeenS }: Prior
   from.lastSeenS = Math.max(from.lastSeenS, Number(unixLastSeenS));
 }
 
+function count(counts: Counts, { windowCount, bailOutCount }: PriorRecord): void {
+  counts.windowCount += Number(windowCount);
+  counts.bailOutCount += Number(bailOutCount);
+}
+
+const buildKeyOf = ({ project, build }: PriorRecord) => `${project}\n${build}`;
+
+function addWaiting(evidence: Evidence, record: PriorRecord): void {
+  const key = buildKeyOf(record);
+  const build = entry(evidence.waiting, key, MAX_SOURCES, () => ({ key, sourceIds: new Set<string>(), ...teacher(record) }));
+  evidence.isCut ||= !build;
+  if (!build) return;
+  build.sourceIds.add(record.sourceId);
+  learn(build, record);
+  count(build, record);
+}
+
 function add(evidence: Evidence, record: PriorRecord): void {
-  const { sourceId, project, build: name, isImported } = record;
+  const { sourceId, isImported } = record;
   const key = keyOf(record);
   const sum = entry(evidence.sums, key, MAX_SUMS, () => ({ key, example: record, sourceCount: 0, alpha: 0, beta: 0, ...noCounts() }));
   if (sum) {
@@ -89,24 +108,24 @@ function add(evidence: Evidence, record: PriorRecord): void {
     sum.beta += record.betaIncrement;
   }
   const source = entry(evidence.sources, sourceId, MAX_SOURCES, () => ({ sourceId, isImported, ...teacher(record) }));
-  const buildKey = `${project}\n${name}`;
+  const buildKey = buildKeyOf(record);
   const build = source && entry(evidence.builds, buildKey, MAX_SOURCES, () => ({ key: buildKey, sourceIds: new Set<string>(), ...teacher(record) }));
   build?.sourceIds.add(sourceId);
   for (const each of [source, build]) if (each) learn(each, record);
   for (const each of [sum, source, build]) {
-    if (!each) continue;
-    each.windowCount += Number(record.windowCount);
-    each.bailOutCount += Number(record.bailOutCount);
+    if (each) count(each, record);
   }
   evidence.isCut ||= !sum || !source;
 }
 
 export function addPart(evidence: Evidence, { records, foldedRecordCount, foldedWindowCount }: ExportPriorsResponse): void {
-  for (const record of records) add(evidence, record);
+  const waiting = records.filter(({ isQuarantined }) => isQuarantined);
+  for (const record of records) (record.isQuarantined ? addWaiting : add)(evidence, record);
   const kept = records.slice(0, MAX_KEPT_RECORDS - evidence.records.length);
   evidence.records.push(...kept);
   evidence.isCut ||= kept.length < records.length;
-  evidence.recordCount += records.length;
+  evidence.recordCount += records.length - waiting.length;
+  evidence.waitingCount += waiting.length;
   evidence.foldedRecordCount += Number(foldedRecordCount);
   evidence.foldedWindowCount += Number(foldedWindowCount);
 }
@@ -118,7 +137,7 @@ export function priorsFile(records: readonly PriorRecord[]): string {
     machine_class: record.machineClass, reward_version: record.rewardVersion, source_id: record.sourceId,
     source_sequence: Number(record.sourceSequence), alpha_increment: record.alphaIncrement, beta_increment: record.betaIncrement,
     window_count: Number(record.windowCount), bail_out_count: Number(record.bailOutCount), build: record.build,
-    unix_last_seen_s: Number(record.unixLastSeenS),
+    unix_last_seen_s: Number(record.unixLastSeenS), ...(record.isQuarantined ? { is_quarantined: true } : {}),
   }));
   return `${JSON.stringify({ format: 'sweepstake-priors', version: 1, records: written }, null, 1)}\n`;
 }

@@ -1,5 +1,5 @@
 // What the daemon has learnt, scene by scene and arm by arm, from which builds and sources it has it, what two builds say differently, a
-// file of it to take along, and taking out what was measured wrongly.
+// file of it to take along, letting imports count, and taking out what was measured wrongly.
 import { useEffect, useState } from 'preact/hooks';
 import { PriorsService } from '../../gen/sweepstake/v1/priors_pb';
 import { grouped } from '../../format';
@@ -15,8 +15,8 @@ import { route } from '../state/route';
 import { scenes } from '../state/scenes';
 import { asApiError, stream, type ApiError } from '../transport/calls';
 import { Changes } from './priors/changes';
-import { RevokeButton, RevokeHost, RevokeReason } from './priors/revoke';
-import { Builds, Sources, Sums } from './priors/tables';
+import { OperatorReason, PromoteButton, QuestionHost, RevokeButton } from './priors/question';
+import { Builds, Sources, Sums, Waiting } from './priors/tables';
 
 interface Answer {
   evidence: Evidence;
@@ -61,6 +61,18 @@ function Notes({ evidence, project }: { evidence: Evidence; project: string }) {
   );
 }
 
+// It stands on top, since it needs a person.
+function Quarantine({ evidence, project }: { evidence: Evidence; project: string }) {
+  return (
+    <section>
+      <h2>Waiting in quarantine</h2>
+      <p>{grouped(evidence.waitingCount)} imported records count nowhere until an operator promotes them: no session begins with them, and no posterior has them.</p>
+      <div class="tools"><PromoteButton scope={project ? { project } : {}} /></div>
+      <Waiting evidence={evidence} />
+    </section>
+  );
+}
+
 function Tables({ evidence }: { evidence: Evidence }) {
   return (
     <>
@@ -77,7 +89,8 @@ const save = ({ records }: Evidence, project: string) =>
 
 function projectsOf(evidence: Evidence | undefined): string[] {
   const known = [...scenes.value.values()].map(({ posterior }) => posterior.project);
-  return [...new Set([...known, ...[...evidence?.builds.values() ?? []].map(({ project }) => project)])].sort();
+  const taught = [...evidence?.builds.values() ?? [], ...evidence?.waiting.values() ?? []];
+  return [...new Set([...known, ...taught.map(({ project }) => project)])].sort();
 }
 
 export function Priors() {
@@ -94,18 +107,19 @@ export function Priors() {
         <Filter label="Search evidence" />
         <Choice label="Project" parameter="project" options={[['', 'all'], ...projects.map((each) => [each, visible(each)] as const)]} />
         <button type="button" onClick={again} disabled={!answer}>Read again</button>
-        <button type="button" disabled={!evidence?.recordCount} onClick={() => evidence && save(evidence, project)}
+        <button type="button" disabled={!evidence?.records.length} onClick={() => evidence && save(evidence, project)}
           title="The file that `sweepstake priors import` and a shipped game read">Download</button>
         <RevokeButton scope={project ? { project } : {}} />
-        <RevokeReason />
+        <OperatorReason />
         {answer?.isWhole && <span class="soft">read {ago(answer.atMs, now.value)}</span>}
       </div>
-      <RevokeHost known={{ projects, builds }} onDone={again} />
+      <QuestionHost known={{ projects, builds }} onDone={again} />
       {!answer && <Loading what="the evidence" />}
       {answer?.error && <Failure what="All of the evidence" error={answer.error} onRetry={again} />}
+      {evidence && evidence.waitingCount > 0 && <Quarantine evidence={evidence} project={project} />}
       {answer?.isWhole && answer.evidence.recordCount === 0 && <Empty title="Nothing is stored yet"><p>Sessions’ evidence is written as they go on; it appears here a moment later.</p></Empty>}
       {evidence && evidence.recordCount > 0 && <><Notes evidence={evidence} project={project} /><Tables evidence={evidence} /></>}
-      <p class="soft small">A file of priors comes in by <code>sweepstake priors import --daemon HOST:PORT --in FILE</code>.</p>
+      <p class="soft small">A file of priors comes in by <code>sweepstake priors import --daemon HOST:PORT --in FILE</code>, and waits here.</p>
     </>
   );
 }

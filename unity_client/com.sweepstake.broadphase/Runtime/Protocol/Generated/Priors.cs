@@ -24,45 +24,57 @@ namespace Sweepstake.Protocol.V1 {
     static PriorsReflection() {
       byte[] descriptorData = global::System.Convert.FromBase64String(
           string.Concat(
-            "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MSI1",
+            "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MSJP",
             "ChNFeHBvcnRQcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
-            "bmUYAiABKAkifQoURXhwb3J0UHJpb3JzUmVzcG9uc2USKwoHcmVjb3JkcxgB",
-            "IAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQSGwoTZm9sZGVkX3Jl",
-            "Y29yZF9jb3VudBgCIAEoBBIbChNmb2xkZWRfd2luZG93X2NvdW50GAMgASgE",
-            "IkIKE0ltcG9ydFByaW9yc1JlcXVlc3QSKwoHcmVjb3JkcxgBIAMoCzIaLnN3",
-            "ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQiRgoUSW1wb3J0UHJpb3JzUmVzcG9u",
-            "c2USFQoNYXBwbGllZF9jb3VudBgBIAEoBBIXCg91bmNoYW5nZWRfY291bnQY",
-            "AiABKAQilgEKE1Jldm9rZVByaW9yc1JlcXVlc3QSDwoHcHJvamVjdBgBIAEo",
-            "CRIRCglzb3VyY2VfaWQYAiABKAkSDQoFYnVpbGQYAyABKAkSEAoIdG9rZW5f",
-            "aWQYBCABKAMSEwoLdW5peF9mcm9tX3MYBSABKAMSFAoMdW5peF91bnRpbF9z",
-            "GAYgASgDEg8KB3ByZXZpZXcYByABKAgiWAoUUmV2b2tlUHJpb3JzUmVzcG9u",
-            "c2USFAoMc291cmNlX2NvdW50GAEgASgEEhQKDHJlY29yZF9jb3VudBgCIAEo",
-            "BBIUCgx3aW5kb3dfY291bnQYAyABKAQi4AIKC1ByaW9yUmVjb3JkEg8KB3By",
-            "b2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSEwoLbWVhc3VyZWRfYnkYAyAB",
-            "KAkSCwoDYXJtGAQgASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgFIAEoDRIVCg1t",
-            "YWNoaW5lX2NsYXNzGAYgASgJEhYKDnJld2FyZF92ZXJzaW9uGAcgASgNEhEK",
-            "CXNvdXJjZV9pZBgIIAEoCRIXCg9zb3VyY2Vfc2VxdWVuY2UYCSABKAQSFwoP",
-            "YWxwaGFfaW5jcmVtZW50GAogASgBEhYKDmJldGFfaW5jcmVtZW50GAsgASgB",
-            "EhQKDHdpbmRvd19jb3VudBgMIAEoBBIWCg5iYWlsX291dF9jb3VudBgNIAEo",
-            "BBINCgVidWlsZBgOIAEoCRIYChB1bml4X2xhc3Rfc2Vlbl9zGA8gASgDEhMK",
-            "C2lzX2ltcG9ydGVkGBAgASgIMp4CCg1QcmlvcnNTZXJ2aWNlElkKDEV4cG9y",
-            "dFByaW9ycxIiLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVxdWVzdBoj",
-            "LnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVzcG9uc2UwARJZCgxJbXBv",
-            "cnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1JlcXVlc3Qa",
-            "Iy5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1Jlc3BvbnNlKAESVwoMUmV2",
-            "b2tlUHJpb3JzEiIuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXF1ZXN0",
-            "GiMuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXNwb25zZUIZqgIWU3dl",
-            "ZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "bmUYAiABKAkSGAoQcXVhcmFudGluZWRfb25seRgDIAEoCCJ9ChRFeHBvcnRQ",
+            "cmlvcnNSZXNwb25zZRIrCgdyZWNvcmRzGAEgAygLMhouc3dlZXBzdGFrZS52",
+            "MS5QcmlvclJlY29yZBIbChNmb2xkZWRfcmVjb3JkX2NvdW50GAIgASgEEhsK",
+            "E2ZvbGRlZF93aW5kb3dfY291bnQYAyABKAQiUwoTSW1wb3J0UHJpb3JzUmVx",
+            "dWVzdBIrCgdyZWNvcmRzGAEgAygLMhouc3dlZXBzdGFrZS52MS5QcmlvclJl",
+            "Y29yZBIPCgdwcm9tb3RlGAIgASgIIkYKFEltcG9ydFByaW9yc1Jlc3BvbnNl",
+            "EhUKDWFwcGxpZWRfY291bnQYASABKAQSFwoPdW5jaGFuZ2VkX2NvdW50GAIg",
+            "ASgEIn4KDFNvdXJjZUZpbHRlchIPCgdwcm9qZWN0GAEgASgJEhEKCXNvdXJj",
+            "ZV9pZBgCIAEoCRINCgVidWlsZBgDIAEoCRIQCgh0b2tlbl9pZBgEIAEoAxIT",
+            "Cgt1bml4X2Zyb21fcxgFIAEoAxIUCgx1bml4X3VudGlsX3MYBiABKAMiVAoT",
+            "UmV2b2tlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsuc3dlZXBz",
+            "dGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCJYChRSZXZv",
+            "a2VQcmlvcnNSZXNwb25zZRIUCgxzb3VyY2VfY291bnQYASABKAQSFAoMcmVj",
+            "b3JkX2NvdW50GAIgASgEEhQKDHdpbmRvd19jb3VudBgDIAEoBCJVChRQcm9t",
+            "b3RlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsuc3dlZXBzdGFr",
+            "ZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCJuChVQcm9tb3Rl",
+            "UHJpb3JzUmVzcG9uc2USFAoMc291cmNlX2NvdW50GAEgASgEEhQKDHJlY29y",
+            "ZF9jb3VudBgCIAEoBBIUCgx3aW5kb3dfY291bnQYAyABKAQSEwoLc2NlbmVf",
+            "Y291bnQYBCABKAQi+AIKC1ByaW9yUmVjb3JkEg8KB3Byb2plY3QYASABKAkS",
+            "DQoFc2NlbmUYAiABKAkSEwoLbWVhc3VyZWRfYnkYAyABKAkSCwoDYXJtGAQg",
+            "ASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgFIAEoDRIVCg1tYWNoaW5lX2NsYXNz",
+            "GAYgASgJEhYKDnJld2FyZF92ZXJzaW9uGAcgASgNEhEKCXNvdXJjZV9pZBgI",
+            "IAEoCRIXCg9zb3VyY2Vfc2VxdWVuY2UYCSABKAQSFwoPYWxwaGFfaW5jcmVt",
+            "ZW50GAogASgBEhYKDmJldGFfaW5jcmVtZW50GAsgASgBEhQKDHdpbmRvd19j",
+            "b3VudBgMIAEoBBIWCg5iYWlsX291dF9jb3VudBgNIAEoBBINCgVidWlsZBgO",
+            "IAEoCRIYChB1bml4X2xhc3Rfc2Vlbl9zGA8gASgDEhMKC2lzX2ltcG9ydGVk",
+            "GBAgASgIEhYKDmlzX3F1YXJhbnRpbmVkGBEgASgIMvoCCg1QcmlvcnNTZXJ2",
+            "aWNlElkKDEV4cG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJp",
+            "b3JzUmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVzcG9u",
+            "c2UwARJZCgxJbXBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkltcG9ydFBy",
+            "aW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1Jlc3Bv",
+            "bnNlKAESVwoMUmV2b2tlUHJpb3JzEiIuc3dlZXBzdGFrZS52MS5SZXZva2VQ",
+            "cmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXNw",
+            "b25zZRJaCg1Qcm9tb3RlUHJpb3JzEiMuc3dlZXBzdGFrZS52MS5Qcm9tb3Rl",
+            "UHJpb3JzUmVxdWVzdBokLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1Jl",
+            "c3BvbnNlQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsRequest), global::Sweepstake.Protocol.V1.ExportPriorsRequest.Parser, new[]{ "Project", "Scene" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsRequest), global::Sweepstake.Protocol.V1.ExportPriorsRequest.Parser, new[]{ "Project", "Scene", "QuarantinedOnly" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records", "FoldedRecordCount", "FoldedWindowCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records", "Promote" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsRequest), global::Sweepstake.Protocol.V1.RevokePriorsRequest.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS", "Preview" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SourceFilter), global::Sweepstake.Protocol.V1.SourceFilter.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsRequest), global::Sweepstake.Protocol.V1.RevokePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported" }, null, null, null, null)
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsRequest), global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsResponse), global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "SceneCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined" }, null, null, null, null)
           }));
     }
     #endregion
@@ -109,6 +121,7 @@ namespace Sweepstake.Protocol.V1 {
     public ExportPriorsRequest(ExportPriorsRequest other) : this() {
       project_ = other.project_;
       scene_ = other.scene_;
+      quarantinedOnly_ = other.quarantinedOnly_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -148,6 +161,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "quarantined_only" field.</summary>
+    public const int QuarantinedOnlyFieldNumber = 3;
+    private bool quarantinedOnly_;
+    /// <summary>
+    /// Only what waits in quarantine. Absent: what counts, too.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool QuarantinedOnly {
+      get { return quarantinedOnly_; }
+      set {
+        quarantinedOnly_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -165,6 +193,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Project != other.Project) return false;
       if (Scene != other.Scene) return false;
+      if (QuarantinedOnly != other.QuarantinedOnly) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -174,6 +203,7 @@ namespace Sweepstake.Protocol.V1 {
       int hash = 1;
       if (Project.Length != 0) hash ^= Project.GetHashCode();
       if (Scene.Length != 0) hash ^= Scene.GetHashCode();
+      if (QuarantinedOnly != false) hash ^= QuarantinedOnly.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -200,6 +230,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(18);
         output.WriteString(Scene);
       }
+      if (QuarantinedOnly != false) {
+        output.WriteRawTag(24);
+        output.WriteBool(QuarantinedOnly);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -218,6 +252,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(18);
         output.WriteString(Scene);
       }
+      if (QuarantinedOnly != false) {
+        output.WriteRawTag(24);
+        output.WriteBool(QuarantinedOnly);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -233,6 +271,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Scene.Length != 0) {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
+      }
+      if (QuarantinedOnly != false) {
+        size += 1 + 1;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -251,6 +292,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.Scene.Length != 0) {
         Scene = other.Scene;
+      }
+      if (other.QuarantinedOnly != false) {
+        QuarantinedOnly = other.QuarantinedOnly;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -279,6 +323,10 @@ namespace Sweepstake.Protocol.V1 {
             Scene = input.ReadString();
             break;
           }
+          case 24: {
+            QuarantinedOnly = input.ReadBool();
+            break;
+          }
         }
       }
     #endif
@@ -304,6 +352,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 18: {
             Scene = input.ReadString();
+            break;
+          }
+          case 24: {
+            QuarantinedOnly = input.ReadBool();
             break;
           }
         }
@@ -626,6 +678,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public ImportPriorsRequest(ImportPriorsRequest other) : this() {
       records_ = other.records_.Clone();
+      promote_ = other.promote_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -649,6 +702,21 @@ namespace Sweepstake.Protocol.V1 {
       get { return records_; }
     }
 
+    /// <summary>Field number for the "promote" field.</summary>
+    public const int PromoteFieldNumber = 2;
+    private bool promote_;
+    /// <summary>
+    /// True in any message of the stream: all of it counts at once, without quarantine. Absent: it waits to be promoted.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Promote {
+      get { return promote_; }
+      set {
+        promote_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -665,6 +733,7 @@ namespace Sweepstake.Protocol.V1 {
         return true;
       }
       if(!records_.Equals(other.records_)) return false;
+      if (Promote != other.Promote) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -673,6 +742,7 @@ namespace Sweepstake.Protocol.V1 {
     public override int GetHashCode() {
       int hash = 1;
       hash ^= records_.GetHashCode();
+      if (Promote != false) hash ^= Promote.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -692,6 +762,10 @@ namespace Sweepstake.Protocol.V1 {
       output.WriteRawMessage(this);
     #else
       records_.WriteTo(output, _repeated_records_codec);
+      if (Promote != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Promote);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -703,6 +777,10 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
       records_.WriteTo(ref output, _repeated_records_codec);
+      if (Promote != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Promote);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -714,6 +792,9 @@ namespace Sweepstake.Protocol.V1 {
     public int CalculateSize() {
       int size = 0;
       size += records_.CalculateSize(_repeated_records_codec);
+      if (Promote != false) {
+        size += 1 + 1;
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -727,6 +808,9 @@ namespace Sweepstake.Protocol.V1 {
         return;
       }
       records_.Add(other.records_);
+      if (other.Promote != false) {
+        Promote = other.Promote;
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -750,6 +834,10 @@ namespace Sweepstake.Protocol.V1 {
             records_.AddEntriesFrom(input, _repeated_records_codec);
             break;
           }
+          case 16: {
+            Promote = input.ReadBool();
+            break;
+          }
         }
       }
     #endif
@@ -771,6 +859,10 @@ namespace Sweepstake.Protocol.V1 {
             break;
           case 10: {
             records_.AddEntriesFrom(ref input, _repeated_records_codec);
+            break;
+          }
+          case 16: {
+            Promote = input.ReadBool();
             break;
           }
         }
@@ -1025,19 +1117,19 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Which sources to revoke: those that match all that is set. One of source_id, build, token_id, unix_from_s and unix_until_s must be.
+  /// Which sources: those that match all that is set.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
-  public sealed partial class RevokePriorsRequest : pb::IMessage<RevokePriorsRequest>
+  public sealed partial class SourceFilter : pb::IMessage<SourceFilter>
   #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
   #endif
   {
-    private static readonly pb::MessageParser<RevokePriorsRequest> _parser = new pb::MessageParser<RevokePriorsRequest>(() => new RevokePriorsRequest());
+    private static readonly pb::MessageParser<SourceFilter> _parser = new pb::MessageParser<SourceFilter>(() => new SourceFilter());
     private pb::UnknownFieldSet _unknownFields;
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pb::MessageParser<RevokePriorsRequest> Parser { get { return _parser; } }
+    public static pb::MessageParser<SourceFilter> Parser { get { return _parser; } }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1053,7 +1145,7 @@ namespace Sweepstake.Protocol.V1 {
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public RevokePriorsRequest() {
+    public SourceFilter() {
       OnConstruction();
     }
 
@@ -1061,21 +1153,20 @@ namespace Sweepstake.Protocol.V1 {
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public RevokePriorsRequest(RevokePriorsRequest other) : this() {
+    public SourceFilter(SourceFilter other) : this() {
       project_ = other.project_;
       sourceId_ = other.sourceId_;
       build_ = other.build_;
       tokenId_ = other.tokenId_;
       unixFromS_ = other.unixFromS_;
       unixUntilS_ = other.unixUntilS_;
-      preview_ = other.preview_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public RevokePriorsRequest Clone() {
-      return new RevokePriorsRequest(this);
+    public SourceFilter Clone() {
+      return new SourceFilter(this);
     }
 
     /// <summary>Field number for the "project" field.</summary>
@@ -1168,30 +1259,15 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "preview" field.</summary>
-    public const int PreviewFieldNumber = 7;
-    private bool preview_;
-    /// <summary>
-    /// True: nothing changes, and the answer says what would. Absent: revoke.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool Preview {
-      get { return preview_; }
-      set {
-        preview_ = value;
-      }
-    }
-
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
-      return Equals(other as RevokePriorsRequest);
+      return Equals(other as SourceFilter);
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool Equals(RevokePriorsRequest other) {
+    public bool Equals(SourceFilter other) {
       if (ReferenceEquals(other, null)) {
         return false;
       }
@@ -1204,7 +1280,6 @@ namespace Sweepstake.Protocol.V1 {
       if (TokenId != other.TokenId) return false;
       if (UnixFromS != other.UnixFromS) return false;
       if (UnixUntilS != other.UnixUntilS) return false;
-      if (Preview != other.Preview) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1218,7 +1293,6 @@ namespace Sweepstake.Protocol.V1 {
       if (TokenId != 0L) hash ^= TokenId.GetHashCode();
       if (UnixFromS != 0L) hash ^= UnixFromS.GetHashCode();
       if (UnixUntilS != 0L) hash ^= UnixUntilS.GetHashCode();
-      if (Preview != false) hash ^= Preview.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1261,10 +1335,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(48);
         output.WriteInt64(UnixUntilS);
       }
-      if (Preview != false) {
-        output.WriteRawTag(56);
-        output.WriteBool(Preview);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1299,10 +1369,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(48);
         output.WriteInt64(UnixUntilS);
       }
-      if (Preview != false) {
-        output.WriteRawTag(56);
-        output.WriteBool(Preview);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1331,9 +1397,6 @@ namespace Sweepstake.Protocol.V1 {
       if (UnixUntilS != 0L) {
         size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixUntilS);
       }
-      if (Preview != false) {
-        size += 1 + 1;
-      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -1342,7 +1405,7 @@ namespace Sweepstake.Protocol.V1 {
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(RevokePriorsRequest other) {
+    public void MergeFrom(SourceFilter other) {
       if (other == null) {
         return;
       }
@@ -1363,9 +1426,6 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.UnixUntilS != 0L) {
         UnixUntilS = other.UnixUntilS;
-      }
-      if (other.Preview != false) {
-        Preview = other.Preview;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1408,10 +1468,6 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 48: {
             UnixUntilS = input.ReadInt64();
-            break;
-          }
-          case 56: {
-            Preview = input.ReadBool();
             break;
           }
         }
@@ -1457,7 +1513,256 @@ namespace Sweepstake.Protocol.V1 {
             UnixUntilS = input.ReadInt64();
             break;
           }
-          case 56: {
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// What to revoke.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class RevokePriorsRequest : pb::IMessage<RevokePriorsRequest>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<RevokePriorsRequest> _parser = new pb::MessageParser<RevokePriorsRequest>(() => new RevokePriorsRequest());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<RevokePriorsRequest> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[5]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsRequest() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsRequest(RevokePriorsRequest other) : this() {
+      sources_ = other.sources_ != null ? other.sources_.Clone() : null;
+      preview_ = other.preview_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RevokePriorsRequest Clone() {
+      return new RevokePriorsRequest(this);
+    }
+
+    /// <summary>Field number for the "sources" field.</summary>
+    public const int SourcesFieldNumber = 1;
+    private global::Sweepstake.Protocol.V1.SourceFilter sources_;
+    /// <summary>
+    /// The sources. One of source_id, build, token_id, unix_from_s and unix_until_s must be set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.SourceFilter Sources {
+      get { return sources_; }
+      set {
+        sources_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "preview" field.</summary>
+    public const int PreviewFieldNumber = 2;
+    private bool preview_;
+    /// <summary>
+    /// True: nothing changes, and the answer says what would. Absent: revoke.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Preview {
+      get { return preview_; }
+      set {
+        preview_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as RevokePriorsRequest);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(RevokePriorsRequest other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (!object.Equals(Sources, other.Sources)) return false;
+      if (Preview != other.Preview) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (sources_ != null) hash ^= Sources.GetHashCode();
+      if (Preview != false) hash ^= Preview.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (sources_ != null) {
+        output.WriteRawTag(10);
+        output.WriteMessage(Sources);
+      }
+      if (Preview != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Preview);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (sources_ != null) {
+        output.WriteRawTag(10);
+        output.WriteMessage(Sources);
+      }
+      if (Preview != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Preview);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (sources_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Sources);
+      }
+      if (Preview != false) {
+        size += 1 + 1;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(RevokePriorsRequest other) {
+      if (other == null) {
+        return;
+      }
+      if (other.sources_ != null) {
+        if (sources_ == null) {
+          Sources = new global::Sweepstake.Protocol.V1.SourceFilter();
+        }
+        Sources.MergeFrom(other.Sources);
+      }
+      if (other.Preview != false) {
+        Preview = other.Preview;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            if (sources_ == null) {
+              Sources = new global::Sweepstake.Protocol.V1.SourceFilter();
+            }
+            input.ReadMessage(Sources);
+            break;
+          }
+          case 16: {
+            Preview = input.ReadBool();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            if (sources_ == null) {
+              Sources = new global::Sweepstake.Protocol.V1.SourceFilter();
+            }
+            input.ReadMessage(Sources);
+            break;
+          }
+          case 16: {
             Preview = input.ReadBool();
             break;
           }
@@ -1486,7 +1791,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[5]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[6]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -1753,6 +2058,583 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
+  /// What to promote.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class PromotePriorsRequest : pb::IMessage<PromotePriorsRequest>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<PromotePriorsRequest> _parser = new pb::MessageParser<PromotePriorsRequest>(() => new PromotePriorsRequest());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<PromotePriorsRequest> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[7]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public PromotePriorsRequest() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public PromotePriorsRequest(PromotePriorsRequest other) : this() {
+      sources_ = other.sources_ != null ? other.sources_.Clone() : null;
+      preview_ = other.preview_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public PromotePriorsRequest Clone() {
+      return new PromotePriorsRequest(this);
+    }
+
+    /// <summary>Field number for the "sources" field.</summary>
+    public const int SourcesFieldNumber = 1;
+    private global::Sweepstake.Protocol.V1.SourceFilter sources_;
+    /// <summary>
+    /// Of which sources. Absent: all that waits in quarantine.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.SourceFilter Sources {
+      get { return sources_; }
+      set {
+        sources_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "preview" field.</summary>
+    public const int PreviewFieldNumber = 2;
+    private bool preview_;
+    /// <summary>
+    /// True: nothing changes, and the answer says what would. Absent: promote.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Preview {
+      get { return preview_; }
+      set {
+        preview_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as PromotePriorsRequest);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(PromotePriorsRequest other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (!object.Equals(Sources, other.Sources)) return false;
+      if (Preview != other.Preview) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (sources_ != null) hash ^= Sources.GetHashCode();
+      if (Preview != false) hash ^= Preview.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (sources_ != null) {
+        output.WriteRawTag(10);
+        output.WriteMessage(Sources);
+      }
+      if (Preview != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Preview);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (sources_ != null) {
+        output.WriteRawTag(10);
+        output.WriteMessage(Sources);
+      }
+      if (Preview != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Preview);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (sources_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Sources);
+      }
+      if (Preview != false) {
+        size += 1 + 1;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(PromotePriorsRequest other) {
+      if (other == null) {
+        return;
+      }
+      if (other.sources_ != null) {
+        if (sources_ == null) {
+          Sources = new global::Sweepstake.Protocol.V1.SourceFilter();
+        }
+        Sources.MergeFrom(other.Sources);
+      }
+      if (other.Preview != false) {
+        Preview = other.Preview;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            if (sources_ == null) {
+              Sources = new global::Sweepstake.Protocol.V1.SourceFilter();
+            }
+            input.ReadMessage(Sources);
+            break;
+          }
+          case 16: {
+            Preview = input.ReadBool();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            if (sources_ == null) {
+              Sources = new global::Sweepstake.Protocol.V1.SourceFilter();
+            }
+            input.ReadMessage(Sources);
+            break;
+          }
+          case 16: {
+            Preview = input.ReadBool();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// What was, or would be, promoted.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class PromotePriorsResponse : pb::IMessage<PromotePriorsResponse>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<PromotePriorsResponse> _parser = new pb::MessageParser<PromotePriorsResponse>(() => new PromotePriorsResponse());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<PromotePriorsResponse> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[8]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public PromotePriorsResponse() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public PromotePriorsResponse(PromotePriorsResponse other) : this() {
+      sourceCount_ = other.sourceCount_;
+      recordCount_ = other.recordCount_;
+      windowCount_ = other.windowCount_;
+      sceneCount_ = other.sceneCount_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public PromotePriorsResponse Clone() {
+      return new PromotePriorsResponse(this);
+    }
+
+    /// <summary>Field number for the "source_count" field.</summary>
+    public const int SourceCountFieldNumber = 1;
+    private ulong sourceCount_;
+    /// <summary>
+    /// Sources with records that waited. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong SourceCount {
+      get { return sourceCount_; }
+      set {
+        sourceCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "record_count" field.</summary>
+    public const int RecordCountFieldNumber = 2;
+    private ulong recordCount_;
+    /// <summary>
+    /// These records. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong RecordCount {
+      get { return recordCount_; }
+      set {
+        recordCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "window_count" field.</summary>
+    public const int WindowCountFieldNumber = 3;
+    private ulong windowCount_;
+    /// <summary>
+    /// Decision windows, and visits of the lane, behind them. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong WindowCount {
+      get { return windowCount_; }
+      set {
+        windowCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "scene_count" field.</summary>
+    public const int SceneCountFieldNumber = 4;
+    private ulong sceneCount_;
+    /// <summary>
+    /// Scenes whose posteriors change; a scene counts once per machine class and reward version. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong SceneCount {
+      get { return sceneCount_; }
+      set {
+        sceneCount_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as PromotePriorsResponse);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(PromotePriorsResponse other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (SourceCount != other.SourceCount) return false;
+      if (RecordCount != other.RecordCount) return false;
+      if (WindowCount != other.WindowCount) return false;
+      if (SceneCount != other.SceneCount) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (SourceCount != 0UL) hash ^= SourceCount.GetHashCode();
+      if (RecordCount != 0UL) hash ^= RecordCount.GetHashCode();
+      if (WindowCount != 0UL) hash ^= WindowCount.GetHashCode();
+      if (SceneCount != 0UL) hash ^= SceneCount.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (SourceCount != 0UL) {
+        output.WriteRawTag(8);
+        output.WriteUInt64(SourceCount);
+      }
+      if (RecordCount != 0UL) {
+        output.WriteRawTag(16);
+        output.WriteUInt64(RecordCount);
+      }
+      if (WindowCount != 0UL) {
+        output.WriteRawTag(24);
+        output.WriteUInt64(WindowCount);
+      }
+      if (SceneCount != 0UL) {
+        output.WriteRawTag(32);
+        output.WriteUInt64(SceneCount);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (SourceCount != 0UL) {
+        output.WriteRawTag(8);
+        output.WriteUInt64(SourceCount);
+      }
+      if (RecordCount != 0UL) {
+        output.WriteRawTag(16);
+        output.WriteUInt64(RecordCount);
+      }
+      if (WindowCount != 0UL) {
+        output.WriteRawTag(24);
+        output.WriteUInt64(WindowCount);
+      }
+      if (SceneCount != 0UL) {
+        output.WriteRawTag(32);
+        output.WriteUInt64(SceneCount);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (SourceCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(SourceCount);
+      }
+      if (RecordCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(RecordCount);
+      }
+      if (WindowCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(WindowCount);
+      }
+      if (SceneCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(SceneCount);
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(PromotePriorsResponse other) {
+      if (other == null) {
+        return;
+      }
+      if (other.SourceCount != 0UL) {
+        SourceCount = other.SourceCount;
+      }
+      if (other.RecordCount != 0UL) {
+        RecordCount = other.RecordCount;
+      }
+      if (other.WindowCount != 0UL) {
+        WindowCount = other.WindowCount;
+      }
+      if (other.SceneCount != 0UL) {
+        SceneCount = other.SceneCount;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 8: {
+            SourceCount = input.ReadUInt64();
+            break;
+          }
+          case 16: {
+            RecordCount = input.ReadUInt64();
+            break;
+          }
+          case 24: {
+            WindowCount = input.ReadUInt64();
+            break;
+          }
+          case 32: {
+            SceneCount = input.ReadUInt64();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 8: {
+            SourceCount = input.ReadUInt64();
+            break;
+          }
+          case 16: {
+            RecordCount = input.ReadUInt64();
+            break;
+          }
+          case 24: {
+            WindowCount = input.ReadUInt64();
+            break;
+          }
+          case 32: {
+            SceneCount = input.ReadUInt64();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
   /// What one source (a session) taught about one arm.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
@@ -1770,7 +2652,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[6]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[9]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -1806,6 +2688,7 @@ namespace Sweepstake.Protocol.V1 {
       build_ = other.build_;
       unixLastSeenS_ = other.unixLastSeenS_;
       isImported_ = other.isImported_;
+      isQuarantined_ = other.isQuarantined_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2055,6 +2938,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "is_quarantined" field.</summary>
+    public const int IsQuarantinedFieldNumber = 17;
+    private bool isQuarantined_;
+    /// <summary>
+    /// True in exports: it waits in the daemon's quarantine and counts nowhere. Imports take no notice of it. Absent: it counts.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool IsQuarantined {
+      get { return isQuarantined_; }
+      set {
+        isQuarantined_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2086,6 +2984,7 @@ namespace Sweepstake.Protocol.V1 {
       if (Build != other.Build) return false;
       if (UnixLastSeenS != other.UnixLastSeenS) return false;
       if (IsImported != other.IsImported) return false;
+      if (IsQuarantined != other.IsQuarantined) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2109,6 +3008,7 @@ namespace Sweepstake.Protocol.V1 {
       if (Build.Length != 0) hash ^= Build.GetHashCode();
       if (UnixLastSeenS != 0L) hash ^= UnixLastSeenS.GetHashCode();
       if (IsImported != false) hash ^= IsImported.GetHashCode();
+      if (IsQuarantined != false) hash ^= IsQuarantined.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2191,6 +3091,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(128, 1);
         output.WriteBool(IsImported);
       }
+      if (IsQuarantined != false) {
+        output.WriteRawTag(136, 1);
+        output.WriteBool(IsQuarantined);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2265,6 +3169,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(128, 1);
         output.WriteBool(IsImported);
       }
+      if (IsQuarantined != false) {
+        output.WriteRawTag(136, 1);
+        output.WriteBool(IsQuarantined);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2321,6 +3229,9 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixLastSeenS);
       }
       if (IsImported != false) {
+        size += 2 + 1;
+      }
+      if (IsQuarantined != false) {
         size += 2 + 1;
       }
       if (_unknownFields != null) {
@@ -2382,6 +3293,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.IsImported != false) {
         IsImported = other.IsImported;
+      }
+      if (other.IsQuarantined != false) {
+        IsQuarantined = other.IsQuarantined;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2466,6 +3380,10 @@ namespace Sweepstake.Protocol.V1 {
             IsImported = input.ReadBool();
             break;
           }
+          case 136: {
+            IsQuarantined = input.ReadBool();
+            break;
+          }
         }
       }
     #endif
@@ -2547,6 +3465,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 128: {
             IsImported = input.ReadBool();
+            break;
+          }
+          case 136: {
+            IsQuarantined = input.ReadBool();
             break;
           }
         }

@@ -60,6 +60,10 @@ namespace Sweepstake.Protocol.V1 {
     static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.RevokePriorsRequest> __Marshaller_sweepstake_v1_RevokePriorsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.RevokePriorsRequest.Parser));
     [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
     static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.RevokePriorsResponse> __Marshaller_sweepstake_v1_RevokePriorsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser));
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.PromotePriorsRequest> __Marshaller_sweepstake_v1_PromotePriorsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser));
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.PromotePriorsResponse> __Marshaller_sweepstake_v1_PromotePriorsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser));
 
     [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
     static readonly grpc::Method<global::Sweepstake.Protocol.V1.ExportPriorsRequest, global::Sweepstake.Protocol.V1.ExportPriorsResponse> __Method_ExportPriors = new grpc::Method<global::Sweepstake.Protocol.V1.ExportPriorsRequest, global::Sweepstake.Protocol.V1.ExportPriorsResponse>(
@@ -84,6 +88,14 @@ namespace Sweepstake.Protocol.V1 {
         "RevokePriors",
         __Marshaller_sweepstake_v1_RevokePriorsRequest,
         __Marshaller_sweepstake_v1_RevokePriorsResponse);
+
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Method<global::Sweepstake.Protocol.V1.PromotePriorsRequest, global::Sweepstake.Protocol.V1.PromotePriorsResponse> __Method_PromotePriors = new grpc::Method<global::Sweepstake.Protocol.V1.PromotePriorsRequest, global::Sweepstake.Protocol.V1.PromotePriorsResponse>(
+        grpc::MethodType.Unary,
+        __ServiceName,
+        "PromotePriors",
+        __Marshaller_sweepstake_v1_PromotePriorsRequest,
+        __Marshaller_sweepstake_v1_PromotePriorsResponse);
 
     /// <summary>Service descriptor</summary>
     public static global::Google.Protobuf.Reflection.ServiceDescriptor Descriptor
@@ -119,7 +131,7 @@ namespace Sweepstake.Protocol.V1 {
       }
 
       /// <summary>
-      /// All matching evidence, in a stable order.
+      /// All matching evidence, in a stable order; what waits in quarantine comes last.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -132,7 +144,7 @@ namespace Sweepstake.Protocol.V1 {
         return ExportPriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// All matching evidence, in a stable order.
+      /// All matching evidence, in a stable order; what waits in quarantine comes last.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
@@ -143,9 +155,10 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.AsyncServerStreamingCall(__Method_ExportPriors, null, options, request);
       }
       /// <summary>
-      /// Adds evidence; all of the stream or, on any error, none of it. Evidence of a source the store already has is taken
-      /// only where it is newer, and then replaces it: importing a file twice changes nothing.
-      /// Errors: INVALID_ARGUMENT names the first bad record.
+      /// Adds evidence; all of the stream or, on any error, none of it. It waits in quarantine: no session begins with it and no
+      /// posterior has it, until it is promoted. Evidence of a source the store already has is taken only where it is newer, and
+      /// then replaces it: importing a file twice changes nothing. The audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT names the first bad record; RESOURCE_EXHAUSTED (more than an import, the quarantine or a project may have).
       /// </summary>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
       /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
@@ -157,9 +170,10 @@ namespace Sweepstake.Protocol.V1 {
         return ImportPriors(new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Adds evidence; all of the stream or, on any error, none of it. Evidence of a source the store already has is taken
-      /// only where it is newer, and then replaces it: importing a file twice changes nothing.
-      /// Errors: INVALID_ARGUMENT names the first bad record.
+      /// Adds evidence; all of the stream or, on any error, none of it. It waits in quarantine: no session begins with it and no
+      /// posterior has it, until it is promoted. Evidence of a source the store already has is taken only where it is newer, and
+      /// then replaces it: importing a file twice changes nothing. The audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT names the first bad record; RESOURCE_EXHAUSTED (more than an import, the quarantine or a project may have).
       /// </summary>
       /// <param name="options">The options for the call.</param>
       /// <returns>The call object.</returns>
@@ -223,6 +237,66 @@ namespace Sweepstake.Protocol.V1 {
       public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.RevokePriorsResponse> RevokePriorsAsync(global::Sweepstake.Protocol.V1.RevokePriorsRequest request, grpc::CallOptions options)
       {
         return CallInvoker.AsyncUnaryCall(__Method_RevokePriors, null, options, request);
+      }
+      /// <summary>
+      /// Lets evidence that waits in quarantine count from now on, as if its import had. What is promoted already is left alone. The
+      /// audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT (a name or a number is none), PERMISSION_DENIED (the token is for some projects, and it names none),
+      /// RESOURCE_EXHAUSTED (a project would have more scenes than it may).
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
+      /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
+      /// <param name="cancellationToken">An optional token for canceling the call.</param>
+      /// <returns>The response received from the server.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual global::Sweepstake.Protocol.V1.PromotePriorsResponse PromotePriors(global::Sweepstake.Protocol.V1.PromotePriorsRequest request, grpc::Metadata headers = null, global::System.DateTime? deadline = null, global::System.Threading.CancellationToken cancellationToken = default(global::System.Threading.CancellationToken))
+      {
+        return PromotePriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
+      }
+      /// <summary>
+      /// Lets evidence that waits in quarantine count from now on, as if its import had. What is promoted already is left alone. The
+      /// audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT (a name or a number is none), PERMISSION_DENIED (the token is for some projects, and it names none),
+      /// RESOURCE_EXHAUSTED (a project would have more scenes than it may).
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="options">The options for the call.</param>
+      /// <returns>The response received from the server.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual global::Sweepstake.Protocol.V1.PromotePriorsResponse PromotePriors(global::Sweepstake.Protocol.V1.PromotePriorsRequest request, grpc::CallOptions options)
+      {
+        return CallInvoker.BlockingUnaryCall(__Method_PromotePriors, null, options, request);
+      }
+      /// <summary>
+      /// Lets evidence that waits in quarantine count from now on, as if its import had. What is promoted already is left alone. The
+      /// audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT (a name or a number is none), PERMISSION_DENIED (the token is for some projects, and it names none),
+      /// RESOURCE_EXHAUSTED (a project would have more scenes than it may).
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
+      /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
+      /// <param name="cancellationToken">An optional token for canceling the call.</param>
+      /// <returns>The call object.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.PromotePriorsResponse> PromotePriorsAsync(global::Sweepstake.Protocol.V1.PromotePriorsRequest request, grpc::Metadata headers = null, global::System.DateTime? deadline = null, global::System.Threading.CancellationToken cancellationToken = default(global::System.Threading.CancellationToken))
+      {
+        return PromotePriorsAsync(request, new grpc::CallOptions(headers, deadline, cancellationToken));
+      }
+      /// <summary>
+      /// Lets evidence that waits in quarantine count from now on, as if its import had. What is promoted already is left alone. The
+      /// audit log has a row of it.
+      /// Errors: INVALID_ARGUMENT (a name or a number is none), PERMISSION_DENIED (the token is for some projects, and it names none),
+      /// RESOURCE_EXHAUSTED (a project would have more scenes than it may).
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="options">The options for the call.</param>
+      /// <returns>The call object.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.PromotePriorsResponse> PromotePriorsAsync(global::Sweepstake.Protocol.V1.PromotePriorsRequest request, grpc::CallOptions options)
+      {
+        return CallInvoker.AsyncUnaryCall(__Method_PromotePriors, null, options, request);
       }
       /// <summary>Creates a new instance of client from given <c>ClientBaseConfiguration</c>.</summary>
       [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]

@@ -1,4 +1,4 @@
-// The evidence as tables: by build, by scene and arm, and by source.
+// The evidence as tables: what waits in quarantine, by build, by scene and arm, and by source.
 import { grouped, significant } from '../../../format';
 import { LANE } from '../../numbers/priors_diff';
 import { Arm } from '../../parts/arm';
@@ -9,7 +9,7 @@ import { type Column, Table } from '../../parts/table';
 import type { BuildSum, Evidence, EvidenceSum, SourceSum } from '../../state/evidence';
 import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
 import { sessions } from '../../state/sessions';
-import { RevokeButton } from './revoke';
+import { PromoteButton, RevokeButton } from './question';
 
 type Teacher = BuildSum | SourceSum;
 const list = (names: ReadonlySet<string>) => [...names].join(', ');
@@ -31,6 +31,13 @@ const BUILDS: readonly Column<BuildSum>[] = [
   { id: 'sources', title: 'Sources', hint: 'Sessions and imported sources', sort: ({ sourceIds }) => sourceIds.size, cell: ({ sourceIds }) => grouped(sourceIds.size) },
   ...TAUGHT,
   { id: 'revoke', title: 'Revoke', isText: true, cell: ({ project, build }) => build && <RevokeButton scope={{ project, build }} of={`build ${build}`} /> },
+];
+
+const WAITING: readonly Column<BuildSum>[] = [
+  { id: 'build', title: 'Build', sort: ({ build }) => build, cell: ({ build }) => <Name text={build} /> },
+  { id: 'promote', title: 'Promote', isText: true, cell: ({ project, build }) => build && <PromoteButton scope={{ project, build }} of={`build ${build}`} /> },
+  { id: 'sources', title: 'Sources', hint: 'Imported sources', sort: ({ sourceIds }) => sourceIds.size, cell: ({ sourceIds }) => grouped(sourceIds.size) },
+  ...TAUGHT,
 ];
 
 // A session that is not in memory any more has rows in the audit log.
@@ -73,6 +80,10 @@ export function Builds({ evidence }: { evidence: Evidence }) {
   const filter = route.value.query.get('q') ?? '';
   const rows = [...evidence.builds.values()].filter((build) => matches(filter, textsOf(build)));
   return <Table caption="Builds" columns={BUILDS} rows={rows} keyOf={({ key }) => key} sort="-seen" sortParameter="builds" />;
+}
+
+export function Waiting({ evidence }: { evidence: Evidence }) {
+  return <Table caption="Quarantine" columns={WAITING} rows={[...evidence.waiting.values()]} keyOf={({ key }) => key} sort="build" sortParameter="waiting" />;
 }
 
 export function Sums({ evidence }: { evidence: Evidence }) {

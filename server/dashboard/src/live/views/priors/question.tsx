@@ -1,0 +1,187 @@
+// Taking the evidence of sources out of the daemon, and letting imports that wait count: what that would change is shown first.
+import { signal } from '@preact/signals';
+import { useEffect, useState } from 'preact/hooks';
+import { PriorsService } from '../../../gen/sweepstake/v1/priors_pb';
+import { grouped } from '../../../format';
+import { timeText } from '../../parts/clock';
+import { Modal } from '../../parts/dialog';
+import { Name } from '../../parts/name';
+import { toast } from '../../parts/toast';
+import { visible } from '../../parts/visible';
+import { account, isOperator } from '../../state/account';
+import { type ApiError, asApiError, call } from '../../transport/calls';
+
+/** Which sources: those that match all that is set. Times are seconds since 1970, of when they began. */
+export interface Scope { project?: string; sourceId?: string; build?: string; tokenId?: bigint; unixFromS?: bigint; unixUntilS?: bigint }
+
+type Action = 'promote' | 'revoke';
+interface Counts { sourceCount: bigint; recordCount: bigint; windowCount: bigint; sceneCount?: bigint }
+
+const DEEDS = {
+  revoke: { verb: 'Revoke', title: 'Revoke evidence?', done: 'Revoked', notDone: 'Not revoked', would: 'would go', what: 'what would go',
+    none: 'Nothing would go: no source that is not revoked already matches.', method: PriorsService.method.revokePriors },
+  promote: { verb: 'Promote', title: 'Promote imports?', done: 'Promoted', notDone: 'Not promoted', would: 'would count', what: 'what would count',
+    none: 'Nothing would count: nothing that matches waits.', method: PriorsService.method.promotePriors },
+} as const;
+
+interface Asked { action: Action; scope: Scope; isOpen: boolean } // open: the reader says which
+
+const asked = signal<Asked | undefined>(undefined);
+const REASON_ID = 'priors-reason';
+
+export const operatorReason = () => (isOperator.value ? '' : `Promoting and revoking need the role operator; yours is ${account.value?.role ?? 'not known'}.`);
+
+/** Why the buttons do nothing, where they do nothing. */
+export const OperatorReason = () => <span id={REASON_ID} class="soft">{operatorReason()}</span>;
+
+interface ButtonProps { action: Action; scope: Scope; of?: string; isOpen?: boolean; children: string }
+
+function QuestionButton({ action, scope, of, isOpen = false, children }: ButtonProps) {
+  const reason = operatorReason();
+  return (
+    <button type="button" class={of ? 'quiet' : undefined} disabled={reason !== ''} title={reason || undefined} aria-describedby={reason ? REASON_ID : undefined}
+      aria-label={of && `${DEEDS[action].verb} ${visible(of)}`} onClick={() => { asked.value = { action, scope, isOpen }; }}>{children}</button>
+  );
+}
+
+/** Asks about the sources of the scope, or, without `of`, lets the reader say which. */
+export const RevokeButton = ({ scope, of }: { scope: Scope; of?: string }) =>
+  <QuestionButton action="revoke" scope={scope} {...(of ? { of } : { isOpen: true })}>Revoke …</QuestionButton>;
+
+/** Asks about what waits of the scope's sources, or, without `of`, of all of them. */
+export const PromoteButton = ({ scope, of }: { scope: Scope; of?: string }) =>
+  <QuestionButton action="promote" scope={scope} {...(of ? { of } : {})}>{of ? 'Promote …' : 'Promote all …'}</QuestionButton>;
+
+const countsText = ({ sourceCount, recordCount, windowCount, sceneCount }: Counts) =>
+  `${grouped(Number(sourceCount))} sources with ${grouped(Number(recordCount))} records of ${grouped(Number(windowCount))} windows and visits${
+    sceneCount === undefined ? '' : ` for ${grouped(Number(sceneCount))} scenes`}`;
+
+// What is asked about: a scope, what the daemon says would change, or why it does not say so.
+interface Preview { scope: Scope; counts?: Counts; error?: ApiError }
+
+const ask = (action: Action, sources: Scope, preview: boolean): Promise<Counts> =>
+  (action === 'promote' ? call(DEEDS.promote.method, { sources, preview }) : call(DEEDS.revoke.method, { sources, preview }));
+
+function usePreview(action: Action, scope: Scope | undefined): Preview | undefined {
+  const [preview, setPreview] = useState<Preview | undefined>(undefined);
+  useEffect(() => {
+    let isCurrent = scope !== undefined;
+    setPreview(undefined);
+    if (scope) {
+      ask(action, scope, true).then(
+        (counts) => { if (isCurrent) setPreview({ scope, counts }); },
+        (error: unknown) => { if (isCurrent) setPreview({ scope, error: asApiError(error) }); });
+    }
+    return () => { isCurrent = false; };
+  }, [action, scope]);
+  return preview?.scope === scope ? preview : undefined;
+}
+
+async function act(action: Action, scope: Scope): Promise<void> {
+  const { done, notDone } = DEEDS[action];
+  try {
+    toast(`${done}: ${countsText(await ask(action, scope, false))}.`);
+  } catch (error) {
+    const { code, message } = asApiError(error);
+    toast(code === 'UNREACHABLE' ? `It is not known whether it was done: ${message}. Read again.` : `${notDone}: ${message}`, { isBad: true });
+  }
+}
+
+function ScopeWords({ action, scope: { project, sourceId, build, tokenId, unixFromS, unixUntilS } }: { action: Action; scope: Scope }) {
+  return (
+    <p>
+      All {action === 'promote' ? 'imports that wait' : 'evidence'} {project ? <>in project <Name text={project} /></> : 'in all projects'}
+      {sourceId && <> of source <Name text={sourceId} /></>}
+      {build && <> of build <Name text={build} /></>}
+      {tokenId !== undefined && <> of sessions that began with token {String(tokenId)}</>}
+      {unixFromS !== undefined && <> from {timeText(1000 * Number(unixFromS))} on</>}
+      {unixUntilS !== undefined && <> until {timeText(1000 * Number(unixUntilS))}</>}.
+    </p>
+  );
+}
+
+function PreviewWords({ action, preview }: { action: Action; preview: Preview | undefined }) {
+  const { what, none, would } = DEEDS[action];
+  if (!preview) return <>Asking the daemon {what} …</>;
+  if (preview.error) return <span class="problem">{preview.error.message}</span>;
+  return preview.counts!.sourceCount === 0n ? <>{none}</> : <b>{countsText(preview.counts!)} {would}.</b>;
+}
+
+const secondsOf = (localTime: string) => (localTime ? BigInt(Math.floor(Date.parse(localTime) / 1000)) : undefined);
+
+// The scope that a form says; undefined fields are any.
+function scopeOf(form: HTMLFormElement): Scope {
+  const fields = new FormData(form);
+  const text = (name: string) => String(fields.get(name) ?? '').trim();
+  const all = { project: text('project'), sourceId: text('sourceId'), build: text('build'), tokenId: text('tokenId') ? BigInt(Math.trunc(Number(text('tokenId')))) : undefined,
+    unixFromS: secondsOf(text('from')), unixUntilS: secondsOf(text('until')) };
+  return Object.fromEntries(Object.entries(all).filter(([, value]) => value !== undefined && value !== ''));
+}
+
+function Choose({ name, label, values, chosen = '' }: { name: string; label: string; values: readonly string[]; chosen?: string | undefined }) {
+  return (
+    <label><span>{label}</span>
+      <select name={name}>
+        <option value="">any</option>
+        {values.map((value) => <option key={value} value={value} selected={value === chosen}>{visible(value)}</option>)}
+      </select>
+    </label>
+  );
+}
+
+interface Known { projects: readonly string[]; builds: readonly string[] }
+
+function ScopeForm({ scope, known: { projects, builds }, onChange, onAsk }: { scope: Scope; known: Known; onChange(): void; onAsk(scope: Scope): void }) {
+  const ask = (event: Event) => {
+    event.preventDefault();
+    onAsk(scopeOf(event.currentTarget as HTMLFormElement));
+  };
+  return (
+    <form id="revoke-scope" class="fields" onSubmit={ask} onInput={onChange}>
+      <Choose name="project" label="Project" values={projects} chosen={scope.project} />
+      <Choose name="build" label="Build" values={builds} />
+      <label><span>Source</span><input name="sourceId" maxLength={128} spellcheck={false} placeholder="any" /></label>
+      <label><span>Number of the token</span><input name="tokenId" type="number" min="1" step="1" placeholder="any" /></label>
+      <label><span>Began at or after</span><input name="from" type="datetime-local" step="1" /></label>
+      <label><span>Began at or before</span><input name="until" type="datetime-local" step="1" /></label>
+    </form>
+  );
+}
+
+const Consequences = ({ action }: { action: Action }) => (action === 'promote'
+  ? <p class="soft small">New sessions begin with it, and the posteriors of its scenes change. What is not right is taken out again by revoking it. The audit log
+    says who did it.</p>
+  : <p class="soft small">New sessions begin without it. Sessions that run play on, and what they teach counts no more; no import brings it back. Sessions that begin
+    later are other sources, of the same build too. <b>This cannot be undone.</b> The audit log says who did it.</p>);
+
+function Dialog({ question: { action, scope: start, isOpen }, known, onClose, onDone }: { question: Asked; known: Known; onClose(): void; onDone(): void }) {
+  const [scope, setScope] = useState<Scope | undefined>(isOpen ? undefined : start);
+  const preview = usePreview(action, scope);
+  const { title, verb } = DEEDS[action];
+  const goes = preview?.counts !== undefined && preview.counts.sourceCount > 0n;
+  const confirm = async () => {
+    onClose();
+    await act(action, preview!.scope);
+    onDone();
+  };
+  return (
+    <Modal title={title} onClose={onClose}>
+      {isOpen && <ScopeForm scope={start} known={known} onChange={() => setScope(undefined)} onAsk={setScope} />}
+      {scope && <ScopeWords action={action} scope={scope} />}
+      <p role="status">{scope && <PreviewWords action={action} preview={preview} />}</p>
+      <Consequences action={action} />
+      <p class="buttons">
+        <button type="button" autoFocus={!isOpen} onClick={onClose}>Cancel</button>
+        {isOpen && <button type="submit" form="revoke-scope">Preview</button>}
+        <button type="button" class={action === 'revoke' ? 'danger' : undefined} disabled={!goes} onClick={() => void confirm()}>{verb}</button>
+      </p>
+    </Modal>
+  );
+}
+
+/** The dialog of the buttons; `onDone` is called when something may have changed. */
+export function QuestionHost({ known, onDone }: { known: Known; onDone(): void }) {
+  const close = () => { asked.value = undefined; };
+  useEffect(() => close, []);
+  return asked.value ? <Dialog question={asked.value} known={known} onClose={close} onDone={onDone} /> : null;
+}

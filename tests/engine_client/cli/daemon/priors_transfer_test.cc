@@ -1,0 +1,244 @@
+// What `sweepstake priors` asks a daemon for, against a service with scripted answers.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/daemon/priors_transfer.h"
+#include "tests/engine_client/cli/command_run.h"
+#include "tests/engine_client/cli/daemon/fake_daemon_services.h"
+#include "tests/support/file_text.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using test_support::FakeDaemonServices;
+using test_support::FileText;
+using test_support::TemporaryDirectory;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+PriorRecord SomeRecord(uint64_t sequence) {
+  return {.project = "p",
+          .scene = "s",
+          .measured_by = "lane",
+          .arm = "SAP",
+          .backend_version = 3,
+          .machine_class = "m",
+          .reward_version = 2,
+          .source_id = "session-" + std::to_string(sequence),
+          .source_sequence = sequence,
+          .alpha_increment = 1.5,
+          .beta_increment = 2.25,
+          .window_count = 4,
+          .bail_out_count = 1,
+          .build = "1.2",
+          .last_seen_unix_s = 1'700'000'000};
+}
+
+TEST(ImportPriors, SplitsTheRecordsIntoMessagesOfTwoHundred) {
+  FakeDaemonServices daemon;
+  std::vector<PriorRecord> records;
+  for (uint64_t i = 1; i <= 450; ++i) records.push_back(SomeRecord(i));
+  const auto result = ImportPriors({daemon.address()}, records);
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_THAT(daemon.priors.imported_sizes.get(), ElementsAre(200, 200, 50));
+  EXPECT_EQ(daemon.priors.imported->back().source_sequence(), 450U);
+  EXPECT_EQ(result->applied_count, 449U);
+  EXPECT_EQ(result->unchanged_count, 1U);
+}
+
+TEST(ImportPriors, ReturnsTheReasonOfARefusal) {
+  FakeDaemonServices daemon;
+  daemon.priors.import_status =
+      grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "record 0 has no arm");
+  const auto result = ImportPriors({daemon.address()}, std::vector{SomeRecord(1)});
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(result.status().message(), "record 0 has no arm");
+}
+
+TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
+  FakeDaemonServices daemon;
+  const PriorRecord record = SomeRecord(9);
+  ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{record}).ok());
+  daemon.priors.parts->resize(2);
+  *daemon.priors.parts->at(1).add_records() = daemon.priors.imported->at(0);
+  const auto exported = ExportPriors({daemon.address()}, "p", "s");
+  ASSERT_TRUE(exported.ok()) << exported.status().message();
+  ASSERT_EQ(exported->records.size(), 1U);
+  EXPECT_EQ(FormatPriors(exported->records), FormatPriors(std::vector{record}));
+  EXPECT_EQ(daemon.priors.export_request.get().project(), "p");
+  EXPECT_EQ(daemon.priors.export_request.get().scene(), "s");
+}
+
+TEST(PriorsCommand, ExportsAFileThatImportReads) {
+  FakeDaemonServices daemon;
+  ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{SomeRecord(1), SomeRecord(2)}).ok());
+  daemon.priors.parts->resize(1);
+  for (const v1::PriorRecord& record : daemon.priors.imported.get()) {
+    *daemon.priors.parts->at(0).add_records() = record;
+  }
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  const std::string at = " --daemon " + daemon.address();
+  EXPECT_EQ(RunCommand("priors export --out " + file + at).out, file + ": 2 records\n");
+  daemon.priors.imported->clear();
+  EXPECT_EQ(RunCommand("priors import --in " + file + at).out,
+            file +
+                ": 1 of 2 records were new or newer, 1 were known already\nthey wait in "
+                "quarantine, and count once `sweepstake priors promote` lets them\n");
+  EXPECT_EQ(daemon.priors.imported->size(), 2U);
+  EXPECT_FALSE(daemon.priors.promotes);
+  EXPECT_EQ(RunCommand("priors import --promote --in " + file + at).out,
+            file + ": 3 of 2 records were new or newer, 1 were known already\n");
+  EXPECT_TRUE(daemon.priors.promotes);
+}
+
+TEST(PriorsCommand, SaysWhichRecordsAreKnownUnderAnotherScene) {
+  FakeDaemonServices daemon;
+  PriorRecord renamed = SomeRecord(2);
+  renamed.scene = "renamed";
+  ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{SomeRecord(1), SomeRecord(2)}).ok());
+  daemon.priors.parts->resize(1);
+  for (const v1::PriorRecord& record : daemon.priors.imported.get()) {
+    *daemon.priors.parts->at(0).add_records() = record;
+  }
+  const auto result = ImportPriors({daemon.address()}, std::vector{SomeRecord(1), renamed});
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->absent_count, 1U);
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  ASSERT_TRUE(WritePriorsFile(std::vector{renamed}, file).ok());
+  const CommandRun run = RunCommand("priors import --in " + file + " --daemon " + daemon.address());
+  EXPECT_THAT(run.out, HasSubstr("1 of these are not there under their project and scene"));
+}
+
+TEST(ImportPriors, CountsNothingAsAbsentWhereTheDaemonLeavesFoldedRecordsOut) {
+  FakeDaemonServices daemon;
+  daemon.priors.parts->resize(1);
+  const std::vector<PriorRecord> records = {SomeRecord(1), SomeRecord(2)};
+  EXPECT_EQ(ImportPriors({daemon.address()}, records)->absent_count, 2U);
+  daemon.priors.parts->at(0).set_folded_record_count(1);
+  EXPECT_EQ(ImportPriors({daemon.address()}, records)->absent_count, 0U);
+}
+
+TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
+  FakeDaemonServices daemon;
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  std::ofstream(file) << "good";
+  const CommandRun run =
+      RunCommand("priors export --scene nosuch --out " + file + " --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.out, "");
+  EXPECT_THAT(run.err, HasSubstr("the daemon has no such records"));
+  EXPECT_EQ(FileText(file), "good");
+}
+
+TEST(PriorsCommand, AnExportSaysWhatTheDaemonLeftOut) {
+  FakeDaemonServices daemon;
+  daemon.priors.parts->resize(2);
+  for (const size_t i : {0U, 1U}) {
+    daemon.priors.parts->at(i).set_folded_record_count(7);
+    daemon.priors.parts->at(i).set_folded_window_count(30);
+  }
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  const std::string command = "priors export --out " + file + " --daemon " + daemon.address();
+  EXPECT_EQ(RunCommand(command).out,
+            file +
+                ": 0 records\n14 more of old sessions, with 60 windows, were left out: the daemon "
+                "has folded them together (fold_days)\n");
+  EXPECT_THAT(RunCommand(command + " --json").out,
+              AllOf(HasSubstr("\"folded_records\": 14"), HasSubstr("\"folded_windows\": 60")));
+}
+
+TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
+  FakeDaemonServices daemon;
+  daemon.priors.revoke_response->set_source_count(2);
+  daemon.priors.revoke_response->set_record_count(9);
+  daemon.priors.revoke_response->set_window_count(70);
+  const std::string command =
+      "priors revoke --project p --source s --build 1.3 --token-id 7 --since 10 --until 20 "
+      "--daemon " +
+      daemon.address();
+  EXPECT_EQ(RunCommand(command).out,
+            "2 sources with 9 records of 70 windows and visits would be revoked; say --yes to do "
+            "it\n");
+  const v1::RevokePriorsRequest asked = daemon.priors.revoke_request.get();
+  EXPECT_TRUE(asked.preview());
+  EXPECT_EQ(asked.sources().project(), "p");
+  EXPECT_EQ(asked.sources().source_id(), "s");
+  EXPECT_EQ(asked.sources().build(), "1.3");
+  EXPECT_EQ(asked.sources().token_id(), 7);
+  EXPECT_EQ(asked.sources().unix_from_s(), 10);
+  EXPECT_EQ(asked.sources().unix_until_s(), 20);
+  const auto done = nlohmann::json::parse(RunCommand(command + " --yes --json").out);
+  EXPECT_FALSE(daemon.priors.revoke_request->preview());
+  EXPECT_EQ(done["revoked"], true);
+  EXPECT_EQ(done["sources"], 2);
+  EXPECT_EQ(done["records"], 9);
+  EXPECT_EQ(done["windows"], 70);
+  EXPECT_GT(daemon.priors.patience_s, 60) << "a large store takes longer than a question";
+}
+
+TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {
+  FakeDaemonServices daemon;
+  daemon.priors.promote_response->set_source_count(2);
+  daemon.priors.promote_response->set_record_count(9);
+  daemon.priors.promote_response->set_window_count(70);
+  daemon.priors.promote_response->set_scene_count(3);
+  const std::string command =
+      "priors promote --project p --source s --build 1.3 --daemon " + daemon.address();
+  EXPECT_EQ(RunCommand(command).out,
+            "2 sources with 9 records of 70 windows and visits for 3 scenes would be promoted; say "
+            "--yes to do it\n");
+  const v1::PromotePriorsRequest asked = daemon.priors.promote_request.get();
+  EXPECT_TRUE(asked.preview());
+  EXPECT_EQ(asked.sources().project(), "p");
+  EXPECT_EQ(asked.sources().source_id(), "s");
+  EXPECT_EQ(asked.sources().build(), "1.3");
+  const auto done = nlohmann::json::parse(RunCommand(command + " --yes --json").out);
+  EXPECT_FALSE(daemon.priors.promote_request->preview());
+  EXPECT_EQ(done["promoted"], true);
+  EXPECT_EQ(done["sources"], 2);
+  EXPECT_EQ(done["records"], 9);
+  EXPECT_EQ(done["windows"], 70);
+  EXPECT_EQ(done["scenes"], 3);
+  EXPECT_GT(daemon.priors.patience_s, 60);
+}
+
+TEST(PriorsCommand, AListHasWhatWaitsInQuarantineApart) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.pages->resize(1);
+  PriorRecord record = SomeRecord(1);
+  ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{record}).ok());
+  daemon.priors.parts->resize(1);
+  v1::PriorRecord& waiting = *daemon.priors.parts->at(0).add_records();
+  waiting = daemon.priors.imported->at(0);
+  waiting.set_is_quarantined(true);
+  const std::string command = "priors list --scene s --daemon " + daemon.address();
+  EXPECT_THAT(RunCommand(command).out,
+              AllOf(HasSubstr("Imports that wait, and count once they are promoted"),
+                    HasSubstr("p/s on m in build 1.2 (in quarantine), 1 sources")));
+  EXPECT_TRUE(daemon.priors.export_request->quarantined_only());
+  EXPECT_EQ(daemon.priors.export_request->scene(), "s");
+  const auto entry = nlohmann::json::parse(RunCommand(command + " --json").out)["quarantined"][0];
+  EXPECT_EQ(entry["quarantined"], true);
+  EXPECT_EQ(entry["build"], "1.2");
+}
+
+TEST(PriorsCommand, AnExportThatCannotBeWrittenEndsWithTwo) {
+  FakeDaemonServices daemon;
+  const CommandRun run =
+      RunCommand("priors export --out /nonexistent/p.json --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("/nonexistent/p.json"));
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
