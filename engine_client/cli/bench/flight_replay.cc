@@ -7,7 +7,7 @@
 #include "engine_client/cli/bench/scene_timing.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
-#include "server/decision/math/names.h"
+#include "server/text/names.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/scene.h"
 
@@ -136,15 +136,15 @@ void AddLive(const FlightLog& log, FlightArm& arm) {
 }
 
 std::string ArmName(const FlightLog& log, uint32_t arm) {
-  return math::PrintableLine(log.arms[arm]);
+  return text::PrintableLine(log.arms[arm]);
 }
 
 std::string DecisionText(const FlightLog& log, const FlightDecisionRow& row) {
-  std::string text = "frame " + std::to_string(row.frame) + ": " + math::PrintableLine(row.outcome);
+  std::string text = "frame " + std::to_string(row.frame) + ": " + text::PrintableLine(row.outcome);
   if (row.candidate_arm) text += ", candidate " + ArmName(log, *row.candidate_arm);
   if (row.commanded_arm) {
     text += ", commanded " + ArmName(log, *row.commanded_arm) + " (" +
-            math::PrintableLine(row.reason) + ")";
+            text::PrintableLine(row.reason) + ")";
   }
   const auto leader = std::max_element(row.best_probability.begin(), row.best_probability.end());
   if (leader != row.best_probability.end()) {
@@ -184,7 +184,7 @@ Result<FlightLog> ReadFlightLog(const std::string& file) {
   const Json document = Json::parse(*notes, nullptr, /*allow_exceptions=*/false);
   if (!document.is_object() || document.value("flight_recording", Json()) != 1) {
     return Status(StatusCode::kInvalidArgument,
-                  math::PrintableLine(file) +
+                  text::PrintableLine(file) +
                       " was not written by a flight recorder, or by a newer one; `sweepstake bench "
                       "--scene` times any .aabbs file");
   }
@@ -196,8 +196,8 @@ Result<FlightLog> ReadFlightLog(const std::string& file) {
     broken = error.what();
   }
   if (log && IsSound(*log)) return *std::move(log);
-  return Status(StatusCode::kDataLoss, math::PrintableLine(file) + " has broken notes: " +
-                                           math::PrintableLine(broken) + "; record it again");
+  return Status(StatusCode::kDataLoss, text::PrintableLine(file) + " has broken notes: " +
+                                           text::PrintableLine(broken) + "; record it again");
 }
 
 Result<FlightReplay> ReplayFlight(const std::string& file) {
@@ -274,10 +274,10 @@ Json FlightReplayJson(const FlightReplay& replay, const std::string& file) {
 std::string FlightReplayText(const FlightReplay& replay, const std::string& file) {
   const FlightLog& log = replay.log;
   const FlightFrameRow& worst = log.frames[log.worst];
-  std::string text = math::PrintableLine(file) + ": " + math::PrintableLine(log.scene) + " of " +
-                     math::PrintableLine(log.project);
-  if (!log.build.empty()) text += ", build " + math::PrintableLine(log.build);
-  if (!log.machine_class.empty()) text += ", on " + math::PrintableLine(log.machine_class);
+  std::string text = text::PrintableLine(file) + ": " + text::PrintableLine(log.scene) + " of " +
+                     text::PrintableLine(log.project);
+  if (!log.build.empty()) text += ", build " + text::PrintableLine(log.build);
+  if (!log.machine_class.empty()) text += ", on " + text::PrintableLine(log.machine_class);
   text += "\nFrame " + std::to_string(worst.frame) + " took " + Fixed(worst.frame_ms, 1) +
           " ms (budget " + Fixed(log.frame_budget_ms, 1) + " ms): detection " +
           Fixed(worst.detection_ms, 3) + " ms with " + ArmName(log, worst.arm) + ", " +
