@@ -11,17 +11,20 @@ from conan.tools.files import collect_libs, copy, load, rmdir
 # What each static library of the package stands on, as its CMake target does.
 LIBRARIES = {
     "math": [],
-    "decision": ["math"],
+    "text": [],
+    "decision": ["math", "text"],
+    "baselines": ["decision"],
+    "pooling": ["decision"],
     "audit": ["decision"],
-    "broad_phase": ["math", "highway::highway"],
-    "scene": ["math"],
-    "adaptive": ["broad_phase", "math"],
-    "embedded": ["adaptive", "audit", "math"],
+    "broad_phase": ["math", "text", "highway::highway"],
+    "scene": ["math", "text"],
+    "adaptive": ["broad_phase", "math", "text"],
+    "embedded": ["adaptive", "audit", "baselines", "math", "pooling", "scene", "text"],
 }
 TELEMETRY = {
     "proto": ["grpc::grpc", "protobuf::protobuf"],
     "tls": ["openssl::openssl", "grpc::grpc"],
-    "telemetry": ["embedded", "math", "proto", "tls", "abseil::abseil"],
+    "telemetry": ["embedded", "math", "text", "proto", "tls", "abseil::abseil"],
 }
 
 

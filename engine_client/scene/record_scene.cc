@@ -103,7 +103,8 @@ class FrameWriter {
     return file_.status();
   }
 
-  // Appends the count table if one is needed and the notes, and writes the header, which is known only now.
+  // Appends the count table if one is needed and the notes, and writes the header, which is known
+  // only now.
   Status Finish(const Scene& scene, std::string_view notes) {
     aabbs::Header header;
     header.notes_bytes = static_cast<int32_t>(notes.size());

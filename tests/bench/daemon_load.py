@@ -258,7 +258,7 @@ def measure_hello(daemon, sources, options):
     path = daemon.data / "sources.json"
     path.write_text(json.dumps({"format": "sweepstake-priors", "version": 1, "records": records}),
                     encoding="utf-8")
-    imported = subprocess.run(daemon.sweepstake("priors", "import", "--in", path), capture_output=True, text=True, check=False)
+    imported = subprocess.run(daemon.sweepstake("priors", "import", "--promote", "--in", path), capture_output=True, text=True, check=False)
     if imported.returncode != 0:
         raise Failure("cannot import the sources: " + imported.stderr.strip())
     figures = run_load(daemon.load(2000, 0.1, 60, options.seconds, scenes=1))  # 200 Hellos a second

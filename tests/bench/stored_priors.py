@@ -51,8 +51,8 @@ def reversed_ranking(records):
     return [record | {word: mirror[word] for word in EVIDENCE} for record, mirror in zip(ranked, reversed(ranked))]
 
 
-def transfer(daemon, command, flag, path):
-    done = subprocess.run(list(map(str, daemon.sweepstake("priors", command, flag, path))), capture_output=True, text=True, check=False)
+def transfer(daemon, command, *arguments):
+    done = subprocess.run(list(map(str, daemon.sweepstake("priors", command, *arguments))), capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise live.Failure(f"sweepstake priors {command} ended with {done.returncode}: {done.stderr.strip()}")
 
@@ -69,7 +69,7 @@ def teach(game, options, folder):
     priors["records"] = reversed_ranking(priors["records"])
     file.write_text(json.dumps(priors))
     with stores["wrong"] as daemon:
-        transfer(daemon, "import", "--in", file)
+        transfer(daemon, "import", "--promote", "--in", file)
     return stores
 
 

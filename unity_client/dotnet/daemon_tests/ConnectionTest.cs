@@ -188,7 +188,7 @@ namespace Sweepstake.Tests
             using AsyncClientStreamingCall<ImportPriorsRequest, ImportPriorsResponse> imported = to.Priors.ImportPriors();
             while (await exported.ResponseStream.MoveNext(CancellationToken.None))
             {
-                var part = new ImportPriorsRequest();
+                var part = new ImportPriorsRequest { Promote = true };
                 part.Records.AddRange(exported.ResponseStream.Current.Records);
                 await imported.RequestStream.WriteAsync(part);
             }
