@@ -20,6 +20,10 @@ namespace {
 // leaving it matters more than a smooth switch.
 constexpr uint64_t kMaxPreparationNs = 500'000'000;
 
+// The longest trial after which the arm before goes on with the structure that it had, since its
+// objects have not moved far; after a longer one it builds.
+constexpr uint64_t kMaxKeptFrames = 8;
+
 // Packs the active arm and its epoch into one word, so that other threads read both together.
 constexpr uint64_t PackActive(uint32_t arm, uint32_t epoch) { return uint64_t{arm} << 32 | epoch; }
 
@@ -116,6 +120,7 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
   if (order) TakeOrder(*order);
   if (const auto local = std::exchange(local_command_, std::nullopt)) {
     Execute(*local);
+    ReportTrialEnd();
     if (pending_) Refuse(pending_->command);
     Drop();
   } else if (pending_) {
@@ -133,7 +138,7 @@ void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
   SetMode(order.mode);
   manual_by_order_ = order.mode == Mode::kManual && !is_own_manual;
   if (!order.arm) return;
-  local_command_.reset();
+  DropLocalCommand();
   if (*order.arm != arm()) {
     local_command_ = SwitchCommand{.arm = *order.arm, .reason = SwitchReason::kManual};
   }
@@ -181,10 +186,13 @@ bool AdaptiveBroadPhase::Impl::WaitsForLane() {
 
 void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
   const uint32_t next_epoch = epoch() + 1;
+  const bool goes_on = keeps_structure_ && trial_end_ && trial_end_->frame_count <= kMaxKeptFrames;
+  keeps_structure_ = built_;
+  trial_.Begin(arm(), command, 2 * switch_cost.settling_ns());
   active_.store(PackActive(command.arm, next_epoch), std::memory_order_relaxed);
   last_switch_reason = command.reason;
-  built_ =
-      !frozen() && lane_ != nullptr && lane_->TakeOver(command.arm, backends_[command.arm], pairs_);
+  built_ = goes_on || (!frozen() && lane_ != nullptr &&
+                       lane_->TakeOver(command.arm, backends_[command.arm], pairs_));
   (built_ ? warm_switch_count_ : cold_switch_count_).fetch_add(1, std::memory_order_relaxed);
   KeepBudget();
   Report(switch_cost.Begin(command, next_epoch, /*warm=*/built_));
@@ -213,6 +221,7 @@ void AdaptiveBroadPhase::Impl::Trim() {
 // A backend keeps its buffers as long as it lives.
 void AdaptiveBroadPhase::Impl::FreeInactiveArms() {
   if (!make_) return;
+  keeps_structure_ = false;
   for (uint32_t index = 0; index < backends_.size(); ++index) {
     if (index == arm() || backends_[index].backend->native_bytes() == 0) continue;
     backends_[index] = make_(index);
@@ -315,6 +324,7 @@ void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   if (pending_) pending_->waited_ns += frame.frame_time_ns;
   if (manual_by_order_ && guard.BlamesArm(last_sample)) EndOrder();
   Emit();
+  EndTrial();
   GuardLocally();
   const uint64_t next_index = sample_.frame_index + 1;
   searched_ = false;
@@ -330,6 +340,24 @@ void AdaptiveBroadPhase::Impl::Emit() {
   if (!descriptors_.ready()) return;
   const SceneDescriptor descriptor = descriptors_.Take();
   if (sink_ != nullptr) sink_->OnDescriptor(descriptor);
+}
+
+void AdaptiveBroadPhase::Impl::EndTrial() {
+  const std::optional<TrialGuard::End> end = trial_.OnFrame(last_sample);
+  if (!end || local_command_) return;
+  trial_end_ = end;
+  local_command_ = SwitchCommand{.arm = end->arm_before};
+}
+
+// At once, not when the arm has settled: the decider is to know it before it chooses again.
+void AdaptiveBroadPhase::Impl::ReportTrialEnd() {
+  const auto end = std::exchange(trial_end_, std::nullopt);
+  if (!end) return;
+  Report(SwitchOutcome{.arm = arm(),
+                       .switch_epoch = epoch(),
+                       .executed = 1,
+                       .trial_detection_time_ns = end->detection_time_ns,
+                       .trial_arm = end->tried_arm});
 }
 
 void AdaptiveBroadPhase::Impl::GuardLocally() {
@@ -351,6 +379,7 @@ void AdaptiveBroadPhase::Impl::ReportMode(uint64_t order_id) {
 
 void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
   mode.store(chosen, std::memory_order_relaxed);
+  if (chosen == Mode::kManual) CancelTrial();
   manual_by_order_ = false;
   frozen_.store(false, std::memory_order_relaxed);
 }
@@ -358,13 +387,23 @@ void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
 void AdaptiveBroadPhase::Impl::Freeze() {
   SetMode(Mode::kManual);
   frozen_.store(true, std::memory_order_relaxed);
-  if (local_command_ && local_command_->reason == SwitchReason::kBailOut) local_command_.reset();
+  if (local_command_ && local_command_->reason == SwitchReason::kBailOut) DropLocalCommand();
+}
+
+void AdaptiveBroadPhase::Impl::CancelTrial() {
+  trial_.Cancel();
+  if (trial_end_) DropLocalCommand();
+}
+
+void AdaptiveBroadPhase::Impl::DropLocalCommand() {
+  local_command_.reset();
+  trial_end_.reset();
 }
 
 Status AdaptiveBroadPhase::Impl::SelectArm(std::string_view name) {
   const std::optional<uint32_t> chosen = IndexOfArm(name, arms);
   if (!chosen) return UnknownArm(name, arms);
-  local_command_.reset();
+  DropLocalCommand();
   if (*chosen != arm()) {
     local_command_ = SwitchCommand{.arm = *chosen, .reason = SwitchReason::kManual};
   }

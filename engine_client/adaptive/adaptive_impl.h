@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "engine_client/adaptive/adaptive_factory.h"
-#include "engine_client/adaptive/bail_out_guard.h"
 #include "engine_client/adaptive/descriptor_estimator.h"
+#include "engine_client/adaptive/guards/bail_out_guard.h"
+#include "engine_client/adaptive/guards/trial_guard.h"
 #include "engine_client/adaptive/order_mailbox.h"
 #include "engine_client/adaptive/sequence_slot.h"
 #include "engine_client/adaptive/shadow_lane.h"
@@ -93,6 +94,10 @@ class AdaptiveBroadPhase::Impl {
   uint64_t MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns);
   void ShowFrame(std::span<const Aabb> boxes);
   void Emit();
+  void DropLocalCommand();
+  void EndTrial();
+  void CancelTrial();
+  void ReportTrialEnd();
   void GuardLocally();
   void Report(const std::optional<SwitchOutcome>& outcome);
   void ReportMode(uint64_t order_id);
@@ -105,7 +110,10 @@ class AdaptiveBroadPhase::Impl {
   FrameSink* const sink_;
   Clock& clock_;
   std::atomic<uint64_t> active_;
-  std::optional<SwitchCommand> local_command_;  // the command of SelectArm or the guard
+  std::optional<SwitchCommand> local_command_;  // the command of SelectArm or of a guard
+  TrialGuard trial_;
+  std::optional<TrialGuard::End> trial_end_;  // local_command_ is the way back from it
+  bool keeps_structure_ = false;  // that of the arm before the trial holds the boxes of its start
   std::optional<PendingSwitch> pending_;
   std::atomic<bool> frozen_ = false;  // written by the frame thread
   bool manual_by_order_ = false;      // an operator has ordered kManual, and it holds

@@ -23,7 +23,7 @@ void SwitchCostMeter::OnRebuild(uint64_t rebuild_time_ns) {
 
 std::optional<SwitchOutcome> SwitchCostMeter::OnFrame(const FrameSample& sample) {
   if (!running_ || (sample.flags & (kFramePaused | kFrameLoading)) != 0) return std::nullopt;
-  const uint64_t settling_ns = settling_ns_.load(std::memory_order_relaxed);
+  const uint64_t settling_ns = this->settling_ns();
   const uint64_t elapsed_ns = early_.time_ns + late_.time_ns;
   Half& half = elapsed_ns < settling_ns / 2 ? early_ : late_;
   half.time_ns += sample.frame_time_ns;

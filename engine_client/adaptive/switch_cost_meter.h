@@ -25,6 +25,7 @@ class SwitchCostMeter {
   void SetSettling(uint64_t settling_ns) {
     settling_ns_.store(settling_ns, std::memory_order_relaxed);
   }
+  uint64_t settling_ns() const { return settling_ns_.load(std::memory_order_relaxed); }
 
   // Begins the measurement of a switch; `warm` says that the structure exists already. Returns the
   // outcome of the previous switch if that one has not settled.

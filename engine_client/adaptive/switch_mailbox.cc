@@ -5,21 +5,24 @@
 namespace sweepstake {
 namespace {
 
-constexpr uint64_t kCommandIdMask = (uint64_t{1} << 48) - 1;
+constexpr uint64_t kCommandIdMask = (uint64_t{1} << 40) - 1;
 // A larger arm becomes 255, which no client has (there are at most 32 arms), so that it is refused
 // and not mistaken for another one.
 constexpr uint32_t kMaxCommandArm = 255;
+constexpr uint32_t kMaxTrialLimit = 255;
 
 uint64_t Pack(const SwitchCommand& command) {
   const uint64_t arm = std::min(command.arm, kMaxCommandArm);
   const uint64_t reason = static_cast<uint32_t>(command.reason) & 0xFF;
-  return ((command.command_id & kCommandIdMask) << 16) | (arm << 8) | reason;
+  const uint64_t limit = std::min(command.trial_limit_percent, kMaxTrialLimit);
+  return ((command.command_id & kCommandIdMask) << 24) | (limit << 16) | (arm << 8) | reason;
 }
 
 SwitchCommand Unpack(uint64_t packed) {
-  return {.command_id = packed >> 16,
+  return {.command_id = packed >> 24,
           .arm = static_cast<uint32_t>((packed >> 8) & 0xFF),
-          .reason = static_cast<SwitchReason>(packed & 0xFF)};
+          .reason = static_cast<SwitchReason>(packed & 0xFF),
+          .trial_limit_percent = static_cast<uint32_t>((packed >> 16) & 0xFF)};
 }
 
 }  // namespace

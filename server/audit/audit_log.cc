@@ -102,6 +102,7 @@ AuditRecorder::AuditRecorder(AuditSink& sink, AuditOrigin origin, const SessionS
 void AuditRecorder::OnSwitch(const SwitchReport& report, const ArmRuns& runs) {
   Begin(AuditKind::kSwitch, report.now_ns);
   PutRuns(runs);
+  if (report.cost.ended_trial) Put(AuditColumn::kFrame, FieldsOf(*report.cost.ended_trial));
   PutArm(AuditColumn::kArm, report.arm);
   AppendName(Cell(AuditColumn::kReason), kSwitchReasonNames, report.reason);
   Put(AuditColumn::kSwitchEpoch, report.switch_epoch);

@@ -38,7 +38,7 @@ enum class AuditColumn : size_t {
   kTimeNs,          // time of the decider's steady clock
   kSetup,           // setup: key=value;… (cells.h); order: operator=NAME; admin: what was done
   kRuns,            // the arms' runs at the event (cells.h)
-  kFrame,           // bail-out: the members of Frame
+  kFrame,           // bail-out: the members of Frame; switch: those of TrialEnd, if it ended one
   kShadow,          // tick: list of ShadowSample's members
   kDescriptor,      // tick: SceneDescriptor's members
   kCommandId,       // refusal: refused; decision: commanded

@@ -29,6 +29,12 @@ auto FieldsOf(T& frame) {
                   epoch, flags);
 }
 
+template <EitherConst<TrialEnd> T>
+auto FieldsOf(T& end) {
+  auto& [arm, detection_time_ns] = end;
+  return std::tie(arm, detection_time_ns);
+}
+
 template <EitherConst<ShadowSample> T>
 auto FieldsOf(T& sample) {
   auto& [first_frame_index, detection_time_ns, build_time_ns, check_count, native_bytes, arm,

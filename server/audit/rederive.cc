@@ -200,6 +200,11 @@ std::optional<Problem> Segment::ApplySwitch(const Cells& cells) {
     return problem;
   if (Result problem = Read(cells, AuditColumn::kSettlingCostNs, cost.settling_cost_ns))
     return problem;
+  if (!CellOf(cells, AuditColumn::kFrame).empty()) {
+    TrialEnd& end = cost.ended_trial.emplace();
+    if (Result problem = Read(cells, AuditColumn::kFrame, FieldsOf(end))) return problem;
+    if (end.arm >= session_->arms().size()) return Unreadable(cells, AuditColumn::kFrame);
+  }
   session_->ObserveSwitch(arm, epoch, reason, now_ns_, cost);
   return std::nullopt;
 }

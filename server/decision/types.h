@@ -72,10 +72,17 @@ struct SceneDescriptor {
   std::optional<double> static_ratio;
 };
 
+// The frame that has ended a trial (SwitchCommand): its arm may cost more, and was not let.
+struct TrialEnd {
+  uint32_t arm = 0;  // the arm that was tried
+  uint64_t detection_time_ns = 0;
+};
+
 // The cost of an executed switch, as the client measured it.
 struct SwitchCost {
   uint64_t rebuild_time_ns = 0;   // time of a build on the frame thread; 0 if it was built before
   uint64_t settling_cost_ns = 0;  // sum of the settling frames' time above the settled mean
+  std::optional<TrialEnd> ended_trial = {};  // with the client's own way back; it has no cost yet
 };
 
 enum class Mode : uint32_t { kManual = 1, kAi = 2 };
@@ -164,6 +171,9 @@ struct SwitchCommand {
   uint64_t command_id = 0;  // counts from 1 within the session
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
+  // A frame of the new arm whose detection takes more than this share of the longest one before the
+  // switch, in percent, ends the trial: the client goes back by itself. 0: no trial.
+  uint32_t trial_limit_percent = 0;
 };
 
 // The evidence about one arm that a tick or a bail-out adds, as it is stored.
@@ -188,6 +198,7 @@ struct DecisionRecord {
   std::vector<BetaPosterior> posteriors;  // posteriors after the update
   std::optional<GateTerms> gate;          // absent if the policy has no gate
   double propensity = 1;                  // probability with which the policy draws this candidate
+  uint32_t trial_limit_percent = 0;       // of a switch to the candidate (SwitchCommand)
   Diagnosis diagnosis;
   std::vector<ArmStanding> standings;  // has one per arm
 };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine_client/adaptive/descriptor_estimator.h"
+#include "engine_client/adaptive/guards/trial_guard.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "server/laboratory/ablations.h"
@@ -48,6 +49,8 @@ class Game {
   void TickUntil(int64_t now_ns);
   void Accept(const decision::Decision& decision, int64_t now_ns);
   void Meter(const decision::Frame& frame);
+  void EndTrial(const decision::Frame& frame);
+  void ReportTrialEnd();
   void Report(const SwitchOutcome& outcome);
   void ObserveScene();
   void NoteArm();
@@ -75,7 +78,9 @@ class Game {
   bool starting_up_ = true;
   bool metering_ = false;
   std::optional<PendingSwitch> pending_;
-  std::span<const double> slowdown_;  // per coming frame, while the structure is fresh
+  TrialGuard trial_;
+  std::optional<TrialGuard::End> trial_end_;  // pending_ is the way back from it
+  std::span<const double> slowdown_;          // per coming frame, while the structure is fresh
   uint32_t next_frame_flags_ = 0;
   std::vector<decision::Frame> batch_;
   int64_t batch_begin_ns_ = 0;
@@ -121,6 +126,7 @@ void Game::PlayFrame() {
   TickUntil(now_ns_);
   Batch(frame);
   if (metering_) Meter(frame);
+  EndTrial(frame);
   if ((frame.flags & decision::kFrameBailOut) != 0) {
     ++result_.bail_out_count;
     Flush();
@@ -131,6 +137,8 @@ void Game::PlayFrame() {
 
 void Game::ExecuteSwitch() {
   const PendingSwitch pending = *std::exchange(pending_, std::nullopt);
+  trial_.Begin(arm_, FromDecision(pending.command),
+               2 * static_cast<uint64_t>(setup_.options.settling_ns));
   arm_ = pending.command.arm;
   ++epoch_;
   slowdown_ = scene_.slowdown(trace_frame_, arm_);
@@ -139,6 +147,7 @@ void Game::ExecuteSwitch() {
   const auto unsettled = meter_.Begin(FromDecision(pending.command), epoch_, pending.warm);
   metering_ = true;
   if (unsettled) Report(*unsettled);
+  ReportTrialEnd();
   ++result_.switch_counts[static_cast<size_t>(pending.command.reason)];
   NoteArm();
   if (setup_.keep_timeline) {
@@ -216,6 +225,7 @@ void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
     return;
   }
   pending_ = PendingSwitch{.command = *decision.command, .ready_ns = now_ns};
+  trial_end_.reset();
   // A switch after a bail-out does not wait for a warm-up.
   pending_->warm = lane_ && decision.command->reason != decision::SwitchReason::kBailOut;
   if (pending_->warm) pending_->ready_ns = lane_->WarmUp(decision.command->arm, place(now_ns));
@@ -228,6 +238,29 @@ void Game::Meter(const decision::Frame& frame) {
   if (!outcome) return;
   metering_ = false;
   Report(*outcome);
+}
+
+// As the client does it: the arm before still has its structure.
+void Game::EndTrial(const decision::Frame& frame) {
+  FrameSample sample{};
+  sample.frame_time_ns = frame.frame_time_ns;
+  sample.detection_time_ns = frame.detection_time_ns;
+  sample.arm = frame.arm;
+  sample.flags = frame.flags & decision::kFrameRebuild;
+  const std::optional<TrialGuard::End> end = trial_.OnFrame(sample);
+  if (!end) return;
+  trial_end_ = end;
+  pending_ = PendingSwitch{.command = {.arm = end->arm_before}, .ready_ns = now_ns_, .warm = true};
+}
+
+void Game::ReportTrialEnd() {
+  const auto end = std::exchange(trial_end_, std::nullopt);
+  if (!end) return;
+  Report({.arm = arm_,
+          .switch_epoch = epoch_,
+          .executed = 1,
+          .trial_detection_time_ns = end->detection_time_ns,
+          .trial_arm = end->tried_arm});
 }
 
 void Game::Report(const SwitchOutcome& outcome) {

@@ -18,6 +18,11 @@
 // prepares switches: a command waits some frames until the new arm's structure exists (a warm
 // switch). If that takes more than half a second of frame time, the switch is executed without it
 // (a cold switch).
+//
+// A decider may command a trial: if a frame of the new arm takes too long, compared with the
+// longest of the arm before, the next frame runs that arm again, without asking, and the outcome
+// says so. A trial lasts for twice the settling time; frames that rebuild, paused and loading ones
+// do not end it.
 #pragma once
 
 #include <atomic>
@@ -59,14 +64,14 @@ class FrameSink {
 
 // Passes one switch command to the frame thread; a newer command overwrites one that is not yet
 // taken. Any thread posts, the frame thread takes; lock-free. Bounds: an arm over 255 counts as
-// 255, and the lowest 48 bits of the command id are kept.
+// 255, as does a trial's limit, and the lowest 40 bits of the command id are kept.
 class SwitchMailbox {
  public:
   void Post(const SwitchCommand& command) noexcept;
   std::optional<SwitchCommand> Take() noexcept;
 
  private:
-  // command id (48 bits) | arm (8) | reason (8); 0 is empty.
+  // command id (40 bits) | trial's limit (8) | arm (8) | reason (8); 0 is empty.
   std::atomic<uint64_t> slot_{0};
 };
 

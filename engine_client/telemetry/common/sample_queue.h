@@ -70,7 +70,7 @@ class SampleQueue final : public FrameSink {
     uint64_t frames_before;
     NoteKind kind;
     uint32_t reserved;
-    uint64_t payload[5];
+    uint64_t payload[7];
   };
 
   template <typename Payload>

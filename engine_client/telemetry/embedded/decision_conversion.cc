@@ -54,7 +54,12 @@ decision::SceneDescriptor ToDecision(const SceneDescriptor& descriptor) {
 }
 
 decision::SwitchCost ToDecision(const SwitchOutcome& outcome) {
-  return {.rebuild_time_ns = outcome.rebuild_time_ns, .settling_cost_ns = outcome.settling_cost_ns};
+  decision::SwitchCost cost = {.rebuild_time_ns = outcome.rebuild_time_ns,
+                               .settling_cost_ns = outcome.settling_cost_ns};
+  if (outcome.trial_detection_time_ns > 0)
+    cost.ended_trial = {.arm = outcome.trial_arm,
+                        .detection_time_ns = outcome.trial_detection_time_ns};
+  return cost;
 }
 
 decision::SwitchReason ToDecision(SwitchReason reason) {
@@ -68,7 +73,8 @@ decision::BetaPosterior ToDecision(const ArmBelief& belief) { return {belief.alp
 SwitchCommand FromDecision(const decision::SwitchCommand& command) {
   return {.command_id = command.command_id,
           .arm = command.arm,
-          .reason = static_cast<SwitchReason>(command.reason)};
+          .reason = static_cast<SwitchReason>(command.reason),
+          .trial_limit_percent = command.trial_limit_percent};
 }
 
 SceneVerdict FromDecision(const decision::Diagnosis& diagnosis) {

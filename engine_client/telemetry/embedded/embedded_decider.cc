@@ -209,7 +209,7 @@ void EmbeddedDecider::Impl::Fold() {
 void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns) {
   if (outcome.executed == 0) return session_.ObserveRefusal(outcome.command_id);
   if (decision::IsLaterEpoch(latest_epoch_, outcome.switch_epoch)) return;
-  if (outcome.arm >= session_.arms().size()) return;
+  if (std::max(outcome.arm, outcome.trial_arm) >= session_.arms().size()) return;
   latest_epoch_ = outcome.switch_epoch;
   session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, ToDecision(outcome.reason), now_ns,
                          ToDecision(outcome));

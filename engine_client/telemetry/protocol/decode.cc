@@ -45,7 +45,12 @@ enum class WelcomeTag : Number {
   kCapabilities = 21
 };
 enum class BetaPosteriorTag : Number { kAlpha = 1, kBeta = 2 };
-enum class SwitchCommandTag : Number { kCommandId = 1, kArm = 2, kReason = 3 };
+enum class SwitchCommandTag : Number {
+  kCommandId = 1,
+  kArm = 2,
+  kReason = 3,
+  kTrialLimitPercent = 4
+};
 enum class AcknowledgementTag : Number { kSequence = 1, kBatchIntervalMs = 2 };
 enum class PosteriorSnapshotTag : Number {
   kArms = 1,
@@ -216,6 +221,8 @@ void Read(std::string_view bytes, SwitchCommand& command) {
         return in.TakeNumber(command.arm);
       case SwitchCommandTag::kReason:
         return in.TakeNumber(command.reason);
+      case SwitchCommandTag::kTrialLimitPercent:
+        return in.TakeNumber(command.trial_limit_percent);
       default:
         in.Skip();
     }

@@ -84,7 +84,9 @@ enum class SwitchOutcomeTag : Number {
   kExecuted = 4,
   kRebuildTimeNs = 5,
   kSettlingCostNs = 6,
-  kReason = 8
+  kReason = 8,
+  kTrialDetectionTimeNs = 9,
+  kTrialArm = 10
 };
 enum class BailOutTag : Number {
   kFrameIndex = 1,
@@ -243,6 +245,8 @@ std::string Encode(const SwitchOutcome& outcome) {
   out.PutNumber(SwitchOutcomeTag::kRebuildTimeNs, outcome.rebuild_time_ns);
   out.PutNumber(SwitchOutcomeTag::kSettlingCostNs, outcome.settling_cost_ns);
   out.PutNumber(SwitchOutcomeTag::kReason, outcome.reason);
+  out.PutNumber(SwitchOutcomeTag::kTrialDetectionTimeNs, outcome.trial_detection_time_ns);
+  out.PutNumber(SwitchOutcomeTag::kTrialArm, outcome.trial_arm);
   return Request(StreamTelemetryRequestTag::kSwitchOutcome, out.Take());
 }
 

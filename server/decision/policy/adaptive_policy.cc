@@ -29,8 +29,10 @@ constexpr double kTie = 0.005;            // a smaller expected gain does not ma
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
-// The share of the frame time that an arm which is tried live may be believed to cost more.
+// The share of the frame time that an arm which is tried live may be believed to cost more, and the
+// share of the longest detection time that one of its frames may take.
 constexpr double kMaxTrialLoss = 0.2;
+constexpr uint32_t kTrialLimitPercent = 120;
 // By how many standard deviations an arm that was live has to be better to be chosen again.
 constexpr double kReturnDeviations = 0.25;
 constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the frame time
@@ -221,6 +223,14 @@ void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
   switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
 }
 
+// The arm has had no window, so that it is tried again as a trial, if at all.
+void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
+  AdvanceTo(now_ns);
+  filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
+  observed_[end.arm] = true;
+  UpdatePosteriors();
+}
+
 std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
   if (!components_.short_cooldown) return std::nullopt;
   const int64_t min_ns = options_.settling_ns + options_.decision_interval_ns;
@@ -309,6 +319,8 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   const bool worthwhile = best->worth_s > 0;
   // An arm that does not pass the gate is still shown as the candidate if it is believed better.
   if (worthwhile || better) choice.candidate = best->arm;
+  if (!was_live_[choice.candidate] && !input.bailed_out)
+    choice.trial_limit_percent = kTrialLimitPercent;
   if (!worthwhile) choice.hold = Outcome::kHeldGate;
   if (worthwhile && components_.gate && best->terms.gain < kTie) choice.hold = Outcome::kHeldTie;
   return choice;

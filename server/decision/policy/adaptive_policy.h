@@ -20,7 +20,9 @@
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
-// - A visit of the lane that a cap has ended is a lower bound of the arm's cost.
+// - An arm's first live window is a trial: a frame of it that takes a fifth longer than the longest
+//   one before sends the client back at once (SwitchCommand), and is a lower bound of the arm's
+//   cost, as is a visit of the lane that a cap has ended. It bans the arm no more than that cost.
 // - Each regime of the scene has beliefs of its own, which return with it; where regimes change
 //   faster than choices take effect, a mixture of them decides (regime_beliefs.h).
 //
@@ -67,6 +69,7 @@ class AdaptivePolicy : public Policy {
   std::vector<Increment> LearnShadow(std::span<const ShadowSample> samples,
                                      int64_t now_ns) override;
   void LearnSwitchCost(uint32_t arm, const SwitchCost& cost) override;
+  void LearnTrialEnd(const TrialEnd& end, int64_t now_ns) override;
   void LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) override;
 
   Choice Choose(const ChoiceInput& input) const override;

@@ -49,6 +49,7 @@ struct Choice {
   std::optional<Outcome> hold;  // why the policy itself does not want the switch now
   std::optional<GateTerms> gate;
   double propensity = 1;
+  uint32_t trial_limit_percent = 0;  // of the switch (SwitchCommand)
 };
 
 class Policy {
@@ -67,6 +68,8 @@ class Policy {
   }
   virtual void LearnDescriptor(const SceneDescriptor& /*descriptor*/, int64_t /*now_ns*/) {}
   virtual void LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& /*cost*/) {}
+  // The arm that was tried costs at least so much.
+  virtual void LearnTrialEnd(const TrialEnd& /*end*/, int64_t /*now_ns*/) {}
 
   virtual Choice Choose(const ChoiceInput& input) const = 0;
   // Minimum time between two switches; if absent, that of the options.

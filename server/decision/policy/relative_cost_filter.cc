@@ -154,6 +154,21 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   KeepLoadPositive();
 }
 
+// The lane's visits stay true, so that what they did not tell of the arm is its bias; a frame says
+// nothing about the noise of a window.
+void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
+  const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
+  if (innovation <= 0) return;
+  covariance_(arm, arm) += Square(innovation);
+  if (has_lane()) {
+    covariance_(bias(arm), bias(arm)) += Square(innovation);
+    covariance_(arm, bias(arm)) -= Square(innovation);
+    covariance_(bias(arm), arm) -= Square(innovation);
+  }
+  const Eigen::VectorXd column = covariance_.col(arm) + covariance_.col(load());
+  Update(column, innovation, column[arm] + column[load()] + live_noise_);
+}
+
 // Observes that there is no load, where the belief has come to one below.
 void RelativeCostFilter::KeepLoadPositive() {
   if (mean_[load()] >= 0) return;

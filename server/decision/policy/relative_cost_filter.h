@@ -51,6 +51,8 @@ class RelativeCostFilter {
   // Every arm's cost may have changed.
   void Widen(double variance);
   void ObserveLive(uint32_t arm, double log_cost);
+  // The arm, of which the lane alone has told, costs live at least so much.
+  void ObserveBound(uint32_t arm, double log_cost);
   // Successive visits with the same `sweep` share that sweep's offset.
   void ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost);
   // Replaces whatever was known of the arm's cost by this value.

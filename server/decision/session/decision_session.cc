@@ -119,8 +119,11 @@ void DecisionSession::ObserveShadow(std::span<const ShadowSample> samples) {
 void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason,
                                     int64_t now_ns, const SwitchCost& cost) {
   assert(arm < setup_.arms.size());
+  assert(!cost.ended_trial || cost.ended_trial->arm < setup_.arms.size());
   if (observer_) observer_->OnSwitch({arm, switch_epoch, reason, now_ns, cost}, runs_);
   AdoptLaterRun(now_ns);
+  const bool learns = mode_ == Mode::kAi;
+  if (learns && cost.ended_trial) policy_->LearnTrialEnd(*cost.ended_trial, now_ns);
   // The epoch has already ended: frames of a later one arrived before this report.
   if (IsLaterEpoch(run().switch_epoch(), switch_epoch)) return;
   if (run().arm() == arm && run().switch_epoch() == switch_epoch) {
@@ -129,7 +132,7 @@ void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchR
     Activate(ArmRun(arm, switch_epoch, SettlingOfNewRun()), reason, now_ns);
   }
   run_reported_ = true;
-  if (mode_ == Mode::kAi) policy_->LearnSwitchCost(arm, cost);
+  if (learns && !cost.ended_trial) policy_->LearnSwitchCost(arm, cost);
 }
 
 void DecisionSession::AdoptLaterRun(int64_t now_ns) {
@@ -289,6 +292,7 @@ std::optional<Outcome> DecisionSession::Choose(DecisionRecord& record, bool bail
   record.draws = std::move(choice.draws);
   record.gate = choice.gate;
   record.propensity = choice.propensity;
+  record.trial_limit_percent = choice.trial_limit_percent;
   return choice.hold;
 }
 
@@ -313,7 +317,10 @@ Outcome DecisionSession::Gate(const DecisionRecord& record, std::optional<Outcom
 }
 
 void DecisionSession::Command(Decision& decision, uint32_t arm, SwitchReason reason) {
-  decision.command = SwitchCommand{.command_id = ++command_count_, .arm = arm, .reason = reason};
+  decision.command = SwitchCommand{.command_id = ++command_count_,
+                                   .arm = arm,
+                                   .reason = reason,
+                                   .trial_limit_percent = decision.record.trial_limit_percent};
   decision.record.reason = reason;
   commanded_reason_ = reason;
   gate_.OnCommand(decision.record.time_ns);

@@ -107,7 +107,8 @@ class DecisionSession {
 
   // Takes an executed switch, be it the client's answer to a command or a local one: the new arm is
   // active from this epoch on. A report of what is active already only updates the switch cost; one
-  // of an earlier epoch changes nothing. REQUIRES: arm < arms.
+  // of an earlier epoch changes nothing. What ended a trial is learnt in any case, in place of the
+  // cost. REQUIRES: arm < arms, and that of a trial.
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns,
                      const SwitchCost& cost = {});
 

@@ -146,6 +146,7 @@ absl::Status CheckModeChange(const v1::ModeChange& change, uint32_t arm_count) {
 absl::Status CheckSwitchOutcome(const v1::SwitchOutcome& outcome, uint32_t arm_count) {
   if (outcome.reason() == v1::SWITCH_REASON_UNSPECIFIED)
     return Invalid("reason of the switch outcome is absent");
+  if (absl::Status status = CheckArm(outcome.trial_arm(), arm_count); !status.ok()) return status;
   return CheckArm(outcome.arm(), arm_count);
 }
 

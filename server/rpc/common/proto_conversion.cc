@@ -75,6 +75,7 @@ void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message)
   message.set_command_id(command.command_id);
   message.set_arm(command.arm);
   message.set_reason(static_cast<v1::SwitchReason>(command.reason));
+  message.set_trial_limit_percent(command.trial_limit_percent);
 }
 
 void ToProto(const decision::OrderReport& order, v1::OperatorOrder& message) {
@@ -322,8 +323,15 @@ decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor) {
 }
 
 decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome) {
-  return {.rebuild_time_ns = std::min<uint64_t>(outcome.rebuild_time_ns(), kMaxFrameNs),
-          .settling_cost_ns = std::min<uint64_t>(outcome.settling_cost_ns(), kMaxFrameNs)};
+  decision::SwitchCost cost = {
+      .rebuild_time_ns = std::min<uint64_t>(outcome.rebuild_time_ns(), kMaxFrameNs),
+      .settling_cost_ns = std::min<uint64_t>(outcome.settling_cost_ns(), kMaxFrameNs)};
+  if (outcome.trial_detection_time_ns() > 0) {
+    cost.ended_trial = {
+        .arm = outcome.trial_arm(),
+        .detection_time_ns = std::min<uint64_t>(outcome.trial_detection_time_ns(), kMaxFrameNs)};
+  }
+  return cost;
 }
 
 priors::SceneKey FromProto(const v1::Hello& message) {

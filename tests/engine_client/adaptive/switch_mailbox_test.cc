@@ -14,12 +14,16 @@ TEST(SwitchMailbox, IsEmptyAtFirst) {
 
 TEST(SwitchMailbox, GivesACommandOnceAndWhole) {
   SwitchMailbox mailbox;
-  mailbox.Post({.command_id = 0xFFFF'FFFF'FFFF, .arm = 31, .reason = SwitchReason::kManual});
+  mailbox.Post({.command_id = 0xFF'FFFF'FFFF,
+                .arm = 31,
+                .reason = SwitchReason::kManual,
+                .trial_limit_percent = 120});
   const auto command = mailbox.Take();
   ASSERT_TRUE(command.has_value());
-  EXPECT_EQ(command->command_id, 0xFFFF'FFFF'FFFF);
+  EXPECT_EQ(command->command_id, 0xFF'FFFF'FFFF);
   EXPECT_EQ(command->arm, 31U);
   EXPECT_EQ(command->reason, SwitchReason::kManual);
+  EXPECT_EQ(command->trial_limit_percent, 120U);
   EXPECT_FALSE(mailbox.Take().has_value());
 }
 
@@ -30,10 +34,12 @@ TEST(SwitchMailbox, KeepsTheLatestCommand) {
   EXPECT_EQ(mailbox.Take()->command_id, 2U);
 }
 
-TEST(SwitchMailbox, DoesNotAliasAnArmThatDoesNotFit) {
+TEST(SwitchMailbox, DoesNotAliasAnArmOrALimitThatDoesNotFit) {
   SwitchMailbox mailbox;
-  mailbox.Post({.command_id = 1, .arm = 256 + 3});
-  EXPECT_EQ(mailbox.Take()->arm, 255U);
+  mailbox.Post({.command_id = 1, .arm = 256 + 3, .trial_limit_percent = 256 + 3});
+  const auto command = mailbox.Take();
+  EXPECT_EQ(command->arm, 255U);
+  EXPECT_EQ(command->trial_limit_percent, 255U);
 }
 
 TEST(SwitchMailbox, HandsOverBetweenThreadsInRisingOrder) {

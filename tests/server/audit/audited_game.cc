@@ -86,8 +86,9 @@ void AuditedGame::Observe(uint32_t frame_count) {
 
 // Frames of the new epoch come before the report, or long before it.
 void AuditedGame::Answer() {
-  const SwitchCost cost{.rebuild_time_ns = random_.NextBelow(100'000),
-                        .settling_cost_ns = random_.NextBelow(1'000'000)};
+  SwitchCost cost{.rebuild_time_ns = random_.NextBelow(100'000),
+                  .settling_cost_ns = random_.NextBelow(1'000'000)};
+  if (OneIn(3)) cost.ended_trial = {.arm = AnyArm(), .detection_time_ns = 50'000'000};
   if (!reported_) {
     session_.ObserveSwitch(arm_, epoch_, SwitchReason::kPolicy, now_ns_, cost);
     reported_ = true;

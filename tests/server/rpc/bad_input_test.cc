@@ -98,6 +98,23 @@ TEST(MessageValidation, BoundsWhatASwitchMayHaveCost) {
   outcome.set_settling_cost_ns(~0ull);
   EXPECT_EQ(FromProto(outcome).rebuild_time_ns, 12u);
   EXPECT_EQ(FromProto(outcome).settling_cost_ns, 3600u * uint64_t{kSecondNs});
+  EXPECT_FALSE(FromProto(outcome).ended_trial);
+  outcome.set_trial_arm(2);
+  outcome.set_trial_detection_time_ns(~0ull);
+  ASSERT_TRUE(FromProto(outcome).ended_trial);
+  EXPECT_EQ(FromProto(outcome).ended_trial->arm, 2u);
+  EXPECT_EQ(FromProto(outcome).ended_trial->detection_time_ns, 3600u * uint64_t{kSecondNs});
+}
+
+TEST(MessageValidation, ATrialIsThatOfAnArmOfTheSession) {
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(1);
+  v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
+  outcome.set_reason(v1::SWITCH_REASON_POLICY);
+  outcome.set_trial_arm(2);
+  EXPECT_TRUE(CheckRequest(request, 3).ok());
+  outcome.set_trial_arm(3);
+  EXPECT_FALSE(CheckRequest(request, 3).ok());
 }
 
 TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {

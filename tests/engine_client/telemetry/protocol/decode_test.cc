@@ -46,6 +46,7 @@ void Write(const SwitchCommand& command, v1::SwitchCommand& message) {
   message.set_command_id(command.command_id);
   message.set_arm(command.arm);
   message.set_reason(static_cast<v1::SwitchReason>(command.reason));
+  message.set_trial_limit_percent(command.trial_limit_percent);
 }
 
 void Write(const ArmStanding& standing, v1::ArmStanding& message) {

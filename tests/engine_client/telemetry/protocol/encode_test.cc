@@ -79,7 +79,9 @@ SwitchOutcome PlainOf(const v1::SwitchOutcome& message) {
           .rebuild_time_ns = message.rebuild_time_ns(),
           .settling_cost_ns = message.settling_cost_ns(),
           .reason = static_cast<SwitchReason>(message.reason()),
-          .executed = message.executed() ? 1U : 0U};
+          .executed = message.executed() ? 1U : 0U,
+          .trial_detection_time_ns = message.trial_detection_time_ns(),
+          .trial_arm = message.trial_arm()};
 }
 
 BailOut PlainOf(const v1::BailOut& message) {

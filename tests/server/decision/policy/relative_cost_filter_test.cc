@@ -192,6 +192,29 @@ TEST_F(FilterTest, AnAssumedCostStandsUntilTheArmIsSeenAgain) {
   EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.2);
 }
 
+TEST_F(FilterTest, ABoundIsTheLanesBiasSoThatItsVisitsDoNotTakeItBack) {
+  bias_[1] = -1;  // the lane finds the second arm the cheapest
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
+  EXPECT_LT(filter.Difference(1, 0).mean, -0.5);
+  const double level = filter.LogCost(0).mean;
+  filter.ObserveBound(1, cost_[1] + load_);
+  EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.1);
+  EXPECT_NEAR(filter.LogCost(0).mean, level, 0.1);
+  for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1);
+  filter.ObserveBound(1, cost_[1] + load_ - 2);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1) << "it is known to cost more";
+}
+
+TEST_F(FilterTest, WithoutALaneABoundStandsToo) {
+  RelativeCostFilter filter(kArms);
+  with_lane_ = false;
+  for (int i = 0; i < 10; ++i) RunInterval(filter, 0);
+  filter.ObserveBound(1, 8 + load_);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 8 - cost_[0], 0.2);
+}
+
 TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
   RelativeCostFilter filter(kArms);
   const double infinity = std::numeric_limits<double>::infinity();
@@ -200,6 +223,7 @@ TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
     const double cost = i % 3 == 0 ? infinity : i % 3 == 1 ? -infinity : std::nan("");
     filter.ObserveShadow(static_cast<uint32_t>(i) % kArms, static_cast<uint64_t>(i / 7), cost);
     filter.ObserveLive(static_cast<uint32_t>(i / 5) % kArms, cost);
+    filter.ObserveBound(static_cast<uint32_t>(i / 3) % kArms, cost);
     for (uint32_t arm = 0; arm < kArms; ++arm) {
       ASSERT_GE(filter.LogCost(arm).mean, kMinLogCost);
       ASSERT_LE(filter.LogCost(arm).mean, kMaxLogCost);

@@ -175,8 +175,9 @@ class Fuzzer {
   }
 
   void Switch(uint32_t arm) {
-    session_.ObserveSwitch(arm, ++epoch_, static_cast<SwitchReason>(Below(7)), now_ns_,
-                           {.rebuild_time_ns = AnyNumber(), .settling_cost_ns = AnyNumber()});
+    SwitchCost cost = {.rebuild_time_ns = AnyNumber(), .settling_cost_ns = AnyNumber()};
+    if (OneIn(3)) cost.ended_trial = {.arm = AnyArm(), .detection_time_ns = AnyNumber()};
+    session_.ObserveSwitch(arm, ++epoch_, static_cast<SwitchReason>(Below(7)), now_ns_, cost);
     pending_.reset();
     NoteSwitch();
   }

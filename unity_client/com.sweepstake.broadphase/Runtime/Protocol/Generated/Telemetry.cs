@@ -74,73 +74,75 @@ namespace Sweepstake.Protocol.V1 {
             "EhkKDHN0YXRpY19yYXRpbxgHIAEoAkgGiAEBQg8KDV9vYmplY3RfY291bnRC",
             "EAoOX2RlbnNpdHlfcmF0aW9CDgoMX3NpemVfc3ByZWFkQg0KC19zcGVlZF9t",
             "ZWFuQg8KDV9zcGVlZF9zcHJlYWRCEwoRX2NsdXN0ZXJpbmdfcmF0aW9CDwoN",
-            "X3N0YXRpY19yYXRpbyLFAQoNU3dpdGNoT3V0Y29tZRISCgpjb21tYW5kX2lk",
+            "X3N0YXRpY19yYXRpbyL5AQoNU3dpdGNoT3V0Y29tZRISCgpjb21tYW5kX2lk",
             "GAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyABKA0SEAoI",
             "ZXhlY3V0ZWQYBCABKAgSFwoPcmVidWlsZF90aW1lX25zGAUgASgEEhgKEHNl",
             "dHRsaW5nX2Nvc3RfbnMYBiABKAQSKwoGcmVhc29uGAggASgOMhsuc3dlZXBz",
-            "dGFrZS52MS5Td2l0Y2hSZWFzb25KBAgHEAhSBWVycm9yIoIBCgdCYWlsT3V0",
-            "EhMKC2ZyYW1lX2luZGV4GAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hf",
-            "ZXBvY2gYAyABKA0SFQoNZnJhbWVfdGltZV9ucxgEIAEoBBIZChFkZXRlY3Rp",
-            "b25fdGltZV9ucxgFIAEoBBINCgVmbGFncxgGIAEoDSJVCgpNb2RlQ2hhbmdl",
-            "EiEKBG1vZGUYASABKA4yEy5zd2VlcHN0YWtlLnYxLk1vZGUSEgoKYWN0aXZl",
-            "X2FybRgCIAEoDRIQCghvcmRlcl9pZBgDIAEoBCJTCgxPcmRlclJlZnVzYWwS",
-            "EAoIb3JkZXJfaWQYASABKAQSMQoGcmVhc29uGAIgASgOMiEuc3dlZXBzdGFr",
-            "ZS52MS5PcmRlclJlZnVzYWxSZWFzb24iFwoHR29vZGJ5ZUoECAEQAlIGcmVh",
-            "c29uIqMECgdXZWxjb21lEhIKCnNlc3Npb25faWQYASABKAkSDwoHcmVzdW1l",
-            "ZBgCIAEoCBIdChVhY2tub3dsZWRnZWRfc2VxdWVuY2UYAyABKAQSGAoQbWF4",
-            "X2JhdGNoX2ZyYW1lcxgEIAEoDRIZChFtYXhfbWVzc2FnZV9ieXRlcxgFIAEo",
-            "DRIZChFiYXRjaF9pbnRlcnZhbF9tcxgGIAEoDRIcChRkZWNpc2lvbl9pbnRl",
-            "cnZhbF9tcxgHIAEoDRITCgtzZXR0bGluZ19tcxgJIAEoDRITCgtiYWlsX291",
-            "dF9tcxgKIAEoDRIWCg5kYWVtb25fdmVyc2lvbhgMIAEoCRIOCgZwb2xpY3kY",
-            "DiABKAkSDAoEc2VlZBgPIAEoBBIsCgZwcmlvcnMYECADKAsyHC5zd2VlcHN0",
-            "YWtlLnYxLkJldGFQb3N0ZXJpb3ISGgoScHJpb3Jfc291cmNlX2NvdW50GBEg",
-            "ASgEEhQKDHJlc3VtZV90b2tlbhgSIAEoDBIaChJwcmlvcnNfdW5hdmFpbGFi",
-            "bGUYEyABKAgSGAoQcHJvdG9jb2xfdmVyc2lvbhgUIAEoDRIvCgxjYXBhYmls",
-            "aXRpZXMYFSADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHlKBAgIEAlK",
-            "BAgLEAxKBAgNEA5SC2Nvb2xkb3duX21zUhByZXN1bWVfd2luZG93X21zUg5y",
-            "ZXdhcmRfdmVyc2lvbiIsCg1CZXRhUG9zdGVyaW9yEg0KBWFscGhhGAEgASgB",
-            "EgwKBGJldGEYAiABKAEiXQoNU3dpdGNoQ29tbWFuZBISCgpjb21tYW5kX2lk",
-            "GAEgASgEEgsKA2FybRgCIAEoDRIrCgZyZWFzb24YAyABKA4yGy5zd2VlcHN0",
-            "YWtlLnYxLlN3aXRjaFJlYXNvbiI+Cg9BY2tub3dsZWRnZW1lbnQSEAoIc2Vx",
-            "dWVuY2UYASABKAQSGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEKEVBv",
-            "c3RlcmlvclNuYXBzaG90EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtlLnYx",
-            "LkJldGFQb3N0ZXJpb3ISJwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rha2Uu",
-            "djEuVmVyZGljdBISCgpsZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9wcm9i",
-            "YWJpbGl0eRgEIAEoARItCglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0YWtl",
-            "LnYxLkFybVN0YW5kaW5nIqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dpbmRv",
-            "d19jb3VudBgBIAEoBBIYChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4KFmVm",
-            "ZmVjdGl2ZV93aW5kb3dfY291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJpbGl0",
-            "eRgEIAEoARIsCgpjb3N0X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52MS5D",
-            "b3N0UmF0aW8iNgoJQ29zdFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNsb3cY",
-            "AiABKAESDAoEaGlnaBgDIAEoASIsCglSZWNvbm5lY3QSEAoIZGVsYXlfbXMY",
-            "AiABKA1KBAgBEAJSB2FkZHJlc3MiXgoNT3BlcmF0b3JPcmRlchIQCghvcmRl",
-            "cl9pZBgBIAEoBBIhCgRtb2RlGAIgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2Rl",
-            "EhAKA2FybRgDIAEoDUgAiAEBQgYKBF9hcm0iRgoKQm94UmVxdWVzdBITCgtp",
-            "bnRlcnZhbF9tcxgBIAEoDRIRCgltYXhfYnl0ZXMYAiABKA0SEAoIdW50aWxf",
-            "bXMYAyABKA0icgoHQm94VmlldxITCgtmcmFtZV9pbmRleBgBIAEoBBIUCgxv",
-            "YmplY3RfY291bnQYAiABKA0SDgoGc3RyaWRlGAMgASgNEg4KBmJvdW5kcxgE",
-            "IAMoAhINCgVib3hlcxgFIAEoDBINCgVwYWlycxgGIAEoDCo6CgRNb2RlEhQK",
-            "EE1PREVfVU5TUEVDSUZJRUQQABIPCgtNT0RFX01BTlVBTBABEgsKB01PREVf",
-            "QUkQAiqcAQoMU3dpdGNoUmVhc29uEh0KGVNXSVRDSF9SRUFTT05fVU5TUEVD",
-            "SUZJRUQQABIYChRTV0lUQ0hfUkVBU09OX1BPTElDWRABEh0KGVNXSVRDSF9S",
-            "RUFTT05fRVhQTE9SQVRJT04QAhIaChZTV0lUQ0hfUkVBU09OX0JBSUxfT1VU",
-            "EAMSGAoUU1dJVENIX1JFQVNPTl9NQU5VQUwQBCphCgpDYXBhYmlsaXR5EhoK",
-            "FkNBUEFCSUxJVFlfVU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJB",
-            "VE9SX09SREVSUxABEhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFk",
-            "b3dGbGFnEhsKF1NIQURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9X",
-            "X0ZMQUdfQUNUSVZFEAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqhwEKCUZy",
-            "YW1lRmxhZxIaChZGUkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVf",
-            "RkxBR19SRUJVSUxEEAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFN",
-            "RV9GTEFHX0xPQURJTkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgqggEK",
-            "Ek9yZGVyUmVmdXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9V",
-            "TlNQRUNJRklFRBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExP",
-            "V0VEEAESIAocT1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1Zl",
-            "cmRpY3QSFwoTVkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RB",
-            "QkxFEAESDwoLVkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxAD",
-            "EhQKEFZFUkRJQ1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQK",
-            "D1N0cmVhbVRlbGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1l",
-            "dHJ5UmVxdWVzdBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVz",
-            "cG9uc2UoATABQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "dGFrZS52MS5Td2l0Y2hSZWFzb24SHwoXdHJpYWxfZGV0ZWN0aW9uX3RpbWVf",
+            "bnMYCSABKAQSEQoJdHJpYWxfYXJtGAogASgNSgQIBxAIUgVlcnJvciKCAQoH",
+            "QmFpbE91dBITCgtmcmFtZV9pbmRleBgBIAEoBBILCgNhcm0YAiABKA0SFAoM",
+            "c3dpdGNoX2Vwb2NoGAMgASgNEhUKDWZyYW1lX3RpbWVfbnMYBCABKAQSGQoR",
+            "ZGV0ZWN0aW9uX3RpbWVfbnMYBSABKAQSDQoFZmxhZ3MYBiABKA0iVQoKTW9k",
+            "ZUNoYW5nZRIhCgRtb2RlGAEgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhIK",
+            "CmFjdGl2ZV9hcm0YAiABKA0SEAoIb3JkZXJfaWQYAyABKAQiUwoMT3JkZXJS",
+            "ZWZ1c2FsEhAKCG9yZGVyX2lkGAEgASgEEjEKBnJlYXNvbhgCIAEoDjIhLnN3",
+            "ZWVwc3Rha2UudjEuT3JkZXJSZWZ1c2FsUmVhc29uIhcKB0dvb2RieWVKBAgB",
+            "EAJSBnJlYXNvbiKjBAoHV2VsY29tZRISCgpzZXNzaW9uX2lkGAEgASgJEg8K",
+            "B3Jlc3VtZWQYAiABKAgSHQoVYWNrbm93bGVkZ2VkX3NlcXVlbmNlGAMgASgE",
+            "EhgKEG1heF9iYXRjaF9mcmFtZXMYBCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0",
+            "ZXMYBSABKA0SGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNp",
+            "b25faW50ZXJ2YWxfbXMYByABKA0SEwoLc2V0dGxpbmdfbXMYCSABKA0SEwoL",
+            "YmFpbF9vdXRfbXMYCiABKA0SFgoOZGFlbW9uX3ZlcnNpb24YDCABKAkSDgoG",
+            "cG9saWN5GA4gASgJEgwKBHNlZWQYDyABKAQSLAoGcHJpb3JzGBAgAygLMhwu",
+            "c3dlZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEhoKEnByaW9yX3NvdXJjZV9j",
+            "b3VudBgRIAEoBBIUCgxyZXN1bWVfdG9rZW4YEiABKAwSGgoScHJpb3JzX3Vu",
+            "YXZhaWxhYmxlGBMgASgIEhgKEHByb3RvY29sX3ZlcnNpb24YFCABKA0SLwoM",
+            "Y2FwYWJpbGl0aWVzGBUgAygOMhkuc3dlZXBzdGFrZS52MS5DYXBhYmlsaXR5",
+            "SgQICBAJSgQICxAMSgQIDRAOUgtjb29sZG93bl9tc1IQcmVzdW1lX3dpbmRv",
+            "d19tc1IOcmV3YXJkX3ZlcnNpb24iLAoNQmV0YVBvc3RlcmlvchINCgVhbHBo",
+            "YRgBIAEoARIMCgRiZXRhGAIgASgBInoKDVN3aXRjaENvbW1hbmQSEgoKY29t",
+            "bWFuZF9pZBgBIAEoBBILCgNhcm0YAiABKA0SKwoGcmVhc29uGAMgASgOMhsu",
+            "c3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SGwoTdHJpYWxfbGltaXRfcGVy",
+            "Y2VudBgEIAEoDSI+Cg9BY2tub3dsZWRnZW1lbnQSEAoIc2VxdWVuY2UYASAB",
+            "KAQSGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEKEVBvc3RlcmlvclNu",
+            "YXBzaG90EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0",
+            "ZXJpb3ISJwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVyZGlj",
+            "dBISCgpsZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9wcm9iYWJpbGl0eRgE",
+            "IAEoARItCglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0",
+            "YW5kaW5nIqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dpbmRvd19jb3VudBgB",
+            "IAEoBBIYChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4KFmVmZmVjdGl2ZV93",
+            "aW5kb3dfY291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJpbGl0eRgEIAEoARIs",
+            "Cgpjb3N0X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52MS5Db3N0UmF0aW8i",
+            "NgoJQ29zdFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNsb3cYAiABKAESDAoE",
+            "aGlnaBgDIAEoASIsCglSZWNvbm5lY3QSEAoIZGVsYXlfbXMYAiABKA1KBAgB",
+            "EAJSB2FkZHJlc3MiXgoNT3BlcmF0b3JPcmRlchIQCghvcmRlcl9pZBgBIAEo",
+            "BBIhCgRtb2RlGAIgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhAKA2FybRgD",
+            "IAEoDUgAiAEBQgYKBF9hcm0iRgoKQm94UmVxdWVzdBITCgtpbnRlcnZhbF9t",
+            "cxgBIAEoDRIRCgltYXhfYnl0ZXMYAiABKA0SEAoIdW50aWxfbXMYAyABKA0i",
+            "cgoHQm94VmlldxITCgtmcmFtZV9pbmRleBgBIAEoBBIUCgxvYmplY3RfY291",
+            "bnQYAiABKA0SDgoGc3RyaWRlGAMgASgNEg4KBmJvdW5kcxgEIAMoAhINCgVi",
+            "b3hlcxgFIAEoDBINCgVwYWlycxgGIAEoDCo6CgRNb2RlEhQKEE1PREVfVU5T",
+            "UEVDSUZJRUQQABIPCgtNT0RFX01BTlVBTBABEgsKB01PREVfQUkQAiqcAQoM",
+            "U3dpdGNoUmVhc29uEh0KGVNXSVRDSF9SRUFTT05fVU5TUEVDSUZJRUQQABIY",
+            "ChRTV0lUQ0hfUkVBU09OX1BPTElDWRABEh0KGVNXSVRDSF9SRUFTT05fRVhQ",
+            "TE9SQVRJT04QAhIaChZTV0lUQ0hfUkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJ",
+            "VENIX1JFQVNPTl9NQU5VQUwQBCphCgpDYXBhYmlsaXR5EhoKFkNBUEFCSUxJ",
+            "VFlfVU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJBVE9SX09SREVS",
+            "UxABEhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsK",
+            "F1NIQURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNU",
+            "SVZFEAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqhwEKCUZyYW1lRmxhZxIa",
+            "ChZGUkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJV",
+            "SUxEEAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xP",
+            "QURJTkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgqggEKEk9yZGVyUmVm",
+            "dXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklF",
+            "RBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAoc",
+            "T1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoT",
+            "VkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoL",
+            "VkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJ",
+            "Q1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRl",
+            "bGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVz",
+            "dBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATAB",
+            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -151,14 +153,14 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ShadowSample), global::Sweepstake.Protocol.V1.ShadowSample.Parser, new[]{ "FirstFrameIndex", "Arm", "DetectionTimeNs", "BuildTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "FrameCount", "Flags" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneDescriptor), global::Sweepstake.Protocol.V1.SceneDescriptor.Parser, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchOutcome), global::Sweepstake.Protocol.V1.SwitchOutcome.Parser, new[]{ "CommandId", "Arm", "SwitchEpoch", "Executed", "RebuildTimeNs", "SettlingCostNs", "Reason" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchOutcome), global::Sweepstake.Protocol.V1.SwitchOutcome.Parser, new[]{ "CommandId", "Arm", "SwitchEpoch", "Executed", "RebuildTimeNs", "SettlingCostNs", "Reason", "TrialDetectionTimeNs", "TrialArm" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BailOut), global::Sweepstake.Protocol.V1.BailOut.Parser, new[]{ "FrameIndex", "Arm", "SwitchEpoch", "FrameTimeNs", "DetectionTimeNs", "Flags" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ModeChange), global::Sweepstake.Protocol.V1.ModeChange.Parser, new[]{ "Mode", "ActiveArm", "OrderId" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.OrderRefusal), global::Sweepstake.Protocol.V1.OrderRefusal.Parser, new[]{ "OrderId", "Reason" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Goodbye), global::Sweepstake.Protocol.V1.Goodbye.Parser, null, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Welcome), global::Sweepstake.Protocol.V1.Welcome.Parser, new[]{ "SessionId", "Resumed", "AcknowledgedSequence", "MaxBatchFrames", "MaxMessageBytes", "BatchIntervalMs", "DecisionIntervalMs", "SettlingMs", "BailOutMs", "DaemonVersion", "Policy", "Seed", "Priors", "PriorSourceCount", "ResumeToken", "PriorsUnavailable", "ProtocolVersion", "Capabilities" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BetaPosterior), global::Sweepstake.Protocol.V1.BetaPosterior.Parser, new[]{ "Alpha", "Beta" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchCommand), global::Sweepstake.Protocol.V1.SwitchCommand.Parser, new[]{ "CommandId", "Arm", "Reason" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchCommand), global::Sweepstake.Protocol.V1.SwitchCommand.Parser, new[]{ "CommandId", "Arm", "Reason", "TrialLimitPercent" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Acknowledgement), global::Sweepstake.Protocol.V1.Acknowledgement.Parser, new[]{ "Sequence", "BatchIntervalMs" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PosteriorSnapshot), global::Sweepstake.Protocol.V1.PosteriorSnapshot.Parser, new[]{ "Arms", "Verdict", "LeaderArm", "LeaderProbability", "Standings" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmStanding), global::Sweepstake.Protocol.V1.ArmStanding.Parser, new[]{ "LiveWindowCount", "LaneVisitCount", "EffectiveWindowCount", "BestProbability", "CostRatio" }, null, null, null, null),
@@ -4239,6 +4241,8 @@ namespace Sweepstake.Protocol.V1 {
       rebuildTimeNs_ = other.rebuildTimeNs_;
       settlingCostNs_ = other.settlingCostNs_;
       reason_ = other.reason_;
+      trialDetectionTimeNs_ = other.trialDetectionTimeNs_;
+      trialArm_ = other.trialArm_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -4354,6 +4358,37 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "trial_detection_time_ns" field.</summary>
+    public const int TrialDetectionTimeNsFieldNumber = 9;
+    private ulong trialDetectionTimeNs_;
+    /// <summary>
+    /// The client has ended a trial (SwitchCommand.trial_limit_percent) and gone back by itself: detection time of the frame of the
+    /// tried arm that was over the limit. Absent (0): no trial was ended with this switch.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong TrialDetectionTimeNs {
+      get { return trialDetectionTimeNs_; }
+      set {
+        trialDetectionTimeNs_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "trial_arm" field.</summary>
+    public const int TrialArmFieldNumber = 10;
+    private uint trialArm_;
+    /// <summary>
+    /// The arm that was tried. Absent: 0, the first arm.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint TrialArm {
+      get { return trialArm_; }
+      set {
+        trialArm_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -4376,6 +4411,8 @@ namespace Sweepstake.Protocol.V1 {
       if (RebuildTimeNs != other.RebuildTimeNs) return false;
       if (SettlingCostNs != other.SettlingCostNs) return false;
       if (Reason != other.Reason) return false;
+      if (TrialDetectionTimeNs != other.TrialDetectionTimeNs) return false;
+      if (TrialArm != other.TrialArm) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -4390,6 +4427,8 @@ namespace Sweepstake.Protocol.V1 {
       if (RebuildTimeNs != 0UL) hash ^= RebuildTimeNs.GetHashCode();
       if (SettlingCostNs != 0UL) hash ^= SettlingCostNs.GetHashCode();
       if (Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) hash ^= Reason.GetHashCode();
+      if (TrialDetectionTimeNs != 0UL) hash ^= TrialDetectionTimeNs.GetHashCode();
+      if (TrialArm != 0) hash ^= TrialArm.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -4436,6 +4475,14 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(64);
         output.WriteEnum((int) Reason);
       }
+      if (TrialDetectionTimeNs != 0UL) {
+        output.WriteRawTag(72);
+        output.WriteUInt64(TrialDetectionTimeNs);
+      }
+      if (TrialArm != 0) {
+        output.WriteRawTag(80);
+        output.WriteUInt32(TrialArm);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -4474,6 +4521,14 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(64);
         output.WriteEnum((int) Reason);
       }
+      if (TrialDetectionTimeNs != 0UL) {
+        output.WriteRawTag(72);
+        output.WriteUInt64(TrialDetectionTimeNs);
+      }
+      if (TrialArm != 0) {
+        output.WriteRawTag(80);
+        output.WriteUInt32(TrialArm);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -4504,6 +4559,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) {
         size += 1 + pb::CodedOutputStream.ComputeEnumSize((int) Reason);
+      }
+      if (TrialDetectionTimeNs != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(TrialDetectionTimeNs);
+      }
+      if (TrialArm != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(TrialArm);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -4537,6 +4598,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) {
         Reason = other.Reason;
+      }
+      if (other.TrialDetectionTimeNs != 0UL) {
+        TrialDetectionTimeNs = other.TrialDetectionTimeNs;
+      }
+      if (other.TrialArm != 0) {
+        TrialArm = other.TrialArm;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -4585,6 +4652,14 @@ namespace Sweepstake.Protocol.V1 {
             Reason = (global::Sweepstake.Protocol.V1.SwitchReason) input.ReadEnum();
             break;
           }
+          case 72: {
+            TrialDetectionTimeNs = input.ReadUInt64();
+            break;
+          }
+          case 80: {
+            TrialArm = input.ReadUInt32();
+            break;
+          }
         }
       }
     #endif
@@ -4630,6 +4705,14 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 64: {
             Reason = (global::Sweepstake.Protocol.V1.SwitchReason) input.ReadEnum();
+            break;
+          }
+          case 72: {
+            TrialDetectionTimeNs = input.ReadUInt64();
+            break;
+          }
+          case 80: {
+            TrialArm = input.ReadUInt32();
             break;
           }
         }
@@ -6886,6 +6969,7 @@ namespace Sweepstake.Protocol.V1 {
       commandId_ = other.commandId_;
       arm_ = other.arm_;
       reason_ = other.reason_;
+      trialLimitPercent_ = other.trialLimitPercent_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -6940,6 +7024,22 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "trial_limit_percent" field.</summary>
+    public const int TrialLimitPercentFieldNumber = 4;
+    private uint trialLimitPercent_;
+    /// <summary>
+    /// The arm is tried: until it has settled and been measured as long again, a frame whose detection takes more than this share, in
+    /// percent, of the longest one of late before the switch makes the client go back by itself. Absent (0): no trial.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint TrialLimitPercent {
+      get { return trialLimitPercent_; }
+      set {
+        trialLimitPercent_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -6958,6 +7058,7 @@ namespace Sweepstake.Protocol.V1 {
       if (CommandId != other.CommandId) return false;
       if (Arm != other.Arm) return false;
       if (Reason != other.Reason) return false;
+      if (TrialLimitPercent != other.TrialLimitPercent) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -6968,6 +7069,7 @@ namespace Sweepstake.Protocol.V1 {
       if (CommandId != 0UL) hash ^= CommandId.GetHashCode();
       if (Arm != 0) hash ^= Arm.GetHashCode();
       if (Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) hash ^= Reason.GetHashCode();
+      if (TrialLimitPercent != 0) hash ^= TrialLimitPercent.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -6998,6 +7100,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(24);
         output.WriteEnum((int) Reason);
       }
+      if (TrialLimitPercent != 0) {
+        output.WriteRawTag(32);
+        output.WriteUInt32(TrialLimitPercent);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -7020,6 +7126,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(24);
         output.WriteEnum((int) Reason);
       }
+      if (TrialLimitPercent != 0) {
+        output.WriteRawTag(32);
+        output.WriteUInt32(TrialLimitPercent);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -7038,6 +7148,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) {
         size += 1 + pb::CodedOutputStream.ComputeEnumSize((int) Reason);
+      }
+      if (TrialLimitPercent != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(TrialLimitPercent);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -7059,6 +7172,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) {
         Reason = other.Reason;
+      }
+      if (other.TrialLimitPercent != 0) {
+        TrialLimitPercent = other.TrialLimitPercent;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -7091,6 +7207,10 @@ namespace Sweepstake.Protocol.V1 {
             Reason = (global::Sweepstake.Protocol.V1.SwitchReason) input.ReadEnum();
             break;
           }
+          case 32: {
+            TrialLimitPercent = input.ReadUInt32();
+            break;
+          }
         }
       }
     #endif
@@ -7120,6 +7240,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 24: {
             Reason = (global::Sweepstake.Protocol.V1.SwitchReason) input.ReadEnum();
+            break;
+          }
+          case 32: {
+            TrialLimitPercent = input.ReadUInt32();
             break;
           }
         }

@@ -1,4 +1,4 @@
-#include "engine_client/adaptive/bail_out_guard.h"
+#include "engine_client/adaptive/guards/bail_out_guard.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,204 @@
+// Trials: an arm that takes too long is left by the client itself, in the frame after.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "engine_client/adaptive/adaptive_factory.h"
+#include "engine_client/adaptive/guards/trial_guard.h"
+#include "tests/support/recording_sink.h"
+#include "tests/support/scripted_broad_phase.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::ArmScript;
+using test_support::RecordingSink;
+using test_support::ScriptedBroadPhase;
+using test_support::ScriptedClock;
+
+constexpr uint64_t kFrameNs = 1000;
+
+// Arms A and B, of which a frame's search takes 110 ns, on a scripted clock. A trial lasts for 40
+// frames.
+class TrialTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::vector<std::unique_ptr<BroadPhase>> backends;
+    for (const char* name : {"A", "B"}) {
+      const ArmScript script{
+          .name = name, .build_ns = 1000, .update_ns = 100, .find_ns = 10, .bytes = 64};
+      auto backend = std::make_unique<ScriptedBroadPhase>(script, clock_);
+      arms_.push_back(backend.get());
+      backends.push_back(std::move(backend));
+    }
+    const AdaptiveOptions options{.settling_ns = 20 * kFrameNs};
+    adaptive_ = std::move(*AdaptiveFactory::Make(options, std::move(backends), &sink_, clock_));
+    Frames(5);
+  }
+
+  const FrameSample& Frame(uint32_t flags = 0) {
+    const std::vector<Aabb> boxes(4);
+    adaptive_->BeginFrame();
+    adaptive_->FindPairs(boxes);
+    adaptive_->EndFrame({.frame_time_ns = kFrameNs, .flags = flags});
+    return adaptive_->last_sample();
+  }
+  void Frames(int count) {
+    for (int i = 0; i < count; ++i) Frame();
+  }
+  // Commands arm B as a trial of at most 132 ns, and runs its first frame, which builds.
+  void TryB(uint32_t limit_percent = 120) {
+    adaptive_->mailbox().Post({.command_id = 7, .arm = 1, .trial_limit_percent = limit_percent});
+    ASSERT_EQ(Frame().flags, uint32_t{kFrameRebuild});
+  }
+  void SearchOfBTakes(uint64_t find_ns) { arms_[1]->script().find_ns = find_ns; }
+
+  ScriptedClock clock_;
+  RecordingSink sink_;
+  std::vector<ScriptedBroadPhase*> arms_;
+  std::unique_ptr<AdaptiveBroadPhase> adaptive_;
+};
+
+TEST_F(TrialTest, AnArmOverTheLimitHasOneFrameAndTheNextIsThatOfTheArmBefore) {
+  TryB();
+  SearchOfBTakes(40);
+  EXPECT_EQ(Frame().detection_time_ns, 140U);
+  const FrameSample& back = Frame();
+  EXPECT_EQ(back.arm, 0U);
+  EXPECT_EQ(back.switch_epoch, 2U);
+  EXPECT_EQ(back.detection_time_ns, 110U);
+  EXPECT_EQ(back.flags, 0U) << "it goes on with the structure that it had";
+  EXPECT_EQ(arms_[0]->build_count, 1);
+
+  ASSERT_EQ(sink_.switches.size(), 2U);
+  EXPECT_EQ(sink_.switches[0].command_id, 7U);
+  EXPECT_EQ(sink_.switches[0].arm, 1U);
+  EXPECT_EQ(sink_.switches[0].trial_detection_time_ns, 0U);
+  EXPECT_EQ(sink_.switches[1].arm, 0U);
+  EXPECT_EQ(sink_.switches[1].switch_epoch, 2U);
+  EXPECT_EQ(sink_.switches[1].executed, 1U);
+  EXPECT_EQ(sink_.switches[1].trial_detection_time_ns, 140U);
+  EXPECT_EQ(sink_.switches[1].trial_arm, 1U);
+  Frames(100);
+  EXPECT_EQ(adaptive_->active_arm(), 0U);
+}
+
+TEST_F(TrialTest, AnArmWithinTheLimitStaysAndIsNoTrialAfterTwiceTheSettlingTime) {
+  TryB();
+  SearchOfBTakes(32);
+  Frames(40);
+  SearchOfBTakes(5000);
+  Frames(5);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+  EXPECT_EQ(adaptive_->switch_epoch(), 1U);
+}
+
+TEST_F(TrialTest, TheLimitIsThatOfTheLongestFrameOfLate) {
+  arms_[0]->script().find_ns = 100;
+  Frame();
+  arms_[0]->script().find_ns = 10;
+  Frames(200);
+  TryB();
+  SearchOfBTakes(140);
+  EXPECT_EQ(Frame().detection_time_ns, 240U);
+  EXPECT_EQ(Frame().arm, 1U) << "200 were taken before";
+  SearchOfBTakes(141);
+  Frames(2);
+  EXPECT_EQ(adaptive_->active_arm(), 0U);
+}
+
+TEST_F(TrialTest, ALongFrameOfLongAgoIsForgotten) {
+  arms_[0]->script().find_ns = 100;
+  Frame();
+  arms_[0]->script().find_ns = 10;
+  Frames(2 * TrialGuard::kBlockFrames);
+  TryB();
+  SearchOfBTakes(40);
+  Frames(2);
+  EXPECT_EQ(adaptive_->active_arm(), 0U);
+}
+
+TEST_F(TrialTest, ACommandWithoutALimitIsNoTrial) {
+  TryB(0);
+  SearchOfBTakes(5000);
+  Frames(5);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
+TEST_F(TrialTest, PausedAndLoadingFramesEndNone) {
+  TryB();
+  SearchOfBTakes(5000);
+  Frame(kFramePaused);
+  Frame(kFrameLoading);
+  EXPECT_EQ(Frame().arm, 1U);
+  EXPECT_EQ(Frame().arm, 0U);
+}
+
+TEST_F(TrialTest, AfterALongTrialTheArmBeforeBuildsAgain) {
+  TryB();
+  Frames(30);
+  SearchOfBTakes(40);
+  Frame();
+  EXPECT_EQ(Frame().flags, uint32_t{kFrameRebuild});
+  EXPECT_EQ(adaptive_->active_arm(), 0U);
+}
+
+// Each reading is a step later, so that a search takes one step whatever it does.
+class SteppedClock final : public Clock {
+ public:
+  uint64_t NowNs() noexcept override { return now_ns_ += step_ns; }
+  uint64_t step_ns = 100;
+
+ private:
+  uint64_t now_ns_ = 0;
+};
+
+// Returns the flags of the frame after a trial of real arms that was ended.
+uint32_t FlagsOfTheWayBack(bool trims) {
+  SteppedClock clock;
+  const AdaptiveOptions options{.arms = {"SAP", "DBVT"},
+                                .initial_arm = "SAP",
+                                .settling_ns = 20 * kFrameNs,
+                                .shadow = {.enabled = ShadowMode::kOff}};
+  const auto adaptive = std::move(*AdaptiveBroadPhase::Create(options, nullptr, clock));
+  const std::vector<Aabb> boxes(4, Aabb{.min = {0, 0, 0}, .max = {1, 1, 1}});
+  const auto frame = [&] {
+    adaptive->BeginFrame();
+    EXPECT_EQ(adaptive->FindPairs(boxes).size(), 6U);
+    adaptive->EndFrame({.frame_time_ns = kFrameNs});
+    return adaptive->last_sample();
+  };
+  for (int i = 0; i < 5; ++i) frame();
+  adaptive->mailbox().Post({.command_id = 1, .arm = 1, .trial_limit_percent = 120});
+  frame();
+  clock.step_ns = 1000;
+  EXPECT_EQ(frame().arm, 1U);
+  if (trims) adaptive->Trim();
+  const FrameSample back = frame();
+  EXPECT_EQ(back.arm, 0U);
+  return back.flags;
+}
+
+TEST(Trial, TheWayBackNeedsNoBuildUnlessTheStructureWasFreed) {
+  EXPECT_EQ(FlagsOfTheWayBack(false), 0U);
+  EXPECT_EQ(FlagsOfTheWayBack(true), uint32_t{kFrameRebuild});
+}
+
+TEST_F(TrialTest, AGameThatChoosesForItselfEndsNone) {
+  TryB();
+  SearchOfBTakes(40);
+  Frame();
+  adaptive_->SetMode(Mode::kManual);
+  Frames(5);
+  EXPECT_EQ(adaptive_->active_arm(), 1U) << "what was chosen in the frame before is dropped too";
+  ASSERT_TRUE(adaptive_->SelectArm("A").ok());
+  Frame();
+  for (const SwitchOutcome& outcome : sink_.switches)
+    EXPECT_EQ(outcome.trial_detection_time_ns, 0U);
+}
+
+}  // namespace
+}  // namespace sweepstake
