@@ -34,14 +34,6 @@ struct OpenFile {
 };
 
 using SceneCounts = std::map<std::string, priors::SceneCount>;  // by project
-// Such a source has the folded evidence of others.
-bool IsFolded(const std::string& source) { return source.front() < ' '; }
-
-// Whether all sources of a build are meant.
-bool MeansABuild(const priors::SourceFilter& filter) {
-  return !filter.build.empty() && filter.id.empty() && filter.token_id == 0 &&
-         filter.from_unix_s == 0 && filter.until_unix_s == priors::SourceFilter().until_unix_s;
-}
 
 class SqlitePriorStore final : public priors::PriorStore {
  public:

@@ -1,0 +1,336 @@
+#include "server/storage/postgres/postgres_prior_store.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "server/audit/audit_log.h"
+#include "server/storage/postgres/postgres_audit_log.h"
+#include "server/storage/postgres/postgres_connection.h"
+#include "server/storage/postgres/postgres_evidence.h"
+#include "server/storage/postgres/postgres_reader.h"
+#include "server/storage/postgres/postgres_schema.h"
+#include "server/storage/postgres/postgres_sources.h"
+#include "server/storage/record_limits.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using priors::EvidenceKey;
+using priors::PriorRecord;
+using priors::SceneEvidence;
+using priors::SceneFilter;
+using priors::SceneKey;
+using priors::SourceUpdate;
+
+constexpr int kAttempts = 20;  // of a transaction that others are in the way of
+
+// Commits join a few hundred given rows with tables by their keys. Where the server has not counted
+// a table's rows yet it would read all of it for that.
+constexpr const char* kPlans =
+    "SET enable_hashjoin = off; SET enable_mergejoin = off; SET jit = off";
+
+class PostgresPriorStore final : public priors::PriorStore {
+ public:
+  PostgresPriorStore(const std::string& url, const priors::AuditLimits& audit_limits)
+      : connection_(url),
+        reader_(connection_),
+        sources_(connection_),
+        evidence_(connection_),
+        audit_(connection_, audit_limits) {}
+
+  absl::Status Prepare();
+  void Limit(const priors::AuditLimits& audit_limits);
+  absl::StatusOr<std::string> ShareResumeKey(const std::string& own);
+
+  absl::Status Commit(std::span<const SourceUpdate> updates) override;
+  uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
+  absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(const SceneKey& scene) override {
+    return reader_.LoadSources(scene);
+  }
+  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
+      const std::string& source_id) override {
+    return reader_.LoadSource(source_id);
+  }
+  absl::StatusOr<std::vector<SceneEvidence>> List(const SceneFilter& filter,
+                                                  const std::optional<SceneKey>& after,
+                                                  uint32_t limit) override {
+    return reader_.List(filter, after, limit);
+  }
+  absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) override {
+    return reader_.LoadScene(key);
+  }
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
+    return reader_.CountScenes(project);
+  }
+  absl::StatusOr<uint64_t> CountProjects() override { return reader_.CountProjects(); }
+  absl::StatusOr<priors::ExportPage> Export(const SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override {
+    return reader_.Export(filter, after, limit);
+  }
+  absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override;
+  absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
+                                              bool preview) override;
+  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
+                                                              uint64_t after,
+                                                              uint32_t limit) override {
+    return reader_.ListAudit(filter, after, limit);
+  }
+  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit,
+                                                          size_t max_bytes) override {
+    return reader_.LoadAudit(segment_id, first_row, limit, max_bytes);
+  }
+
+ private:
+  // Connects if need be, to the same database as before.
+  absl::Status Connect();
+  // Runs `body` in a transaction, again from its start where other daemons were in the way; it is
+  // rolled back if it fails.
+  template <typename Body>
+  absl::Status InTransaction(Body body);
+  template <typename Body>
+  absl::Status TryTransaction(Body& body);
+  // Sets `lost` to the number of audit rows that could not be written.
+  absl::Status CommitAll(std::span<const SourceUpdate> updates, uint64_t& lost);
+  absl::Status AddIncrements(std::span<const SourceUpdate* const> updates,
+                             const LockedSources& sources);
+  absl::Status ImportAll(std::span<const PriorRecord> records, priors::ImportResult& result);
+  absl::StatusOr<priors::RevokeResult> RevokeAll(const priors::SourceFilter& filter);
+
+  PostgresConnection connection_;
+  PostgresReader reader_;
+  PostgresSources sources_;
+  PostgresEvidence evidence_;
+  PostgresAuditLog audit_;
+  std::string store_id_;
+  uint64_t incarnation_ = 0;  // of the connection that was found to be to this store
+  uint64_t lost_audit_row_count_ = 0;
+};
+
+absl::Status PostgresPriorStore::Prepare() {
+  if (absl::Status status = connection_.Connect(); !status.ok()) return status;
+  auto id = PreparePostgresSchema(connection_);
+  if (!id.ok()) return id.status();
+  store_id_ = *std::move(id);
+  return Connect();
+}
+
+void PostgresPriorStore::Limit(const priors::AuditLimits& audit_limits) {
+  audit_.Limit(audit_limits);
+  // Where the server does not allow it now, the rows go with a later commit.
+  InTransaction([&] { return audit_.Trim(/*unix_now_s=*/0); }).IgnoreError();
+}
+
+absl::StatusOr<std::string> PostgresPriorStore::ShareResumeKey(const std::string& own) {
+  std::string key;
+  absl::Status status = InTransaction([&] {
+    return connection_.ForEachRow(
+        "UPDATE store SET resume_key = coalesce(resume_key, decode($1, 'hex')) RETURNING "
+        "resume_key",
+        [&](const PostgresRow& row) { key = row.Bytes(0); }, absl::BytesToHexString(own));
+  });
+  if (!status.ok()) return status;
+  return key;
+}
+
+absl::Status PostgresPriorStore::Connect() {
+  absl::Status status = connection_.Connect();
+  if (!status.ok() || incarnation_ == connection_.incarnation()) return status;
+  evidence_.OnReconnected();
+  const auto id = PostgresStoreId(connection_);
+  if (!id.ok()) return id.status();
+  if (*id != store_id_) {
+    return absl::UnavailableError(
+        "the database in PostgreSQL is not the one that was there before; put that one back, or "
+        "restart the daemon to use this one");
+  }
+  status = connection_.Execute(kPlans);
+  if (status.ok()) incarnation_ = connection_.incarnation();
+  return status;
+}
+
+template <typename Body>
+absl::Status PostgresPriorStore::TryTransaction(Body& body) {
+  absl::Status status = Connect();
+  if (status.ok()) status = connection_.Execute("BEGIN");
+  if (!status.ok()) return status;
+  status = body();
+  if (status.ok()) status = connection_.Execute("COMMIT");
+  evidence_.OnEnd(status.ok());
+  if (!status.ok()) connection_.Execute("ROLLBACK").IgnoreError();
+  return status;
+}
+
+template <typename Body>
+absl::Status PostgresPriorStore::InTransaction(Body body) {
+  absl::Status status;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    status = TryTransaction(body);
+    if (!absl::IsAborted(status)) return status;
+  }
+  return absl::UnavailableError(status.message());
+}
+
+absl::Status PostgresPriorStore::Commit(std::span<const SourceUpdate> updates) {
+  if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
+  uint64_t lost = 0;
+  absl::Status status = InTransaction([&] { return CommitAll(updates, lost); });
+  if (status.ok()) lost_audit_row_count_ += lost;
+  return status;
+}
+
+absl::Status PostgresPriorStore::CommitAll(std::span<const SourceUpdate> updates, uint64_t& lost) {
+  std::vector<NewSource> names;
+  for (const SourceUpdate& update : updates) names.push_back({update.progress.source_id});
+  auto sources = sources_.LockOrAdd(names);
+  if (!sources.ok()) return sources.status();
+  std::vector<const SourceUpdate*> applied;
+  std::vector<const SourceUpdate*> audited;
+  for (const SourceUpdate& update : updates) {
+    const auto is_new = sources->at(update.progress.source_id).Advance(update);
+    if (!is_new.ok()) return is_new.status();
+    if (!*is_new) continue;
+    applied.push_back(&update);
+    if (!update.audit.rows.empty()) audited.push_back(&update);
+  }
+  absl::Status status = AddIncrements(applied, *sources);
+  if (status.ok()) status = sources_.Update(*sources);
+  if (!status.ok() || audited.empty()) return status;
+  const auto lost_rows = audit_.Append(audited);
+  lost = lost_rows.value_or(0);
+  return lost_rows.status();
+}
+
+absl::Status PostgresPriorStore::AddIncrements(std::span<const SourceUpdate* const> updates,
+                                               const LockedSources& sources) {
+  std::set<EvidenceKey> keys;
+  for (const SourceUpdate* update : updates) {
+    for (const auto& increment : update->increments) keys.insert(increment.key);
+  }
+  const auto ids = evidence_.FindOrAddKeys(keys);
+  if (!ids.ok()) return ids.status();
+  RowChanges changes;
+  for (const SourceUpdate* update : updates) {
+    const int64_t source = sources.at(update->progress.source_id).id;
+    for (const auto& [key, evidence] : update->increments) {
+      RowChange& change = changes[{ids->at(key), source}];
+      change.sequence = update->progress.commit_sequence;
+      change.units += UnitsOf(evidence);
+    }
+  }
+  return evidence_.Apply(changes);
+}
+
+absl::StatusOr<priors::ImportResult> PostgresPriorStore::Import(
+    std::span<const PriorRecord> records) {
+  if (absl::Status status = CheckRecords(records); !status.ok()) return status;
+  priors::ImportResult result;
+  absl::Status status = InTransaction([&] {
+    result = {};
+    return ImportAll(records, result);
+  });
+  if (!status.ok()) return status;
+  return result;
+}
+
+absl::Status PostgresPriorStore::ImportAll(std::span<const PriorRecord> records,
+                                           priors::ImportResult& result) {
+  std::vector<NewSource> names;
+  for (const PriorRecord& record : records)
+    names.push_back({record.source_id, record.build, record.last_seen_unix_s});
+  const auto sources = sources_.LockOrAdd(names);
+  if (!sources.ok()) return sources.status();
+  std::set<EvidenceKey> keys;
+  for (const PriorRecord& record : records) {
+    if (sources->at(record.source_id).takes_imports()) keys.insert(record.key);
+  }
+  const auto ids = evidence_.FindOrAddKeys(keys);
+  if (!ids.ok()) return ids.status();
+  std::set<RowPlace> places;
+  for (const PriorRecord& record : records) {
+    const LockedSource& source = sources->at(record.source_id);
+    if (source.takes_imports()) places.insert({ids->at(record.key), source.id});
+  }
+  const auto stored = evidence_.Load(places);
+  if (!stored.ok()) return stored.status();
+  RowChanges newest;
+  for (const PriorRecord& record : records) {
+    const LockedSource& source = sources->at(record.source_id);
+    bool applied = false;
+    if (source.takes_imports()) {
+      const RowPlace place(ids->at(record.key), source.id);
+      const auto old = stored->find(place);
+      const auto newer = newest.find(place);
+      const uint64_t sequence = newer != newest.end()  ? newer->second.sequence
+                                : old != stored->end() ? old->second.sequence
+                                                       : 0;
+      applied = record.source_sequence > sequence;
+      if (applied) newest[place] = {record.source_sequence, UnitsOf(record.evidence)};
+    }
+    ++(applied ? result.applied_count : result.unchanged_count);
+  }
+  for (auto& [place, change] : newest) {
+    if (const auto old = stored->find(place); old != stored->end())
+      change.units -= old->second.units;
+  }
+  return evidence_.Apply(newest);
+}
+
+// A preview is a revocation that is not committed.
+absl::StatusOr<priors::RevokeResult> PostgresPriorStore::Revoke(const priors::SourceFilter& filter,
+                                                                bool preview) {
+  absl::StatusOr<priors::RevokeResult> result;
+  absl::Status status = InTransaction([&] {
+    result = RevokeAll(filter);
+    return result.ok() && preview ? absl::CancelledError("a preview") : result.status();
+  });
+  return status.ok() || (result.ok() && absl::IsCancelled(status)) ? result : status;
+}
+
+absl::StatusOr<priors::RevokeResult> PostgresPriorStore::RevokeAll(
+    const priors::SourceFilter& filter) {
+  const auto matching = sources_.LockMatching(filter);
+  if (!matching.ok()) return matching.status();
+  if (matching->revoked_count == 0 && BarsUnknown(filter)) {
+    const std::vector<NewSource> unknown = {{filter.id}};
+    const auto added = sources_.LockOrAdd(unknown);
+    if (!added.ok()) return added.status();
+    PostgresArray id;
+    id.Add(added->at(filter.id).id);
+    if (absl::Status status = sources_.Bar(id); !status.ok()) return status;
+    return priors::RevokeResult{};
+  }
+  const auto removed = evidence_.Remove(matching->all, filter.project, MeansABuild(filter));
+  if (!removed.ok()) return removed.status();
+  if (absl::Status status = sources_.Bar(matching->revoked); !status.ok()) return status;
+  return priors::RevokeResult{.source_count = matching->revoked_count,
+                              .record_count = removed->record_count,
+                              .window_count = removed->window_count};
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenPostgresPriorStore(
+    const std::string& url, const priors::AuditLimits& audit_limits) {
+  auto store = std::make_unique<PostgresPriorStore>(url, audit_limits);
+  if (absl::Status status = store->Prepare(); !status.ok()) return status;
+  return store;
+}
+
+absl::StatusOr<std::string> ShareResumeKey(priors::PriorStore& store, const std::string& own) {
+  return static_cast<PostgresPriorStore&>(store).ShareResumeKey(own);
+}
+
+void LimitPostgresAudit(priors::PriorStore& store, const priors::AuditLimits& audit_limits) {
+  static_cast<PostgresPriorStore&>(store).Limit(audit_limits);
+}
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,20 @@
+// The store in PostgreSQL passes the conformance suite.
+#include <gtest/gtest.h>
+
+#include "tests/server/storage/audit_conformance.h"
+#include "tests/server/storage/postgres/temporary_postgres_store.h"
+#include "tests/server/storage/prior_store_conformance.h"
+#include "tests/server/storage/source_conformance.h"
+
+namespace sweepstake::storage {
+namespace {
+
+const auto kPostgres = ::testing::Values(std::pair<std::string, MakeStore>(
+    "Postgres", [] { return OpenStore(Server().NewDatabase(), kConformanceAuditLimits); }));
+
+INSTANTIATE_TEST_SUITE_P(Stores, PriorStoreConformance, kPostgres);
+INSTANTIATE_TEST_SUITE_P(Stores, SourceConformance, kPostgres);
+INSTANTIATE_TEST_SUITE_P(Stores, AuditConformance, kPostgres);
+
+}  // namespace
+}  // namespace sweepstake::storage
