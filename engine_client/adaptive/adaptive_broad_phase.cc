@@ -268,6 +268,7 @@ void AdaptiveBroadPhase::Impl::Search() {
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
   view_tap.OnFrame(boxes, sample_.frame_index);
+  if (sink_ != nullptr) sink_->OnBoxes(boxes);
   if (lane_ == nullptr || frozen()) return;
   lane_->OnFrame(boxes, {.frame_index = sample_.frame_index,
                          .frame_time_ns = last_sample.frame_time_ns,

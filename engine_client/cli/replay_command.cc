@@ -9,6 +9,7 @@
 #include <sstream>
 #include <thread>
 
+#include "engine_client/cli/bench/flight_replay.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/report_file.h"
 #include "engine_client/cli/replay/replay_log.h"
@@ -22,6 +23,7 @@ namespace {
 struct ReplayCommandOptions {
   ReplayRequest request{.thread_count = std::max(std::thread::hardware_concurrency(), 1U)};
   std::string log_file;
+  std::string recording;
   std::string csv_file;
   std::string report_file;
   bool json = false;
@@ -103,11 +105,23 @@ int RederiveLog(const ReplayCommandOptions& options, Terminal& terminal) {
   return report->difference ? kCheckFailed : kDone;
 }
 
+int ReplayRecording(const ReplayCommandOptions& options, Terminal& terminal) {
+  const auto replay = ReplayFlight(options.recording);
+  if (!replay.ok()) return Fail(terminal, replay.status());
+  PrintResult(terminal, options.json, FlightReplayJson(*replay, options.recording),
+              FlightReplayText(*replay, options.recording));
+  return kDone;
+}
+
 int RunReplay(const ReplayCommandOptions& options, Terminal& terminal) {
-  if (options.request.costs.empty() == options.log_file.empty()) {
+  const int given_count = (options.request.costs.empty() ? 0 : 1) +
+                          (options.log_file.empty() ? 0 : 1) + (options.recording.empty() ? 0 : 1);
+  if (given_count != 1) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument,
-                                 "give one of --costs FILE.costs and --log FILE.csv"));
+                                 "give one of --costs FILE.costs, --log FILE.csv and --recording "
+                                 "FILE.aabbs"));
   }
+  if (!options.recording.empty()) return ReplayRecording(options, terminal);
   return options.log_file.empty() ? ReplayTraces(options, terminal)
                                   : RederiveLog(options, terminal);
 }
@@ -118,6 +132,10 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       ->delimiter(',');
   CLI::Option* log = command.add_option(
       "--log", options.log_file, "Derive every decision of this audit log again, and compare");
+  CLI::Option* recording =
+      command.add_option("--recording", options.recording,
+                         "Time every arm on what a flight recorder has kept, and say what was "
+                         "decided in it");
   command
       .add_option("--policy", request.policies,
                   "Policies, or all; fixed for every arm, fixed:ARM, oracle")
@@ -184,11 +202,14 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command.add_option("--threads", request.thread_count, "Games played at a time")
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
-  command.add_option("--csv", options.csv_file, "Every game as a row of this file")->excludes(log);
+  command.add_option("--csv", options.csv_file, "Every game as a row of this file")
+      ->excludes(log)
+      ->excludes(recording);
   command
       .add_option("--report", options.report_file,
                   "Charts and tables as one HTML file that needs no network")
-      ->excludes(log);
+      ->excludes(log)
+      ->excludes(recording);
   command.add_flag("--json", options.json, "One JSON document on stdout");
 }
 
@@ -200,11 +221,13 @@ void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
     policies.append(" ").append(name);
   AddCommand<ReplayCommandOptions>(
       app, "replay",
-      "Let policies play recorded cost traces in virtual time, or decisions be derived again",
+      "Let policies play recorded cost traces in virtual time, decisions be derived again, or a "
+      "flight recording be looked into",
       "  sweepstake replay --costs hurricane.costs --policy default,paper,fixed --seeds 200\n"
       "  sweepstake replay --costs a.costs,b.costs --policy default,oracle --priors wrong --json\n"
       "  sweepstake replay --costs a.costs --policy fixed:SAP,default --pass 3m --csv games.csv\n"
       "  sweepstake replay --log decisions.csv\n"
+      "  sweepstake replay --recording flight-20261123-234641-250.aabbs\n"
       "Policies:" +
           policies +
           "\nRegret is frame time against the best fixed arm's on the same frames; negative is "

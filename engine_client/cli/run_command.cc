@@ -46,6 +46,7 @@ struct RunOptions {
   bool ignore_priors = false;
   bool allow_orders = false;
   bool allow_box_view = false;
+  FlightRecorderOptions flight_recorder{.directory = "."};
   std::string shadow = "auto";
   std::string csv;
   bool json = false;
@@ -72,6 +73,7 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   session.seed = options.scene.seed;
   session.allow_operator_orders = options.allow_orders;
   session.allow_box_view = options.allow_box_view;
+  session.flight_recorder = options.flight_recorder;
   session.tls = options.daemon.tls;
   session.token = options.daemon.token;
   if (!options.embedded)
@@ -326,6 +328,24 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   return Report(options, Summarize(setup, **run, (*session)->stats()), *logs, terminal);
 }
 
+void DeclareFlightRecorder(CLI::App& command, FlightRecorderOptions& options) {
+  command
+      .add_option(
+          "--flight-recorder", options.memory_mb,
+          "MiB of memory for the boxes of the last 5 s, written to a file after a frame over "
+          "the budget, for `sweepstake replay --recording`; 0: off")
+      ->check(WholeUpTo(1024))
+      ->capture_default_str();
+  command
+      .add_option("--frame-budget", options.frame_budget_ms,
+                  "Milliseconds of a frame over which the flight recorder writes")
+      ->check(RealFrom(0.001, 60'000.0))
+      ->capture_default_str();
+  command.add_option("--flight-folder", options.directory, "Where the flight recorder writes")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+}
+
 void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--scene", options.scene.name, "Scene or .aabbs file")->required();
   command.add_option("--objects", options.scene.object_count, "Object count")
@@ -366,6 +386,7 @@ void Declare(CLI::App& command, RunOptions& options) {
                    "Obey `sweepstake sessions pin` and `release` of the daemon");
   command.add_flag("--allow-box-view", options.allow_box_view,
                    "Show the objects' boxes to operators who look at the session in the dashboard");
+  DeclareFlightRecorder(command, options.flight_recorder);
   command
       .add_option("--shadow", options.shadow,
                   "Shadow lane: auto: in mode ai, where a core is to spare; on: in mode manual too")

@@ -15,7 +15,7 @@ constexpr size_t kObjectTypeAt = 128;
 constexpr size_t kObjectCountAt = 256;
 constexpr size_t kFrameCountAt = 260;
 constexpr size_t kLayoutAt = 264;
-constexpr size_t kReservedAt = 268;
+constexpr size_t kNotesBytesAt = 268;
 constexpr size_t kWorldAt = 272;
 
 using ConstBytes = std::span<const std::byte>;
@@ -57,12 +57,13 @@ Status CheckCounts(int32_t object_count, int32_t frame_count) {
   return {};
 }
 
-Status CheckLayout(int32_t layout, int32_t reserved) {
+Status CheckLayout(int32_t layout, int32_t notes_bytes) {
   if (layout != 0 && layout != 1) {
     return Broken("the layout flag at byte 264 is " + std::to_string(layout) + ", must be 0 or 1");
   }
-  if (reserved != 0) {
-    return Broken("the reserved field at byte 268 is " + std::to_string(reserved) + ", must be 0");
+  if (notes_bytes < 0 || notes_bytes > kMaxNotesBytes) {
+    return Broken("the size of the notes at byte 268 is " + std::to_string(notes_bytes) +
+                  ", must be from 0 to " + std::to_string(kMaxNotesBytes));
   }
   return {};
 }
@@ -90,6 +91,7 @@ HeaderBytes EncodeHeader(const Header& header) {
   PutInt32(header.object_count, kObjectCountAt, bytes);
   PutInt32(header.frame_count, kFrameCountAt, bytes);
   PutInt32(static_cast<int32_t>(header.layout), kLayoutAt, bytes);
+  PutInt32(header.notes_bytes, kNotesBytesAt, bytes);
   EncodeBox(header.world, std::span(bytes).subspan<kWorldAt, kBoxBytes>());
   return bytes;
 }
@@ -108,10 +110,11 @@ Result<Header> DecodeHeader(const HeaderBytes& bytes) {
   const int32_t layout = Int32At(bytes, kLayoutAt);
   for (const Status& status :
        {CheckCounts(header.object_count, header.frame_count),
-        CheckLayout(layout, Int32At(bytes, kReservedAt)), CheckWorld(header.world)}) {
+        CheckLayout(layout, Int32At(bytes, kNotesBytesAt)), CheckWorld(header.world)}) {
     if (!status.ok()) return status;
   }
   header.layout = static_cast<Layout>(layout);
+  header.notes_bytes = Int32At(bytes, kNotesBytesAt);
   return header;
 }
 

@@ -20,6 +20,7 @@ inline constexpr size_t kHeaderBytes = 304;
 inline constexpr size_t kBoxBytes = 32;
 inline constexpr size_t kCountBytes = 4;
 inline constexpr size_t kNameBytes = 128;
+inline constexpr int32_t kMaxNotesBytes = 16 << 20;
 
 enum class Layout : int32_t {
   kFixedCount = 0,     // Broadmark's layout: (1 + frames) * N boxes
@@ -31,6 +32,7 @@ struct Header {
   int32_t object_count = 0;  // the count of each frame, or the maximum of all
   int32_t frame_count = 0;   // the number of frames after the spawn state
   Layout layout = Layout::kFixedCount;
+  int32_t notes_bytes = 0;  // of the text after everything else
   Aabb world{};
 
   uint64_t frames_with_spawn() const { return uint64_t{1} + static_cast<uint32_t>(frame_count); }

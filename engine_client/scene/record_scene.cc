@@ -103,9 +103,10 @@ class FrameWriter {
     return file_.status();
   }
 
-  // Appends the count table if one is needed, and writes the header, which is known only now.
-  Status Finish(const Scene& scene) {
+  // Appends the count table if one is needed and the notes, and writes the header, which is known only now.
+  Status Finish(const Scene& scene, std::string_view notes) {
     aabbs::Header header;
+    header.notes_bytes = static_cast<int32_t>(notes.size());
     header.scene_name = scene.name();
     header.world = scene.world();
     header.frame_count = static_cast<int32_t>(counts_.size() - 1);
@@ -116,6 +117,7 @@ class FrameWriter {
       header.layout = aabbs::Layout::kChangingCount;
       AppendCountTable();
     }
+    file_.Append(std::as_bytes(std::span(notes)));
     file_.OverwriteStart(aabbs::EncodeHeader(header));
     return file_.status();
   }
@@ -169,10 +171,16 @@ Status CheckTarget(uint64_t frame_count, const fs::path& path) {
 
 }  // namespace
 
-Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path) {
+Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path,
+                   std::string_view notes) {
   const std::optional<fs::path> target = PathOfUtf8(path);
   if (!target) {
     return {StatusCode::kInvalidArgument, "'" + math::PrintableLine(path) + "' is not UTF-8"};
+  }
+  if (notes.size() > aabbs::kMaxNotesBytes) {
+    return {StatusCode::kInvalidArgument, "notes take at most " +
+                                              std::to_string(aabbs::kMaxNotesBytes) +
+                                              " bytes, not " + std::to_string(notes.size())};
   }
   if (Status status = CheckTarget(frame_count, *target); !status.ok()) return status;
   PendingFile file(*target);
@@ -183,7 +191,7 @@ Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path) {
     scene.Step();
     status = writer.Append(scene.aabbs());
   }
-  if (status.ok()) status = writer.Finish(scene);
+  if (status.ok()) status = writer.Finish(scene, notes);
   if (status.ok()) status = file.Commit();
   return status;
 }

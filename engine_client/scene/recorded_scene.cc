@@ -44,14 +44,33 @@ Status WrongSize(uint64_t file_bytes, const std::string& expected) {
 }  // namespace
 
 Result<std::unique_ptr<Scene>> RecordedScene::Open(const fs::path& path) {
+  auto scene = OpenFile(path);
+  if (!scene.ok()) return scene.status();
+  return std::unique_ptr<Scene>(std::move(*scene));
+}
+
+Result<std::string> RecordedScene::NotesOf(const fs::path& path) {
+  const auto scene = OpenFile(path);
+  if (!scene.ok()) return scene.status();
+  RecordedScene& file = **scene;
+  std::string notes(static_cast<size_t>(file.header_.notes_bytes), '\0');
+  file.file_.seekg(-static_cast<std::streamoff>(notes.size()), std::ios::end);
+  if (!ReadExactly(file.file_, std::as_writable_bytes(std::span(notes))))
+    return InFile(path, Broken("the notes cannot be read"));
+  return notes;
+}
+
+Result<std::unique_ptr<RecordedScene>> RecordedScene::OpenFile(const fs::path& path) {
   const Result<uint64_t> file_bytes = SizeOfRegularFile(path);
   if (!file_bytes.ok()) return InFile(path, file_bytes.status());
   std::unique_ptr<RecordedScene> scene(new RecordedScene);
   Status status = scene->ReadHeader(path);
-  if (status.ok()) status = scene->CheckSize(*file_bytes);
+  if (status.ok()) status = scene->CheckNotes(*file_bytes);
+  const auto notes_bytes = static_cast<uint64_t>(scene->header_.notes_bytes);
+  if (status.ok()) status = scene->CheckSize(*file_bytes - notes_bytes);
   if (status.ok()) status = scene->CheckBoxes();
   if (!status.ok()) return InFile(path, status);
-  return std::unique_ptr<Scene>(std::move(scene));
+  return scene;
 }
 
 Status RecordedScene::ReadHeader(const fs::path& path) {
@@ -64,6 +83,13 @@ Status RecordedScene::ReadHeader(const fs::path& path) {
   header_ = std::move(*header);
   if (header_.scene_name.empty()) header_.scene_name = "recorded";
   return {};
+}
+
+Status RecordedScene::CheckNotes(uint64_t file_bytes) const {
+  const auto notes_bytes = static_cast<uint64_t>(header_.notes_bytes);
+  if (file_bytes - aabbs::kHeaderBytes >= notes_bytes) return {};
+  return Broken("is shorter than the " + std::to_string(notes_bytes) +
+                " bytes of notes that its header names");
 }
 
 // Memory is allocated only after the file's size has confirmed the counts of the header.

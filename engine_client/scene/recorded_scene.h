@@ -11,6 +11,7 @@
 #include <fstream>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -25,6 +26,9 @@ class RecordedScene final : public Scene {
   // a box: frame and object). kResourceExhausted: more than kMaxSceneObjectCount objects.
   static Result<std::unique_ptr<Scene>> Open(const std::filesystem::path& path);
 
+  // Returns the file's notes, empty if it has none. Errors: those of Open.
+  static Result<std::string> NotesOf(const std::filesystem::path& path);
+
   // Returns the name in the header, or "recorded" if that is empty.
   std::string_view name() const override { return header_.scene_name; }
   Aabb world() const override { return header_.world; }
@@ -37,7 +41,10 @@ class RecordedScene final : public Scene {
  private:
   RecordedScene() = default;
 
+  static Result<std::unique_ptr<RecordedScene>> OpenFile(const std::filesystem::path& path);
   Status ReadHeader(const std::filesystem::path& path);
+  Status CheckNotes(uint64_t file_bytes) const;
+  // `file_bytes` is the size without the notes.
   Status CheckSize(uint64_t file_bytes);
   Status ReadCountTable(uint64_t file_bytes);
   Status CheckBoxes();

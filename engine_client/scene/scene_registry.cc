@@ -195,4 +195,12 @@ Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOpti
                           });
 }
 
+Result<std::string> RecordedNotes(std::string_view path) {
+  const std::optional<std::filesystem::path> file = PathOfUtf8(path);
+  if (!file) {
+    return Status(StatusCode::kNotFound, "'" + math::PrintableLine(path) + "' is no path in UTF-8");
+  }
+  return RecordedScene::NotesOf(*file);
+}
+
 }  // namespace sweepstake

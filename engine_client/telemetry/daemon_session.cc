@@ -30,7 +30,7 @@ uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs();
 class DaemonSession final : public SessionBase {
  public:
   DaemonSession(std::string address, const SessionOptions& options, TlsNames names)
-      : SessionBase(options.queue_frames),
+      : SessionBase(options),
         address_(std::move(address)),
         options_(options),
         names_(std::move(names)) {}

@@ -79,6 +79,7 @@ class GameRun final : private FrameSink {
  private:
   GameRun(Scene& scene, FrameSink& sink, uint64_t frame_interval_ns);
 
+  void OnBoxes(std::span<const Aabb> boxes) noexcept override { sink_.OnBoxes(boxes); }
   void OnFrame(const FrameSample& sample) noexcept override;
   void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;

@@ -148,6 +148,16 @@ Json DaemonJson(const SessionStats& session) {
           {"seed", std::to_string(session.seed)}};
 }
 
+Json RecordingsJson(const SessionStats& session) {
+  Json rows = Json::array();
+  for (const FlightRecording& recording : session.recordings) {
+    rows.push_back({{"file", recording.path},
+                    {"bytes", recording.bytes},
+                    {"worst_frame_ms", static_cast<double>(recording.worst_frame_ns) * 1e-6}});
+  }
+  return rows;
+}
+
 // The fields that have one value for the whole run.
 Json TotalsJson(const RunSummary& summary) {
   const SessionStats& session = summary.session;
@@ -172,6 +182,8 @@ Json TotalsJson(const RunSummary& summary) {
           {"resent_messages", session.resent_message_count},
           {"commands", session.command_count},
           {"active_arm", summary.active_arm},
+          {"recordings", RecordingsJson(session)},
+          {"recording_error", session.recording_error},
           {"shadow", ShadowJson(summary)}};
 }
 
@@ -293,6 +305,17 @@ std::string DroppedText(const SessionStats& session, uint64_t frame_count) {
          "): the evidence is thinner, the frames themselves were not affected";
 }
 
+std::string RecordingsText(const SessionStats& session) {
+  std::string text;
+  for (const FlightRecording& recording : session.recordings) {
+    text += "Recorded a frame of " +
+            Fixed(static_cast<double>(recording.worst_frame_ns) * 1e-6, 1) +
+            " ms: " + recording.path + '\n';
+  }
+  if (session.recording_error.empty()) return text;
+  return text + "The flight recorder wrote no file: " + session.recording_error + '\n';
+}
+
 std::string RunReportText(const RunSummary& summary) {
   const SceneChoice& scene = summary.setup.scene;
   std::string text = "\nPosteriors learnt in " + scene.name + " with " +
@@ -306,7 +329,7 @@ std::string RunReportText(const RunSummary& summary) {
               ? "The session did not end as it should: " + summary.session.last_error + '\n'
               : "") +
          SwitchCountsText(summary) + '\n' + ShadowText(summary) + '\n' + FrameCostText(summary) +
-         '\n' + "Verdict: " + VerdictText(summary.verdict) + '\n';
+         '\n' + "Verdict: " + VerdictText(summary.verdict) + '\n' + RecordingsText(summary.session);
 }
 
 Json RunReportJson(const RunSummary& summary) {

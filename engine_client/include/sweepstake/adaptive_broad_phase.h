@@ -44,6 +44,9 @@ class ViewTap;
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
+  // Shows the boxes of the frame's first search, before its OnFrame; they are the engine's, and
+  // valid during the call.
+  virtual void OnBoxes(std::span<const Aabb> /*boxes*/) noexcept {}
   virtual void OnFrame(const FrameSample& sample) noexcept = 0;
   virtual void OnDescriptor(const SceneDescriptor& descriptor) noexcept = 0;
   virtual void OnSwitch(const SwitchOutcome& outcome) noexcept = 0;

@@ -89,8 +89,14 @@ Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOpti
 // an existing one. kInvalidArgument: a coordinate is not finite, no frame has an object,
 // frame_count is over 2^31 - 1, or `path` is no file name; kNotFound: no such directory;
 // kUnavailable: the system's reason (Windows replaces no file that is open, a scene being replayed
-// from it included). Takes 4 bytes of memory per frame besides one frame.
-Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path);
+// from it included). Takes 4 bytes of memory per frame besides one frame. The file keeps `notes`,
+// any text of at most 16 MiB, as it is.
+Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path,
+                   std::string_view notes = {});
+
+// Returns the notes of the .aabbs file at `path`, in UTF-8; empty: it has none. Errors: those of
+// MakeScene with that file.
+Result<std::string> RecordedNotes(std::string_view path);
 
 }  // namespace sweepstake
 

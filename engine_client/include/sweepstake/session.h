@@ -31,6 +31,14 @@ enum class ConnectionState : uint32_t {
   kClosed = 4
 };
 
+// A file that the flight recorder has written.
+struct FlightRecording {
+  std::string path;  // UTF-8
+  int64_t recorded_unix_ms = 0;
+  uint64_t bytes = 0;
+  uint64_t worst_frame_ns = 0;  // the longest frame in it
+};
+
 // The statistics of a session since it began; a consistent copy.
 struct SessionStats {
   ConnectionState state = ConnectionState::kOffline;
@@ -64,6 +72,9 @@ struct SessionStats {
   uint64_t decision_time_ns = 0;  // to decide, summed over all decisions
   uint64_t longest_decision_ns = 0;
   std::vector<ArmBelief> beliefs;  // the latest posterior snapshot; empty: none yet
+  // What the flight recorder has written and is still there, the oldest first; at most 8.
+  std::vector<FlightRecording> recordings;
+  std::string recording_error;  // why the latest one was not written, and what to do; empty: it was
   // The verdict of the same snapshot; the frame thread reads AdaptiveBroadPhase::verdict().
   SceneVerdict verdict;
 };
@@ -85,6 +96,19 @@ struct ClientToken {
   std::string text;  // the token itself
 };
 
+// Keeps the latest five seconds, and writes them to a file after a frame that took too long: the
+// boxes, the figures of all frames, and the decisions, for `sweepstake replay --recording` on any
+// machine. At most one file in 30 s of frame time, none in the first second, the newest 8 of a
+// session. Cost: README.md, Flight recorder.
+struct FlightRecorderOptions {
+  // Of boxes, 24 bytes each, at most 1024; 0: off. Where the boxes of five seconds need more, those
+  // of fewer frames are kept, at equal intervals.
+  uint32_t memory_mb = 0;
+  // A longer frame is recorded, unless it was paused or loading; over 0.
+  double frame_budget_ms = 50;
+  std::string directory = {};  // an existing folder, in UTF-8, for files of memory_mb × 4/3 at most
+};
+
 struct SessionOptions {
   std::string project = "default";
   std::string scene = "default";
@@ -101,6 +125,7 @@ struct SessionOptions {
   // them, at most four times a second, and none while nobody looks. Of no use to an embedded
   // decider. Leave it off in a game that players get.
   bool allow_box_view = false;
+  FlightRecorderOptions flight_recorder;
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
   // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces

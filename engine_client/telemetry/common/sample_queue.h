@@ -13,8 +13,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <variant>
 
+#include "engine_client/telemetry/common/flight_ring.h"
 #include "engine_client/telemetry/common/lossy_ring.h"
 #include "sweepstake/adaptive_broad_phase.h"
 
@@ -32,11 +34,21 @@ class SampleQueue final : public FrameSink {
   // minimum interval.
   static constexpr uint32_t kShadowCapacity = 256;
 
-  // REQUIRES: frame_capacity is a power of two, 2 to kMaxFrameCapacity.
-  explicit SampleQueue(uint32_t frame_capacity)
-      : frames_(frame_capacity), notes_(kNoteCapacity), shadows_(kShadowCapacity) {}
+  // The flight recorder's ring is borrowed; null: none. REQUIRES: frame_capacity is a power of two,
+  // 2 to kMaxFrameCapacity.
+  explicit SampleQueue(uint32_t frame_capacity, FlightRing* flight = nullptr)
+      : frames_(frame_capacity),
+        notes_(kNoteCapacity),
+        shadows_(kShadowCapacity),
+        flight_(flight) {}
 
-  void OnFrame(const FrameSample& sample) noexcept override { frames_.Push(sample); }
+  void OnBoxes(std::span<const Aabb> boxes) noexcept override {
+    if (flight_ != nullptr) flight_->OnBoxes(boxes);
+  }
+  void OnFrame(const FrameSample& sample) noexcept override {
+    frames_.Push(sample);
+    if (flight_ != nullptr) flight_->OnFrame(sample);
+  }
   void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
   void OnShadow(const ShadowSample& sample) noexcept override { shadows_.Push(sample); }
@@ -68,6 +80,7 @@ class SampleQueue final : public FrameSink {
   LossyRing<FrameSample> frames_;
   LossyRing<Note> notes_;
   LossyRing<ShadowSample> shadows_;
+  FlightRing* const flight_;
   // Popped from notes_; it waits for the frames before it.
   std::optional<Note> next_note_;
 };

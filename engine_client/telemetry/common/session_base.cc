@@ -53,13 +53,21 @@ void PollingThread::Run(std::chrono::milliseconds interval, const Step& step) {
   }
 }
 
+SessionBase::SessionBase(const SessionOptions& options)
+    : flight_(options.flight_recorder.memory_mb > 0 ? std::make_unique<FlightRecorder>(options)
+                                                    : nullptr),
+      queue_(options.queue_frames, flight_ ? &flight_->ring() : nullptr) {}
+
 Status SessionBase::Start(AdaptiveBroadPhase& adaptive) {
   if (adaptive_.load() != nullptr || stats().state == ConnectionState::kClosed) {
     return {StatusCode::kFailedPrecondition, "the session was started before; make a new one"};
   }
   if (Status status = Prepare(adaptive); !status.ok()) return status;
   adaptive_.store(&adaptive);
-  thread_.Start(poll_interval(), [this](bool stopping) { return Step(stopping); });
+  thread_.Start(poll_interval(), [this](bool stopping) {
+    if (flight_) flight_->Step(this->adaptive());
+    return Step(stopping);
+  });
   return {};
 }
 
@@ -88,6 +96,10 @@ SessionStats SessionBase::stats() const {
   const std::lock_guard lock(stats_mutex_);
   SessionStats stats = stats_;
   stats.dropped_frame_count += queue_.dropped_frame_count();
+  if (flight_) {
+    stats.recordings = flight_->recordings();
+    stats.recording_error = flight_->error();
+  }
   return stats;
 }
 

@@ -10,9 +10,11 @@
 #include <condition_variable>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <thread>
 
+#include "engine_client/telemetry/common/flight_recorder.h"
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "sweepstake/session.h"
 
@@ -63,7 +65,7 @@ class SessionBase : public Session {
  protected:
   // The destructor of a derived class must call Stop first, since the sender thread uses its
   // members.
-  explicit SessionBase(uint32_t queue_frames) : queue_(queue_frames) {}
+  explicit SessionBase(const SessionOptions& options);
 
   // Makes the objects that Step needs, on the thread of Start, before the sender thread exists. An
   // error makes Start fail; it may then be called again.
@@ -87,6 +89,7 @@ class SessionBase : public Session {
   SampleQueue& queue() { return queue_; }
 
  private:
+  std::unique_ptr<FlightRecorder> flight_;  // null: off
   SampleQueue queue_;
   std::atomic<AdaptiveBroadPhase*> adaptive_{nullptr};
   std::atomic<uint64_t> stop_deadline_ns_{std::numeric_limits<uint64_t>::max()};

@@ -4,8 +4,12 @@
 #include <bit>
 #include <charconv>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
+#include <system_error>
 
+#include "engine_client/scene/utf8_path.h"
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "server/decision/math/names.h"
 
@@ -64,6 +68,19 @@ bool IsPath(std::string_view path) {
   return path.size() <= kMaxPathBytes && path.find('\0') == std::string_view::npos;
 }
 
+Status ValidateFlightRecorder(const FlightRecorderOptions& options) {
+  constexpr double kMaxBudgetMs = 60'000;
+  if (options.memory_mb == 0) return {};
+  if (options.memory_mb > 1024) return Invalid("flight_recorder.memory_mb", "0 to 1024");
+  if (!(options.frame_budget_ms > 0 && options.frame_budget_ms <= kMaxBudgetMs)) {
+    return Invalid("flight_recorder.frame_budget_ms", "over 0 and at most 60000");
+  }
+  const std::optional<std::filesystem::path> folder = PathOfUtf8(options.directory);
+  std::error_code error;
+  if (folder && std::filesystem::is_directory(*folder, error)) return {};
+  return Invalid("flight_recorder.directory", "a folder that exists: make it first");
+}
+
 }  // namespace
 
 Status ValidateDaemonAddress(std::string_view address) {
@@ -108,6 +125,7 @@ Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& nam
       options.backoff_max_ms > 3'600'000) {
     return Invalid("backoff_min_ms and backoff_max_ms", "1 <= min <= max <= 3600000");
   }
+  if (Status status = ValidateFlightRecorder(options.flight_recorder); !status.ok()) return status;
   return options.tls ? ValidateTlsOptions(*options.tls, names) : Status();
 }
 

@@ -16,7 +16,7 @@ namespace {
 class EmbeddedSession final : public SessionBase {
  public:
   EmbeddedSession(StudyMaker maker, EmbeddedOptions embedded, const SessionOptions& options)
-      : SessionBase(options.queue_frames), maker_(maker), embedded_(std::move(embedded)) {}
+      : SessionBase(options), maker_(maker), embedded_(std::move(embedded)) {}
   ~EmbeddedSession() override { Stop(0); }
 
   Result<std::string> ExportPriors() const override;

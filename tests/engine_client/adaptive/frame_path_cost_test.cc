@@ -66,7 +66,8 @@ class FramePathCost : public ::testing::TestWithParam<std::string_view> {
     }
   }
 
-  SampleQueue queue_{256};  // Full most of the time where nobody drains it.
+  FlightRing ring_{5000, /*budget_ns=*/20'000'000};
+  SampleQueue queue_{256, &ring_};  // Full most of the time where nobody drains it.
   BoxScene scene_{"brownian", 500, 11};
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
@@ -101,6 +102,23 @@ TEST_P(FramePathCost, AllocatesNothingAndWaitsForNothingToShowBoxes) {
     EXPECT_EQ(tap.frame().boxes.size(), std::min<size_t>(max_boxes, 500));
     scene_.Step();
   }
+}
+
+TEST_P(FramePathCost, AllocatesNothingAndWaitsForNothingToRecordAFlight) {
+  for (int frame = 0; frame < kMeasuredFrames; ++frame) {
+    const uint64_t before = ThreadAllocationCount() + ThreadMallocCount();
+    {
+      const WaitCounter waits;
+      adaptive_->BeginFrame();
+      adaptive_->FindPairs(scene_.boxes());
+      adaptive_->EndFrame({.frame_time_ns = frame == 100 ? 20'000'001U : 16'666'667U});
+      ASSERT_EQ(waits.count(), 0U) << waits.last_call();
+    }
+    ASSERT_EQ(ThreadAllocationCount() + ThreadMallocCount() - before, 0U);
+    scene_.Step();
+  }
+  ASSERT_TRUE(ring_.frozen());
+  EXPECT_EQ(ring_.Frames().back().box_count, 500U);
 }
 
 TEST_P(FramePathCost, CallsNothingThatCouldWaitWithOrWithoutAReader) {

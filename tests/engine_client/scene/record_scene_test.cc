@@ -51,6 +51,35 @@ TEST_F(Recording, WritesBroadmarksLayoutByteForByte) {
   EXPECT_EQ(Read(PathOf("scene.aabbs")), expected.str());
 }
 
+TEST_F(Recording, NotesFollowTheBoxesAndComeBackAsTheyWere) {
+  const std::string notes = "a line\nand \xFF, any bytes";
+  for (const auto& frames : {std::vector<std::vector<Aabb>>{{BoxAt(0)}, {BoxAt(1)}},
+                             std::vector<std::vector<Aabb>>{{BoxAt(0)}, {BoxAt(1), BoxAt(2)}}}) {
+    ScriptedScene scene(frames);
+    const std::string path = PathOf("scene.aabbs").string();
+    ASSERT_TRUE(RecordScene(scene, 1, path, notes).ok());
+    EXPECT_TRUE(Read(path).ends_with(notes));
+    EXPECT_EQ(*RecordedNotes(path), notes);
+    const std::unique_ptr<Scene> replayed = MustMakeScene(path, {});
+    replayed->Step();
+    EXPECT_EQ(replayed->aabbs().size(), frames[1].size());
+    replayed->Step();
+    EXPECT_EQ(replayed->aabbs()[0], BoxAt(0));
+    ASSERT_TRUE(RecordScene(scene, 0, path).ok());
+    EXPECT_EQ(*RecordedNotes(path), "");
+  }
+}
+
+TEST_F(Recording, NotesHaveABoundAndAreThoseOfARecording) {
+  ScriptedScene scene({{BoxAt(0)}});
+  const std::string path = PathOf("scene.aabbs").string();
+  const Status status = RecordScene(scene, 0, path, std::string((16 << 20) + 1, 'x'));
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("at most 16777216 bytes"));
+  EXPECT_EQ(FileCount(), 0U);
+  EXPECT_EQ(RecordedNotes(path).status().code(), StatusCode::kNotFound);
+}
+
 TEST_F(Recording, ChangingCountsUseTheExtensionAndComeBackAsTheyWere) {
   ScriptedScene scene({{}, {BoxAt(0)}, {BoxAt(1), BoxAt(2)}, {BoxAt(3)}});
   const auto path = PathOf("scene.aabbs");

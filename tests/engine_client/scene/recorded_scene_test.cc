@@ -150,10 +150,13 @@ TEST_F(RecordedFile, NamesMustEndAndBePrintable) {
   ExpectBroken(WithByte(whole, 2, '\xFF'), "the scene name is not printable");
 }
 
-TEST_F(RecordedFile, UnknownLayoutsAndReservedBitsAreBroken) {
+TEST_F(RecordedFile, UnknownLayoutsAndNotesThatAreNotThereAreBroken) {
   ExpectBroken(FileBytes().Header(1, 0, 2).Boxes(1).str(), "layout flag at byte 264 is 2");
   const std::string whole = FileBytes().Header(1, 0).Boxes(1).str();
-  ExpectBroken(WithByte(whole, 268, 1), "reserved field at byte 268 is 1");
+  ExpectBroken(WithByte(whole, 268, 33), "shorter than the 33 bytes of notes");
+  ExpectBroken(WithByte(whole, 268, 1), "is not the size its header gives");
+  ExpectBroken(WithByte(whole, 271, -1), "size of the notes at byte 268");
+  ExpectBroken(WithByte(whole, 271, 2), "size of the notes at byte 268");
 }
 
 TEST_F(RecordedFile, ACoordinateThatIsNotFiniteIsBrokenAndIsPlaced) {

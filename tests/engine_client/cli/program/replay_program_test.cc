@@ -112,7 +112,7 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     std::string arguments;
     std::string said;
   } cases[] = {
-      {"", "give one of --costs FILE.costs and --log FILE.csv"},
+      {"", "give one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
       {"--costs " + Costs() + " --log x.csv", "give one of --costs"},
       {"--log x.csv --report x.html", "--log excludes --report"},
       {"--log x.csv --csv y.csv", "--log excludes --csv"},

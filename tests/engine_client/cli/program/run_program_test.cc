@@ -54,6 +54,29 @@ TEST(RunProgram, EmbeddedPrintsOneDocumentWhoseNumbersAddUp) {
   EXPECT_THAT(run.err, HasSubstr("no priors yet"));
 }
 
+TEST(RunProgram, RecordsTheFramesBeforeOneOverTheBudgetForReplay) {
+  const std::string folder = TemporaryPath("flights");
+  std::filesystem::create_directories(folder);
+  const ProgramRun run = RunProgram(std::string(kSmallGame) +
+                                    "--duration 1500ms --json --flight-recorder 8 --frame-budget "
+                                    "0.001 --flight-folder " +
+                                    folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json recordings = json::parse(run.out)["recordings"];
+  ASSERT_EQ(recordings.size(), 1U);
+  const std::string file = recordings[0]["file"];
+  EXPECT_EQ(recordings[0]["bytes"], std::filesystem::file_size(file));
+  const ProgramRun replay = RunProgram("replay --json --recording " + file);
+  ASSERT_EQ(replay.exit_code, 0) << replay.err;
+  const json document = json::parse(replay.out);
+  EXPECT_EQ(document["scene"], "suite-b-100");
+  EXPECT_EQ(document["worst_frame"]["frame_ms"], recordings[0]["worst_frame_ms"]);
+  EXPECT_GE(document["box_frames"], 2U);
+  EXPECT_EQ(document["arms"].size(), 7U);
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(RunProgram(kSmallRun + "--flight-recorder 8 --flight-folder " + folder).exit_code, 2);
+}
+
 TEST(RunProgram, TellsWhatTheShadowLaneDid) {
   const auto shadow_of = [](const std::string& options) {
     const ProgramRun run = RunProgram(kSmallRun + "--json " + options);

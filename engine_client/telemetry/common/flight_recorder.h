@@ -1,0 +1,67 @@
+// Writes what a FlightRing has frozen as a .aabbs file, whose notes have the figures of the frames
+// and the decisions of those seconds.
+//
+// The files are flight-TIME.aabbs in the folder of the options, TIME being the moment in UTC. The
+// newest kMaxRecordings of a session stay; for a further one the session removes its own oldest,
+// and never another file.
+//
+// Thread safety: Step on the sender thread, the ring's OnBoxes and OnFrame on the frame thread,
+// recordings() and error() on any thread. Memory: the ring's, and while it writes one frame and the
+// notes, some 400 kB at most.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "engine_client/telemetry/common/flight_ring.h"
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/session.h"
+
+namespace sweepstake {
+
+// A decision, and the latest frame when it was seen.
+struct FlightDecision {
+  uint64_t frame_index = 0;
+  LastDecision decision;
+};
+
+class FlightRecorder {
+ public:
+  static constexpr size_t kMaxRecordings = 8;
+  static constexpr size_t kMaxDecisions = 64;
+
+  // REQUIRES: options.flight_recorder is valid, with memory_mb > 0.
+  explicit FlightRecorder(const SessionOptions& options);
+
+  FlightRing& ring() { return ring_; }
+  // Notes the latest decision, and writes what is frozen. Called every few milliseconds.
+  void Step(const AdaptiveBroadPhase& adaptive);
+  // Returns what was written and is still there, the oldest first.
+  std::vector<FlightRecording> recordings() const;
+  // Returns why the latest recording could not be written; empty: it could.
+  std::string error() const;
+
+ private:
+  void NoteDecision(const AdaptiveBroadPhase& adaptive);
+  Status Write(const AdaptiveBroadPhase& adaptive);
+  Status Keep(FlightRecording recording);
+
+  const SessionOptions options_;
+  FlightRing ring_;
+  std::deque<FlightDecision> decisions_;  // the latest ones
+
+  mutable std::mutex mutex_;
+  std::vector<FlightRecording> recordings_;  // guarded by mutex_
+  std::string error_;                        // guarded by mutex_
+};
+
+// Returns the recording's notes: one JSON document (engine_client/README.md, Flight recorder).
+// `worst` is the index among `frames` of the one that took longest.
+std::string FlightNotes(const SessionOptions& options, const AdaptiveBroadPhase& adaptive,
+                        const std::vector<FlightFrame>& frames, size_t worst,
+                        const std::deque<FlightDecision>& decisions, int64_t recorded_unix_ms);
+
+}  // namespace sweepstake
