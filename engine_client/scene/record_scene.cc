@@ -118,7 +118,7 @@ class FrameWriter {
       header.layout = aabbs::Layout::kChangingCount;
       AppendCountTable();
     }
-    file_.Append(std::as_bytes(std::span(notes)));
+    file_.Append(std::as_bytes(std::span(notes.data(), notes.size())));
     file_.OverwriteStart(aabbs::EncodeHeader(header));
     return file_.status();
   }
