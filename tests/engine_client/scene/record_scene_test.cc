@@ -60,11 +60,12 @@ TEST_F(Recording, NotesFollowTheBoxesAndComeBackAsTheyWere) {
     ASSERT_TRUE(RecordScene(scene, 1, path, notes).ok());
     EXPECT_TRUE(Read(path).ends_with(notes));
     EXPECT_EQ(*RecordedNotes(path), notes);
-    const std::unique_ptr<Scene> replayed = MustMakeScene(path, {});
+    std::unique_ptr<Scene> replayed = MustMakeScene(path, {});
     replayed->Step();
     EXPECT_EQ(replayed->aabbs().size(), frames[1].size());
     replayed->Step();
     EXPECT_EQ(replayed->aabbs()[0], BoxAt(0));
+    replayed.reset();  // Windows replaces no file that is open.
     ASSERT_TRUE(RecordScene(scene, 0, path).ok());
     EXPECT_EQ(*RecordedNotes(path), "");
   }
