@@ -171,8 +171,8 @@ struct SwitchCommand {
   uint64_t command_id = 0;  // counts from 1 within the session
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
-  // A frame of the new arm whose detection takes more than this share of the longest one before the
-  // switch, in percent, ends the trial: the client goes back by itself. 0: no trial.
+  // A trial: the client goes back by itself if the new arm makes frames longer than this share of
+  // the longest ones before the switch, in percent. 0: no trial.
   uint32_t trial_limit_percent = 0;
 };
 

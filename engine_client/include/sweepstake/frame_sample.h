@@ -79,9 +79,9 @@ struct SwitchCommand {
   uint64_t command_id = 0;  // 0: local
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
-  // A trial: a frame of the new arm whose detection takes more than this share of the longest one
-  // of late before the switch, in percent, sends the game back to the arm before. 0: no trial; at
-  // most 255.
+  // A trial: two frames in a row in which the new arm makes the longest frame of late longer than
+  // this share of it, in percent, and longer by 1 ms, send the game back to the arm before. 0: no
+  // trial; at most 255, and less than 100 counts as 100.
   uint32_t trial_limit_percent = 0;
 };
 
@@ -162,8 +162,8 @@ struct SwitchOutcome {
   uint64_t settling_cost_ns = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
-  // The way back from a trial: the detection time that was over its limit, and the arm that was
-  // tried. 0: any other switch.
+  // The way back from a trial: the detection time that was over its limit (of two frames the
+  // shorter one's), and the arm that was tried. 0: any other switch.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

@@ -19,7 +19,8 @@ using test_support::RecordingSink;
 using test_support::ScriptedBroadPhase;
 using test_support::ScriptedClock;
 
-constexpr uint64_t kFrameNs = 1000;
+constexpr uint64_t kFrameNs = 10'000'000;
+constexpr uint64_t kGrantedNs = 2'000'000;  // a fifth of a frame
 
 // Arms A and B, of which a frame's search takes 110 ns, on a scripted clock. A trial lasts for 40
 // frames.
@@ -43,29 +44,33 @@ class TrialTest : public ::testing::Test {
     const std::vector<Aabb> boxes(4);
     adaptive_->BeginFrame();
     adaptive_->FindPairs(boxes);
-    adaptive_->EndFrame({.frame_time_ns = kFrameNs, .flags = flags});
+    adaptive_->EndFrame({.frame_time_ns = frame_ns_, .flags = flags});
     return adaptive_->last_sample();
   }
   void Frames(int count) {
     for (int i = 0; i < count; ++i) Frame();
   }
-  // Commands arm B as a trial of at most 132 ns, and runs its first frame, which builds.
+  // Commands arm B as a trial of at most 110 ns + kGrantedNs. Its first frame builds.
   void TryB(uint32_t limit_percent = 120) {
     adaptive_->mailbox().Post({.command_id = 7, .arm = 1, .trial_limit_percent = limit_percent});
     ASSERT_EQ(Frame().flags, uint32_t{kFrameRebuild});
   }
   void SearchOfBTakes(uint64_t find_ns) { arms_[1]->script().find_ns = find_ns; }
+  void FramesTake(uint64_t frame_ns) { frame_ns_ = frame_ns; }
 
+  uint64_t frame_ns_ = kFrameNs;
   ScriptedClock clock_;
   RecordingSink sink_;
   std::vector<ScriptedBroadPhase*> arms_;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
 
-TEST_F(TrialTest, AnArmOverTheLimitHasOneFrameAndTheNextIsThatOfTheArmBefore) {
+TEST_F(TrialTest, AnArmOverTheLimitHasTwoFramesAndTheNextIsThatOfTheArmBefore) {
   TryB();
-  SearchOfBTakes(40);
-  EXPECT_EQ(Frame().detection_time_ns, 140U);
+  SearchOfBTakes(kGrantedNs + 40);
+  EXPECT_EQ(Frame().detection_time_ns, kGrantedNs + 140);
+  SearchOfBTakes(kGrantedNs + 20);
+  EXPECT_EQ(Frame().detection_time_ns, kGrantedNs + 120);
   const FrameSample& back = Frame();
   EXPECT_EQ(back.arm, 0U);
   EXPECT_EQ(back.switch_epoch, 2U);
@@ -80,7 +85,7 @@ TEST_F(TrialTest, AnArmOverTheLimitHasOneFrameAndTheNextIsThatOfTheArmBefore) {
   EXPECT_EQ(sink_.switches[1].arm, 0U);
   EXPECT_EQ(sink_.switches[1].switch_epoch, 2U);
   EXPECT_EQ(sink_.switches[1].executed, 1U);
-  EXPECT_EQ(sink_.switches[1].trial_detection_time_ns, 140U);
+  EXPECT_EQ(sink_.switches[1].trial_detection_time_ns, kGrantedNs + 120) << "the shorter one";
   EXPECT_EQ(sink_.switches[1].trial_arm, 1U);
   Frames(100);
   EXPECT_EQ(adaptive_->active_arm(), 0U);
@@ -88,51 +93,80 @@ TEST_F(TrialTest, AnArmOverTheLimitHasOneFrameAndTheNextIsThatOfTheArmBefore) {
 
 TEST_F(TrialTest, AnArmWithinTheLimitStaysAndIsNoTrialAfterTwiceTheSettlingTime) {
   TryB();
-  SearchOfBTakes(32);
+  SearchOfBTakes(kGrantedNs + 10);
   Frames(40);
-  SearchOfBTakes(5000);
+  SearchOfBTakes(2 * kGrantedNs);
   Frames(5);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
   EXPECT_EQ(adaptive_->switch_epoch(), 1U);
 }
 
+TEST_F(TrialTest, SingleFramesOverTheLimitAreNotTheArms) {
+  TryB();
+  for (int i = 0; i < 10; ++i) {
+    SearchOfBTakes(100 * kGrantedNs);
+    Frame();
+    SearchOfBTakes(10);
+    Frame();
+  }
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
 TEST_F(TrialTest, TheLimitIsThatOfTheLongestFrameOfLate) {
+  FramesTake(2 * kFrameNs);
   arms_[0]->script().find_ns = 100;
   Frame();
+  FramesTake(kFrameNs);
   arms_[0]->script().find_ns = 10;
   Frames(200);
   TryB();
-  SearchOfBTakes(140);
-  EXPECT_EQ(Frame().detection_time_ns, 240U);
-  EXPECT_EQ(Frame().arm, 1U) << "200 were taken before";
-  SearchOfBTakes(141);
+  SearchOfBTakes(2 * kGrantedNs + 100);
   Frames(2);
+  EXPECT_EQ(Frame().arm, 1U) << "200 ns were taken before, in a frame twice as long";
+  SearchOfBTakes(2 * kGrantedNs + 101);
+  Frames(3);
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
 TEST_F(TrialTest, ALongFrameOfLongAgoIsForgotten) {
+  FramesTake(2 * kFrameNs);
   arms_[0]->script().find_ns = 100;
   Frame();
+  FramesTake(kFrameNs);
   arms_[0]->script().find_ns = 10;
   Frames(2 * TrialGuard::kBlockFrames);
   TryB();
-  SearchOfBTakes(40);
-  Frames(2);
+  SearchOfBTakes(kGrantedNs + 11);
+  Frames(3);
+  EXPECT_EQ(adaptive_->active_arm(), 0U);
+}
+
+// Of a game with 1,000 frames a second, a fifth of a frame is less than what interrupts it.
+TEST_F(TrialTest, AMillisecondIsGrantedInAnyCase) {
+  FramesTake(1'000'000);
+  Frames(2 * TrialGuard::kBlockFrames);
+  TryB();
+  SearchOfBTakes(TrialGuard::kLeastNs + 10);
+  Frames(3);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+  SearchOfBTakes(TrialGuard::kLeastNs + 11);
+  Frames(3);
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
 TEST_F(TrialTest, ACommandWithoutALimitIsNoTrial) {
   TryB(0);
-  SearchOfBTakes(5000);
+  SearchOfBTakes(2 * kGrantedNs);
   Frames(5);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
 TEST_F(TrialTest, PausedAndLoadingFramesEndNone) {
   TryB();
-  SearchOfBTakes(5000);
+  SearchOfBTakes(2 * kGrantedNs);
   Frame(kFramePaused);
   Frame(kFrameLoading);
+  Frame();
   EXPECT_EQ(Frame().arm, 1U);
   EXPECT_EQ(Frame().arm, 0U);
 }
@@ -140,8 +174,8 @@ TEST_F(TrialTest, PausedAndLoadingFramesEndNone) {
 TEST_F(TrialTest, AfterALongTrialTheArmBeforeBuildsAgain) {
   TryB();
   Frames(30);
-  SearchOfBTakes(40);
-  Frame();
+  SearchOfBTakes(2 * kGrantedNs);
+  Frames(2);
   EXPECT_EQ(Frame().flags, uint32_t{kFrameRebuild});
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
@@ -174,7 +208,8 @@ uint32_t FlagsOfTheWayBack(bool trims) {
   for (int i = 0; i < 5; ++i) frame();
   adaptive->mailbox().Post({.command_id = 1, .arm = 1, .trial_limit_percent = 120});
   frame();
-  clock.step_ns = 1000;
+  clock.step_ns = 2 * kGrantedNs;
+  frame();
   EXPECT_EQ(frame().arm, 1U);
   if (trims) adaptive->Trim();
   const FrameSample back = frame();
@@ -189,8 +224,8 @@ TEST(Trial, TheWayBackNeedsNoBuildUnlessTheStructureWasFreed) {
 
 TEST_F(TrialTest, AGameThatChoosesForItselfEndsNone) {
   TryB();
-  SearchOfBTakes(40);
-  Frame();
+  SearchOfBTakes(2 * kGrantedNs);
+  Frames(2);
   adaptive_->SetMode(Mode::kManual);
   Frames(5);
   EXPECT_EQ(adaptive_->active_arm(), 1U) << "what was chosen in the frame before is dropped too";

@@ -4362,8 +4362,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 9;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// The client has ended a trial (SwitchCommand.trial_limit_percent) and gone back by itself: detection time of the frame of the
-    /// tried arm that was over the limit. Absent (0): no trial was ended with this switch.
+    /// The client has ended a trial (SwitchCommand.trial_limit_percent) and gone back by itself: detection time of the two
+    /// frames of the tried arm that were over the limit, the shorter one. Absent (0): no trial was ended with this switch.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7028,8 +7028,9 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialLimitPercentFieldNumber = 4;
     private uint trialLimitPercent_;
     /// <summary>
-    /// The arm is tried: until it has settled and been measured as long again, a frame whose detection takes more than this share, in
-    /// percent, of the longest one of late before the switch makes the client go back by itself. Absent (0): no trial.
+    /// The arm is tried: until it has settled and been measured as long again, two frames in a row in which its detection would make the
+    /// longest frame of late before the switch longer than this share of it, in percent, and longer by 1 ms, make the client go back by
+    /// itself. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
