@@ -15,6 +15,7 @@
 #include "server/baselines/shipped_policies.h"
 #include "server/config_settings.h"
 #include "server/decision/session/session_setup.h"
+#include "server/storage/postgres/shared_store.h"
 #include "server/text/names.h"
 #include "server/tls/loopback.h"
 #include "server/tls/tls_files.h"
@@ -294,6 +295,10 @@ absl::Status Validate(const Config& config, const SettingNames& names) {
                               names.Of("audit_mb")));
   }
   if (config.data.empty()) problems.Add(names.Of("data") + ": name a directory");
+  if (!config.store.empty()) {
+    const absl::Status status = storage::CheckStoreUrl(config.store);
+    if (!status.ok()) problems.Add(absl::StrCat(names.Of("store"), ": ", status.message()));
+  }
   for (const std::string& problem :
        decision::Problems(config.rpc.decision, decision::ShippedPolicies()))
     problems.Add(absl::StrCat("decision: ", problem));

@@ -28,6 +28,7 @@ struct Config {
   std::string http;        // HOST:PORT of the dashboard, /metrics, /livez and /readyz; empty: none
   std::string http_hosts;  // further names of the daemon, separated by commas
   std::filesystem::path data = "sweepstake-data";
+  std::string store;  // URL of the prior store that several daemons share; empty: one in `data`
   std::filesystem::path port_file;       // the ports are written to it once the daemon listens
   std::string log_level = "info";        // trace, debug, info, warn, error or off
   bool require_tokens = false;           // does not start without a token, wherever it listens

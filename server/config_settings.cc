@@ -128,6 +128,10 @@ std::vector<Setting> DaemonSettings() {
           "data", [](Config & c) -> auto& { return c.data; },
           "directory of the prior store; made if it is missing"),
       Text(
+          "store", [](Config & c) -> auto& { return c.store; },
+          "postgresql:// URL, without a password, of a prior store that several daemons share; "
+          "empty: priors.db in `data`"),
+      Text(
           "port_file", [](Config & c) -> auto& { return c.port_file; },
           "file that gets the gRPC port once it listens, and the HTTP port in its second line"),
       Live({"log_level", "trace, debug, info, warn, error or off", SetLogLevel,

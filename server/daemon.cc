@@ -15,6 +15,7 @@
 #include "server/descriptor_limit.h"
 #include "server/priors/unix_time.h"
 #include "server/rpc/health_probe.h"
+#include "server/storage/postgres/shared_store.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/tls/loopback.h"
 #include "server/web/health_page.h"
@@ -100,6 +101,7 @@ absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config, rpc:
 Daemon::Daemon(const Config& config, storage::DataDirectory directory)
     : config_(config),
       in_force_(config),
+      shared_(!config.store.empty()),
       log_(MakeLog(config.log_level)),
       directory_(std::move(directory)),
       metrics_(SWEEPSTAKE_VERSION),
@@ -114,22 +116,28 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   }
   if (const auto shortage = DescriptorShortage(RaiseDescriptorLimit(), config_.rpc))
     log_->warn("{}", *shortage);
-  auto opened =
-      storage::OpenStoreOrBackup(directory_.database(), config_.audit, config_.database_bytes,
-                                 [this](auto duration) { metrics_.OnSync(duration); });
+  auto opened = shared_ ? storage::OpenSharedStore(config_.store, config_.audit)
+                        : storage::OpenStoreOrBackup(
+                              directory_.database(), config_.audit, config_.database_bytes,
+                              [this](auto duration) { metrics_.OnSync(duration); });
   if (!opened.ok()) return opened.status();
+  auto key = ReadResumeKey(directory_.resume_key());
+  if (key.ok() && shared_) key = storage::SharedResumeKey(*opened->store, *key);
+  if (!key.ok()) return key.status();
   damage_ = std::move(opened->damage);
   if (!damage_.empty()) log_->error("{}", damage_);
   metrics_.SetDamaged(!damage_.empty());
   metrics_.SetMaxStoreBytes(config_.database_bytes);
   storage::StoreThreadOptions store_options;
-  store_options.on_check = [this](auto& store) { LookAtSpace(store); };
+  if (shared_) store_options.group_rows = storage::kSharedGroupRows;
+  if (!shared_) store_options.on_check = [this](auto& store) { LookAtSpace(store); };
   store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
   store_options.on_misplaced = [this](auto& store, bool last) { SaveStore(store, last); };
   store_file_ = opened->file;
   store_options.on_refusal = [this](const priors::SourceUpdate& update, const absl::Status& why) {
-    log_->error("{} pieces of evidence of session {} can never be stored: {}",
-                update.increments.size(), update.progress.source_id, std::string(why.message()));
+    log_->log(absl::IsFailedPrecondition(why) ? spdlog::level::info : spdlog::level::err,
+              "{} pieces of evidence of session {} can never be stored: {}",
+              update.increments.size(), update.progress.source_id, std::string(why.message()));
   };
   store_options.on_commit = [this](auto duration) { metrics_.OnCommit(duration); };
   store_options.on_read = [this](auto duration) { metrics_.OnRead(duration); };
@@ -137,13 +145,12 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
       std::move(opened->store), std::move(store_options), std::move(opened->reads));
   const PortFile port_file(config_.port_file);
   if (absl::Status status = port_file.Remove(); !status.ok()) return status;
-  auto key = ReadResumeKey(directory_.resume_key());
-  if (!key.ok()) return key.status();
   if (absl::Status status = OpenTokens(); !status.ok()) return status;
   rpc::RpcOptions options = RpcOptionsOf(config_);
   options.tokens = tokens_.get();
   options.resume_secret = *std::move(key);
   options.daemon_version = SWEEPSTAKE_VERSION;
+  options.shares_store = shared_;
   options.on_timer = [this](auto lateness) { metrics_.OnTimer(lateness); };
   auto server = rpc::RpcServer::Start(config_.listen, std::move(options), clock, *store_, *log_);
   if (!server.ok()) return server.status();
@@ -163,11 +170,16 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
              tls.cert.empty() ? "plain text"
              : tls.ca.empty() ? "TLS"
                               : "TLS with client certificates",
-             tokens_->empty() ? "without tokens" : "with tokens", directory_.database().string());
+             tokens_->empty() ? "without tokens" : "with tokens", StoreName());
   return absl::OkStatus();
 }
 
+std::string Daemon::StoreName() const {
+  return shared_ ? config_.store : directory_.database().string();
+}
+
 void Daemon::StartBackups(const Config& config) {
+  if (shared_) return;
   storage::BackupPlan plan;
   plan.interval = std::chrono::hours(config.backup_hours);
   plan.count = config.backup_count;
@@ -187,6 +199,7 @@ void Daemon::StartBackups(const Config& config) {
 }
 
 void Daemon::StartFolding(const Config& config) {
+  if (shared_) return;
   storage::FoldPlan plan;
   plan.days = config.fold_days;
   folding_ = std::make_unique<storage::EvidenceFolding>(
@@ -277,11 +290,14 @@ void Daemon::ReportStore(const absl::Status& status) {
   }
   if (!absl::IsNotFound(status)) save_ = {};
   if (status.ok()) {
-    log_->info("{} can be written again", directory_.database().string());
+    log_->info("{} can be written again", StoreName());
   } else if (absl::IsNotFound(status)) {
     log_->error(
         "{}; nothing more is acknowledged. Put it back, or wait until the log tells of a copy",
         std::string(status.message()));
+  } else if (shared_) {
+    log_->error("{} cannot be written: {}; what games teach is kept in memory until it can",
+                StoreName(), std::string(status.message()));
   } else {
     log_->error("{} cannot be written: {}; make room on the disk, or raise database_mb ({} now)",
                 directory_.database().string(), std::string(status.message()),
@@ -406,7 +422,9 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
 
 void Daemon::LimitStore(const Config& config) {
   if (config.database_bytes == database_bytes_ && config.audit == audit_limits_) return;
-  const auto limit = [audit = config.audit, bytes = config.database_bytes](auto& store) {
+  const auto limit = [shared = shared_, audit = config.audit,
+                      bytes = config.database_bytes](auto& store) {
+    if (shared) return storage::LimitSharedStore(store, audit);
     storage::LimitStore(store, audit, bytes).IgnoreError();  // what a commit meets then is told
   };
   if (store_->Submit(limit)) {

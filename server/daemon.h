@@ -66,6 +66,7 @@ class Daemon {
  private:
   Daemon(const Config& config, storage::DataDirectory directory);
   absl::Status Open(rpc::Clock& clock);
+  std::string StoreName() const;
   void StartBackups(const Config& config);
   void StartFolding(const Config& config);
   void LimitStore(const Config& config);
@@ -90,7 +91,8 @@ class Daemon {
   void ReportDrained();
 
   const Config config_;
-  Config in_force_;  // as it was read last; of it, what is live
+  Config in_force_;    // as it was read last; of it, what is live
+  const bool shared_;  // the store is that of several daemons, who fold and back up elsewhere
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   DaemonMetrics metrics_;

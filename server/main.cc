@@ -2,9 +2,9 @@
 // SIGHUP makes it read the configuration again.
 //
 // Exit codes: 0 done; 1 the configuration to be checked is not valid, the daemon to be probed does
-// not serve, a copy could not be made, verified or put back, or a token not made or revoked; 2 bad
-// usage or configuration; 3 the daemon could not start; 4 it did not end within nine seconds after
-// a signal, or after a copy of a database that is gone.
+// not serve, a copy could not be made, verified, put back or moved, or a token not made or revoked;
+// 2 bad usage or configuration; 3 the daemon could not start; 4 it did not end within nine seconds
+// after a signal, or after a copy of a database that is gone.
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <pthread.h>
@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -31,6 +32,7 @@
 #include "server/rpc/health_probe.h"
 #include "server/service_manager.h"
 #include "server/storage/backup/sqlite_backup.h"
+#include "server/storage/postgres/shared_store.h"
 #include "server/text/names.h"
 #include "server/token_command.h"
 
@@ -45,6 +47,9 @@ constexpr int kBadUsage = 2;
 constexpr int kCouldNotStart = 3;
 constexpr int kDidNotEnd = 4;
 
+constexpr const char* kToStore = "to-store";
+constexpr const char* kToData = "to-data";
+
 constexpr std::chrono::seconds kEndPatience{9};
 constexpr std::chrono::seconds kProbePatience{5};
 
@@ -55,7 +60,8 @@ constexpr std::string_view kNoWatchdog =
 struct CommandLine {
   Assignments flags;
   std::string config_file;
-  std::string file;  // of a subcommand
+  std::string file;       // of a subcommand
+  std::string direction;  // of `migrate`
   bool verify = false;
   bool print_config = false;
   sweepstake::server::TokenCommand token;
@@ -92,6 +98,17 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   restore->add_flag("--verify", line.verify, "only check it and say what it has");
   restore->fallthrough();
   restore->footer("Example: sweepstaked restore priors-monday.db --data /var/lib/sweepstake");
+  CLI::App* migrate = app.add_subcommand(
+      "migrate", "move what priors.db has into the shared store, or back; no daemon may use it");
+  migrate->add_option("direction", line.direction, "to-store, or back to-data")
+      ->required()
+      ->check(CLI::IsMember({kToStore, kToData}));
+  migrate->fallthrough();
+  migrate->footer(
+      "Examples: sweepstaked migrate to-store --data /var/lib/sweepstake --store "
+      "postgresql://sweepstake@db.example/sweepstake\n"
+      "          sweepstaked migrate to-data --store "
+      "postgresql://sweepstake@db.example/sweepstake --data /var/lib/sweepstake-of-one");
   CLI::App* probe = app.add_subcommand(
       "probe", "ask the daemon of this configuration for its health and exit: 0 serving, 1 not");
   probe->fallthrough();
@@ -158,6 +175,16 @@ int ReportContents(const std::string& file,
                            " rows of the database are not what was written, and ", file,
                            " is without what they said: look at the disk, and put that or an "
                            "earlier backup in its place"));
+}
+
+int Migrate(const Config& config, bool to_store) {
+  const auto tell = [](const std::string& table, uint64_t rows, uint64_t of) {
+    std::cerr << "sweepstaked: " << table << ": " << rows << " of " << of << " rows\n";
+  };
+  return to_store ? ReportContents(config.store, sweepstake::storage::MigrateToShared(
+                                                     config.data, config.store, tell))
+                  : ReportContents(config.data, sweepstake::storage::MigrateFromShared(
+                                                    config.store, config.data, tell));
 }
 
 // Returns the address that the daemon of this configuration listens on.
@@ -311,6 +338,7 @@ int main(int argc, char** argv) {
   }
   if (app.got_subcommand("backup"))
     return ReportContents(line.file, sweepstake::storage::BackUpStore(config->data, line.file));
+  if (app.got_subcommand("migrate")) return Migrate(*config, line.direction == kToStore);
   if (app.got_subcommand("restore")) {
     return ReportContents(line.file,
                           line.verify ? sweepstake::storage::VerifyStore(line.file)

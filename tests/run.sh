@@ -41,8 +41,8 @@ tree=$(tree_to_test)
 for preset in "${presets[@]}"; do forget_passed "$preset"; done
 
 # With the libraries that `sweepstake bench --peers` compares with, the browser that the reports are tested in, the
-# Prometheus that reads the daemon's metrics, and the HAProxy that stands before it.
-deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libcgal-dev chromium prometheus haproxy clang libclang-rt-dev llvm
+# Prometheus that reads the daemon's metrics, the HAProxy that stands before it, and the PostgreSQL that several share.
+deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libcgal-dev chromium prometheus haproxy postgresql clang libclang-rt-dev llvm
 # What the archive and the plug-in of the C ABI bring along. Without apt CMake takes the system's, or says what it leaves out.
 if command -v apt-get >/dev/null; then deploy/static_highway.sh; fi
 for folder in tests/proto server/dashboard; do

@@ -94,6 +94,13 @@ struct SourceOrigin {
   friend bool operator==(const SourceOrigin&, const SourceOrigin&) = default;
 };
 
+// Who writes a source: one run of its session, in one daemon. A session that goes on in another
+// daemon, or that is begun from the store again, is another writer.
+struct SourceWriter {
+  uint64_t id = 0;                // random; 0 for a source that only one daemon ever writes
+  uint64_t resumed_sequence = 0;  // the commit of the source that it began from; 0: from none
+};
+
 // One atomic step of one source.
 struct SourceUpdate {
   SourceProgress progress;
@@ -101,7 +108,14 @@ struct SourceUpdate {
   std::vector<KeyedEvidence> increments;  // may be empty; a key occurs at most once
   AuditRows audit;
   SourceOrigin origin = {};
+  SourceWriter writer = {};
 };
+
+// Returns whether a commit has failed because of an update in it, and would again: the update is
+// invalid, or its source has another writer.
+inline bool IsRefusal(const absl::Status& commit) {
+  return absl::IsInvalidArgument(commit) || absl::IsFailedPrecondition(commit);
+}
 
 // The state of a source in a store.
 struct SourceState {
@@ -317,6 +331,10 @@ class PriorStore : public PriorReader {
   // Audit rows whose numbers are not above those stored of their segment are ignored. Then the
   // oldest rows of the log are removed until it is within its limits. A row that cannot be written
   // is lost and counted; it never makes a commit fail.
+  //
+  // Of the writers of a source only one goes on. A store that several daemons share refuses an
+  // update of another writer than that of the source's last commit, unless the writer began from
+  // that commit: its messages were, or will be, counted by another. Error: FAILED_PRECONDITION.
   virtual absl::Status Commit(std::span<const SourceUpdate> updates) = 0;
 
   // Returns an error if what is committed would be lost with this process: nothing more is
@@ -327,6 +345,12 @@ class PriorStore : public PriorReader {
   // Returns how many audit rows of successful commits could not be written since the store was
   // opened.
   virtual uint64_t lost_audit_row_count() const = 0;
+
+  // Returns the scenes whose evidence was changed since the last call, by whomever, in a store that
+  // several daemons share. All may be among them where the connection is a new one.
+  virtual absl::StatusOr<std::vector<SceneKey>> TakeChangedScenes() {
+    return std::vector<SceneKey>();
+  }
 
   // Imports all records or, if one is invalid, none. A record replaces an older one of the same key
   // and source, and is ignored if the stored one is as new. Evidence of unknown sources is added. A

@@ -205,8 +205,20 @@ void RpcServer::WatchStore() {
     ReportLostAuditRows();
     EndRefused();
     admin_.Retry();
+    FollowOthers();
   }
   loop_.PostAt(loop_.clock().NowNs() + kHealthIntervalNs, [this] { WatchStore(); });
+}
+
+void RpcServer::FollowOthers() {
+  if (!options_.shares_store || !context_.store.healthy() || following_) return;
+  following_ = context_.store.Submit([this](priors::PriorStore& store) {
+    loop_.Post([this, changed = store.TakeChangedScenes()] {
+      following_ = false;
+      if (!changed.ok()) return;  // they are told by the next call
+      for (const priors::SceneKey& scene : *changed) watch_hub_.Reload(scene);
+    });
+  });
 }
 
 void RpcServer::EndRefused() {

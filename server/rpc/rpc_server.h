@@ -88,6 +88,8 @@ class RpcServer {
   void WatchStore();
   // Ends the long streams of callers whose tokens were revoked or have expired.
   void EndRefused();
+  // Where other daemons write the store, too: reads what they have changed of what is watched here.
+  void FollowOthers();
   // A store that cannot write or read is not healthy.
   void UpdateHealth();
   void ReportLostAuditRows();
@@ -113,6 +115,7 @@ class RpcServer {
   std::atomic<int64_t> last_beat_ns_{0};  // when the loop last looked at the store
   bool serving_ = true;                   // the state of health; used on the loop
   bool draining_ = false;                 // used on the loop
+  bool following_ = false;                // the store has been asked; used on the loop
   uint64_t lost_by_store_ = 0;            // audit rows that are counted; used on the loop
   uint64_t reported_lost_rows_ = 0;       // used on the loop
   int64_t next_loss_report_ns_ = 0;       // used on the loop

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "absl/status/status.h"
 #include "server/priors/prior_store.h"
@@ -23,6 +24,12 @@ absl::Status QuarantineBound(uint64_t count, uint64_t max_records);
 // Returns whether a revocation bars a source that the store has nothing of. One that is about a
 // project does not, since the source may be another project's.
 bool BarsUnknown(const priors::SourceFilter& filter);
+
+// Returns whether the source has the folded evidence of others (FoldSources).
+bool IsFolded(const std::string& source);
+
+// Returns whether all sources of a build are meant, and with them what was folded of it.
+bool MeansABuild(const priors::SourceFilter& filter);
 
 // Returns whether one of the rows can be stored. If a name of theirs is invalid, none can be.
 bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row);

@@ -159,7 +159,7 @@ void StoreThread::CommitGroup(std::vector<PendingCommit> group, bool closing) {
 void StoreThread::CommitOrHalve(std::span<PendingCommit> group,
                                 std::span<const priors::SourceUpdate> updates) {
   const absl::Status status = CommitNow(updates);
-  if (absl::IsInvalidArgument(status) && group.size() > 1) {
+  if (priors::IsRefusal(status) && group.size() > 1) {
     const size_t half = group.size() / 2;
     CommitOrHalve(group.first(half), updates.first(half));
     return CommitOrHalve(group.subspan(half), updates.subspan(half));
@@ -178,8 +178,8 @@ absl::Status StoreThread::CommitNow(std::span<const priors::SourceUpdate> update
 }
 
 void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
-  // An invalid update says nothing about the disk.
-  if (absl::IsInvalidArgument(status)) {
+  // An update that is refused says nothing about the disk.
+  if (priors::IsRefusal(status)) {
     if (options_.on_refusal) options_.on_refusal(commit.update, status);
   } else {
     // One that succeeds finds the place right; one that fails where that is wrong says nothing

@@ -4,8 +4,8 @@
 // Thread-safe. It owns the store; the destructor runs what is queued, then ends the threads. A
 // commit waits at most `group_interval` for others, and is started at once by Close. Jobs do not
 // cut a group: one runs when the commits that were offered before it are done, later ones of their
-// group included. If a group fails because of an invalid update, its halves are committed by
-// themselves, and theirs, so that only that one is refused. While closing, a disk that fails is not
+// group included. If a group fails because of an update that is refused, its halves are committed
+// by themselves, and theirs, so that only that one is. While closing, a disk that fails is not
 // tried again: what is still queued fails at once, so that closing takes no longer than one commit.
 //
 // Every `check_interval`, after a commit that fails, and at the end the store is asked whether what

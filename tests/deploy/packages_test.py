@@ -36,6 +36,7 @@ PACKAGES = {
     "Boost": (["boost-asio", "boost-beast"], "boost", "daemon"),
     "prometheus-cpp": (["prometheus-cpp"], "prometheus-cpp", "daemon"),
     "libsystemd": (["libsystemd"], "libsystemd", "daemon"),
+    "libpq": (["libpq"], "libpq", "daemon"),
 }
 PART_OF_THE_SYSTEM = {"Threads", "PkgConfig"}
 

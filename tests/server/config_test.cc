@@ -138,6 +138,23 @@ TEST_F(ConfigTest, WhatItNamesOnTheMachineMustBeThere) {
               HasSubstr("port_file: " + ::testing::TempDir() + " is a directory; name a file"));
 }
 
+TEST_F(ConfigTest, ASharedStoreIsAUrlWithoutAPassword) {
+  const auto config = FromFile("store = 'postgresql://sweepstake@db.example:5432/priors'\n");
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->store, "postgresql://sweepstake@db.example:5432/priors");
+  EXPECT_TRUE(FromFile("store = 'postgres:///priors?host=/run/postgresql'\n").ok());
+  for (const char* wrong : {"db.example", "mysql://db.example/priors"}) {
+    EXPECT_THAT(Error(std::string("store = '") + wrong + "'\n"),
+                HasSubstr("store: expected a URL such as"));
+  }
+  for (const char* telltale :
+       {"postgresql://me:secret@db/priors", "postgresql:///priors?password=secret"}) {
+    const std::string said = Error(std::string("store = '") + telltale + "'\n");
+    EXPECT_THAT(said, HasSubstr("name that in PGPASSFILE"));
+    EXPECT_THAT(said, Not(HasSubstr("secret")));
+  }
+}
+
 TEST_F(ConfigTest, TwoListenersNeedTwoAddresses) {
   EXPECT_THAT(Error("listen = '127.0.0.1:7433'\nhttp = '127.0.0.1:7433'\n"),
               HasSubstr("http: 127.0.0.1:7433 is that of listen, too"));

@@ -69,6 +69,9 @@ struct RpcOptions {
   std::string daemon_version;  // of the program, as in Welcome and the audit log
   // Whether the sessions that begin make rows of the audit log.
   Adjustable<bool> keeps_audit = true;
+  // Whether other daemons write the store, too. Then a session that cannot be read now may have
+  // gone on elsewhere, and is not begun anew: what its client sends again might count twice.
+  bool shares_store = false;
 
   // The largest time scale that a Hello may ask for, 1 to kMaxTimeScale; a larger one is
   // INVALID_ARGUMENT. A session decides, commits and learns that many times as often.

@@ -156,6 +156,10 @@ absl::Status TelemetryStream::CheckResumption() {
 
 std::shared_ptr<GameSession> TelemetryStream::FindSession() {
   std::shared_ptr<GameSession> session = context_.sessions.Find(hello_->session_id());
+  if (session && session->superseded()) {
+    context_.sessions.Forget(*session);
+    return nullptr;  // the store has what the other daemon made of it
+  }
   if (!session || CanResume(*session, *hello_)) return session;
   hello_->clear_session_id();
   return nullptr;
@@ -209,6 +213,10 @@ absl::Status TelemetryStream::Begin(const StoredStart& start) {
     return absl::OkStatus();
   }
   if (start.source && hello_->session_id().empty()) return Load();
+  if (context_.options.shares_store && !hello_->session_id().empty() && !start.status.ok()) {
+    return Refused(v1::ERROR_REASON_STORE_FAILED,
+                   "the store that has the session cannot be read; connect again later");
+  }
   if (!start.refusal.ok()) return start.refusal;
   if (start.new_scene && !std::exchange(counting_, true)) {
     first_look_ = start;

@@ -27,9 +27,13 @@ void AdminLog::Record(std::string action, std::string who) {
 
 void AdminLog::Write() {
   if (ledger_ == nullptr) return Load();
-  for (const Action& action : waiting_) {
+  std::erase_if(offered_, [durable = ledger_->durable_sequence()](const Action& action) {
+    return action.sequence <= durable;
+  });
+  for (Action& action : waiting_) {
     ledger_->AddAuditRow(rows_->Next(action.now_ns, action.unix_ms, action.action, action.who));
-    ++sequence_;
+    action.sequence = ++sequence_;
+    if (offered_.size() < kMaxWaiting) offered_.push_back(std::move(action));
   }
   waiting_.clear();
   ledger_->Checkpoint({.message_sequence = sequence_});
@@ -53,7 +57,9 @@ void AdminLog::OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>
   sequence_ = progress.message_sequence;
   ledger_ = std::make_shared<SessionLedger>(
       store_, loop_, counters_, std::move(progress),
-      [](const absl::Status&, std::span<const priors::KeyedEvidence>) {});
+      [this](const absl::Status& status, std::span<const priors::KeyedEvidence>) {
+        if (absl::IsFailedPrecondition(status)) loop_.Post([this] { StartAgain(); });
+      });
   const uint32_t segment = before.audit_segment + 1;
   ledger_->StartAudit({.segment = segment,
                        .project = kAll,
@@ -62,6 +68,15 @@ void AdminLog::OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>
                        .rows = {}});
   rows_.emplace(segment);
   Write();
+}
+
+void AdminLog::StartAgain() {
+  for (; !offered_.empty(); offered_.pop_back()) {
+    if (offered_.back().sequence > ledger_->durable_sequence())
+      waiting_.push_front(std::move(offered_.back()));
+  }
+  ledger_.reset();
+  if (!waiting_.empty()) Load();
 }
 
 void AdminLog::Retry() {

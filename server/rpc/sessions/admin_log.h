@@ -44,16 +44,20 @@ class AdminLog {
     std::string who;
     int64_t now_ns = 0;
     int64_t unix_ms = 0;
+    uint64_t sequence = 0;  // once it is written, of its row
   };
 
   void Write();
   void Load();
   void OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>& state);
+  // Begins a segment behind another daemon's, with what of this one's was not written.
+  void StartAgain();
 
   DecisionLoop& loop_;
   priors::AsyncPriorStore& store_;
   Counters& counters_;
   std::deque<Action> waiting_;  // for the ledger
+  std::deque<Action> offered_;  // that the ledger has, and the store maybe not
   bool loading_ = false;
   std::shared_ptr<SessionLedger> ledger_;  // null before the store has said what it has
   std::optional<decision::AdminRows> rows_;

@@ -332,6 +332,7 @@ void GameSession::KeepOpenEvidence() {
 
 void GameSession::OnCommitted(const absl::Status& status,
                               std::span<const priors::KeyedEvidence> increments) {
+  if (superseded()) return LeaveToOther();
   // The store may have had them since the commit that seemed to fail, and watched sums with it.
   if (std::exchange(commit_failed_, !status.ok()) && status.ok())
     context_.watch_hub.Forget(identity_.scene);
@@ -349,6 +350,18 @@ void GameSession::OnCommitted(const absl::Status& status,
   // If the store cannot write, the client need not wait: it keeps what is not acknowledged.
   if (!status.ok() && (ended() || draining_)) return CloseLink(status);
   CloseIfSettled();
+}
+
+// The client is there already, or has come back from there; then it begins from the store again.
+void GameSession::LeaveToOther() {
+  ++timer_generation_;
+  context_.watch_hub.Reload(identity_.scene);
+  if (link_ == nullptr) return;
+  LoseOrder();
+  boxes_.Disconnect();
+  std::exchange(link_, nullptr)
+      ->Close(Refused(v1::ERROR_REASON_SESSION_TAKEN_OVER,
+                      "another daemon has this session's latest evidence; connect again"));
 }
 
 void GameSession::CloseIfSettled() {

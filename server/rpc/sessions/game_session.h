@@ -130,6 +130,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }
   bool committing() const { return ledger_->committing(); }
+  // Returns whether another daemon goes on with the session: this one only forgets it.
+  bool superseded() const { return ledger_->superseded(); }
 
   // The boxes of its objects, for those who look at them.
   BoxViews& boxes() { return boxes_; }
@@ -170,6 +172,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void OnTimer(uint64_t generation);
   void Checkpoint();
   void OnCommitted(const absl::Status& status, std::span<const priors::KeyedEvidence> increments);
+  void LeaveToOther();
   void CloseIfSettled();
   // `commit` is the status of the session's last commit.
   void CloseLink(const absl::Status& commit);

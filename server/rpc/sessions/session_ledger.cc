@@ -1,7 +1,9 @@
 #include "server/rpc/sessions/session_ledger.h"
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
+#include <random>
 #include <utility>
 
 #include "server/priors/unix_time.h"
@@ -9,6 +11,16 @@
 
 namespace sweepstake::rpc {
 namespace {
+
+// Returns a number that no other ledger has, of any daemon. Used on decision loops.
+uint64_t NextWriter() {
+  static std::atomic<uint64_t> next = [] {
+    std::random_device random;
+    return uint64_t{random()} << 32 | random();
+  }();
+  const uint64_t writer = next.fetch_add(1, std::memory_order_relaxed);
+  return writer == 0 ? NextWriter() : writer;
+}
 
 uint64_t UnixTimeS() { return static_cast<uint64_t>(std::max<int64_t>(0, priors::UnixNowS())); }
 
@@ -21,6 +33,7 @@ SessionLedger::SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop,
       counters_(counters),
       on_committed_(std::move(on_committed)),
       progress_(std::move(progress)),
+      writer_{.id = NextWriter(), .resumed_sequence = progress_.commit_sequence},
       durable_sequence_(progress_.message_sequence) {}
 
 SessionLedger::~SessionLedger() { counters_.waiting_audit_bytes -= audit_bytes_; }
@@ -62,6 +75,7 @@ void SessionLedger::Checkpoint(const Position& position) {
 }
 
 void SessionLedger::CommitNext() {
+  if (superseded_) DropAll();
   if (in_flight_) return;
   if (!offered_) {
     if (!checkpointed_) return;
@@ -76,7 +90,8 @@ void SessionLedger::MakeOffer() {
                                                                          .unix_time_s = UnixTimeS(),
                                                                          .increments = {},
                                                                          .audit = audit_,
-                                                                         .origin = origin_});
+                                                                         .origin = origin_,
+                                                                         .writer = writer_});
   audit_.rows.clear();
   for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
   waiting_.clear();
@@ -100,6 +115,21 @@ void SessionLedger::DropOffer() {
   offered_.reset();
 }
 
+void SessionLedger::DropAll() {
+  for (const auto* rows : {&audit_.rows, &open_rows_}) {
+    counters_.lost_audit_row_count += rows->size();
+    for (const priors::AuditRow& row : *rows) {
+      audit_bytes_ -= row.text.size();
+      counters_.waiting_audit_bytes -= row.text.size();
+    }
+  }
+  audit_.rows.clear();
+  open_rows_.clear();
+  open_.clear();
+  waiting_.clear();
+  checkpointed_ = false;
+}
+
 void SessionLedger::OnCommitted(const absl::Status& status) {
   in_flight_ = false;
   std::vector<priors::KeyedEvidence> stored;
@@ -111,11 +141,13 @@ void SessionLedger::OnCommitted(const absl::Status& status) {
   } else {
     ++counters_.failed_commit_count;
     // An update that can never be stored must not block those after it.
-    if (absl::IsInvalidArgument(status)) {
+    superseded_ = absl::IsFailedPrecondition(status);
+    if (priors::IsRefusal(status)) {
       counters_.lost_audit_row_count += offered_->audit.rows.size();
       DropOffer();
     }
   }
+  if (superseded_) DropAll();
   on_committed_(status, stored);
   if (!offered_) CommitNext();
 }

@@ -13,6 +13,10 @@
 // offered again, unchanged, at the next checkpoint. If it has reached the disk after all, the store
 // recognises its number and ignores it.
 //
+// Where another daemon has written the session since this one began it from the store, the store
+// refuses what is offered: then superseded() holds, and all that was not on disk is forgotten,
+// since the client sends it to the other daemon.
+//
 // It is used on the decision loop only. The store's callback posts to the loop and has only a weak
 // pointer to the ledger.
 #pragma once
@@ -75,6 +79,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   bool settled() const { return !offered_ && !checkpointed_; }
   // Returns whether the store has an update that it has not answered yet.
   bool committing() const { return in_flight_; }
+  bool superseded() const { return superseded_; }
 
  private:
   bool HasRoomFor(std::string_view audit_row) const;
@@ -82,6 +87,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   void MakeOffer();
   void Offer();
   void DropOffer();
+  void DropAll();
   void OnCommitted(const absl::Status& status);
 
   priors::AsyncPriorStore& store_;
@@ -91,6 +97,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
 
   priors::SourceProgress progress_;  // progress at the latest checkpoint
   priors::SourceOrigin origin_;
+  const priors::SourceWriter writer_;
   uint64_t durable_sequence_;
   std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the checkpoint
   std::map<priors::EvidenceKey, priors::Evidence>
@@ -102,6 +109,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   bool checkpointed_ = false;                      // `waiting_` may be offered
   std::unique_ptr<priors::SourceUpdate> offered_;  // the store has not confirmed it yet
   bool in_flight_ = false;                         // the store has `offered_`
+  bool superseded_ = false;
 };
 
 }  // namespace sweepstake::rpc

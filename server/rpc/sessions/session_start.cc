@@ -231,7 +231,9 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start, int
   identity.token_id = token_id;
   identity.build = hello.build();
   identity.prior_sources = start.prior_sources;
-  identity.id = start.source ? start.source->progress.source_id : NewSessionId(options);
+  identity.id = start.source             ? start.source->progress.source_id
+                : !start.kept_id.empty() ? start.kept_id
+                                         : NewSessionId(options);
   identity.scene = FromProto(hello);
   for (const v1::Arm& arm : hello.arms()) {
     identity.arms.push_back(arm.name());
@@ -295,7 +297,9 @@ StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const 
     auto source = store.LoadSource(hello.session_id());
     if (!source.ok()) {
       start.status = source.status();
-    } else if (source->has_value() && BelongsTo(**source, KeysOf(hello))) {
+    } else if (!source->has_value()) {
+      if (options.shares_store) start.kept_id = hello.session_id();
+    } else if (BelongsTo(**source, KeysOf(hello))) {
       start.source = *std::move(source);
     }
   }

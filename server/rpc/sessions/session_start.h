@@ -39,9 +39,12 @@ struct StoredStart {
   uint64_t prior_source_count = 0;              // sources of that evidence
   std::vector<std::string> prior_sources = {};  // what the audit log says of them
   std::optional<priors::SourceState> source;    // present if a session is resumed
-  std::optional<UnstoredScene> new_scene;       // present if the store does not have the scene
-  absl::Status refusal;                         // a quota that the session would exceed
-  absl::Status status;                          // why some of it is missing; OK if nothing is
+  // Of a session that nothing of is stored yet, and which another daemon may have: it begins anew
+  // under its id, so that the first of both to commit goes on with it, and no message counts twice.
+  std::string kept_id = {};
+  std::optional<UnstoredScene> new_scene;  // present if the store does not have the scene
+  absl::Status refusal;                    // a quota that the session would exceed
+  absl::Status status;                     // why some of it is missing; OK if nothing is
 };
 
 // Reads the store, on one of its threads: on the writing one if a session is to be resumed, since

@@ -66,7 +66,7 @@ void SessionTable::Detach(GameSession& session, SessionLink& link) {
   const auto count = active_counts_.find(session.identity().scene);
   if (--count->second == 0) active_counts_.erase(count);
   session.Detach(link);
-  if (session.ended() && session.settled()) {
+  if ((session.ended() || session.superseded()) && session.settled()) {
     Remove(std::string(found->first));
   } else {
     Lose(found->second);
@@ -81,6 +81,10 @@ void SessionTable::Kick(GameSession& session, bool may_return) {
   const auto found = entries_.find(session.identity().id);
   // That of a lost one would otherwise stay until nobody may resume it any more.
   if (!may_return && found != entries_.end() && found->second.lost) LookAt(kept->identity().id);
+}
+
+void SessionTable::Forget(const GameSession& session) {
+  Remove(std::string(session.identity().id));
 }
 
 void SessionTable::RememberKick(const std::string& id) {
@@ -186,7 +190,7 @@ void SessionTable::LookAt(const std::string& id) {
   const bool over = now_ns >= entry.resumable_until_ns;
   if (over) entry.session->KeepOpenEvidence();
   const bool settled = entry.session->settled();
-  if (settled && (entry.session->ended() || over)) return Remove(id);
+  if (settled && (entry.session->ended() || entry.session->superseded() || over)) return Remove(id);
   Recover(entry);
   LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
   // The store could not be written, so this evidence is only in memory.

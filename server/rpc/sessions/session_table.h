@@ -73,6 +73,9 @@ class SessionTable {
   // daemon began). The store, which knows every session, would resume it.
   absl::Status CheckKicked(const std::string& id) const;
 
+  // Removes a session that another daemon goes on with. REQUIRES: it is in memory, and superseded.
+  void Forget(const GameSession& session);
+
   // Offers the store again what it has failed to write, and what lost sessions have not offered.
   void RetryCommits();
   // Returns whether the store has yet to answer for any session.

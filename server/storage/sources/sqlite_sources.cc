@@ -6,15 +6,6 @@
 namespace sweepstake::storage {
 namespace {
 
-// Such a source has the folded evidence of others.
-bool IsFolded(const std::string& source) { return source.front() < ' '; }
-
-// Whether all sources of a build are meant.
-bool MeansABuild(const priors::SourceFilter& filter) {
-  return !filter.build.empty() && filter.id.empty() && filter.token_id == 0 &&
-         filter.from_unix_s == 0 && filter.until_unix_s == priors::SourceFilter().until_unix_s;
-}
-
 // Removes the source's evidence, and inserts the keys whose sums had it into `changed`.
 absl::Status RemoveEvidence(PriorStatements& statements, int64_t source,
                             const priors::SourceFilter& filter, priors::RevokeResult& result,

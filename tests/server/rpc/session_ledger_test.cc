@@ -120,6 +120,43 @@ TEST_F(SessionLedgerTest, AFailedUpdateIsOfferedAgainUnchanged) {
   ExpectOffer(2, 2, 2, {{2, "second"}});
 }
 
+TEST_F(SessionLedgerTest, WhatAnotherDaemonGoesOnWithIsForgottenHere) {
+  Learn(1, "first");
+  Checkpoint(1);
+  const uint64_t writer = store_.offered[0].writer.id;
+  EXPECT_NE(writer, 0u);
+  EXPECT_EQ(store_.offered[0].writer.resumed_sequence, 0u);
+  Learn(2, "second");
+  Checkpoint(2);
+  Learn(4, "third");
+  Answer(absl::FailedPreconditionError("another daemon goes on"));
+  EXPECT_TRUE(ledger_->superseded());
+  EXPECT_TRUE(ledger_->settled());
+  EXPECT_FALSE(ledger_->open());
+  EXPECT_EQ(ledger_->durable_sequence(), 0u);
+  Learn(5, "fourth");
+  Checkpoint(3);
+  EXPECT_EQ(store_.offered.size(), 1u);
+  EXPECT_TRUE(ledger_->settled());
+  EXPECT_EQ(counters_.waiting_audit_bytes, 0u);
+}
+
+TEST_F(SessionLedgerTest, ARunThatBeginsFromTheStoreIsAnotherWriter) {
+  Learn(1, "first");
+  Checkpoint(1);
+  Answer(absl::OkStatus());
+  ledger_ = std::make_shared<SessionLedger>(
+      store_, loop_, counters_,
+      priors::SourceProgress{.source_id = "session", .commit_sequence = 1, .message_sequence = 1},
+      [](const absl::Status&, std::span<const priors::KeyedEvidence>) {});
+  ledger_->StartAudit({});
+  Learn(2, "second");
+  Checkpoint(2);
+  ExpectOffer(1, 2, 2, {{1, "second"}});
+  EXPECT_NE(store_.offered[1].writer.id, store_.offered[0].writer.id);
+  EXPECT_EQ(store_.offered[1].writer.resumed_sequence, 1u);
+}
+
 TEST_F(SessionLedgerTest, AuditRowsThatFindNoRoomAreAGapAndTheLogGoesOn) {
   const std::string half(kMaxWaitingAuditBytesOfSession / 2, 'x');
   Learn(1, half);

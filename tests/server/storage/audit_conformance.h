@@ -1,4 +1,5 @@
-// What every prior store must do with audit rows. prior_store_test.cc alone includes it.
+// What every prior store must do with audit rows. Whoever includes prior_store_conformance.h
+// includes it, too.
 #pragma once
 
 #include <string>

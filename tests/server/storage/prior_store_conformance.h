@@ -1,5 +1,5 @@
-// What every prior store must do. prior_store_test.cc alone includes it and instantiates
-// PriorStoreConformance with a way to open one.
+// What every prior store must do. prior_store_test.cc, and the one of each other
+// backend, include it and instantiate PriorStoreConformance with a way to open one.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// What every prior store must do with imports that wait to be promoted: prior_store_test.cc alone
-// includes it.
+// What every prior store must do with imports that wait to be promoted. Whoever includes
+// prior_store_conformance.h includes it, too.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // What every prior store must say of sources, and how it takes their evidence out again.
-// prior_store_test.cc alone includes it.
+// Whoever includes prior_store_conformance.h includes it, too.
 #pragma once
 
 #include <map>

@@ -1,0 +1,109 @@
+// The rows of evidence in PostgreSQL, and the sums and counts over them, changed within the
+// transaction of whoever calls.
+//
+// Amounts are added as they come, as whole units, so that sums are the same to the bit in whatever
+// order daemons add and take off. Rows are locked in this order, so that daemons do not wait for
+// one another in a circle: sources by name (by the caller), keys by id, scenes by id.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/hash/hash.h"
+#include "absl/status/statusor.h"
+#include "server/priors/prior_store.h"
+#include "server/storage/postgres/postgres_connection.h"
+
+namespace sweepstake::storage {
+
+// An amount of evidence that is added, or taken off where it is negative.
+struct EvidenceUnits {
+  Units alpha = 0;
+  Units beta = 0;
+  Units window_count = 0;
+  Units bail_out_count = 0;
+
+  EvidenceUnits& operator+=(const EvidenceUnits& other);
+  EvidenceUnits& operator-=(const EvidenceUnits& other);
+};
+EvidenceUnits UnitsOf(const priors::Evidence& evidence);
+// Of the columns alpha, beta, window_count and bail_out_count, which begin with the first one.
+EvidenceUnits UnitsOf(const PostgresRow& row, int first);
+
+// These columns, to be parameters.
+struct UnitArrays {
+  PostgresArray alpha, beta, window_count, bail_out_count;
+
+  void Add(const EvidenceUnits& units);
+};
+
+// The change of one source's row about one key.
+struct RowChange {
+  uint64_t sequence = 0;  // of the source, which the row has then
+  EvidenceUnits units;
+};
+using RowPlace = std::pair<int64_t, int64_t>;  // the ids of the key and the source
+using RowChanges = std::map<RowPlace, RowChange>;
+
+// What was removed of sources' evidence.
+struct RemovedEvidence {
+  uint64_t record_count = 0;
+  uint64_t window_count = 0;
+};
+
+class PostgresEvidence {
+ public:
+  // `connection` must outlive it.
+  explicit PostgresEvidence(PostgresConnection& connection) : connection_(connection) {}
+
+  // Returns the ids of the keys, in their order; those that are not there are added.
+  absl::StatusOr<std::vector<int64_t>> FindOrAddKeys(
+      std::span<const priors::EvidenceKey* const> keys);
+  // Returns what the rows have; those that there are not are left out. The sequence is theirs.
+  absl::StatusOr<RowChanges> Load(const std::set<RowPlace>& places);
+  // REQUIRES: the sources are locked.
+  absl::Status Apply(const RowChanges& changes);
+  // Removes the evidence of the sources about a project, or all if that is empty. A source whose
+  // evidence was folded stays counted where that is, unless that goes, too (`folded`). REQUIRES: as
+  // above.
+  absl::StatusOr<RemovedEvidence> Remove(const PostgresArray& sources, const std::string& project,
+                                         bool folded);
+  // Ends a transaction: the keys that it added are there, or are not.
+  void OnEnd(bool committed);
+  // The connection is another one, maybe to a server that has lost what it said last.
+  void OnReconnected() { known_keys_.clear(); }
+
+ private:
+  struct KeyChange {
+    EvidenceUnits units;
+    int64_t source_count = 0;
+  };
+  struct KeyHash {
+    size_t operator()(const priors::EvidenceKey& key) const {
+      return absl::HashOf(key.project, key.scene, key.measured_by, key.arm, key.backend_version,
+                          key.machine_class, key.reward_version);
+    }
+  };
+  using KeyIds = absl::flat_hash_map<priors::EvidenceKey, int64_t, KeyHash>;
+
+  // Puts their ids into `new_keys_`.
+  absl::Status AddKeys(const std::set<priors::EvidenceKey>& keys);
+  // How many sources scenes gain, by their ids.
+  using SceneChanges = std::map<int64_t, int64_t>;
+  // Inserts the keys' scenes into `scenes`.
+  absl::Status AddToSums(const std::map<int64_t, KeyChange>& changes, SceneChanges& scenes);
+  // Adds the numbers, and notes that this transaction has changed the scenes.
+  absl::Status ChangeScenes(const SceneChanges& changes);
+
+  PostgresConnection& connection_;
+  KeyIds known_keys_;  // committed ones, which stay
+  KeyIds new_keys_;    // found or added by the transaction that runs
+};
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,81 @@
+// What a prior store in PostgreSQL has, read over one connection. What a call reads is one state of
+// the store, and so is what several do in the scope of a PostgresSnapshot.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/priors/prior_store.h"
+#include "server/storage/postgres/postgres_connection.h"
+#include "server/storage/read_thread.h"
+
+namespace sweepstake::storage {
+
+class PostgresReader : public priors::PriorReader {
+ public:
+  // `connection` must outlive it. Each call connects if need be.
+  explicit PostgresReader(PostgresConnection& connection) : connection_(connection) {}
+
+  absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
+      const priors::SceneKey& scene) override;
+  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
+      const std::string& source_id) override;
+  absl::StatusOr<std::vector<priors::SceneEvidence>> List(
+      const priors::SceneFilter& filter, const std::optional<priors::SceneKey>& after,
+      uint32_t limit) override;
+  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
+      const priors::SceneKey& key) override;
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
+  absl::StatusOr<uint64_t> CountProjects() override;
+  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override;
+  absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
+                                                       const priors::ExportPlace& after,
+                                                       uint32_t limit) override;
+  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
+                                                              uint64_t after,
+                                                              uint32_t limit) override;
+  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit,
+                                                          size_t max_bytes) override;
+
+  // Returns the scenes whose evidence was changed by transactions from `since` on, and sets that to
+  // the first one that was not over yet, or comes later: no change is left out.
+  absl::StatusOr<std::vector<priors::SceneKey>> LoadChangedScenes(std::string& since);
+
+ private:
+  struct ExportKey {
+    priors::EvidenceKey key;
+    int64_t id = 0;  // 0: there is none
+  };
+
+  // Appends what the latest `limit` sources say of each arm of a scene, ordered by their numbers.
+  absl::Status AppendSources(int64_t scene_id, const priors::SceneKey& scene, uint32_t limit,
+                             std::vector<priors::SceneSource>& sources);
+  absl::Status LoadArms(const std::map<int64_t, priors::SceneEvidence*>& scenes);
+  absl::StatusOr<priors::ExportPage> ExportAll(const priors::SceneFilter& filter,
+                                               const priors::ExportPlace& after, uint32_t limit,
+                                               bool quarantined);
+  // Returns the first key with evidence, there or in quarantine, that is not before `first`.
+  absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
+                                    const priors::EvidenceKey& first, int64_t first_reward_version,
+                                    bool quarantined);
+  absl::Status CountFolded(const ExportKey& key, priors::ExportPage& page);
+  // Appends the key's records up to `limit` of the page.
+  absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
+                              priors::ExportPage& page);
+
+  PostgresConnection& connection_;
+};
+
+// Opens a connection that reads, for a ReadThread. Where the server does not answer, the reads are
+// UNAVAILABLE.
+std::unique_ptr<ReadConnection> OpenPostgresReadConnection(const std::string& url);
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,105 @@
+#include "server/storage/postgres/shared_store.h"
+
+#include <utility>
+
+#ifdef SWEEPSTAKE_WITH_POSTGRES
+#include "server/storage/postgres/postgres_prior_store.h"
+#include "server/storage/postgres/postgres_reader.h"
+#endif
+
+namespace sweepstake::storage {
+namespace {
+
+#ifdef SWEEPSTAKE_WITH_POSTGRES
+absl::Status NoStore() {
+  return absl::InvalidArgumentError(
+      "name the shared store with --store postgresql://USER@HOST/DATABASE");
+}
+#else
+absl::Status NotBuilt() {
+  return absl::UnimplementedError(
+      "store: this daemon was built without libpq; install libpq-dev and build it again");
+}
+#endif
+
+}  // namespace
+
+absl::Status CheckStoreUrl(const std::string& url) {
+  const size_t scheme = url.find("://");
+  const std::string name = url.substr(0, scheme);
+  if (scheme == std::string::npos || (name != "postgresql" && name != "postgres")) {
+    return absl::InvalidArgumentError(
+        "expected a URL such as postgresql://sweepstake@db.example:5432/sweepstake; leave it out "
+        "to keep the priors in a file, priors.db in `data`");
+  }
+  const std::string rest = url.substr(scheme + 3);
+  const std::string server = rest.substr(0, rest.find_first_of("/?"));
+  const size_t at = server.rfind('@');
+  if ((at != std::string::npos && server.find(':') < at) ||
+      rest.find("password=") != std::string::npos) {
+    return absl::InvalidArgumentError(
+        "expected a URL without a password, which others could read; write it into a file, and "
+        "name that in PGPASSFILE");
+  }
+  return absl::OkStatus();
+}
+
+#ifdef SWEEPSTAKE_WITH_POSTGRES
+absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& url,
+                                            const priors::AuditLimits& audit_limits) {
+  auto store = OpenPostgresPriorStore(url, audit_limits);
+  if (!store.ok()) return store.status();
+  return OpenedStore{.store = *std::move(store),
+                     .reads = OpenPostgresReadConnection(url),
+                     .damage = {},
+                     .file = {}};
+}
+
+absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& store, const std::string& own) {
+  return ShareResumeKey(store, own);
+}
+
+void LimitSharedStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits) {
+  LimitPostgresAudit(store, audit_limits);
+}
+
+absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& directory,
+                                              const std::string& url,
+                                              const OnMigrated& on_migrated) {
+  if (url.empty()) return NoStore();
+  return MigrateToPostgres(directory, url, on_migrated);
+}
+
+absl::StatusOr<StoreContents> MigrateFromShared(const std::string& url,
+                                                const std::filesystem::path& directory,
+                                                const OnMigrated& on_migrated) {
+  if (url.empty()) return NoStore();
+  return MigrateFromPostgres(url, directory, on_migrated);
+}
+#else
+absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& /*url*/,
+                                            const priors::AuditLimits& /*limits*/) {
+  return NotBuilt();
+}
+
+absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& /*store*/,
+                                            const std::string& /*own*/) {
+  return NotBuilt();
+}
+
+void LimitSharedStore(priors::PriorStore& /*store*/, const priors::AuditLimits& /*limits*/) {}
+
+absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& /*directory*/,
+                                              const std::string& /*url*/,
+                                              const OnMigrated& /*on_migrated*/) {
+  return NotBuilt();
+}
+
+absl::StatusOr<StoreContents> MigrateFromShared(const std::string& /*url*/,
+                                                const std::filesystem::path& /*directory*/,
+                                                const OnMigrated& /*on_migrated*/) {
+  return NotBuilt();
+}
+#endif
+
+}  // namespace sweepstake::storage

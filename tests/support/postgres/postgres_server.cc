@@ -1,0 +1,98 @@
+#include "tests/support/postgres/postgres_server.h"
+
+#include <libpq-fe.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <initializer_list>
+#include <thread>
+#include <vector>
+
+namespace sweepstake::test_support {
+namespace {
+
+constexpr uid_t kNobody = 65534;
+constexpr int kStartAttempts = 12'000;
+constexpr auto kPause = std::chrono::milliseconds(5);
+
+// The command, run as who may run a server.
+std::vector<std::string> Command(const char* program, std::initializer_list<std::string> rest) {
+  std::vector<std::string> command;
+  if (geteuid() == 0)
+    command = {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--"};
+  command.push_back(std::string(SWEEPSTAKE_POSTGRES_BIN) + "/" + program);
+  command.insert(command.end(), rest);
+  return command;
+}
+
+[[noreturn]] void Abort(const std::string& what) {
+  std::fprintf(stderr, "PostgreSQL: %s\n", what.c_str());
+  std::abort();
+}
+
+}  // namespace
+
+PostgresServer::PostgresServer(bool synced) : synced_(synced) {
+  if (geteuid() == 0 && chown(directory_.path().c_str(), kNobody, kNobody) != 0)
+    Abort("its directory cannot be handed over");
+  Make();
+  Start();
+}
+
+PostgresServer::~PostgresServer() {
+  if (!process_) return;
+  process_->Signal(SIGQUIT);  // at once, and with those that serve connections
+  while (!process_->ended()) std::this_thread::sleep_for(kPause);
+}
+
+void PostgresServer::Make() {
+  const auto log = directory_.path() / "initdb.log";
+  ChildProcess initdb(Command("initdb", {"--pgdata=" + (directory_.path() / "data").string(),
+                                         "--auth=trust", "--username=sweepstake", "--encoding=UTF8",
+                                         "--locale=C", "--no-sync", "--no-instructions"}),
+                      log);
+  while (!initdb.ended()) std::this_thread::sleep_for(kPause);
+  if (!std::filesystem::exists(directory_.path() / "data" / "PG_VERSION"))
+    Abort("initdb has failed: " + initdb.log());
+}
+
+void PostgresServer::Start() {
+  const std::string socket = directory_.path().string();
+  const std::string url = "host=" + socket + " user=sweepstake dbname=postgres";
+  for (int attempt = 0; attempt < kStartAttempts; ++attempt) {
+    // It ends at once while processes of one that was killed are still there.
+    if (!process_ || process_->ended()) {
+      process_ = std::make_unique<ChildProcess>(
+          Command("postgres", {"-D", socket + "/data", "-k", socket, "-c",
+                               "listen_addresses=", "-c", synced_ ? "fsync=on" : "fsync=off", "-c",
+                               synced_ ? "shared_buffers=128MB" : "shared_buffers=16MB", "-c",
+                               synced_ ? "autovacuum=on" : "autovacuum=off"}),
+          directory_.path() / "server.log");
+    }
+    if (PQping(url.c_str()) == PQPING_OK) return;
+    std::this_thread::sleep_for(kPause);
+  }
+  Abort("the server does not answer: " + process_->log());
+}
+
+void PostgresServer::Kill() {
+  process_->Kill();
+  process_.reset();
+}
+
+std::string PostgresServer::NewDatabase() {
+  const std::string server = "host=" + directory_.path().string() + " user=sweepstake dbname=";
+  const std::string name = "test_" + std::to_string(++database_count_);
+  PGconn* connection = PQconnectdb((server + "postgres").c_str());
+  PGresult* result = PQexec(connection, ("CREATE DATABASE " + name).c_str());
+  if (PQresultStatus(result) != PGRES_COMMAND_OK) Abort(PQerrorMessage(connection));
+  PQclear(result);
+  PQfinish(connection);
+  return "postgresql://sweepstake@/" + name + "?host=" + directory_.path().string();
+}
+
+}  // namespace sweepstake::test_support
