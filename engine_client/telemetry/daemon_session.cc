@@ -57,7 +57,8 @@ class DaemonSession final : public SessionBase {
 };
 
 Status DaemonSession::Prepare(AdaptiveBroadPhase& adaptive) {
-  link_.emplace(options_, "the daemon at " + address_, JitterSeed(), queue(), adaptive);
+  link_.emplace(options_, "the daemon at " + address_, JitterSeed(), queue(), adaptive,
+                flight_recorder());
   return {};
 }
 

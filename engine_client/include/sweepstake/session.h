@@ -33,8 +33,10 @@ enum class ConnectionState : uint32_t {
 
 // A file that the flight recorder has written.
 struct FlightRecording {
-  std::string path;  // UTF-8
+  uint64_t recording_id = 0;  // numbers those of the session from 1 on
+  std::string path;           // UTF-8
   int64_t recorded_unix_ms = 0;
+  uint64_t recorded_ns = 0;  // the same, by SteadyClock()
   uint64_t bytes = 0;
   uint64_t worst_frame_ns = 0;  // the longest frame in it
 };
@@ -126,6 +128,10 @@ struct SessionOptions {
   // decider. Leave it off in a game that players get.
   bool allow_box_view = false;
   FlightRecorderOptions flight_recorder;
+  // Whether operators of the daemon may download what the flight recorder has written. Nothing is
+  // sent unless they ask. Of no use to an embedded decider. Leave it off in a game that players
+  // get.
+  bool allow_recording_download = false;
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
   // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces

@@ -6,8 +6,8 @@
 // and never another file.
 //
 // Thread safety: Step on the sender thread, the ring's OnBoxes and OnFrame on the frame thread,
-// recordings() and error() on any thread. Memory: the ring's, and while it writes one frame and the
-// notes, some 400 kB at most.
+// recordings(), Read and error() on any thread. Memory: the ring's, and while it writes one frame
+// and the notes, some 400 kB at most.
 #pragma once
 
 #include <cstdint>
@@ -41,6 +41,9 @@ class FlightRecorder {
   void Step(const AdaptiveBroadPhase& adaptive);
   // Returns what was written and is still there, the oldest first.
   std::vector<FlightRecording> recordings() const;
+  // Returns at most `max_bytes` bytes of a recording's file from `offset` on; empty: it ends there,
+  // or cannot be read, or there is no such recording. Any thread; it reads the file.
+  std::string Read(uint64_t recording_id, uint64_t offset, uint32_t max_bytes) const;
   // Returns why the latest recording could not be written; empty: it could.
   std::string error() const;
 
@@ -55,6 +58,7 @@ class FlightRecorder {
 
   mutable std::mutex mutex_;
   std::vector<FlightRecording> recordings_;  // guarded by mutex_
+  uint64_t written_count_ = 0;               // the sender's
   std::string error_;                        // guarded by mutex_
 };
 

@@ -2,7 +2,7 @@
 //
 //   node views_test.mjs SWEEPSTAKED SWEEPSTAKE
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { assertAccessible, assertNoTrouble, openPage, rowsOf, runInBrowser } from './browser.mjs';
@@ -170,6 +170,38 @@ async function checkBoxes(page, daemon, { sessionId }) {
   assert.equal(await page.locator('.boxes').count(), 0);
 }
 
+// Nothing is asked of the game unless somebody wants it; what is downloaded is what the game has written, byte by byte.
+async function checkRecordings(page, daemon, { sessionId }, folder) {
+  const asked = [];
+  page.on('request', (request) => request.url().includes('ReadRecording') && asked.push(request.url()));
+  await page.goto(`${daemon.origin}/sessions/${sessionId}`);
+  const ask = page.getByRole('button', { name: 'Ask for recordings' });
+  await until('the session is there', () => ask.isEnabled());
+  assert.deepEqual(asked, [], 'nothing unasked');
+  const answers = [
+    ['No frame was over the budget yet.', { body: '{}' }],
+    ['the game is not connected', { status: 503, body: '{"error":{"code":"UNAVAILABLE","reason":"GAME_AWAY","message":"the game is not connected"}}' }],
+  ];
+  for (const [text, answer] of answers) {
+    await page.route('**/ReadRecording', (route) => route.fulfill({ contentType: 'application/json', ...answer }), { times: 1 });
+    await ask.click();
+    await page.getByText(text).waitFor();
+    await assertAccessible(page, `recordings: ${text}`);
+  }
+  const files = () => readdirSync(folder).filter((name) => name.endsWith('.aabbs'));
+  await until('a frame was over the budget', () => files().length > 0);
+  await until('its recording is listed', async () => { await ask.click(); return page.getByRole('button', { name: /^Download the recording/ }).count(); });
+  await assertAccessible(page, 'recordings');
+  const size = page.viewportSize();
+  await page.setViewportSize({ width: 320, height: 640 });
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'the page scrolls sideways');
+  await page.setViewportSize(size);
+  const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: /^Download the recording/ }).first().click()]);
+  assert.match(file.suggestedFilename(), /\.aabbs$/);
+  const bytes = readFileSync(await file.path());
+  assert.ok(files().some((name) => bytes.equals(readFileSync(join(folder, name)))), 'the file is the game’s');
+}
+
 async function order(page, button, confirm) {
   await page.getByRole('button', { name: button, exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: confirm, exact: true }).click();
@@ -232,6 +264,7 @@ async function checkRoles(context, folder) {
   assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0);
   await page.getByText('To look at boxes needs the role operator; yours is watch.').waitFor();
   assert.ok(await page.getByRole('button', { name: 'Show boxes' }).isDisabled());
+  assert.ok(await page.getByRole('button', { name: 'Ask for recordings' }).isDisabled());
   const sessionId = new URL(page.url()).pathname.split('/').at(-1);
   const answer = await page.evaluate(async (id) => (await fetch('/api/sweepstake.v1.SessionsService/OrderSession', { method: 'POST',
     headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' }, body: JSON.stringify({ sessionId: id, mode: 'MODE_AI' }) })).status, sessionId);
@@ -254,9 +287,12 @@ async function checkAll(browser, folder) {
   const page = await openPage(context, daemon.origin);
   const passed = (check) => console.log(`${check.name}: passed`);
   for (const check of [checkNumbers, checkNeverRan, checkFiles]) passed((await check(page, daemon), check));
-  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view'] });
+  const flights = join(folder, 'flights');
+  mkdirSync(flights);
+  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view',
+    '--flight-recorder', '8', '--frame-budget', '0.001', '--flight-folder', flights, '--allow-recording-download'] });
   const session = await liveSession(daemon);
-  for (const check of [checkTime, checkWhy, checkCosts, checkBoxes, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session), check));
+  for (const check of [checkTime, checkWhy, checkCosts, checkBoxes, checkRecordings, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
   await assertAccessible(page, 'decisions');
   assertNoTrouble(page, 'the views');
   await page.close();

@@ -28,6 +28,7 @@ import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
 import { beliefRows, costColumns, laneSums, type LaneSum, priorAndPosterior, stepFor, switchMoments } from './session/model';
 import { Orders } from './session/orders';
+import { Recordings } from './session/recordings';
 import { Why } from './session/why';
 import { endWord, modeWord, outcomeWord, stateWord } from './words';
 
@@ -195,6 +196,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <Timeline {...props} />
       <Costs {...props} />
       {latest && <Boxes sessionId={sessionId} isOver={latest.ended !== undefined} />}
+      {latest && <Recordings sessionId={sessionId} isOver={latest.ended !== undefined} />}
       <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Beliefs</h2><Beliefs {...props} /></section>
       <section aria-labelledby="lane-heading"><h2 id="lane-heading">Shadow lane</h2><Lane steps={steps} /></section>
     </>
