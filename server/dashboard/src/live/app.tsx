@@ -8,7 +8,7 @@ import { confirmed, QuestionHost } from './parts/dialog';
 import { addShortcuts, KeySheet, listenToKeys, showKeys } from './parts/keys';
 import { Name } from './parts/name';
 import { Empty, Failure, Loading } from './parts/states';
-import { ToastHost } from './parts/toast';
+import { toast, ToastHost } from './parts/toast';
 import { visible } from './parts/visible';
 import { account, accountError, learnAccount, logout, needsLogin } from './state/account';
 import { connection } from './state/connection';
@@ -78,7 +78,8 @@ function ThemeSwitch() {
 }
 
 async function leave(): Promise<void> {
-  if (await confirmed({ title: 'Log out?', body: <p>This browser forgets the token. What runs goes on.</p>, action: 'Log out' })) await logout();
+  if (!await confirmed({ title: 'Log out?', body: <p>This browser forgets the token. What runs goes on.</p>, action: 'Log out' })) return;
+  await logout().catch((error: unknown) => toast(`Still logged in: ${asApiError(error).message}`, { isBad: true }));
 }
 
 function Reader() {

@@ -1,5 +1,6 @@
 // The life of a session in steps: the rows of its audit log, then what the daemon tells live.
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
+import { SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
 import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
 import type { PlacedRow } from './log';
@@ -30,7 +31,8 @@ export function stepOfRow(placed: PlacedRow): Step | undefined {
 }
 
 export function stepOfEvent(event: DecisionEvent, timeMs: number, rewardVersion: number): Step {
-  return { timeMs, kind: 'tick', activeArm: event.activeArm, decisionId: Number(event.decisionId), told: toldOfEvent(event, rewardVersion), event };
+  const kind = event.reason === SwitchReason.BAIL_OUT ? 'bail-out' : 'tick';
+  return { timeMs, kind, activeArm: event.activeArm, decisionId: Number(event.decisionId), told: toldOfEvent(event, rewardVersion), event };
 }
 
 /** Returns the steps of the log, with what was told of them live, and then those that the log did not have yet. */

@@ -3,6 +3,7 @@ import type { ComponentChildren } from 'preact';
 import { useRef, useState } from 'preact/hooks';
 import { csvOf, type CsvValue } from '../numbers/csv';
 import { download } from '../parts/download';
+import { toast } from '../parts/toast';
 import { fileName, visible } from '../parts/visible';
 import './charts.css';
 import { savePng } from './png';
@@ -62,7 +63,7 @@ export function ChartFrame({ id, title, note, names, table, empty, children }: F
         {!empty && <span class="tools">
           <button type="button" aria-expanded={open} onClick={() => setOpen(!open)}>Table</button>
           <button type="button" aria-label={`${title} as CSV`} onClick={saveTable}>CSV</button>
-          <button type="button" aria-label={`${title} as PNG`} onClick={() => void savePng(`${file}.png`, figure.current!)}>PNG</button>
+          <button type="button" aria-label={`${title} as PNG`} onClick={() => void savePng(`${file}.png`, figure.current!).catch(() => toast('This browser cannot draw the picture', { isBad: true }))}>PNG</button>
         </span>}
         {note && <p class="soft">{note}</p>}
       </figcaption>

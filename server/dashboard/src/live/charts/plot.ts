@@ -62,7 +62,7 @@ function valueRange({ scale, levels = [], values }: Picture, min: number | null,
   const all = [min, max, ...(values ?? [])].filter((value): value is number => typeof value === 'number' && Number.isFinite(value));
   const most = Math.max(...all, 0);
   if (scale === 'log') return uPlot.rangeLog(Math.min(...all.filter((value) => value > 0), most || 1), most || 10, 10, false);
-  return [0, Math.max(most * 1.08, (levels[0]?.value ?? 0) * 1.15) || 1];
+  return [0, Math.max(most * 1.08, Math.max(0, ...levels.map(({ value }) => value)) * 1.15) || 1];
 }
 
 function drawLevels(plot: uPlot, { levels = [] }: Picture): void {

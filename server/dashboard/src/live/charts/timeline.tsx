@@ -8,7 +8,7 @@ import { armStyle } from './arm_style';
 import { axisTime, LEFT, RIGHT, TIME_STEPS } from './plot';
 import { linearTicks } from '../numbers/ridge';
 import { type Mark, type Timeline, timelineOf } from './timeline_model';
-import { crosshairMs, type Range, setRange, zoomed } from './view_state';
+import { crosshairMs, range, type Range, setRange, zoomed } from './view_state';
 import { useWidth } from './width';
 
 const LANE = 26;
@@ -134,7 +134,7 @@ function actionsOf(marks: readonly Mark[], on: Mark | undefined, domain: Range, 
   return {
     ArrowLeft: () => goTo(place < 0 ? shown.length - 1 : place - 1), ArrowRight: () => goTo(place + 1), Home: () => goTo(0), End: () => goTo(shown.length - 1),
     Enter: () => on && open(on.step), Escape: () => go(undefined),
-    '+': () => setRange(zoomed(domain, about, 0.5)), '-': () => setRange(zoomed(domain, about, 2)), 0: () => setRange(undefined),
+    '+': () => setRange(zoomed(domain, about, 0.5)), '-': () => setRange(range.peek() && zoomed(domain, about, 2)), 0: () => setRange(undefined),
   };
 }
 

@@ -63,8 +63,9 @@ export function placeAt(timesMs: readonly number[], timeMs: number): number {
   return low - 1;
 }
 
-/** Zooms about a time; a factor below 1 shows less. */
-export function zoomed({ fromMs, toMs }: Range, aboutMs: number, factor: number): Range {
+/** Zooms about a time; a factor below 1 shows less, but for 10 ms. */
+export function zoomed({ fromMs, toMs }: Range, aboutMs: number, asked: number): Range {
+  const factor = asked < 1 ? Math.min(1, Math.max(asked, 10 / (toMs - fromMs))) : asked;
   const about = Math.min(Math.max(aboutMs, fromMs), toMs);
   return { fromMs: about - (about - fromMs) * factor, toMs: about + (toMs - about) * factor };
 }

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { RowOrder, sortedBy, sortingOf, sortingText } from './row_order';
+import { MAX_GONE, RowOrder, sortedBy, sortingOf, sortingText } from './row_order';
 
 const keyOf = (row: string) => row[0]!;
 const shown = (order: RowOrder<string>, rows: readonly string[], isHeld: boolean) => {
@@ -26,6 +26,13 @@ it('keeps the place of a row that is gone, and puts new ones last', () => {
   expect(shown(order, ['n2', 'a2', 'c2'], true)).toEqual({ rows: 'a2 (b1) c2 n2', isOutdated: true });
   expect(shown(order, ['n3', 'a3', 'b3', 'c3'], true).rows).toBe('a3 b3 c3 n3');
   expect(shown(order, ['n4', 'a4', 'c4'], false)).toEqual({ rows: 'n4 a4 c4', isOutdated: false });
+});
+
+it('forgets the oldest of the rows that are gone, where there are many', () => {
+  const order = new RowOrder<number>();
+  const place = (rows: readonly number[]) => order.place(rows, String, true).placed;
+  for (let i = 0; i < 5 * MAX_GONE; ++i) place([-1, i]);
+  expect(place([-1, -2]).map(({ row }) => row)).toEqual([-1, ...Array.from({ length: MAX_GONE }, (_, i) => 4 * MAX_GONE + i), -2]);
 });
 
 it('takes the wanted order where nothing was shown yet', () => {

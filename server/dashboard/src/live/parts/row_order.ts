@@ -10,6 +10,14 @@ export interface Placement<Row> {
   isOutdated: boolean;  // the rows would be ordered differently
 }
 
+// A page may be left open with the pointer on a table: of rows that are gone, the latest stay.
+export const MAX_GONE = 100;
+
+function withoutOldestGone<Row>(placed: readonly PlacedRow<Row>[]): readonly PlacedRow<Row>[] {
+  let over = placed.filter(({ isGone }) => isGone).length - MAX_GONE;
+  return over <= 0 ? placed : placed.filter(({ isGone }) => !(isGone && over-- > 0));
+}
+
 export class RowOrder<Row> {
   private shown: readonly PlacedRow<Row>[] = [];
 
@@ -22,10 +30,10 @@ export class RowOrder<Row> {
     }
     const there = new Map(wanted.map((each) => [each.key, each]));
     const before = new Set(this.shown.map(({ key }) => key));
-    this.shown = [
+    this.shown = withoutOldestGone([
       ...this.shown.map((each) => there.get(each.key) ?? { ...each, isGone: true }),
       ...wanted.filter(({ key }) => !before.has(key)),
-    ];
+    ]);
     const isOutdated = this.shown.length !== wanted.length || this.shown.some(({ key }, i) => key !== wanted[i]!.key);
     return { placed: this.shown, isOutdated };
   }

@@ -90,7 +90,7 @@ function moveFocus(event: KeyboardEvent, box: HTMLElement, count: number): void 
   requestAnimationFrame(() => requestAnimationFrame(focus));
 }
 
-function useWindow(count: number) {
+function useView() {
   const box = useRef<HTMLDivElement>(null);
   const [view, setView] = useState({ top: 0, height: 800 });
   const look = () => {
@@ -102,10 +102,14 @@ function useWindow(count: number) {
     window.addEventListener('resize', look);
     return () => window.removeEventListener('resize', look);
   }, []);
-  const drawsAll = count <= ALL_UP_TO;
-  const from = drawsAll ? 0 : Math.max(0, Math.floor(view.top / ROW_PX) - OVERSCAN);
-  const to = drawsAll ? count : Math.min(count, Math.ceil((view.top + view.height) / ROW_PX) + OVERSCAN);
-  return { box, from: Math.min(from, to), to, look, isScrolled: view.top > 0 };
+  return { box, view, look };
+}
+
+// The rows to draw, of so many.
+function windowOf({ top, height }: { top: number; height: number }, count: number): [number, number] {
+  if (count <= ALL_UP_TO) return [0, count];
+  const to = Math.min(count, Math.ceil((top + height) / ROW_PX) + OVERSCAN);
+  return [Math.min(Math.max(0, Math.floor(top / ROW_PX) - OVERSCAN), to), to];
 }
 
 // The reader who filters or sorts wants another order: the address says so.
@@ -125,8 +129,9 @@ export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter 
   const order = useOrder<Row>();
   const valueOf = columns.find(({ id }) => id === sorting.column)?.sort;
   const sorted = useMemo(() => (valueOf ? sortedBy(rows, valueOf, sorting.isDescending) : [...rows]), [rows, sorting.column, sorting.isDescending]);
-  const { box, from, to, look, isScrolled } = useWindow(rows.length);
-  const { placed, isOutdated } = order.current.place(sorted, keyOf, isEntered || isScrolled);
+  const { box, view, look } = useView();
+  const { placed, isOutdated } = order.current.place(sorted, keyOf, isEntered || view.top > 0);
+  const [from, to] = windowOf(view, placed.length);
 
   const sortAgain = (next: Sorting) => {
     order.current = new RowOrder<Row>();

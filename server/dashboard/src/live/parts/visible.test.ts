@@ -11,6 +11,12 @@ it('shows what reorders a line, and what cannot be seen', () => {
   expect(visible('\u2066x\u2069\u{e0041}\u3164')).toBe('⟨U+2066⟩x⟨U+2069⟩⟨U+E0041⟩⟨U+3164⟩');
 });
 
+it('shows what makes two names look the same', () => {
+  expect(visible('arena\ufe0f')).toBe('arena⟨U+FE0F⟩');
+  expect(visible('a\u00a0b\u3000c d')).toBe('a⟨U+00A0⟩b⟨U+3000⟩c d');
+  expect(visible('\uffff\u{e0100}\u180b')).toBe('⟨U+FFFF⟩⟨U+E0100⟩⟨U+180B⟩');
+});
+
 it('makes file names that stay in their folder', () => {
   expect(fileName('../../etc', 'a/b\\c')).toBe('etc_a-b-c');
   expect(fileName('..')).toBe('sweepstake');

@@ -1,6 +1,6 @@
 // Names come from games, and some are hostile: written to reorder the line they are in, or to look like another name. What has no
-// shape of its own is shown by its number.
-const HIDDEN = /[\p{Cc}\p{Cf}\p{Cs}\p{Co}\p{Zl}\p{Zp}\u115f\u1160\u3164\uffa0\u034f\u2800]/gu;
+// shape of its own, and every blank but the ordinary one, is shown by its number.
+const HIDDEN = /[\p{C}\p{Zl}\p{Zp}\p{Default_Ignorable_Code_Point}\u2800]|[^\P{Zs} ]/gu;
 
 export const visible = (name: string) =>
   name.replace(HIDDEN, (character) => `⟨U+${character.codePointAt(0)!.toString(16).toUpperCase().padStart(4, '0')}⟩`);

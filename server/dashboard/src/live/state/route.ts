@@ -37,10 +37,12 @@ export function routeOf(url: URL): Route {
 const address = signal(typeof location === 'undefined' ? 'http://localhost/' : location.href);
 export const route: ReadonlySignal<Route> = computed(() => routeOf(new URL(address.value)));
 
-// Goes to a page of the dashboard.
+// Goes to a page of the dashboard: to its top, which is where the focus is then.
 export function navigate(href: string): void {
   history.pushState(null, '', href);
   address.value = location.href;
+  window.scrollTo(0, 0);
+  document.getElementById('main')?.focus({ preventScroll: true });
 }
 
 // Sets parameters of the query, and removes those that are empty. A `step` of its own can be gone back to; without, the address of

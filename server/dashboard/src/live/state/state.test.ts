@@ -119,11 +119,15 @@ describe('summaries', () => {
   it('sort what is uncertain before what is known, and the degraded before all', () => {
     const stable = summaryOf(state(posteriorOf('a', 5000, 100)));
     const open = summaryOf(state(posteriorOf('b', 5, 5)));
-    const degraded = summaryOf(state(posteriorOf('a', 5000, 100), [decisionOf('a', 1, { verdict: Verdict.DEGRADED })]));
+    const says = [decisionOf('a', 1, { verdict: Verdict.DEGRADED })];
+    sessions.takeSnapshot([create(SessionInfoSchema, { sessionId: 's1', state: Link.CONNECTED })]);
+    const degraded = summaryOf(state(posteriorOf('a', 5000, 100), says));
     expect(stable.verdict).toBe(Verdict.STABLE);
     expect(degraded.verdict).toBe(Verdict.DEGRADED);
     expect(open.uncertainty).toBeGreaterThan(stable.uncertainty);
     expect(degraded.uncertainty).toBeGreaterThan(open.uncertainty);
+    sessions.takeSnapshot([]);
+    expect(summaryOf(state(posteriorOf('a', 5000, 100), says)).verdict).toBe(Verdict.STABLE); // nobody says it any more
   });
 
   it('remember how sure the leader was, bounded, and nothing where the posterior is the same', () => {

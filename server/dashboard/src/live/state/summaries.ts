@@ -3,6 +3,7 @@ import { effect, signal, type ReadonlySignal } from '@preact/signals';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { verdictOf, type SceneVerdict } from '../numbers/verdict';
 import { scenes, type SceneState } from './scenes';
+import { isConnected, sessions } from './sessions';
 
 const INTERVAL_MS = 500;
 export const MAX_TREND = 64;
@@ -40,9 +41,18 @@ function withValue(trend: readonly number[], value: number): readonly number[] {
   return [...room, value];
 }
 
+// What a session that is there said last.
+function isDegraded({ decisions }: SceneState): boolean {
+  const last = new Map(decisions.map(({ sessionId, verdict }) => [sessionId, verdict]));
+  return [...last].some(([id, verdict]) => {
+    const session = sessions.peek().get(id);
+    return verdict === Verdict.DEGRADED && session !== undefined && isConnected(session);
+  });
+}
+
 export function summaryOf(state: SceneState, before?: SceneSummary): SceneSummary {
   const computed = verdictOf(state.posterior);
-  const verdict = state.decisions.at(-1)?.verdict === Verdict.DEGRADED ? Verdict.DEGRADED : computed.verdict;
+  const verdict = isDegraded(state) ? Verdict.DEGRADED : computed.verdict;
   const isNewPosterior = before?.state.posterior !== state.posterior;
   const trend = before?.trend ?? [];
   return {
@@ -60,7 +70,7 @@ function update(): void {
   const before = new Map(held.peek().map((summary) => [summary.state.key, summary]));
   held.value = [...scenes.peek().values()].map((state) => {
     const known = before.get(state.key);
-    return known?.state === state ? known : summaryOf(state, known);
+    return known?.state === state && known.verdict !== Verdict.DEGRADED ? known : summaryOf(state, known);
   });
 }
 

@@ -94,6 +94,21 @@ describe('Watch', () => {
     expect(daemon.requests[1]!.headers).not.toHaveProperty('Last-Event-ID');
   });
 
+  it('asks more and more seldom for a snapshot that never ends', async () => {
+    vi.spyOn(Math, 'random').mockReturnValue(1);
+    await begin();
+    for (const delayMs of [500, 1000, 2000]) {
+      const before = daemon.requests.length;
+      await daemon.send(event('snapshot-begin', 'b:1', '{}') + event('', 'b:2', textOf('one')));
+      await daemon.breakOff();
+      await vi.advanceTimersByTimeAsync(delayMs - 1);
+      expect(daemon.requests).toHaveLength(before);
+      await vi.advanceTimersByTimeAsync(1);
+      expect(daemon.requests).toHaveLength(before + 1);
+    }
+    vi.restoreAllMocks();
+  });
+
   it('tells why it is refused, and tries again at once after a login', async () => {
     daemon.refusal = new Response('{"error":{"code":"UNAUTHENTICATED","reason":"TOKEN_MISSING","message":"no token"}}', { status: 401 });
     await begin();

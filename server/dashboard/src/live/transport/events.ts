@@ -113,6 +113,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
         silence = setTimeout(() => attempt.abort(), MAX_SILENCE_MS);
         this.listener.heard();
         if (event) this.take(event);
+        if (this.isWhole) this.failures = 0;  // not before: a snapshot that never ends is not to be asked for again and again
       }
       return asApiError(undefined);
     } finally {
@@ -127,7 +128,6 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
 
   private take({ name, id, data }: ServerEvent): void {
     if (name === 'error') throw parseError(data, 'the daemon ended the stream');
-    this.failures = 0;
     if (name === 'snapshot-begin') {
       this.isWhole = false;
       this.lastId = '';

@@ -7,6 +7,7 @@ import { checks, followChecks } from '../state/health';
 import { sceneHref, sessionHref } from '../state/route';
 import { connectedSessions, sessions, type SessionState } from '../state/sessions';
 import { summaries, type SceneSummary } from '../state/summaries';
+import { now } from '../parts/clock';
 import { useEntered } from '../parts/entered';
 import { visible } from '../parts/visible';
 
@@ -17,6 +18,7 @@ interface Concern {
 }
 
 const MAX_PLACES = 3;
+const LATELY_MS = 600_000;
 
 const ofScene = ({ state }: SceneSummary) => ({ href: sceneHref(state.posterior), name: state.posterior.scene });
 const ofSession = ({ info }: SessionState) => ({ href: sessionHref(info.sessionId), name: `${info.scene} (${info.sessionId.slice(0, 8)})` });
@@ -26,7 +28,8 @@ function concern(found: readonly (SceneSummary | SessionState)[], one: string, m
   return { text: counted(found.length, one, many), isBad, places: found.map((each) => ('computed' in each ? ofScene(each) : ofSession(each))) };
 }
 
-const bailsOut = ({ state }: SceneSummary) => state.decisions.slice(-50).some(({ reason }) => reason === SwitchReason.BAIL_OUT);
+const bailsOut = ({ state }: SceneSummary) =>
+  state.decisions.slice(-50).some(({ reason, unixMs }) => reason === SwitchReason.BAIL_OUT && now.value - Number(unixMs) < LATELY_MS);
 
 function concerns(): Concern[] {
   const all = summaries.value;

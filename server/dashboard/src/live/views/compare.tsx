@@ -96,10 +96,14 @@ function useSession(id: string): SessionData {
 
 const mostOf = (columns: readonly (readonly (number | null)[])[]) => Math.max(0, ...columns.flat().map((value) => value ?? 0));
 
-// Sessions of different times are laid over one another from their starts on.
-function SessionSide({ data: { id, steps, arms, columns }, lengthMs, most }: { data: SessionData; lengthMs: number; most: { frameMs: number; detectionMs: number } }) {
-  const startMs = steps[0]?.timeMs ?? 0;
-  const domain = range.value ?? { fromMs: startMs, toMs: startMs + lengthMs };
+// Sessions of different times are laid over one another: the second one's times are counted from the first one's start.
+const laidTo = (startMs: number, data: SessionData): SessionData => {
+  const laterMs = (data.steps[0]?.timeMs ?? startMs) - startMs;
+  const steps = data.steps.map((step) => ({ ...step, timeMs: step.timeMs - laterMs }));
+  return { ...data, steps, columns: costColumns(measuredOf(steps)) };
+};
+
+function SessionSide({ data: { id, steps, arms, columns }, domain, most }: { data: SessionData; domain: Range; most: { frameMs: number; detectionMs: number } }) {
   const moments = useMemo(() => switchMoments(steps, arms), [steps]);
   return (
     <div>
@@ -115,7 +119,8 @@ function SessionSide({ data: { id, steps, arms, columns }, lengthMs, most }: { d
 
 /** A choice of the other sessions of the same scene. */
 export function CompareWith({ info }: { info: SessionInfo }) {
-  const others = [...sessions.value.keys()].filter((id) => id !== info.sessionId && sessions.value.get(id)?.info.scene === info.scene);
+  const others = [...sessions.value].filter(([id, { info: { project, scene } }]) => id !== info.sessionId && project === info.project && scene === info.scene)
+    .map(([id]) => id);
   if (others.length === 0) return null;
   return (
     <label class="choice"><span>Beside</span>
@@ -128,7 +133,10 @@ export function CompareWith({ info }: { info: SessionInfo }) {
 }
 
 export function CompareSessions({ ids: [first, second] }: { ids: readonly [string, string] }) {
-  const both = [useSession(first), useSession(second)];
+  const [own, other] = [useSession(first), useSession(second)];
+  const startMs = own.steps[0]?.timeMs ?? 0;
+  const laid = useMemo(() => laidTo(startMs, other), [startMs, other]);
+  const both = [own, laid];
   const lengthMs = Math.max(1000, ...both.map(({ steps }) => (steps.at(-1)?.timeMs ?? 0) - (steps[0]?.timeMs ?? 0)));
   const most = { frameMs: mostOf(both.flatMap(({ columns }) => columns.frame)), detectionMs: mostOf(both.flatMap(({ columns }) => columns.detection)) };
   return (
@@ -136,7 +144,8 @@ export function CompareSessions({ ids: [first, second] }: { ids: readonly [strin
       <header class="title"><h1>Beside one another</h1><span><Alone /><CopyLink /></span></header>
       {both.some(({ isReading, steps }) => isReading && steps.length === 0) && <Loading what="the logs" />}
       <TimeTools />
-      <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} lengthMs={lengthMs} most={most} />)}</div>
+      <p class="soft">The second session is drawn as if it had begun when the first one did: times are the first one’s.</p>
+      <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} domain={range.value ?? { fromMs: startMs, toMs: startMs + lengthMs }} most={most} />)}</div>
     </>
   );
 }

@@ -9,7 +9,7 @@ import { CopyLink } from '../parts/copy_link';
 import { Choice, Filter, matches } from '../parts/filter';
 import { Name } from '../parts/name';
 import { Sparkline } from '../parts/sparkline';
-import { Empty, Loading } from '../parts/states';
+import { Empty, Failure, Loading } from '../parts/states';
 import { Table, type Column } from '../parts/table';
 import { visible } from '../parts/visible';
 import { connection } from '../state/connection';
@@ -123,5 +123,6 @@ export function Overview() {
 
 function NotThere() {
   const { error } = connection.value;
+  if (error && error.code !== 'UNREACHABLE') return <Failure what="The scenes" error={error} onRetry={() => location.reload()} />;
   return <Empty title="The daemon is not there"><p>{error?.message ?? 'The connection was lost'}. The page comes back by itself.</p></Empty>;
 }

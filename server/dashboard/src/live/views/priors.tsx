@@ -15,7 +15,7 @@ import { route } from '../state/route';
 import { scenes } from '../state/scenes';
 import { asApiError, stream, type ApiError } from '../transport/calls';
 import { Changes } from './priors/changes';
-import { OperatorReason, PromoteButton, QuestionHost, RevokeButton } from './priors/question';
+import { OperatorReason, PromoteButton, PriorsQuestion, RevokeButton } from './priors/question';
 import { Builds, Sources, Sums, Waiting } from './priors/tables';
 
 interface Answer {
@@ -113,7 +113,7 @@ export function Priors() {
         <OperatorReason />
         {answer?.isWhole && <span class="soft">read {ago(answer.atMs, now.value)}</span>}
       </div>
-      <QuestionHost known={{ projects, builds }} onDone={again} />
+      <PriorsQuestion known={{ projects, builds }} onDone={again} />
       {!answer && <Loading what="the evidence" />}
       {answer?.error && <Failure what="All of the evidence" error={answer.error} onRetry={again} />}
       {evidence && evidence.waitingCount > 0 && <Quarantine evidence={evidence} project={project} />}

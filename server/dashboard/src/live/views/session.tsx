@@ -23,6 +23,7 @@ import { account, isOperator } from '../state/account';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { sceneKeyOf } from '../state/scenes';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
+import { type ApiError, asApiError } from '../transport/calls';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
@@ -139,7 +140,11 @@ function Costs({ sessionId, steps, arms, domain }: ChartsProps) {
 // What draws the boxes is loaded when somebody asks for them.
 function BoxesLater({ sessionId }: { sessionId: string }) {
   const [View, setView] = useState<ComponentType<{ sessionId: string }> | undefined>(undefined);
-  useEffect(() => { void import('./session/boxes').then(({ SessionBoxes }) => setView(() => SessionBoxes)); }, []);
+  const [error, setError] = useState<ApiError | undefined>(undefined);
+  useEffect(() => {
+    import('./session/boxes').then(({ SessionBoxes }) => setView(() => SessionBoxes), (reason: unknown) => setError(asApiError(reason)));
+  }, []);
+  if (error) return <Failure what="The boxes" error={error} onRetry={() => location.reload()} />;
   return View ? <View sessionId={sessionId} /> : <Loading what="the view" />;
 }
 

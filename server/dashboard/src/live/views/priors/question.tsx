@@ -52,9 +52,10 @@ export const RevokeButton = ({ scope, of }: { scope: Scope; of?: string }) =>
 export const PromoteButton = ({ scope, of }: { scope: Scope; of?: string }) =>
   <QuestionButton action="promote" scope={scope} {...(of ? { of } : {})}>{of ? 'Promote …' : 'Promote all …'}</QuestionButton>;
 
+const many = (count: bigint, one: string, several = `${one}s`) => `${grouped(Number(count))} ${count === 1n ? one : several}`;
 const countsText = ({ sourceCount, recordCount, windowCount, sceneCount }: Counts) =>
-  `${grouped(Number(sourceCount))} sources with ${grouped(Number(recordCount))} records of ${grouped(Number(windowCount))} windows and visits${
-    sceneCount === undefined ? '' : ` for ${grouped(Number(sceneCount))} scenes`}`;
+  `${many(sourceCount, 'source')} with ${many(recordCount, 'record')} of ${many(windowCount, 'window or visit', 'windows and visits')}${
+    sceneCount === undefined ? '' : ` for ${many(sceneCount, 'scene')}`}`;
 
 // What is asked about: a scope, what the daemon says would change, or why it does not say so.
 interface Preview { scope: Scope; counts?: Counts; error?: ApiError }
@@ -180,7 +181,7 @@ function Dialog({ question: { action, scope: start, isOpen }, known, onClose, on
 }
 
 /** The dialog of the buttons; `onDone` is called when something may have changed. */
-export function QuestionHost({ known, onDone }: { known: Known; onDone(): void }) {
+export function PriorsQuestion({ known, onDone }: { known: Known; onDone(): void }) {
   const close = () => { asked.value = undefined; };
   useEffect(() => close, []);
   return asked.value ? <Dialog question={asked.value} known={known} onClose={close} onDone={onDone} /> : null;
