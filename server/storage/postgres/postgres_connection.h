@@ -10,6 +10,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -94,6 +95,14 @@ class PostgresConnection {
   absl::Status Run(const char* sql, const Args&... args) {
     return ForEachRow(
         sql, [](const PostgresRow&) {}, args...);
+  }
+  // The same, and returns how many rows the statement has changed.
+  template <typename... Args>
+  absl::StatusOr<uint64_t> Change(const char* sql, const Args&... args) {
+    const std::vector<std::string> texts = {ParameterOf(args)...};
+    const auto result = RunPrepared(sql, texts);
+    if (!result.ok()) return result.status();
+    return std::strtoull(PQcmdTuples(result->get()), nullptr, 10);
   }
   // Runs a statement that was made for this once, with an array for each parameter.
   absl::Status RunOnce(const std::string& sql, const std::vector<PostgresArray>& arrays);

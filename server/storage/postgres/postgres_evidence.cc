@@ -38,21 +38,24 @@ constexpr const char* kLoadRows = R"sql(
     SELECT key_id, source_id, sequence, alpha, beta, window_count, bail_out_count
     FROM unnest($1::bigint[], $2::bigint[]) AS given(key_id, source_id)
          JOIN evidence USING (key_id, source_id))sql";
-// Returns the rows that are new.
 constexpr const char* kChangeRows = R"sql(
-    WITH given AS MATERIALIZED (
-      SELECT * FROM unnest($1::bigint[], $2::bigint[], $3::bigint[], $4::numeric[], $5::numeric[],
-                           $6::numeric[], $7::numeric[])
-                    AS g(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)),
-    changed AS (
-      UPDATE evidence e
-      SET sequence = g.sequence, alpha = e.alpha + g.alpha, beta = e.beta + g.beta,
-          window_count = e.window_count + g.window_count,
-          bail_out_count = e.bail_out_count + g.bail_out_count
-      FROM given g WHERE e.key_id = g.key_id AND e.source_id = g.source_id
-      RETURNING e.key_id, e.source_id)
+    UPDATE evidence e
+    SET sequence = g.sequence, alpha = e.alpha + g.alpha, beta = e.beta + g.beta,
+        window_count = e.window_count + g.window_count,
+        bail_out_count = e.bail_out_count + g.bail_out_count
+    FROM unnest($1::bigint[], $2::bigint[], $3::bigint[], $4::numeric[], $5::numeric[],
+                $6::numeric[], $7::numeric[])
+         AS g(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)
+    WHERE e.key_id = g.key_id AND e.source_id = g.source_id)sql";
+// Adds those of the same rows that there are not. Nobody else does, since the sources are locked.
+constexpr const char* kAddRows = R"sql(
     INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)
-    SELECT * FROM given WHERE (key_id, source_id) NOT IN (SELECT key_id, source_id FROM changed)
+    SELECT *
+    FROM unnest($1::bigint[], $2::bigint[], $3::bigint[], $4::numeric[], $5::numeric[],
+                $6::numeric[], $7::numeric[])
+         AS g(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)
+    WHERE NOT EXISTS (SELECT FROM evidence e
+                      WHERE e.key_id = g.key_id AND e.source_id = g.source_id)
     RETURNING key_id, source_id)sql";
 // Returns the scenes that got a source.
 constexpr const char* kJoinScenes = R"sql(
@@ -231,18 +234,23 @@ absl::Status PostgresEvidence::Apply(const RowChanges& changes) {
     units.Add(change.units);
     sums[place.first].units += change.units;
   }
+  const auto changed = connection_.Change(kChangeRows, keys, sources, sequences, units.alpha,
+                                          units.beta, units.window_count, units.bail_out_count);
+  if (!changed.ok()) return changed.status();
+  const bool any_new = *changed < changes.size();
   PostgresArray new_keys;
   PostgresArray new_sources;
-  bool any_new = false;
-  absl::Status status = connection_.ForEachRow(
-      kChangeRows,
-      [&](const PostgresRow& row) {
-        new_keys.Add(row.Integer(0));
-        new_sources.Add(row.Integer(1));
-        ++sums[row.Integer(0)].source_count;
-        any_new = true;
-      },
-      keys, sources, sequences, units.alpha, units.beta, units.window_count, units.bail_out_count);
+  absl::Status status;
+  if (any_new)
+    status = connection_.ForEachRow(
+        kAddRows,
+        [&](const PostgresRow& row) {
+          new_keys.Add(row.Integer(0));
+          new_sources.Add(row.Integer(1));
+          ++sums[row.Integer(0)].source_count;
+        },
+        keys, sources, sequences, units.alpha, units.beta, units.window_count,
+        units.bail_out_count);
   SceneChanges scenes;
   if (status.ok()) status = AddToSums(sums, scenes);
   if (status.ok() && any_new)

@@ -116,8 +116,9 @@ TEST_F(MigrationProgram, WhatWasLearntGoesThereAndBackAndTheSessionGoesOn) {
   EXPECT_EQ(daemon.Terminate(), 0);
 }
 
-TEST_F(MigrationProgram, WhatIsMissingIsSaidWithWhatToDo) {
-  const std::string data = " --data " + data_.path().string();
+TEST(MigrationWords, WhatIsMissingIsSaidWithWhatToDo) {
+  const TemporaryDirectory directory;
+  const std::string data = " --data " + directory.path().string();
   EXPECT_THAT(RunDaemonProgram("migrate to-store" + data).said,
               HasSubstr("name the shared store with --store postgresql://"));
   const Ran nowhere =
@@ -125,14 +126,14 @@ TEST_F(MigrationProgram, WhatIsMissingIsSaidWithWhatToDo) {
   EXPECT_EQ(nowhere.exit_code, 1);
   EXPECT_THAT(nowhere.said, HasSubstr("PostgreSQL cannot be reached: "));
   EXPECT_THAT(nowhere.said, HasSubstr("see that the server runs"));
-  EXPECT_EQ(RunDaemonProgram("migrate sideways" + Paths()).exit_code, 2);
+  EXPECT_EQ(RunDaemonProgram("migrate sideways" + data).exit_code, 2);
   EXPECT_THAT(RunDaemonProgram("migrate --help").said, HasSubstr("sweepstaked migrate to-data"));
   const Ran start = RunDaemonProgram("--store 'postgresql:///none?host=/nowhere'" + data);
   EXPECT_EQ(start.exit_code, 3);
   EXPECT_THAT(start.said, HasSubstr("see that the server runs"));
 }
 
-TEST_F(MigrationProgram, TheExampleOfASharedStoreIsAConfiguration) {
+TEST(MigrationWords, TheExampleOfASharedStoreIsAConfiguration) {
   const Ran checked = RunDaemonProgram("check-config " EXAMPLE_CONFIG);
   EXPECT_EQ(checked.exit_code, 0) << checked.said;
 }
