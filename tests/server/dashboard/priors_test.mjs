@@ -76,7 +76,7 @@ async function checkPromote(page, daemon, commands) {
   const ask = async () => {
     await button(page, 'Promote build 0.9').click();
     await previewIs(page, preview, /would count\./);
-    assert.match(await dialog(page).getByRole('status').innerText(), / for 1 scenes would count/);
+    assert.match(await dialog(page).getByRole('status').innerText(), / for 1 scene would count/);
   };
   await ask();
   await assertAccessible(page, 'the dialog of a promotion');
@@ -144,7 +144,8 @@ async function checkChanges(page, daemon, commands) {
   await page.getByText('There is no evidence of build 7 here').waitFor();
 }
 
-const countsText = ({ sources, records, windows }) => [`${sources} sources`, `${records} records`, `${windows} windows`];
+const counted = (count, one) => `${count} ${one}${count === 1 ? '' : 's'}`;
+const countsText = ({ sources, records, windows }) => [counted(sources, 'source'), counted(records, 'record'), counted(windows, 'window')];
 async function previewIs(page, result, end = /would go\./) {
   const text = await until('the preview is there', async () => { const shown = await dialog(page).getByRole('status').innerText(); return end.test(shown) && shown; });
   for (const part of countsText(result)) assert.ok(text.replaceAll(',', '').includes(part), `${text} without ${part}`);
