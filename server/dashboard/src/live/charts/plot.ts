@@ -40,7 +40,8 @@ export interface Picture {
 /** All charts of a view have the same margins, so that their times stand above one another. */
 export const LEFT = 72;
 export const RIGHT = 14;
-const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
+// Words of this height where the page's own have 15 px; very wide windows have larger ones.
+const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
 const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
@@ -78,7 +79,7 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
     ctx.moveTo(bbox.left, y);
     ctx.lineTo(bbox.left + bbox.width, y);
     ctx.stroke();
-    ctx.font = `${11 * uPlot.pxRatio}px system-ui, sans-serif`;
+    ctx.font = fontOf(11 * uPlot.pxRatio);
     ctx.textAlign = 'right';
     ctx.setLineDash([]);
     ctx.lineWidth = 3 * uPlot.pxRatio;
@@ -94,7 +95,7 @@ function drawMoments(plot: uPlot, { moments = [], domain }: Picture): void {
   ctx.save();
   ctx.lineWidth = uPlot.pxRatio;
   ctx.setLineDash([2 * uPlot.pxRatio, 2 * uPlot.pxRatio]);
-  ctx.font = `${11 * uPlot.pxRatio}px system-ui, sans-serif`;
+  ctx.font = fontOf(11 * uPlot.pxRatio);
   for (const { timeMs, colour, label } of moments) {
     if (timeMs < domain.fromMs || timeMs > domain.toMs) continue;
     const x = plot.valToPos(timeMs, 'x', true);
@@ -126,7 +127,7 @@ function seriesOf({ lines, hidden }: Picture): uPlot.Series[] {
 function axis(now: () => Picture, isTime: boolean): uPlot.Axis {
   return {
     stroke: () => resolved('var(--soft)'),
-    font: FONT,
+    font: fontOf(12),
     grid: { stroke: () => resolved('var(--rule)'), width: 1 },
     ticks: { show: false },
     ...(isTime

@@ -78,8 +78,8 @@ function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Ax
       <line x1={axis.x(innerLow)} x2={axis.x(innerHigh)} y1={base + 5} y2={base + 5} stroke={colour} stroke-width="5" />
       <path d={shapeOf(arm)} transform={`translate(${axis.x(mean(posterior)).toFixed(2)} ${base + 5})`} fill={measured === 'live' ? colour : 'var(--card)'}
         stroke={colour} stroke-width="1.5" />
-      <text class="halo" x={SIDE} y={base - CREST - 4} font-size="12" font-weight="600" fill="var(--text)">{shortened(label, width)}</text>
-      <text class="halo" x={width - SIDE} y={base - CREST - 4} font-size="11" fill="var(--soft)" text-anchor="end">{width < ROOM_FOR_INTERVAL ? told('') : value}</text>
+      <text class="halo" x={SIDE} y={base - CREST - 4} font-size=".8rem" font-weight="600" fill="var(--text)">{shortened(label, width)}</text>
+      <text class="halo" x={width - SIDE} y={base - CREST - 4} font-size=".73rem" fill="var(--soft)" text-anchor="end">{width < ROOM_FOR_INTERVAL ? told('') : value}</text>
     </g>
   );
 }
@@ -96,7 +96,7 @@ function Ticks({ axis, width, y }: { axis: Axis; width: number; y: number }) {
     ? logTicks(costNsOf(axis.high), costNsOf(axis.low), count).map(rewardOfNs)
     : linearTicks(axis.low, axis.high, count);
   return (
-    <g font-size="11" fill="var(--soft)" text-anchor="middle">
+    <g font-size=".73rem" fill="var(--soft)" text-anchor="middle">
       {rewards.map((reward) => (
         <g key={reward}>
           <line x1={axis.x(reward)} x2={axis.x(reward)} y1={0} y2={y} stroke="var(--rule)" />
@@ -134,7 +134,7 @@ export function Ridgeline({ title, rows, rewardVersion, rewards = ridgeRange(row
           {pointer !== undefined && (
             <g pointer-events="none">
               <line x1={pointer} x2={pointer} y1={0} y2={height - AXIS} stroke="var(--text)" stroke-dasharray="3 3" />
-              <text class="halo" x={pointer} y={height - AXIS - 2} font-size="11" fill="var(--text)" text-anchor={pointer > width / 2 ? 'end' : 'start'}>
+              <text class="halo" x={pointer} y={height - AXIS - 2} font-size=".73rem" fill="var(--text)" text-anchor={pointer > width / 2 ? 'end' : 'start'}>
                 {` ${rewardText(axis.reward(pointer), axis.tellsCosts)} `}
               </text>
             </g>

@@ -50,7 +50,7 @@ function timeTicks({ fromMs, toMs }: Range, count: number): { timesMs: number[];
 function Lanes({ arms, geometry: { width, height, x, domain } }: { arms: readonly string[]; geometry: Geometry }) {
   const { timesMs, stepMs } = timeTicks(domain, Math.max(2, Math.floor(width / 110)));
   return (
-    <g font-size="11" fill="var(--soft)">
+    <g font-size=".73rem" fill="var(--soft)">
       {timesMs.map((ms) => (
         <g key={ms}>
           <line x1={x(ms)} x2={x(ms)} y1={0} y2={height - AXIS} stroke="var(--rule)" />
@@ -77,7 +77,7 @@ function MarkShape({ mark, arms, geometry: { x, y, domain }, isOn = false }: { m
     <g class={isOn ? 'mark on' : 'mark'} stroke={colour} stroke-width={isOn ? 2.5 : 1.5}>
       {right - left > 3 && <rect x={left} y={height - 4} width={right - left} height={8} rx="4" fill="none" />}
       {mark.sign
-        ? <text x={left} y={height + 5} text-anchor="middle" font-size="14" font-weight="700" fill="var(--text)" stroke="none">{mark.sign}</text>
+        ? <text x={left} y={height + 5} text-anchor="middle" font-size=".93rem" font-weight="700" fill="var(--text)" stroke="none">{mark.sign}</text>
         : <path d={shapeOf(mark.arm)} transform={`translate(${left.toFixed(1)} ${height})`} fill={mark.isHollow ? 'var(--card)' : colour} />}
     </g>
   );
