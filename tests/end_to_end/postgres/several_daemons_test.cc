@@ -243,15 +243,18 @@ void Cluster::End() {
 void Cluster::ExpectTheSameEverywhere(priors::PriorStore& store) {
   std::map<priors::EvidenceKey, priors::Evidence> sums;
   for (const Game& game : games_) {
-    const auto source = *store.LoadSource(game.session_id());
-    for (const auto& [key, evidence] : source->evidence) sums[key] += evidence;
+    const auto source = store.LoadSource(game.session_id());
+    ASSERT_TRUE(source.ok()) << source.status();
+    ASSERT_TRUE(source->has_value());
+    for (const auto& [key, evidence] : (*source)->evidence) sums[key] += evidence;
   }
   for (const auto& [key, sum] : sums) {
     const auto scene =
-        *store.LoadScene({key.project, key.scene, key.machine_class, key.reward_version});
-    ASSERT_TRUE(scene);
-    EXPECT_EQ(scene->source_count, kGames / 2);
-    EXPECT_EQ(scene->arms.at(0).live, sum);
+        store.LoadScene({key.project, key.scene, key.machine_class, key.reward_version});
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    ASSERT_TRUE(scene->has_value());
+    EXPECT_EQ((*scene)->source_count, kGames / 2);
+    EXPECT_EQ((*scene)->arms.at(0).live, sum);
   }
   std::vector<std::string> said;
   for (const auto& daemon : daemons_) {
