@@ -45,7 +45,7 @@ export async function openPage(context, origin, path = '/') {
   const page = await context.newPage();
   page.setDefaultTimeout(90_000);  // a machine may have much else to do
   page.troubles = [];
-  page.on('console', (message) => message.type() === 'error' && page.troubles.push(message.text()));
+  page.on('console', (message) => message.type() === 'error' && page.troubles.push(`${message.text()} ${message.location().url}`));
   page.on('pageerror', (error) => page.troubles.push(`${error.message}\n${error.stack}`));
   page.on('dialog', (dialog) => page.troubles.push(`a dialog says ${dialog.message()}`));
   page.on('request', (request) => /^(blob|data):/.test(request.url()) || request.url().startsWith(`${origin}/`) || page.troubles.push(`asked for ${request.url()}`));
@@ -56,11 +56,25 @@ export async function openPage(context, origin, path = '/') {
   return page;
 }
 
-// What the browser itself writes down where the daemon is away or refuses is no trouble.
-const EXPECTED = /Failed to load resource|net::ERR_|ERR_CONNECTION/;
+// What the browser itself writes down where the daemon refuses, or is away.
+export const refused = (...statuses) => new RegExp(`^Failed to load resource: the server responded with a status of (${statuses.join('|')}) `);
+export const AWAY = /^Failed to load resource: net::ERR_/;
 
-export function assertNoTrouble(page, what, expected = EXPECTED) {
-  assert.deepEqual(page.troubles.filter((each) => !expected.test(each)), [], what);
+// Does what lets `expected` troubles occur; elsewhere, and before and after, they count.
+export async function expecting(page, expected, act) {
+  const before = page.troubles.length;
+  const result = await act();
+  page.troubles.push(...page.troubles.splice(before).filter((each) => !expected.test(each)));
+  return result;
+}
+
+// The status with which the daemon refuses what the page does not offer.
+export const refusalOf = (page, method, request, headers = { 'X-Sweepstake': '1' }) => expecting(page, refused(403), () =>
+  page.evaluate(async ([name, body, more]) => (await fetch(`/api/sweepstake.v1.${name}`,
+    { method: 'POST', headers: { 'Content-Type': 'application/json', ...more }, body: JSON.stringify(body) })).status, [method, request, headers]));
+
+export function assertNoTrouble(page, what) {
+  assert.deepEqual(page.troubles, [], what);
 }
 
 const axeSource = () => readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');

@@ -8,7 +8,7 @@ import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:f
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-import { assertAccessible, assertNoTrouble, chromiumPath, launch, openPage, useTheme } from './browser.mjs';
+import { assertAccessible, assertNoTrouble, AWAY, chromiumPath, expecting, launch, openPage, refusalOf, refused, useTheme } from './browser.mjs';
 import { Game, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake, pictures] = process.argv.slice(2);
@@ -128,11 +128,13 @@ async function checkRowsStay(page, daemon) {
 async function checkReconnect(page, daemon) {
   await page.evaluate(() => { globalThis.marker = 'the same page'; });
   await isBadge(page, 'live');
-  await daemon.stop();
-  await isBadge(page, 'offline');
-  assert.ok(await rowOf(page, 'arena').count(), 'what was known is still there');
-  await daemon.start();
-  await isBadge(page, 'live');
+  await expecting(page, AWAY, async () => {
+    await daemon.stop();
+    await isBadge(page, 'offline');
+    assert.ok(await rowOf(page, 'arena').count(), 'what was known is still there');
+    await daemon.start();
+    await isBadge(page, 'live');
+  });
   await checkNumbers(page, daemon);
   daemon.freeze();
   await isBadge(page, 'stale');
@@ -258,22 +260,19 @@ async function checkErrors(context, daemon) {
   const page = await openPage(context, daemon.origin);
   for (const pattern of ['**/api/sweepstake*/**', '**/events/**', '**/metrics', '**/readyz*']) await page.route(pattern, (route) => route.fulfill(REFUSAL));
   for (const [name, path] of Object.entries(await viewsOf(daemon))) {
-    await page.goto(`${daemon.origin}${path}`);
-    await isBadge(page, 'offline');
-    await page.getByText('the store has too much to do').first().waitFor();
-    await page.screenshot({ path: join(pictures, `${name}-error.png`) });
-    await assertAccessible(page, `${name}, in error`);
+    await expecting(page, refused(REFUSAL.status), async () => {
+      await page.goto(`${daemon.origin}${path}`);
+      await isBadge(page, 'offline');
+      await page.getByText('the store has too much to do').first().waitFor();
+      await page.screenshot({ path: join(pictures, `${name}-error.png`) });
+      await assertAccessible(page, `${name}, in error`);
+    });
   }
   assertNoTrouble(page, 'views in error');
   await page.close();
 }
 
 // ---- Who may look.
-
-const orderStatus = (page, hasHeader) => page.evaluate(async (headers) => {
-  const body = JSON.stringify({ sessionId: 'any', mode: 'MODE_AI' });
-  return (await fetch('/api/sweepstake.v1.SessionsService/OrderSession', { method: 'POST', body, headers })).status;
-}, { 'Content-Type': 'application/json', ...(hasHeader && { 'X-Sweepstake': '1' }) });
 
 async function checkLogin(context) {
   const daemon = daemonIn('tokens', ['--require-tokens']);
@@ -283,16 +282,19 @@ async function checkLogin(context) {
   await page.getByLabel('Token').fill('wrong');
   await page.screenshot({ path: join(pictures, 'login.png') });
   await assertAccessible(page, 'login');
-  await page.getByRole('button', { name: 'Log in' }).click();
-  await page.locator('.problem', { hasText: /./ }).waitFor();
+  await expecting(page, refused(401), async () => {
+    await page.getByRole('button', { name: 'Log in' }).click();
+    await page.locator('.problem', { hasText: /./ }).waitFor();
+  });
   await page.getByLabel('Token').fill(token);
   await page.getByRole('button', { name: 'Log in' }).click();
   await isBadge(page, 'live');
   const kept = await page.evaluate(() => JSON.stringify([document.cookie, { ...localStorage }, { ...sessionStorage }]));
   assert.ok(!kept.includes(token), 'scripts can read the token');
   assert.equal(await page.evaluate(() => document.cookie), '', 'scripts can read the cookie');
-  assert.equal(await orderStatus(page, true), 403, 'a token that may watch orders');
-  assert.equal(await orderStatus(page, false), 403, 'the header that other sites cannot set is missing');
+  const order = ['SessionsService/OrderSession', { sessionId: 'any', mode: 'MODE_AI' }];
+  assert.equal(await refusalOf(page, ...order), 403, 'a token that may watch orders');
+  assert.equal(await refusalOf(page, ...order, {}), 403, 'the header that other sites cannot set is missing');
   await page.getByRole('button', { name: 'reader' }).click();
   await page.getByRole('button', { name: 'Log out' }).click();
   await page.getByLabel('Token').waitFor();

@@ -6,7 +6,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { assertAccessible, assertNoTrouble, openPage, rowsOf, runInBrowser } from './browser.mjs';
+import { assertAccessible, assertNoTrouble, expecting, openPage, refusalOf, refused, rowsOf, runInBrowser } from './browser.mjs';
 import { Game, RealDaemon, until } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake] = process.argv.slice(2);
@@ -192,8 +192,10 @@ async function checkRevokeForm(page, daemon, commands) {
   const revoke = button(dialog(page), 'Revoke');
   const preview = () => button(dialog(page), 'Preview').click();
   assert.equal(await field('Project').inputValue(), 'arcade');
-  await preview();
-  await dialog(page).getByText('name the sources to revoke').waitFor();
+  await expecting(page, refused(400), async () => {
+    await preview();
+    await dialog(page).getByText('name the sources to revoke').waitFor();
+  });
   assert.ok(await revoke.isDisabled());
   const { records } = commands.exported();
   await field('Began at or after').fill(localTime(seen(records) + 3600).replace(' ', 'T'));
@@ -235,8 +237,7 @@ async function checkRole(context, folder, file) {
       ROLE_REASON);
   }
   for (const method of ['RevokePriors', 'PromotePriors']) {
-    const status = await page.evaluate(async (name) => (await fetch(`/api/sweepstake.v1.PriorsService/${name}`, { method: 'POST',
-      headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' }, body: '{"sources":{"build":"1.1"},"preview":true}' })).status, method);
+    const status = await refusalOf(page, `PriorsService/${method}`, { sources: { build: '1.1' }, preview: true });
     assert.equal(status, 403, `the daemon refuses ${method}, which the page does not offer`);
   }
   await assertAccessible(page, 'a reader');

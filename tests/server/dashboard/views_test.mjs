@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { assertAccessible, assertNoTrouble, openPage, rowsOf, runInBrowser } from './browser.mjs';
+import { assertAccessible, assertNoTrouble, expecting, openPage, refusalOf, refused, rowsOf, runInBrowser } from './browser.mjs';
 import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake] = process.argv.slice(2);
@@ -184,8 +184,10 @@ async function checkRecordings(page, daemon, { sessionId }, folder) {
   ];
   for (const [text, answer] of answers) {
     await page.route('**/ReadRecording', (route) => route.fulfill({ contentType: 'application/json', ...answer }), { times: 1 });
-    await ask.click();
-    await page.getByText(text).waitFor();
+    await expecting(page, refused(503), async () => {
+      await ask.click();
+      await page.getByText(text).waitFor();
+    });
     await assertAccessible(page, `recordings: ${text}`);
   }
   const files = () => readdirSync(folder).filter((name) => name.endsWith('.aabbs'));
@@ -266,9 +268,9 @@ async function checkRoles(context, folder) {
   assert.ok(await page.getByRole('button', { name: 'Show boxes' }).isDisabled());
   assert.ok(await page.getByRole('button', { name: 'Ask for recordings' }).isDisabled());
   const sessionId = new URL(page.url()).pathname.split('/').at(-1);
-  const answer = await page.evaluate(async (id) => (await fetch('/api/sweepstake.v1.SessionsService/OrderSession', { method: 'POST',
-    headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' }, body: JSON.stringify({ sessionId: id, mode: 'MODE_AI' }) })).status, sessionId);
-  assert.equal(answer, 403, 'the daemon refuses what the page does not offer');
+  for (const [method, request] of [['OrderSession', { mode: 'MODE_AI' }], ['KickSession', { mayReturn: true }], ['KickSession', {}]]) {
+    assert.equal(await refusalOf(page, `SessionsService/${method}`, { sessionId, ...request }), 403, `the daemon refuses ${method}, which the page does not offer`);
+  }
   assertNoTrouble(page, 'a reader');
   await page.close();
   await game.quit();
