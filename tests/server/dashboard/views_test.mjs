@@ -135,6 +135,72 @@ async function checkCosts(page) {
   await until('checks of the log', async () => /checks\s*\d/.test(await chart(page, 'checks').locator('.legend').innerText()));
 }
 
+const hover = async (figure, share) => {
+  await figure.scrollIntoViewIfNeeded();
+  const { width, height } = await until('the chart is drawn', () => figure.locator('.u-over').boundingBox());
+  await figure.locator('.u-over').hover({ position: { x: width * share, y: height / 2 } });
+};
+// A phone's width is enough, too.
+async function isNarrow(page, what) {
+  const size = page.viewportSize();
+  await page.setViewportSize({ width: 320, height: 640 });
+  await until(`${what} fits a narrow page`, () => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 10_000); // charts follow the width
+  await assertAccessible(page, `${what}, narrow`);
+  await page.setViewportSize(size);
+}
+
+// Two live sessions beside one another: the second one, which began later, is drawn as if it had begun with the first one.
+async function checkCompare(page, daemon, { sessionId }) {
+  const hasDecidedMuch = async (id) => {
+    await page.goto(`${daemon.origin}/sessions/${id}`);
+    await until('it has decided much', async () => Number.parseInt((await page.getByText(/^[\d,]+ decisions$/).innerText()).replace(',', ''), 10) > 300);
+  };
+  await hasDecidedMuch(sessionId);
+  const rival = new Game(sweepstake, daemon, 'arcade', 'arena');
+  const { sessionId: other } = await until('another session is connected', async () => (await sessionsOf(daemon)).find((each) => each.sessionId !== sessionId));
+  await hasDecidedMuch(other);
+  await page.goto(`${daemon.origin}/sessions/${sessionId}?from=1&to=2`);
+  await page.getByLabel('Beside').selectOption(other);
+  await page.getByRole('heading', { name: 'Beside one another' }).waitFor();
+  assert.deepEqual([query(page).get('with'), query(page).get('from')], [other, null]);
+  for (const [i, id] of [sessionId, other].entries()) {
+    assert.equal(await page.getByRole('heading', { level: 2 }).nth(i).innerText(), `Session ${id}`);
+    await chart(page, 'timeline').nth(i).locator('rect.span').first().waitFor();
+  }
+  await page.getByRole('button', { name: 'Pause' }).click(); // so that times stay where they are
+  const [first, second] = [0, 1].map((i) => chart(page, 'frame-time').nth(i));
+  const timeIn = (figure) => figure.locator('.legend time').innerText();
+  const hasMean = async (figure) => /window mean\s*\d/.test(await figure.locator('.legend').innerText());
+  for (const [pointed, seen] of [[first, second], [second, first]]) {
+    await hover(pointed, 0.02);
+    await until('both have the values at one crosshair', async () => await hasMean(pointed) && await hasMean(seen) && await timeIn(seen) === await timeIn(pointed) && await timeIn(seen));
+  }
+  const at = await timeIn(second);
+  await hover(first, 0.02);
+  await until('the same place is the same time', async () => await timeIn(first) === at);
+  await assertAccessible(page, 'two sessions');
+  await page.reload();
+  await chart(page, 'timeline').nth(1).locator('rect.span').first().waitFor();
+  await page.getByRole('button', { name: 'Only the first' }).click();
+  await page.getByRole('heading', { name: `Session ${sessionId}` }).waitFor();
+  await rival.quit();
+}
+
+// Whom nobody knows has nothing to show beside one that is there, and its name is text.
+async function checkUnknown(page, daemon, { sessionId }) {
+  const nobody = '<img src=x>\u202Egnp';
+  await page.goto(`${daemon.origin}/sessions/${sessionId}?with=${encodeURIComponent(nobody)}`);
+  await chart(page, 'timeline').first().locator('rect.span').first().waitFor();
+  await chart(page, 'timeline').nth(1).getByText('Its log has nothing.').waitFor();
+  await page.getByRole('heading', { name: 'Session <img src=x>⟨U+202E⟩gnp' }).waitFor();
+  assert.equal(await page.locator('main img').count(), 0, 'a name became markup');
+  await assertAccessible(page, 'an unknown session');
+  await page.goto(`${daemon.origin}${SCENE}&with=${encodeURIComponent(nobody)}`);
+  await page.getByText('The daemon knows nothing of the other scene').waitFor();
+  await page.getByRole('button', { name: 'Only the first' }).click();
+  await page.getByRole('region', { name: 'Arms' }).waitFor();
+}
+
 // A picture of the canvas, as a number that is another one for another picture; 0 where nothing is drawn.
 const pictureOf = (page) => page.locator('.boxes canvas').evaluate((canvas) => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data
   .reduce((sum, value, i) => (value ? (31 * sum + value + i) % 1_000_003 : sum), 0));
@@ -194,10 +260,7 @@ async function checkRecordings(page, daemon, { sessionId }, folder) {
   await until('a frame was over the budget', () => files().length > 0);
   await until('its recording is listed', async () => { await ask.click(); return page.getByRole('button', { name: /^Download the recording/ }).count(); });
   await assertAccessible(page, 'recordings');
-  const size = page.viewportSize();
-  await page.setViewportSize({ width: 320, height: 640 });
-  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'the page scrolls sideways');
-  await page.setViewportSize(size);
+  await isNarrow(page, 'recordings');
   const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: /^Download the recording/ }).first().click()]);
   assert.match(file.suggestedFilename(), /\.aabbs$/);
   const bytes = readFileSync(await file.path());
@@ -294,7 +357,7 @@ async function checkAll(browser, folder) {
   const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view',
     '--flight-recorder', '8', '--frame-budget', '0.001', '--flight-folder', flights, '--allow-recording-download'] });
   const session = await liveSession(daemon);
-  for (const check of [checkTime, checkWhy, checkCosts, checkBoxes, checkRecordings, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
+  for (const check of [checkTime, checkWhy, checkCosts, checkCompare, checkUnknown, checkBoxes, checkRecordings, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
   await assertAccessible(page, 'decisions');
   assertNoTrouble(page, 'the views');
   await page.close();
