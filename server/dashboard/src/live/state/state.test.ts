@@ -7,7 +7,7 @@ import { keepLast, MAX_DECISIONS, shareOf } from './bounds';
 import { addToHistory, MAX_POINTS, type SceneHistory } from './history';
 import * as scenes from './scenes';
 import * as sessions from './sessions';
-import { MAX_TREND, summaryOf, thinned } from './summaries';
+import { isDegraded, MAX_TREND, summaryOf, thinned } from './summaries';
 
 const posteriorOf = (scene: string, alpha = 2, beta = 2, rewardVersion = 3): ScenePosterior => create(ScenePosteriorSchema, {
   project: 'p', scene, rewardVersion,
@@ -128,6 +128,21 @@ describe('summaries', () => {
     expect(degraded.uncertainty).toBeGreaterThan(open.uncertainty);
     sessions.takeSnapshot([]);
     expect(summaryOf(state(posteriorOf('a', 5000, 100), says)).verdict).toBe(Verdict.STABLE); // nobody says it any more
+  });
+
+  it('call a scene degraded while a session that is there says so last, whoever spoke since', () => {
+    const is = (...infos: Parameters<typeof create<typeof SessionInfoSchema>>[1][]) => {
+      sessions.takeSnapshot(infos.map((info) => create(SessionInfoSchema, info)));
+      return (...decisions: DecisionEvent[]) => isDegraded({ decisions }, sessions.sessions.peek());
+    };
+    const says = (sessionId: string, verdict: Verdict) => create(DecisionEventSchema, { sessionId, verdict });
+    const bad = says('s1', Verdict.DEGRADED);
+    const connected = { sessionId: 's1', state: Link.CONNECTED };
+    expect(is(connected)(bad)).toBe(true);
+    expect(is(connected)(bad, says('s2', Verdict.STABLE))).toBe(true);
+    expect(is(connected)(bad, says('s1', Verdict.STABLE))).toBe(false);
+    expect(is({ ...connected, state: Link.LOST })(bad)).toBe(false);
+    expect(is()(bad), 'of a session that ended').toBe(false);
   });
 
   it('remember how sure the leader was, bounded, and nothing where the posterior is the same', () => {

@@ -3,7 +3,7 @@ import { effect, signal, type ReadonlySignal } from '@preact/signals';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { verdictOf, type SceneVerdict } from '../numbers/verdict';
 import { scenes, type SceneState } from './scenes';
-import { isConnected, sessions } from './sessions';
+import { isConnected, sessions, type SessionState } from './sessions';
 
 const INTERVAL_MS = 500;
 export const MAX_TREND = 64;
@@ -41,18 +41,18 @@ function withValue(trend: readonly number[], value: number): readonly number[] {
   return [...room, value];
 }
 
-// What a session that is there said last.
-function isDegraded({ decisions }: SceneState): boolean {
+// Whether a session that is there said so last: only a session knows, and of one that ended nobody says it any more.
+export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: ReadonlyMap<string, SessionState>): boolean {
   const last = new Map(decisions.map(({ sessionId, verdict }) => [sessionId, verdict]));
   return [...last].some(([id, verdict]) => {
-    const session = sessions.peek().get(id);
+    const session = all.get(id);
     return verdict === Verdict.DEGRADED && session !== undefined && isConnected(session);
   });
 }
 
 export function summaryOf(state: SceneState, before?: SceneSummary): SceneSummary {
   const computed = verdictOf(state.posterior);
-  const verdict = isDegraded(state) ? Verdict.DEGRADED : computed.verdict;
+  const verdict = isDegraded(state, sessions.peek()) ? Verdict.DEGRADED : computed.verdict;
   const isNewPosterior = before?.state.posterior !== state.posterior;
   const trend = before?.trend ?? [];
   return {

@@ -20,9 +20,11 @@ import { Name } from '../parts/name';
 import { Empty, Loading } from '../parts/states';
 import { sceneHref, sessionHref, setQuery } from '../state/route';
 import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
+import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { visible } from '../parts/visible';
 import { scenes, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
+import { isDegraded } from '../state/summaries';
 import { armNames, armRows, ridgeRows } from './scene/model';
 import { CostCharts } from './session/cost_charts';
 import { type CostColumns, costColumns, switchMoments } from './session/model';
@@ -40,7 +42,8 @@ function sideOf(state: SceneState): Side {
 
 function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, values }: { side: Side; rewards: readonly [number, number]; domain: Range; values: readonly [number, number] }) {
   const { posterior } = state;
-  const { verdict, leader, leaderProbability, expectedLossRatio } = verdictOf(posterior);
+  const { verdict: computed, leader, leaderProbability, expectedLossRatio } = verdictOf(posterior);
+  const verdict = isDegraded(state, sessions.value) ? Verdict.DEGRADED : computed;
   const names = [posterior.project, posterior.scene, posterior.machineClass];
   const table = () => ({
     header: ['arm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to'],

@@ -24,6 +24,7 @@ import { isKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
 import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
+import { isDegraded } from '../state/summaries';
 import { CompareScenes } from './compare';
 import { ArmTable } from './scene/arm_table';
 import { Latest, Sessions, Variants, variantsOf } from './scene/lists';
@@ -33,8 +34,7 @@ import { armNames, type ArmRow, armRows, ridgeRows } from './scene/model';
 import { verdictWord } from './words';
 
 function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdict }) {
-  const isDegraded = state.decisions.at(-1)?.verdict === Verdict.DEGRADED;
-  if (isDegraded) return <p><VerdictChip verdict={Verdict.DEGRADED} /> {verdictWord(Verdict.DEGRADED).meaning}</p>;
+  if (isDegraded(state, sessions.value)) return <p><VerdictChip verdict={Verdict.DEGRADED} /> {verdictWord(Verdict.DEGRADED).meaning}</p>;
   if (!computed.leader) return <p><VerdictChip verdict={computed.verdict} /> {verdictWord(computed.verdict).meaning}</p>;
   return (
     <p>
