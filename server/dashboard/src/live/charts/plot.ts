@@ -18,7 +18,11 @@ export interface Line {
 /** The area between two lines, given by their places. */
 export interface Band { upper: number; lower: number; fill: (context: CanvasRenderingContext2D) => CanvasPattern | string }
 /** A horizontal line that means something. */
-export interface Level { value: number; label: string }
+export interface Level {
+  value: number;
+  label: string;
+  isAside?: boolean; // it does not say how far the axis goes: it is drawn where values come near it
+}
 /** A moment that means something. */
 export interface Moment { timeMs: number; colour: string; label?: string }
 /** zero: from 0 upwards; unit: 0 to 1; log: by powers of ten, values > 0. */
@@ -58,12 +62,14 @@ export function axisTime(ms: number, stepMs: number): string {
   return stepMs >= 60 * SECOND ? minutes : `${minutes}:${two(date.getSeconds())}`;
 }
 
-function valueRange({ scale, levels = [], values }: Picture, min: number | null, max: number | null): uPlot.Range.MinMax {
+/** Returns from where to where the axis of values goes, of lines from `min` to `max`; null: none has a value. */
+export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale' | 'levels' | 'values'>, min: number | null, max: number | null): uPlot.Range.MinMax {
   if (scale === 'unit') return [0, 1];
   const all = [min, max, ...(values ?? [])].filter((value): value is number => typeof value === 'number' && Number.isFinite(value));
   const most = Math.max(...all, 0);
   if (scale === 'log') return uPlot.rangeLog(Math.min(...all.filter((value) => value > 0), most || 1), most || 10, 10, false);
-  return [0, Math.max(most * 1.08, Math.max(0, ...levels.map(({ value }) => value)) * 1.15) || 1];
+  const shown = levels.filter(({ isAside }) => !isAside).map(({ value }) => value);
+  return [0, Math.max(most * 1.08, Math.max(0, ...shown) * 1.15) || 1];
 }
 
 function drawLevels(plot: uPlot, { levels = [] }: Picture): void {

@@ -9,6 +9,8 @@ import type { CostColumns } from './model';
 
 /** Milliseconds that a frame may take at 60 and at 30 frames per second. */
 export const BUDGETS: readonly Level[] = [{ value: 1000 / 60, label: '16.7 ms: 60 fps' }, { value: 1000 / 30, label: '33.3 ms: 30 fps' }];
+// A search is a small part of its frame, and would lie on the floor of an axis that reached them.
+const BUDGETS_ASIDE: readonly Level[] = BUDGETS.map((level) => ({ ...level, isAside: true }));
 
 const PARTS = [
   { label: 'window mean', colour: 'var(--soft)', dash: [2, 2] }, { label: 'p50', colour: 'var(--kind-1)', dash: [] },
@@ -69,8 +71,8 @@ export function CostCharts({ columns, moments, domain, names, most }: CostCharts
     <>
       <CostChart {...common} id="frame-time" title="Frame time" lines={lines.frame} levels={BUDGETS} format={ms} {...(most && { values: [0, most.frameMs] as const })}
         note="Percentiles are of the frames since the page was opened; the mean of each window is from the audit log." />
-      <CostChart {...common} id="detection" title="Detection time" lines={lines.detection} format={ms}
-        {...(most && { values: [0, most.detectionMs] as const })} note="What the broad phase takes of a frame." />
+      <CostChart {...common} id="detection" title="Detection time" lines={lines.detection} levels={BUDGETS_ASIDE} format={ms}
+        {...(most && { values: [0, most.detectionMs] as const })} note="What the broad phase takes of a frame, with a frame’s budgets where it comes near them." />
       <div class="beside">
         <CostChart {...common} id="memory" title="Memory" lines={lines.bytes} format={bytes} height={140} />
         <CostChart {...common} id="checks" title="AABB checks per frame" lines={lines.checks} format={compact} height={140} />
