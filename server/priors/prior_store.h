@@ -148,6 +148,9 @@ struct SceneEvidence {
     uint32_t backend_version = 1;
     Evidence live;  // measured by the frame thread
     Evidence lane;  // measured by the shadow lane
+    // When a source that taught something of the arm taught last, of this arm or another: the
+    // latest of its kSourcesOfAge last ones; 0 if unknown.
+    uint64_t last_seen_unix_s = 0;
 
     Evidence& of(std::string_view measured_by) { return measured_by.empty() ? live : lane; }
   };
@@ -169,6 +172,9 @@ inline SceneEvidence::Arm& SceneEvidence::ArmOf(const std::string& name, uint32_
   return *arms.insert(arm,
                       {.name = name, .backend_version = backend_version, .live = {}, .lane = {}});
 }
+
+// Of so many sources a store asks when they taught last: of each arm, live and in the lane.
+inline constexpr uint32_t kSourcesOfAge = 8;
 
 // What one source taught about one scene on one class of machines.
 struct SceneSource {

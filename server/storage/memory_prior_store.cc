@@ -256,12 +256,14 @@ SceneEvidence MemoryPriorStore::Sum(const SceneKey& key) const {
   std::set<std::string> sources;
   for (const auto& [evidence_key, entries] : evidence_) {
     if (SceneOf(evidence_key) != key) continue;
-    Evidence& sum =
-        result.ArmOf(evidence_key.arm, evidence_key.backend_version).of(evidence_key.measured_by);
+    SceneEvidence::Arm& arm = result.ArmOf(evidence_key.arm, evidence_key.backend_version);
     for (const auto& [source_id, entry] : entries) {
-      Add(sum, entry.evidence);
+      Add(arm.of(evidence_key.measured_by), entry.evidence);
       sources.insert(source_id);
     }
+    for (const auto& [source_id, entry] : Latest(entries, priors::kSourcesOfAge))
+      arm.last_seen_unix_s =
+          std::max(arm.last_seen_unix_s, sources_.at(source_id).last_seen_unix_s);
   }
   result.source_count = sources.size();
   return result;

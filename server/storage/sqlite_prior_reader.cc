@@ -1,5 +1,6 @@
 #include "server/storage/sqlite_prior_reader.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -161,10 +162,11 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorReader::LoadSource
 absl::Status SqlitePriorReader::LoadArms(int64_t scene_id, SceneEvidence& scene) {
   return statements_.scene_arms.ForEachRow(
       [&](const SqliteRow& row) {
-        scene.ArmOf(row.Text(0), static_cast<uint32_t>(row.Integer(1))).of(row.Text(2)) +=
-            EvidenceOf(row, 3);
+        SceneEvidence::Arm& arm = scene.ArmOf(row.Text(0), static_cast<uint32_t>(row.Integer(1)));
+        arm.of(row.Text(2)) += EvidenceOf(row, 3);
+        arm.last_seen_unix_s = std::max(arm.last_seen_unix_s, row.Unsigned(7));
       },
-      scene_id);
+      scene_id, priors::kSourcesOfAge);
 }
 
 absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorReader::List(

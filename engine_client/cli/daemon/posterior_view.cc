@@ -205,7 +205,8 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
          {"windows", arm.window_count()},
          {"lane_visits", arm.visit_count()},
          {"n", arm.effective_window_count()},
-         {"bail_outs", arm.bail_out_count()}});
+         {"bail_outs", arm.bail_out_count()},
+         {"unix_last_seen_s", arm.unix_last_seen_s()}});
   }
   return document;
 }

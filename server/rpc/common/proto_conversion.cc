@@ -175,6 +175,7 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
     filled.set_window_count(arm.live.window_count);
     filled.set_visit_count(arm.lane.window_count);
     filled.set_bail_out_count(arm.live.bail_out_count);
+    filled.set_unix_last_seen_s(static_cast<int64_t>(arm.last_seen_unix_s));
     if (window_evidence > 0)
       filled.set_effective_window_count(pooled[i].evidence() / window_evidence);
   }

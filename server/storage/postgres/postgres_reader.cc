@@ -55,8 +55,12 @@ constexpr const char* kFindScene = R"sql(
       AND source_count > 0)sql";
 constexpr const char* kSceneArms = R"sql(
     SELECT scene_id, arm, backend_version, measured_by, alpha_sum, beta_sum, window_sum,
-           bail_out_sum
-    FROM evidence_key WHERE scene_id = ANY($1::bigint[]) AND source_count > 0)sql";
+           bail_out_sum,
+           (SELECT coalesce(max(s.last_seen_unix_s), 0)
+            FROM (SELECT source_id FROM evidence WHERE key_id = k.id
+                  ORDER BY source_id DESC LIMIT $2::bigint) e
+                 JOIN source s ON s.id = e.source_id)
+    FROM evidence_key k WHERE scene_id = ANY($1::bigint[]) AND source_count > 0)sql";
 constexpr const char* kCountScenes = R"sql(
     SELECT count(DISTINCT scene), count(*) FROM scene
     WHERE project = $1 AND source_count > 0)sql";
@@ -236,11 +240,12 @@ absl::Status PostgresReader::LoadArms(const std::map<int64_t, SceneEvidence*>& s
   return connection_.ForEachRow(
       kSceneArms,
       [&](const PostgresRow& row) {
-        scenes.at(row.Integer(0))
-            ->ArmOf(row.Text(1), static_cast<uint32_t>(row.Integer(2)))
-            .of(row.Text(3)) += EvidenceOf(row, 4);
+        SceneEvidence::Arm& arm =
+            scenes.at(row.Integer(0))->ArmOf(row.Text(1), static_cast<uint32_t>(row.Integer(2)));
+        arm.of(row.Text(3)) += EvidenceOf(row, 4);
+        arm.last_seen_unix_s = std::max(arm.last_seen_unix_s, row.Unsigned(8));
       },
-      ids);
+      ids, priors::kSourcesOfAge);
 }
 
 absl::StatusOr<std::vector<SceneEvidence>> PostgresReader::List(

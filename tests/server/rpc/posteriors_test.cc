@@ -163,7 +163,9 @@ TEST_F(PosteriorsTest, AForeignPageTokenIsInvalid) {
 
 TEST_F(PosteriorsTest, OneSceneIsBetaOneOnePlusItsEvidence) {
   Store(Evidence("a", "harbour"));
-  Store(Evidence("b", "harbour"));
+  priors::SourceUpdate timed = Evidence("b", "harbour");
+  timed.unix_time_s = 1'800'000'000;
+  Store(timed);
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
   v1::GetPosteriorRequest request;
@@ -177,6 +179,7 @@ TEST_F(PosteriorsTest, OneSceneIsBetaOneOnePlusItsEvidence) {
   ASSERT_EQ(response.scene().arms_size(), 1);
   EXPECT_EQ(response.scene().arms(0).posterior().alpha(), 2.5);
   EXPECT_EQ(response.scene().arms(0).posterior().beta(), 1.5);
+  EXPECT_EQ(response.scene().arms(0).unix_last_seen_s(), 1'800'000'000);
   EXPECT_EQ(response.scene().source_count(), 2u);
   EXPECT_EQ(response.scene().active_session_count(), 1u);
 }

@@ -178,6 +178,34 @@ TEST_P(PriorStoreConformance, ASourceHasTheTimesOfItsFirstAndLastCommit) {
   EXPECT_TRUE(absl::IsInvalidArgument(Commit({wrong})));
 }
 
+TEST_P(PriorStoreConformance, AnArmHasTheTimeAtWhichItsSourcesTaughtLast) {
+  EvidenceKey lane = Key("SAP");
+  lane.measured_by = "lane";
+  PriorRecord timeless = Record("i", 1, Key("DBVT"), 1);
+  ASSERT_TRUE(store_->Import({&timeless, 1}).ok());
+  ASSERT_TRUE(Commit({UpdateOf({}, 300, "a", {Key("Grid"), Key("SAP")}),
+                      UpdateOf({}, 200, "b", {Key("Grid"), lane})})
+                  .ok());
+  SourceUpdate later = Update("b", 2, {});
+  later.unix_time_s = 400;
+  ASSERT_TRUE(Commit({later}).ok());
+  const auto seen = [&] {
+    std::map<std::string, uint64_t> times;
+    const auto scene = *store_->LoadScene({"game", "harbour", "desktop", 1});
+    for (const auto& arm : scene->arms) times[arm.name] = arm.last_seen_unix_s;
+    const auto listed = *store_->List({}, std::nullopt, 1);
+    EXPECT_EQ(listed.at(0).arms.at(1).last_seen_unix_s, times["Grid"]);
+    return times;
+  };
+  using Times = std::map<std::string, uint64_t>;
+  EXPECT_EQ(seen(), (Times{{"DBVT", 0}, {"Grid", 400}, {"SAP", 400}}));
+  ASSERT_TRUE(store_->Revoke({.id = "b"}, false).ok());
+  EXPECT_EQ(seen(), (Times{{"DBVT", 0}, {"Grid", 300}, {"SAP", 300}}));
+  for (uint32_t i = 0; i < priors::kSourcesOfAge; ++i)
+    ASSERT_TRUE(Commit({UpdateOf({}, 10 + i, std::to_string(i), {Key("Grid")})}).ok());
+  EXPECT_EQ(seen()["Grid"], 9 + priors::kSourcesOfAge) << "only the last sources are asked";
+}
+
 TEST_P(PriorStoreConformance, ScenesAreListedInPagesAndByFilter) {
   for (const char* scene : {"c", "a", "d", "b"}) {
     ASSERT_TRUE(

@@ -131,6 +131,7 @@ TEST_F(WatchHubTest, AThousandCommitsReadEachSceneOnceAndAddUpToTheStore) {
       EXPECT_EQ(last->arms[i].name, stored.arms[i].name);
       EXPECT_EQ(last->arms[i].live, stored.arms[i].live);
       EXPECT_EQ(last->arms[i].lane, stored.arms[i].lane);
+      EXPECT_GT(last->arms[i].last_seen_unix_s, 0u) << "when the hub was told";
     }
   }
 }

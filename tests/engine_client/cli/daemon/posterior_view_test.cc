@@ -32,6 +32,7 @@ v1::ScenePosterior SomeScene() {
   scene.mutable_arms(0)->set_window_count(38);
   scene.mutable_arms(0)->set_visit_count(5);
   scene.mutable_arms(0)->set_effective_window_count(39.25);
+  scene.mutable_arms(0)->set_unix_last_seen_s(1'800'000'000);
   return scene;
 }
 
@@ -156,6 +157,7 @@ TEST(PosteriorJson, HoldsTheNumbersOfEachArm) {
   EXPECT_EQ(document["arms"][0]["windows"], 38);
   EXPECT_EQ(document["arms"][0]["lane_visits"], 5);
   EXPECT_EQ(document["arms"][0]["n"], 39.25);
+  EXPECT_EQ(document["arms"][0]["unix_last_seen_s"], 1'800'000'000);
   EXPECT_EQ(document["sources"], 3);
 }
 

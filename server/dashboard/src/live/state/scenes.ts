@@ -1,6 +1,6 @@
 // The scenes that the daemon knows, as it last told.
 import { signal, type ReadonlySignal } from '@preact/signals';
-import type { DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
+import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { keepLast, shareOf } from './bounds';
 import { addToHistory, type SceneHistory } from './history';
 
@@ -9,7 +9,8 @@ export const MAX_SCENE_DECISIONS = 500;
 export interface SceneState {
   key: string;
   posterior: ScenePosterior;
-  changedMs: number;  // when the last change came, by the browser's clock; 0: none came since the page was opened
+  // When the last change came, by the browser's clock, or, before one came, when sessions taught last, by the daemon's; 0: not known.
+  changedMs: number;
   history: SceneHistory;
   decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SCENE_DECISIONS, fewer where there are many scenes
 }
@@ -39,11 +40,14 @@ const rewardVersionOf = (policy: string) => (LOG_COST_POLICIES.includes(policy) 
 
 export const sceneKeyOf = (event: DecisionEvent) => sceneKey({ ...event, rewardVersion: rewardVersionOf(event.policy) });
 
+/** When a source of the arm taught last, by the daemon's clock; 0: not known. */
+export const lastSeenMs = ({ unixLastSeenS }: ArmPosterior) => 1000 * Number(unixLastSeenS);
+
 function withPosterior(state: SceneState | undefined, key: string, posterior: ScenePosterior, timeMs: number, isNew: boolean): SceneState {
   return {
     key,
     posterior,
-    changedMs: isNew ? Date.now() : state?.changedMs ?? 0,
+    changedMs: isNew ? Date.now() : Math.max(state?.changedMs ?? 0, ...posterior.arms.map(lastSeenMs)),
     history: addToHistory(state?.history ?? new Map(), posterior, timeMs),
     decisions: state?.decisions ?? [],
   };

@@ -34,6 +34,14 @@ describe('scenes', () => {
     expect(stateOf('c').changedMs).toBe(0);
   });
 
+  it('have the time at which their sources taught last, until a change comes', () => {
+    const seen = { ...posteriorOf('a'), arms: posteriorOf('a').arms.map((arm) => ({ ...arm, unixLastSeenS: 5n })) };
+    scenes.takeSnapshot([seen], 1);
+    expect(stateOf('a').changedMs).toBe(5000);
+    scenes.takeChanges([seen], [], 2);
+    expect(stateOf('a').changedMs).toBeGreaterThan(5000);
+  });
+
   it('take decisions by the reward that their policy learns, and leave out those of unknown scenes', () => {
     scenes.takeSnapshot([posteriorOf('a'), posteriorOf('a', 2, 2, 1)], 1);
     scenes.takeChanges([], [decisionOf('a', 1), decisionOf('a', 2, { policy: 'paper' }), decisionOf('x', 3)], 2);

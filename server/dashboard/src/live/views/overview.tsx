@@ -38,7 +38,7 @@ const COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount, cell: (row) => grouped(sceneOf(row).activeSessionCount) },
   { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane, of all sessions', sort: (row) => Number(row.evidence),
     cell: (row) => grouped(Number(row.evidence)) },
-  { id: 'changed', title: 'Changed', width: '7rem', hint: 'When the last change came', sort: (row) => row.state.changedMs || undefined,
+  { id: 'changed', title: 'Changed', width: '7rem', hint: 'When the last change came or, before one came, when a session taught last', sort: (row) => row.state.changedMs || undefined,
     cell: (row) => (row.state.changedMs ? ago(row.state.changedMs, now.value) : '–') },
   { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project, cell: (row) => <Name text={sceneOf(row).project} /> },
   { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass, cell: (row) => <Name text={sceneOf(row).machineClass} /> },
@@ -60,7 +60,7 @@ function Figures() {
       <Figure value={grouped(all.length)} what={all.length === 1 ? 'scene' : 'scenes'} />
       <Figure value={grouped(connectedSessions.value.length)} what={connectedSessions.value.length === 1 ? 'session online' : 'sessions online'} />
       <Figure value={grouped(unsure)} what="not settled" title="Scenes that are ambiguous or degraded" />
-      <Figure value={lastMs ? ago(lastMs, now.value) : '–'} what="last change" title="When the last change came from the daemon" />
+      <Figure value={lastMs ? ago(lastMs, now.value) : '–'} what="last change" title="When the last change came or, before one came, when a session taught last" />
     </div>
   );
 }

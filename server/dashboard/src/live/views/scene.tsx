@@ -54,7 +54,7 @@ function Facts({ state }: { state: SceneState }) {
       <div><dt>Reward</dt><dd>version {posterior.rewardVersion}</dd></div>
       <div><dt>Now</dt><dd>{counted(posterior.activeSessionCount, 'session', 'sessions')}</dd></div>
       <div><dt>Evidence of</dt><dd>{counted(Number(posterior.sourceCount), 'session', 'sessions')}</dd></div>
-      <div><dt>Last change</dt><dd>{changedMs ? ago(changedMs, now.value) : 'none since you came'}</dd></div>
+      <div><dt>Last change</dt><dd>{changedMs ? ago(changedMs, now.value) : 'not known'}</dd></div>
       {policy && <div><dt>Policy</dt><dd><Name text={policy} /></dd></div>}
     </dl>
   );

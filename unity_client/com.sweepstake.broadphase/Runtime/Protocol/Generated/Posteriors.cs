@@ -44,46 +44,47 @@ namespace Sweepstake.Protocol.V1 {
             "c2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgDIAEoCRIWCg5yZXdhcmRf",
             "dmVyc2lvbhgEIAEoDRIpCgRhcm1zGAUgAygLMhsuc3dlZXBzdGFrZS52MS5B",
             "cm1Qb3N0ZXJpb3ISHAoUYWN0aXZlX3Nlc3Npb25fY291bnQYBiABKA0SFAoM",
-            "c291cmNlX2NvdW50GAcgASgEIsgBCgxBcm1Qb3N0ZXJpb3ISCwoDYXJtGAEg",
+            "c291cmNlX2NvdW50GAcgASgEIuIBCgxBcm1Qb3N0ZXJpb3ISCwoDYXJtGAEg",
             "ASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgCIAEoDRIvCglwb3N0ZXJpb3IYAyAB",
             "KAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0ZXJpb3ISFAoMd2luZG93X2Nv",
             "dW50GAQgASgEEhYKDmJhaWxfb3V0X2NvdW50GAUgASgEEhMKC3Zpc2l0X2Nv",
-            "dW50GAYgASgEEh4KFmVmZmVjdGl2ZV93aW5kb3dfY291bnQYByABKAEipAQK",
-            "DURlY2lzaW9uRXZlbnQSEgoKc2Vzc2lvbl9pZBgBIAEoCRIPCgdwcm9qZWN0",
-            "GAIgASgJEg0KBXNjZW5lGAMgASgJEhMKC2RlY2lzaW9uX2lkGAQgASgEEhIK",
-            "CmFjdGl2ZV9hcm0YBSABKAkSFQoNY2FuZGlkYXRlX2FybRgGIAEoCRIvCgdv",
-            "dXRjb21lGAcgASgOMh4uc3dlZXBzdGFrZS52MS5EZWNpc2lvbk91dGNvbWUS",
-            "KwoGcmVhc29uGAggASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24S",
-            "EwoGcmV3YXJkGAkgASgBSACIAQESFQoNbWFjaGluZV9jbGFzcxgKIAEoCRIY",
-            "ChBiZXN0X3Byb2JhYmlsaXR5GAsgAygBEhsKE2V4cGVjdGVkX2xvc3NfcmF0",
-            "aW8YDCABKAESJwoHdmVyZGljdBgNIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVy",
-            "ZGljdBIOCgZwb2xpY3kYDyABKAkSNgoMbWVhc3VyZW1lbnRzGBAgASgLMiAu",
-            "c3dlZXBzdGFrZS52MS5GcmFtZU1lYXN1cmVtZW50cxIMCgRhcm1zGBEgAygJ",
-            "Ei0KCXN0YW5kaW5ncxgSIAMoCzIaLnN3ZWVwc3Rha2UudjEuQXJtU3RhbmRp",
-            "bmcSDwoHdW5peF9tcxgTIAEoA0IJCgdfcmV3YXJkSgQIDhAPUg5jb250ZXh0",
-            "X2J1Y2tldCKyAQoRRnJhbWVNZWFzdXJlbWVudHMSMgoNZnJhbWVfdGltZV9u",
-            "cxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjYKEWRldGVj",
-            "dGlvbl90aW1lX25zGAIgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dy",
-            "YW0SMQoMbmF0aXZlX2J5dGVzGAMgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dI",
-            "aXN0b2dyYW0iNAoMTG9nSGlzdG9ncmFtEhQKDGJ1Y2tldF9zdGVwcxgBIAMo",
-            "DRIOCgZjb3VudHMYAiADKA0qtwMKD0RlY2lzaW9uT3V0Y29tZRIgChxERUNJ",
-            "U0lPTl9PVVRDT01FX1VOU1BFQ0lGSUVEEAASGQoVREVDSVNJT05fT1VUQ09N",
-            "RV9LRVBUEAESHQoZREVDSVNJT05fT1VUQ09NRV9TV0lUQ0hFRBACEiIKHkRF",
-            "Q0lTSU9OX09VVENPTUVfSEVMRF9DT09MRE9XThADEiIKHkRFQ0lTSU9OX09V",
-            "VENPTUVfSEVMRF9TRVRUTElORxAEEh4KGkRFQ0lTSU9OX09VVENPTUVfTk9f",
-            "RlJBTUVTEAUSGwoXREVDSVNJT05fT1VUQ09NRV9NQU5VQUwQBhIeChpERUNJ",
-            "U0lPTl9PVVRDT01FX0VYUExPUklORxAHEh0KGURFQ0lTSU9OX09VVENPTUVf",
-            "UkVKRUNURUQQCBIeChpERUNJU0lPTl9PVVRDT01FX0hFTERfR0FURRAJEh0K",
-            "GURFQ0lTSU9OX09VVENPTUVfSEVMRF9USUUQDCIECAoQCiIECAsQCyobREVD",
-            "SVNJT05fT1VUQ09NRV9IRUxEX0dVQVJEKhxERUNJU0lPTl9PVVRDT01FX0hF",
-            "TERfVU5TQUZFMq8CChFQb3N0ZXJpb3JzU2VydmljZRJdCg5MaXN0UG9zdGVy",
-            "aW9ycxIkLnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXF1ZXN0GiUu",
-            "c3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1Jlc3BvbnNlElcKDEdldFBv",
-            "c3RlcmlvchIiLnN3ZWVwc3Rha2UudjEuR2V0UG9zdGVyaW9yUmVxdWVzdBoj",
-            "LnN3ZWVwc3Rha2UudjEuR2V0UG9zdGVyaW9yUmVzcG9uc2USYgoPV2F0Y2hQ",
-            "b3N0ZXJpb3JzEiUuc3dlZXBzdGFrZS52MS5XYXRjaFBvc3RlcmlvcnNSZXF1",
-            "ZXN0GiYuc3dlZXBzdGFrZS52MS5XYXRjaFBvc3RlcmlvcnNSZXNwb25zZTAB",
-            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "dW50GAYgASgEEh4KFmVmZmVjdGl2ZV93aW5kb3dfY291bnQYByABKAESGAoQ",
+            "dW5peF9sYXN0X3NlZW5fcxgIIAEoAyKkBAoNRGVjaXNpb25FdmVudBISCgpz",
+            "ZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyAB",
+            "KAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIV",
+            "Cg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2Vl",
+            "cHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5z",
+            "d2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgB",
+            "ARIVCg1tYWNoaW5lX2NsYXNzGAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkY",
+            "CyADKAESGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0",
+            "GA0gASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgPIAEo",
+            "CRI2CgxtZWFzdXJlbWVudHMYECABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1l",
+            "TWVhc3VyZW1lbnRzEgwKBGFybXMYESADKAkSLQoJc3RhbmRpbmdzGBIgAygL",
+            "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIPCgd1bml4X21zGBMgASgD",
+            "QgkKB19yZXdhcmRKBAgOEA9SDmNvbnRleHRfYnVja2V0IrIBChFGcmFtZU1l",
+            "YXN1cmVtZW50cxIyCg1mcmFtZV90aW1lX25zGAEgASgLMhsuc3dlZXBzdGFr",
+            "ZS52MS5Mb2dIaXN0b2dyYW0SNgoRZGV0ZWN0aW9uX3RpbWVfbnMYAiABKAsy",
+            "Gy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRIxCgxuYXRpdmVfYnl0ZXMY",
+            "AyABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbSI0CgxMb2dIaXN0",
+            "b2dyYW0SFAoMYnVja2V0X3N0ZXBzGAEgAygNEg4KBmNvdW50cxgCIAMoDSq3",
+            "AwoPRGVjaXNpb25PdXRjb21lEiAKHERFQ0lTSU9OX09VVENPTUVfVU5TUEVD",
+            "SUZJRUQQABIZChVERUNJU0lPTl9PVVRDT01FX0tFUFQQARIdChlERUNJU0lP",
+            "Tl9PVVRDT01FX1NXSVRDSEVEEAISIgoeREVDSVNJT05fT1VUQ09NRV9IRUxE",
+            "X0NPT0xET1dOEAMSIgoeREVDSVNJT05fT1VUQ09NRV9IRUxEX1NFVFRMSU5H",
+            "EAQSHgoaREVDSVNJT05fT1VUQ09NRV9OT19GUkFNRVMQBRIbChdERUNJU0lP",
+            "Tl9PVVRDT01FX01BTlVBTBAGEh4KGkRFQ0lTSU9OX09VVENPTUVfRVhQTE9S",
+            "SU5HEAcSHQoZREVDSVNJT05fT1VUQ09NRV9SRUpFQ1RFRBAIEh4KGkRFQ0lT",
+            "SU9OX09VVENPTUVfSEVMRF9HQVRFEAkSHQoZREVDSVNJT05fT1VUQ09NRV9I",
+            "RUxEX1RJRRAMIgQIChAKIgQICxALKhtERUNJU0lPTl9PVVRDT01FX0hFTERf",
+            "R1VBUkQqHERFQ0lTSU9OX09VVENPTUVfSEVMRF9VTlNBRkUyrwIKEVBvc3Rl",
+            "cmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3JzEiQuc3dlZXBzdGFrZS52",
+            "MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2VlcHN0YWtlLnYxLkxpc3RQ",
+            "b3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVyaW9yEiIuc3dlZXBzdGFr",
+            "ZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5HZXRQ",
+            "b3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3RlcmlvcnMSJS5zd2VlcHN0",
+            "YWtlLnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3QaJi5zd2VlcHN0YWtlLnYx",
+            "LldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rha2UuUHJv",
+            "dG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -94,7 +95,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene", "MarkAllTold" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp", "AllTold" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs" }, new[]{ "Reward" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameMeasurements), global::Sweepstake.Protocol.V1.FrameMeasurements.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "NativeBytes" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LogHistogram), global::Sweepstake.Protocol.V1.LogHistogram.Parser, new[]{ "BucketSteps", "Counts" }, null, null, null, null)
@@ -2305,6 +2306,7 @@ namespace Sweepstake.Protocol.V1 {
       bailOutCount_ = other.bailOutCount_;
       visitCount_ = other.visitCount_;
       effectiveWindowCount_ = other.effectiveWindowCount_;
+      unixLastSeenS_ = other.unixLastSeenS_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2420,6 +2422,22 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "unix_last_seen_s" field.</summary>
+    public const int UnixLastSeenSFieldNumber = 8;
+    private long unixLastSeenS_;
+    /// <summary>
+    /// When a source that taught something of the arm taught last, of this arm or another, by its daemon's wall clock, since 1970: the
+    /// latest of the last 8 sources. Absent: unknown.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public long UnixLastSeenS {
+      get { return unixLastSeenS_; }
+      set {
+        unixLastSeenS_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2442,6 +2460,7 @@ namespace Sweepstake.Protocol.V1 {
       if (BailOutCount != other.BailOutCount) return false;
       if (VisitCount != other.VisitCount) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(EffectiveWindowCount, other.EffectiveWindowCount)) return false;
+      if (UnixLastSeenS != other.UnixLastSeenS) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2456,6 +2475,7 @@ namespace Sweepstake.Protocol.V1 {
       if (BailOutCount != 0UL) hash ^= BailOutCount.GetHashCode();
       if (VisitCount != 0UL) hash ^= VisitCount.GetHashCode();
       if (EffectiveWindowCount != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(EffectiveWindowCount);
+      if (UnixLastSeenS != 0L) hash ^= UnixLastSeenS.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2502,6 +2522,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(57);
         output.WriteDouble(EffectiveWindowCount);
       }
+      if (UnixLastSeenS != 0L) {
+        output.WriteRawTag(64);
+        output.WriteInt64(UnixLastSeenS);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2540,6 +2564,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(57);
         output.WriteDouble(EffectiveWindowCount);
       }
+      if (UnixLastSeenS != 0L) {
+        output.WriteRawTag(64);
+        output.WriteInt64(UnixLastSeenS);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2570,6 +2598,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (EffectiveWindowCount != 0D) {
         size += 1 + 8;
+      }
+      if (UnixLastSeenS != 0L) {
+        size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixLastSeenS);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2606,6 +2637,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.EffectiveWindowCount != 0D) {
         EffectiveWindowCount = other.EffectiveWindowCount;
+      }
+      if (other.UnixLastSeenS != 0L) {
+        UnixLastSeenS = other.UnixLastSeenS;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2657,6 +2691,10 @@ namespace Sweepstake.Protocol.V1 {
             EffectiveWindowCount = input.ReadDouble();
             break;
           }
+          case 64: {
+            UnixLastSeenS = input.ReadInt64();
+            break;
+          }
         }
       }
     #endif
@@ -2705,6 +2743,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 57: {
             EffectiveWindowCount = input.ReadDouble();
+            break;
+          }
+          case 64: {
+            UnixLastSeenS = input.ReadInt64();
             break;
           }
         }

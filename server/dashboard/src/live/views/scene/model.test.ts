@@ -9,7 +9,7 @@ const posterior = create(ScenePosteriorSchema, {
   arms: [
     { arm: 'A', backendVersion: 1, posterior: { alpha: 60, beta: 40 }, windowCount: 5n, visitCount: 2n, effectiveWindowCount: 5.5 },
     { arm: 'A', backendVersion: 2, posterior: { alpha: 55, beta: 45 }, visitCount: 7n },
-    { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 } },
+    { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 }, unixLastSeenS: 7n },
   ],
 });
 const state: SceneState = {
@@ -31,7 +31,8 @@ describe('the rows of a scene', () => {
   const rows = armRows(state);
   it('name the version of a backend where there are several', () => expect(rows.map(({ label, isOld }) => [label, isOld])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
   it('have as many windows as what is known is worth', () => expect(rows.map(({ effectiveWindowCount }) => effectiveWindowCount)).toEqual([5.5, 0, 0]));
-  it('say when an arm changed, if it did since the page was opened', () => expect(rows.map(({ changedMs }) => changedMs)).toEqual([undefined, 9, undefined]));
+  it('say when an arm changed since the page was opened or, before that, when its sources taught last', () =>
+    expect(rows.map(({ changedMs }) => changedMs)).toEqual([undefined, 9, 7000]));
   it('are drawn with the most probable arm first and old versions last', () => expect(ridgeRows(rows).map(({ label }) => label)).toEqual(['B', 'A v2', 'A v1']));
   it('have behind them what was believed before, where that was something else', () => {
     const before = create(ScenePosteriorSchema, { arms: [{ arm: 'A', backendVersion: 2, posterior: { alpha: 5, beta: 4 } }, { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 } }] });

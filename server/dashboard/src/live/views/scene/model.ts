@@ -3,7 +3,7 @@ import type { ArmPosterior, ScenePosterior } from '../../../gen/sweepstake/v1/po
 import type { Measured, RidgeRow } from '../../charts/ridgeline';
 import type { Beta } from '../../numbers/beta';
 import { type ArmView, isNewest, verdictOf } from '../../numbers/verdict';
-import type { SceneState } from '../../state/scenes';
+import { lastSeenMs, type SceneState } from '../../state/scenes';
 
 export interface ArmRow {
   key: string;
@@ -18,7 +18,7 @@ export interface ArmRow {
   visitCount: number;
   bailOutCount: number;
   effectiveWindowCount: number; // so many live windows would tell as much; 0: not known
-  changedMs: number | undefined; // when the posterior changed last, by the daemon's clock; undefined: not since the page was opened
+  changedMs: number | undefined; // when something was learnt of it last, by the daemon's clock; undefined: not known
 }
 
 /** An arm without windows never ran in a game, whatever is believed of it. */
@@ -47,7 +47,7 @@ export function armRows({ posterior: { arms }, posterior, history }: SceneState)
       visitCount: Number(arm.visitCount),
       bailOutCount: Number(arm.bailOutCount),
       effectiveWindowCount: arm.effectiveWindowCount,
-      changedMs: times.length > 1 ? times.at(-1) : undefined,
+      changedMs: Math.max(lastSeenMs(arm), times.length > 1 ? times.at(-1)! : 0) || undefined,
     }];
   });
 }
