@@ -4,8 +4,14 @@
 #include <array>
 #include <boost/beast/zlib/inflate_stream.hpp>
 #include <cstdint>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
+#include "server/text/names.h"
+#include "server/web/query.h"
 
 namespace sweepstake::web {
 namespace {
@@ -39,6 +45,51 @@ std::string Decompress(std::string_view gzip) {
   return text;
 }
 
+// Returns whether a name may reorder or hide what it is shown beside: it has one of U+061C, U+200B
+// to U+200F, U+2028 to U+202E, U+2060 to U+206F, U+FEFF.
+bool IsDeceptive(std::string_view name) {
+  for (; !name.empty(); name.remove_prefix(1)) {
+    if (name.starts_with("\xd8\x9c") || name.starts_with("\xef\xbb\xbf")) return true;
+    const auto last = static_cast<uint8_t>(name.size() > 2 ? name[2] : '\0');
+    if (name.starts_with("\xe2\x80") &&
+        ((last >= 0x8b && last <= 0x8f) || (last >= 0xa8 && last <= 0xae)))
+      return true;
+    if (name.starts_with("\xe2\x81") && last >= 0xa0 && last <= 0xaf) return true;
+  }
+  return false;
+}
+
+// Returns what the path of a scene or a session names, as the page's title has it; empty if it
+// names nothing, or nothing that can be shown. Nothing is looked up: a link tells no more to who
+// may not see the page than it says itself.
+std::string NamesIn(std::string_view path) {
+  const std::vector<std::string> parts =
+      absl::StrSplit(absl::string_view(path.data(), path.size()), '/');
+  const bool is_named =
+      (parts.size() == 4 && parts[1] == "scenes") || (parts.size() == 3 && parts[1] == "sessions");
+  if (!is_named) return "";
+  std::vector<std::string> names;
+  for (size_t i = 2; i < parts.size(); ++i) {
+    const auto part = PercentDecoded(parts[i]);
+    // The page puts ~ before what would lead to another folder.
+    const std::string name =
+        part.ok() && part->starts_with('~') ? part->substr(1) : part.value_or("");
+    if (!text::IsName(name) || IsDeceptive(name)) return "";
+    names.push_back(name);
+  }
+  return absl::StrJoin(names, " / ");
+}
+
+// Puts the names before the title that chats and mail show of a link to the page.
+std::string WithNames(std::string html, const std::string& names) {
+  constexpr std::string_view kTitle = "<meta property=\"og:title\" content=\"";
+  const size_t place = html.find(kTitle);
+  if (place == std::string::npos) return html;
+  const std::string escaped = absl::StrReplaceAll(
+      names, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}});
+  return html.insert(place + kTitle.size(), absl::StrCat(escaped, " \u00b7 "));
+}
+
 }  // namespace
 
 const DashboardAsset* DashboardFiles::Find(std::string_view path) const {
@@ -55,6 +106,7 @@ Page DashboardFiles::PageFor(const Request& request) const {
     if (!is_page) return {404, "There is no such page.\n"};
     return {.body = absl::StrCat(std::string(problem_), "\n")};
   }
+  const std::string names = is_page ? NamesIn(request.path()) : "";
   Page page;
   page.content_type = std::string(file->content_type);
   page.headers = {
@@ -63,6 +115,8 @@ Page DashboardFiles::PageFor(const Request& request) const {
       {"Cache-Control", file->is_immutable ? "public, max-age=31536000, immutable" : "no-cache"}};
   if (request.Header("If-None-Match").find(file->etag) != std::string_view::npos) {
     page.status = 304;
+  } else if (!names.empty()) {
+    page.body = WithNames(Decompress(file->gzip_bytes), names);
   } else if (request.Header("Accept-Encoding").find("gzip") != std::string_view::npos) {
     page.headers.emplace_back("Content-Encoding", "gzip");
     page.body = std::string(file->gzip_bytes);

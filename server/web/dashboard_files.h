@@ -18,7 +18,8 @@ class DashboardFiles {
       : files_(files), problem_(problem) {}
 
   // Returns the file at the request's path. The paths of the dashboard's own pages all have the
-  // same file.
+  // same file but for the title that chats and mail show of a link (Open Graph): what the path of
+  // a scene or a session names is in it.
   Page PageFor(const Request& request) const;
 
  private:

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/web/api/methods.h"
-#include "server/web/api/query.h"
+#include "server/web/query.h"
 #include "server/web/error_page.h"
 #include "server/web/health_page.h"
 #include "server/web/http_connection.h"

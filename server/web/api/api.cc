@@ -11,7 +11,7 @@
 #include "absl/strings/str_split.h"
 #include "server/net/peer_address.h"
 #include "server/web/api/line_answer.h"
-#include "server/web/api/query.h"
+#include "server/web/query.h"
 #include "server/web/error_page.h"
 
 namespace sweepstake::web {

@@ -37,7 +37,7 @@ class DashboardFilesTest : public ::testing::Test {
 
 TEST_F(DashboardFilesTest, AFileIsAtItsPathAndThePagesHaveTheIndex) {
   const FakeExchange::Headers gzip = {{"Accept-Encoding", "br, gzip"}};
-  for (const char* path : {"/", "/index.html", "/scenes/a/b?range=1h", "/health"}) {
+  for (const char* path : {"/", "/index.html", "/decisions?range=1h", "/health"}) {
     const Page page = Ask(path, gzip);
     EXPECT_EQ(page.content_type, "text/html; charset=utf-8") << path;
     EXPECT_EQ(page.body, gzip_);
@@ -64,6 +64,52 @@ TEST_F(DashboardFilesTest, AFileThatABrowserHasIsNotSentAgain) {
   EXPECT_EQ(page.body, "");
   EXPECT_THAT(page.headers, Contains(Pair("ETag", "\"cafe\"")));
   EXPECT_EQ(Ask("/", {{"If-None-Match", "\"beef\""}}).status, 200);
+}
+
+// What `printf '<meta property="og:title" content="Sweepstake">\n<title>x</title>\n' | gzip -n9`
+// makes.
+constexpr unsigned char kTitledGzip[] = {
+    0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x03, 0xb3, 0xc9, 0x4d, 0x2d, 0x49, 0x54,
+    0x28, 0x28, 0xca, 0x2f, 0x48, 0x2d, 0x2a, 0xa9, 0xb4, 0x55, 0xca, 0x4f, 0xb7, 0x2a, 0xc9, 0x2c,
+    0xc9, 0x49, 0x55, 0x52, 0x48, 0xce, 0xcf, 0x2b, 0x49, 0xcd, 0x2b, 0xb1, 0x55, 0x0a, 0x2e, 0x4f,
+    0x4d, 0x2d, 0x28, 0x2e, 0x49, 0xcc, 0x4e, 0x55, 0xb2, 0xe3, 0xb2, 0x01, 0xcb, 0xda, 0x55, 0xd8,
+    0xe8, 0x43, 0x18, 0x5c, 0x00, 0x8b, 0xbd, 0x6d, 0x59, 0x41, 0x00, 0x00, 0x00};
+
+// Returns the body of the page at the target, for who takes gzip.
+std::string TitledBody(const std::string& target) {
+  const std::string gzip(reinterpret_cast<const char*>(kTitledGzip), sizeof kTitledGzip);
+  const std::array<DashboardAsset, 1> assets = {
+      {{"/index.html", "text/html", gzip, "\"cafe\"", false}}};
+  const FakeExchange exchange(boost::beast::http::verb::get, target, {{"Accept-Encoding", "gzip"}});
+  const Page page = DashboardFiles(assets, "").PageFor(exchange.request());
+  return page.body == gzip ? "as it is" : page.body;
+}
+
+std::string Titled(const std::string& title) {
+  return "<meta property=\"og:title\" content=\"" + title + "\">\n<title>x</title>\n";
+}
+
+TEST(DashboardLinks, AreTitledByTheNamesInTheirPaths) {
+  EXPECT_EQ(TitledBody("/scenes/game/%e6%b8%af%20x?class=a"),
+            Titled("game / \u6e2f x \u00b7 Sweepstake"));
+  EXPECT_EQ(TitledBody("/scenes/~.a/~~b"), Titled(".a / ~b \u00b7 Sweepstake"));
+  EXPECT_EQ(TitledBody("/sessions/5e55"), Titled("5e55 \u00b7 Sweepstake"));
+  for (const char* nameless : {"/", "/scenes", "/scenes/a", "/scenes/a/b/c", "/sessions", "/priors",
+                               "/decisions?session=a", "/health/a/b"})
+    EXPECT_EQ(TitledBody(nameless), "as it is") << nameless;
+}
+
+TEST(DashboardLinks, AHostileNameIsTextOrNotTold) {
+  EXPECT_EQ(TitledBody("/scenes/%22%3E%3Cscript%3E/'%26amp;"),
+            Titled("&quot;&gt;&lt;script&gt; / &#39;&amp;amp; \u00b7 Sweepstake"));
+  EXPECT_EQ(TitledBody("/sessions/\"><b>"), Titled("&quot;&gt;&lt;b&gt; \u00b7 Sweepstake"));
+  for (const char* hostile :
+       {"/sessions/%", "/sessions/%zz", "/sessions/%00", "/sessions/a%0ab", "/sessions/%ff",
+        "/sessions/", "/scenes//a", "/scenes/a/", "/sessions/a%e2%80%aeb", "/sessions/%e2%81%a6",
+        "/sessions/%d8%9c", "/sessions/%ef%bb%bf", "/sessions/%e2%80%8b", "/sessions/~"})
+    EXPECT_EQ(TitledBody(hostile), "as it is") << hostile;
+  EXPECT_EQ(TitledBody("/sessions/" + std::string(129, 'x')), "as it is");
+  EXPECT_EQ(TitledBody("/sessions/%e2%80%93%e2%81%84"), Titled("\u2013\u2044 \u00b7 Sweepstake"));
 }
 
 TEST(DashboardFiles, WithoutFilesThePagesSayWhy) {

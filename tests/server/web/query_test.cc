@@ -1,5 +1,5 @@
 // What a request's query says.
-#include "server/web/api/query.h"
+#include "server/web/query.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
