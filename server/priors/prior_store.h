@@ -278,9 +278,9 @@ class PriorReader {
   virtual ~PriorReader() = default;
 
   // Returns what sources taught about the scene on any class of machines, with this version of the
-  // reward: of each arm what the latest kSourcesOfScene sources of its class say, and the latest
-  // kSourcesOfOtherClass of each of kOtherClasses others. The cost does not depend on how many
-  // sources there are.
+  // reward: of each arm what kSourcesOfScene of the latest sources of its class say, and
+  // kSourcesOfOtherClass of each of kOtherClasses others, which decision::ChooseSources chooses so
+  // that no token outnumbers the others. The cost does not depend on how many sources there are.
   virtual absl::StatusOr<std::vector<SceneSource>> LoadSources(const SceneKey& scene) = 0;
 
   // Returns nothing if the source was never committed here (an imported source is not a session of

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/audit/audit_log.h"
+#include "server/priors/pooling/source_choice.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {
@@ -177,15 +178,17 @@ MemoryPriorStore::Source& MemoryPriorStore::FindSource(const std::string& id) {
   return source;
 }
 
-std::vector<std::pair<std::string, MemoryPriorStore::Entry>> MemoryPriorStore::Latest(
+std::vector<std::pair<std::string, MemoryPriorStore::Entry>> MemoryPriorStore::Choose(
     const EntriesBySource& entries, size_t limit) const {
   std::vector<std::pair<std::string, Entry>> latest(entries.begin(), entries.end());
   std::sort(latest.begin(), latest.end(), [&](const auto& a, const auto& b) {
     return sources_.at(a.first).number > sources_.at(b.first).number;
   });
-  if (latest.size() > limit)
-    latest.erase(latest.begin() + static_cast<ptrdiff_t>(limit), latest.end());
-  return latest;
+  std::vector<int64_t> tokens;
+  for (const auto& [id, entry] : latest) tokens.push_back(sources_.at(id).origin.token_id);
+  std::vector<std::pair<std::string, Entry>> chosen;
+  for (const size_t i : decision::ChooseSources(tokens, limit)) chosen.push_back(latest[i]);
+  return chosen;
 }
 
 void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
@@ -215,7 +218,7 @@ absl::StatusOr<std::vector<priors::SceneSource>> MemoryPriorStore::LoadSources(
     wanted.machine_class = key.machine_class;
     if (SceneOf(key) != wanted) continue;
     for (const auto& [source_id, entry] :
-         Latest(entries, key.machine_class == scene.machine_class ? priors::kSourcesOfScene
+         Choose(entries, key.machine_class == scene.machine_class ? priors::kSourcesOfScene
                                                                   : priors::kSourcesOfOtherClass)) {
       const Source& stored = sources_.at(source_id);
       priors::SceneSource& source = found[{key.machine_class, stored.number}];

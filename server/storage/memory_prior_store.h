@@ -114,7 +114,8 @@ class MemoryPriorStore : public priors::PriorStore {
   // Error: INVALID_ARGUMENT (the evidence of a source would grow beyond what a record may hold).
   absl::Status CheckSums(std::span<const priors::SourceUpdate> updates) const;
   void Apply(const priors::SourceUpdate& update);
-  std::vector<std::pair<std::string, Entry>> Latest(const EntriesBySource& entries,
+  // Returns those that speak for a scene, of the entries of one of its keys.
+  std::vector<std::pair<std::string, Entry>> Choose(const EntriesBySource& entries,
                                                     size_t limit) const;
   bool HasEvidence(const std::string& source_id, const std::string& project) const;
   // Whether or not it is revoked.

@@ -1,10 +1,10 @@
 #include "server/storage/sqlite_prior_reader.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/priors/pooling/source_choice.h"
 #include "server/storage/sqlite_schema.h"
 
 namespace sweepstake::storage {
@@ -84,6 +84,28 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlitePriorReader::LoadSources(
   return sources;
 }
 
+absl::StatusOr<SqlitePriorReader::SourceNumbers> SqlitePriorReader::ChooseSources(
+    int64_t key_id, uint32_t limit, std::map<SourceNumbers, SourceNumbers>& known) {
+  SourceNumbers latest;
+  absl::Status status = statements_.latest_sources.ForEachRow(
+      [&](const SqliteRow& row) { latest.push_back(row.Integer(0)); }, key_id,
+      decision::kSourcesPerPlace * limit);
+  const auto found = known.find(latest);
+  if (status.ok() && found != known.end()) return found->second;
+  std::vector<int64_t> tokens;
+  for (const int64_t source : latest) {
+    if (!status.ok()) return status;
+    int64_t& token = tokens.emplace_back();
+    status = statements_.token_of_source.ForEachRow(
+        [&](const SqliteRow& row) { token = row.Integer(0); }, source);
+  }
+  if (!status.ok()) return status;
+  SourceNumbers chosen;
+  for (const size_t i : decision::ChooseSources(tokens, limit)) chosen.push_back(latest[i]);
+  known[latest] = chosen;
+  return chosen;
+}
+
 absl::Status SqlitePriorReader::AppendSources(int64_t scene_id, const SceneKey& scene,
                                               uint32_t limit,
                                               std::vector<priors::SceneSource>& sources) {
@@ -99,19 +121,25 @@ absl::Status SqlitePriorReader::AppendSources(int64_t scene_id, const SceneKey& 
       },
       scene_id);
   std::map<int64_t, priors::SceneSource> by_number;
+  std::map<SourceNumbers, SourceNumbers> known;
   for (const auto& [id, key] : keys) {
     if (!status.ok()) return status;
-    status = statements_.latest_evidence.ForEachRow(
-        [&, key = key](const SqliteRow& row) {
-          if (row.Integer(8) == 0) return;  // not what was written, and in no sum either
-          priors::SceneSource& source = by_number[row.Integer(0)];
-          source.id = row.Text(1);
-          source.build = row.Text(2);
-          source.last_seen_unix_s = row.Unsigned(3);
-          source.evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) =
-              EvidenceOf(row, 4);
-        },
-        id, limit);
+    const auto chosen = ChooseSources(id, limit, known);
+    if (!chosen.ok()) return chosen.status();
+    for (const int64_t number : *chosen) {
+      if (!status.ok()) return status;
+      // What is not what was written is in no sum either.
+      status = statements_.evidence_of_source.ForEachRow(
+          [&, key = key](const SqliteRow& row) {
+            priors::SceneSource& source = by_number[number];
+            source.id = row.Text(0);
+            source.build = row.Text(1);
+            source.last_seen_unix_s = row.Unsigned(2);
+            source.evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) =
+                EvidenceOf(row, 3);
+          },
+          id, number);
+    }
   }
   if (status.ok() && !whole) return DamagedScene(scene.project, scene.scene);
   for (auto& [number, source] : by_number) {

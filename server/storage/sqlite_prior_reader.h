@@ -2,12 +2,13 @@
 // it, which sees what the store has committed and is never in its way. Used by one thread at a
 // time.
 //
-// LoadScene and List read sums that the writers keep, and LoadSources the latest sources alone, so
-// their cost does not depend on the number of sources.
+// LoadScene and List read sums that the writers keep, and LoadSources some of the latest sources
+// alone, so their cost does not depend on the number of sources.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -81,7 +82,12 @@ class SqlitePriorReader final : public priors::PriorReader {
       : statements_(std::move(statements)), audit_(std::move(audit)) {}
 
   absl::Status LoadArms(int64_t scene_id, priors::SceneEvidence& scene);
-  // Appends what the latest `limit` sources of each key say of the scene in that row.
+  using SourceNumbers = std::vector<int64_t>;
+  // Returns which sources speak of the key. Most keys of a scene have the same latest sources;
+  // `known` has what was chosen of those of its other keys.
+  absl::StatusOr<SourceNumbers> ChooseSources(int64_t key_id, uint32_t limit,
+                                              std::map<SourceNumbers, SourceNumbers>& known);
+  // Appends what up to `limit` sources of each key say of the scene in that row.
   absl::Status AppendSources(int64_t scene_id, const priors::SceneKey& scene, uint32_t limit,
                              std::vector<priors::SceneSource>& sources);
   // What counts, or what waits in quarantine.

@@ -246,11 +246,14 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
     {&PriorReadStatements::scene_keys, R"sql(
         SELECT id, arm, backend_version, measured_by, hash = content_hash FROM evidence_key
         WHERE scene_id = ?1 AND source_count > 0)sql"},
-    {&PriorReadStatements::latest_evidence, R"sql(
-        SELECT s.id, name, build, last_seen_unix_s, alpha, beta, window_count,
-               bail_out_count, e.hash = e.content_hash AND s.hash = s.content_hash
-        FROM (SELECT * FROM evidence WHERE key_id = ?1 ORDER BY source_id DESC LIMIT ?2) e
-             CROSS JOIN source s ON s.id = e.source_id)sql"},
+    {&PriorReadStatements::latest_sources, R"sql(
+        SELECT source_id FROM evidence WHERE key_id = ?1 ORDER BY source_id DESC LIMIT ?2)sql"},
+    {&PriorReadStatements::token_of_source, "SELECT token_id FROM source WHERE id = ?1"},
+    {&PriorReadStatements::evidence_of_source, R"sql(
+        SELECT name, build, last_seen_unix_s, alpha, beta, window_count, bail_out_count
+        FROM evidence e CROSS JOIN source s ON s.id = e.source_id
+        WHERE key_id = ?1 AND source_id = ?2
+          AND e.hash = e.content_hash AND s.hash = s.content_hash)sql"},
     {&PriorReadStatements::find_key, R"sql(
         SELECT id, scene_id FROM evidence_key
         WHERE project = ?1 AND scene = ?2 AND measured_by = ?3 AND arm = ?4

@@ -1,7 +1,7 @@
 #include "server/priors/pooling/source_prior.h"
 
 #include <algorithm>
-#include <cmath>  // std::abs
+#include <cmath>  // std::abs, and std::sqrt, exactly rounded by IEEE 754
 #include <optional>
 #include <utility>
 
@@ -24,6 +24,8 @@ constexpr double kGuessWeight = 4;
 // median distance would be 0 where just over half of the sources agree.
 constexpr double kWithinShare = 0.7;
 constexpr double kWithinDeviations = 1.0364;
+// What is so many deviations off is no measurement of the same thing.
+constexpr double kOutlierDeviations = 5;
 constexpr double kMedianVariance = 1.5707963267948966;  // that of a median ÷ that of a mean: π/2
 
 struct Weighed {
@@ -76,19 +78,19 @@ class MedianPolish {
         if (sum.evidence() > 0) cells_.push_back({source, arm, BeliefOf(sum), weight});
       }
     }
-    for (int step = 0; step < kPolishSteps; ++step) Step();
+    LimitPrecisions();
+    Polish();
+    DropOutliers();
+    Polish();
   }
 
   // Returns the arm's belief at that level; nothing if no source knows the arm.
   std::optional<NormalBelief> BeliefAt(double level, size_t arm) const {
-    std::vector<Weighed> distances;
-    for (const Cell& cell : cells_) {
-      if (cell.arm == arm)
-        distances.push_back({std::abs(ResidualOf(cell)), WeightOf(cell, kSourceVariance)});
-    }
-    if (distances.empty()) return std::nullopt;
-    const auto others = static_cast<double>(distances.size() - 1);
-    const double deviation = QuantileOf(std::move(distances), kWithinShare) / kWithinDeviations;
+    const auto count =
+        std::count_if(cells_.begin(), cells_.end(), [&](auto& cell) { return cell.arm == arm; });
+    if (count == 0) return std::nullopt;
+    const auto others = static_cast<double>(count - 1);
+    const double deviation = DeviationOf(arm);
     const double between =
         (kGuessWeight * kSourceVariance + others * deviation * deviation) / (kGuessWeight + others);
     double precision = 0;
@@ -120,6 +122,37 @@ class MedianPolish {
     return cell.log_cost.mean - levels_[cell.source] - arms_[cell.arm];
   }
 
+  // Returns how far what sources measured of the arm is from what they have in common.
+  double DeviationOf(size_t arm) const {
+    std::vector<Weighed> distances;
+    for (const Cell& cell : cells_) {
+      if (cell.arm == arm)
+        distances.push_back({std::abs(ResidualOf(cell)), WeightOf(cell, kSourceVariance)});
+    }
+    return QuantileOf(std::move(distances), kWithinShare) / kWithinDeviations;
+  }
+
+  // Lets no cell be surer than the median one of its arm: a source that claims to be has no louder
+  // voice than the others.
+  void LimitPrecisions() {
+    std::vector<std::vector<Weighed>> variances(arms_.size());
+    for (const Cell& cell : cells_) variances[cell.arm].push_back({cell.log_cost.variance, 1});
+    std::vector<double> medians;
+    for (auto& of_arm : variances) medians.push_back(MedianOf(std::move(of_arm)));
+    for (Cell& cell : cells_)
+      cell.log_cost.variance = std::max(cell.log_cost.variance, medians[cell.arm]);
+  }
+
+  // A median is biased by all that lies on one side of it, however far away.
+  void DropOutliers() {
+    std::vector<double> reaches;
+    for (size_t arm = 0; arm < arms_.size(); ++arm)
+      reaches.push_back(kOutlierDeviations *
+                        std::max(DeviationOf(arm), std::sqrt(kSourceVariance)));
+    std::erase_if(cells_,
+                  [&](const Cell& cell) { return std::abs(ResidualOf(cell)) > reaches[cell.arm]; });
+  }
+
   // Sets each of `effects` to the median of what is left without it.
   void Sweep(size_t Cell::*index, std::vector<double>& effects) {
     std::vector<std::vector<Weighed>> left(effects.size());
@@ -130,9 +163,11 @@ class MedianPolish {
     for (size_t i = 0; i < effects.size(); ++i) effects[i] = MedianOf(std::move(left[i]));
   }
 
-  void Step() {
-    Sweep(&Cell::source, levels_);
-    Sweep(&Cell::arm, arms_);
+  void Polish() {
+    for (int step = 0; step < kPolishSteps; ++step) {
+      Sweep(&Cell::source, levels_);
+      Sweep(&Cell::arm, arms_);
+    }
   }
 
   std::vector<Cell> cells_;

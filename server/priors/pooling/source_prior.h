@@ -5,8 +5,9 @@
 // its own, and arms are compared within a source: log-cost = level of the source + the arm's
 // + what the two of them have in particular. Levels and arms are weighted medians (J. W. Tukey,
 // Exploratory Data Analysis, 1977, ch. 11: median polish), which a tenth of sources that lie hardly
-// move. What remains is the random effect of the sources: how far the next one may be from what
-// they have in common, however many there are. Pure functions.
+// move: none is heard as surer than the median one, nor at all where it is far from the others.
+// What remains is the random effect of the sources: how far the next one may be from what they have
+// in common, however many there are. Pure functions.
 #pragma once
 
 #include <span>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/priors/pooling/source_choice.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {
@@ -19,14 +20,19 @@ constexpr const char* kSceneClasses = R"sql(
     SELECT id, machine_class FROM scene
     WHERE project = $1 AND scene = $2 AND reward_version = $4::bigint AND source_count > 0
     ORDER BY machine_class = $3 DESC, id DESC LIMIT $5::bigint)sql";
-constexpr const char* kLatestEvidence = R"sql(
+// Each source is looked up by itself: a join may be a walk through all there are.
+constexpr const char* kLatestSources = R"sql(
+    SELECT k.id, source_id, (SELECT token_id FROM source WHERE id = source_id)
+    FROM evidence_key k
+         CROSS JOIN LATERAL (SELECT source_id FROM evidence WHERE key_id = k.id
+                             ORDER BY source_id DESC LIMIT $2::bigint) e
+    WHERE scene_id = $1::bigint AND source_count > 0 ORDER BY k.id, source_id DESC)sql";
+constexpr const char* kEvidenceOfSources = R"sql(
     SELECT s.id, s.name, s.build, s.last_seen_unix_s, k.arm, k.backend_version, k.measured_by,
            e.alpha, e.beta, e.window_count, e.bail_out_count
-    FROM evidence_key k
-         CROSS JOIN LATERAL (SELECT * FROM evidence WHERE key_id = k.id
-                             ORDER BY source_id DESC LIMIT $2::bigint) e
-         JOIN source s ON s.id = e.source_id
-    WHERE k.scene_id = $1::bigint AND k.source_count > 0)sql";
+    FROM unnest($1::bigint[], $2::bigint[]) wanted(key_id, source_id)
+         JOIN evidence e USING (key_id, source_id)
+         JOIN evidence_key k ON k.id = key_id JOIN source s ON s.id = source_id)sql";
 constexpr const char* kLoadSource = R"sql(
     SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
            frame_count, seed, created_unix_s, last_seen_unix_s,
@@ -179,9 +185,25 @@ absl::StatusOr<std::vector<priors::SceneSource>> PostgresReader::LoadSources(
 
 absl::Status PostgresReader::AppendSources(int64_t scene_id, const SceneKey& scene, uint32_t limit,
                                            std::vector<priors::SceneSource>& sources) {
-  std::map<int64_t, priors::SceneSource> by_number;
+  std::map<int64_t, std::vector<int64_t>> latest, tokens;  // by key
   absl::Status status = connection_.ForEachRow(
-      kLatestEvidence,
+      kLatestSources,
+      [&](const PostgresRow& row) {
+        latest[row.Integer(0)].push_back(row.Integer(1));
+        tokens[row.Integer(0)].push_back(row.Integer(2));
+      },
+      scene_id, decision::kSourcesPerPlace * limit);
+  if (!status.ok()) return status;
+  PostgresArray keys, chosen;
+  for (const auto& [key, sources_of_key] : latest) {
+    for (const size_t i : decision::ChooseSources(tokens[key], limit)) {
+      keys.Add(key);
+      chosen.Add(sources_of_key[i]);
+    }
+  }
+  std::map<int64_t, priors::SceneSource> by_number;
+  status = connection_.ForEachRow(
+      kEvidenceOfSources,
       [&](const PostgresRow& row) {
         priors::SceneSource& source = by_number[row.Integer(0)];
         source.id = row.Text(1);
@@ -190,7 +212,7 @@ absl::Status PostgresReader::AppendSources(int64_t scene_id, const SceneKey& sce
         source.evidence.ArmOf(row.Text(4), static_cast<uint32_t>(row.Integer(5))).of(row.Text(6)) =
             EvidenceOf(row, 7);
       },
-      scene_id, limit);
+      keys, chosen);
   for (auto& [number, source] : by_number) {
     source.evidence.key = scene;
     source.evidence.source_count = 1;

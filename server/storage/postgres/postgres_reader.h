@@ -55,7 +55,7 @@ class PostgresReader : public priors::PriorReader {
     int64_t id = 0;  // 0: there is none
   };
 
-  // Appends what the latest `limit` sources say of each arm of a scene, ordered by their numbers.
+  // Appends what up to `limit` sources say of each arm of a scene, ordered by their numbers.
   absl::Status AppendSources(int64_t scene_id, const priors::SceneKey& scene, uint32_t limit,
                              std::vector<priors::SceneSource>& sources);
   absl::Status LoadArms(const std::map<int64_t, priors::SceneEvidence*>& scenes);

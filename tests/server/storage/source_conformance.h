@@ -2,6 +2,7 @@
 // Whoever includes prior_store_conformance.h includes it, too.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -129,6 +130,25 @@ TEST_P(SourceConformance, OfManySourcesTheLatestSpeakForAScene) {
   EXPECT_EQ(ids["desktop"].front(), "desktop 5");
   EXPECT_EQ(ids["laptop"].size(), priors::kSourcesOfOtherClass);
   EXPECT_EQ(ids["laptop"].back(), "laptop " + std::to_string(priors::kSourcesOfScene + 4));
+}
+
+TEST_P(SourceConformance, ATokenThatFloodsASceneLeavesTheOthersTheirPlaces) {
+  const auto commit = [&](const std::string& source, int64_t token) {
+    ASSERT_TRUE(Commit({UpdateOf({"1.0", token}, 100, source, {Key("Grid")})}).ok());
+  };
+  for (int i = 0; i < 20; ++i) commit("honest " + std::to_string(i), 1 + i % 2);
+  for (int i = 0; i < 200; ++i) commit("flood " + std::to_string(i), 3);
+  const auto count_honest = [&] {
+    const auto sources = *store_->LoadSources({"game", "harbour", "desktop", 1});
+    EXPECT_LE(sources.size(), priors::kSourcesOfScene);
+    return std::count_if(sources.begin(), sources.end(),
+                         [](const auto& source) { return source.id.starts_with("honest"); });
+  };
+  EXPECT_EQ(count_honest(), 20);
+  for (int i = 20; i < 30; ++i) commit("honest " + std::to_string(i), 1 + i % 2);
+  EXPECT_EQ(count_honest(), 21) << "of 32 places of three tokens";
+  ASSERT_TRUE(store_->Revoke({.token_id = 3}, false).ok());
+  EXPECT_EQ(count_honest(), 30);
 }
 
 TEST_P(SourceConformance, WhereASourceComesFromGoesWithItsRecords) {

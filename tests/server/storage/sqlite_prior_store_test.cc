@@ -7,6 +7,7 @@
 
 #include <fstream>
 
+#include "server/priors/pooling/source_choice.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/data_directory.h"
@@ -391,7 +392,8 @@ TEST_F(SqlitePriorStoreTest, AHelloVisitsNoMoreRowsWithTenThousandSourcesThanWit
     EXPECT_EQ((*store->LoadScene({"game", "harbour", "desktop", 1}))->source_count, source_count);
     EXPECT_EQ(store->List({}, std::nullopt, 10)->at(0).source_count, source_count);
   };
-  constexpr int kUsed = priors::kSourcesOfScene + 1;  // and one that is left out
+  // And one that is not looked at.
+  constexpr int kUsed = decision::kSourcesPerPlace * priors::kSourcesOfScene + 1;
   teach(0, kUsed);
   const uint64_t with_few = counter.During([&] { read(kUsed); });
   EXPECT_GT(with_few, 0u);

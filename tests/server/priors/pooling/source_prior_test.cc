@@ -109,5 +109,35 @@ TEST(CombineSources, IsHardlyMovedByATenthOfHostileSources) {
   EXPECT_NEAR(CostUs(attacked[0]), CostUs(honest[0]), 5);
 }
 
+// A few visits of the lane each, of machines that differ somewhat.
+std::vector<SourceEvidence> UnsureSources(int count) {
+  RandomStream random(7, RandomPurpose::kChoice, 0, 0);
+  std::vector<SourceEvidence> sources;
+  for (int i = 0; i < count; ++i) {
+    const double noise = std::exp(0.3 * (random.NextUniform() - 0.5));
+    sources.push_back(SourceOf({100, 110 * noise, 400}, /*windows=*/0.02));
+  }
+  return sources;
+}
+
+TEST(CombineSources, HearsNoSourceLouderForTheCertaintyThatItClaims) {
+  std::vector<SourceEvidence> sources = UnsureSources(24);
+  std::vector<SourceEvidence> sure = sources;
+  for (int i = 0; i < 8; ++i) {
+    sources.push_back(SourceOf({100, 140, 400}, 0.02));
+    sure.push_back(SourceOf({100, 140, 400}, 1e6));
+  }
+  EXPECT_NEAR(CostUs(PriorOf(sure, 3)[1]), CostUs(PriorOf(sources, 3)[1]), 0.1);
+}
+
+TEST(CombineSources, LeavesOutWhatIsFarFromTheRest) {
+  std::vector<SourceEvidence> sources = UnsureSources(24);
+  const auto honest = PriorOf(sources, 3);
+  for (int i = 0; i < 8; ++i) sources.push_back(SourceOf({5e6, 0.001, 0.001}, 1e6));
+  const auto attacked = PriorOf(sources, 3);
+  EXPECT_NEAR(CostUs(attacked[1]), CostUs(honest[1]), 0.1);
+  EXPECT_NEAR(DeviationOf(attacked[1]), DeviationOf(honest[1]), 0.001);
+}
+
 }  // namespace
 }  // namespace sweepstake::decision
