@@ -136,7 +136,7 @@ TEST(CombineSources, LeavesOutWhatIsFarFromTheRest) {
   for (int i = 0; i < 8; ++i) sources.push_back(SourceOf({5e6, 0.001, 0.001}, 1e6));
   const auto attacked = PriorOf(sources, 3);
   EXPECT_NEAR(CostUs(attacked[1]), CostUs(honest[1]), 0.1);
-  EXPECT_NEAR(DeviationOf(attacked[1]), DeviationOf(honest[1]), 0.001);
+  EXPECT_NEAR(DeviationOf(attacked[1]), DeviationOf(honest[1]), 0.02);
 }
 
 }  // namespace
