@@ -279,8 +279,9 @@ def plan(options):
     """Name, title, measurement, and the daemon's options."""
     streams = options.streams
     scenes, browsers = max(streams // 40, 1), max(streams // 10, 1)
-    # Each game's posterior changes at each tick of what watchers are told.
-    quick = {"server_options": ["--decision-interval-ms", "200", "--decision-settling-ms", "0", "--no-decision-explore"]}
+    # Each game's posterior changes at each tick of what watchers are told: the paper's policy learns from every window.
+    quick = {"server_options": ["--decision-policy", "paper", "--decision-interval-ms", "200", "--decision-settling-ms", "0",
+                                "--no-decision-explore"]}
     return [
         ("full", f"{streams} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams, 1, 60, options), {}),
         ("half", f"{streams // 2} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams // 2, 1, 60, options), {}),
