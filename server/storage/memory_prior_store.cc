@@ -178,12 +178,18 @@ MemoryPriorStore::Source& MemoryPriorStore::FindSource(const std::string& id) {
   return source;
 }
 
-std::vector<std::pair<std::string, MemoryPriorStore::Entry>> MemoryPriorStore::Choose(
-    const EntriesBySource& entries, size_t limit) const {
-  std::vector<std::pair<std::string, Entry>> latest(entries.begin(), entries.end());
-  std::sort(latest.begin(), latest.end(), [&](const auto& a, const auto& b) {
+std::vector<std::pair<std::string, MemoryPriorStore::Entry>> MemoryPriorStore::NewestFirst(
+    const EntriesBySource& entries) const {
+  std::vector<std::pair<std::string, Entry>> sorted(entries.begin(), entries.end());
+  std::sort(sorted.begin(), sorted.end(), [&](const auto& a, const auto& b) {
     return sources_.at(a.first).number > sources_.at(b.first).number;
   });
+  return sorted;
+}
+
+std::vector<std::pair<std::string, MemoryPriorStore::Entry>> MemoryPriorStore::Choose(
+    const EntriesBySource& entries, size_t limit) const {
+  const auto latest = NewestFirst(entries);
   std::vector<int64_t> tokens;
   for (const auto& [id, entry] : latest) tokens.push_back(sources_.at(id).origin.token_id);
   std::vector<std::pair<std::string, Entry>> chosen;
@@ -264,9 +270,10 @@ SceneEvidence MemoryPriorStore::Sum(const SceneKey& key) const {
       Add(arm.of(evidence_key.measured_by), entry.evidence);
       sources.insert(source_id);
     }
-    for (const auto& [source_id, entry] : Latest(entries, priors::kSourcesOfAge))
+    const auto latest = NewestFirst(entries);
+    for (size_t i = 0; i < std::min<size_t>(latest.size(), priors::kSourcesOfAge); ++i)
       arm.last_seen_unix_s =
-          std::max(arm.last_seen_unix_s, sources_.at(source_id).last_seen_unix_s);
+          std::max(arm.last_seen_unix_s, sources_.at(latest[i].first).last_seen_unix_s);
   }
   result.source_count = sources.size();
   return result;

@@ -114,6 +114,7 @@ class MemoryPriorStore : public priors::PriorStore {
   // Error: INVALID_ARGUMENT (the evidence of a source would grow beyond what a record may hold).
   absl::Status CheckSums(std::span<const priors::SourceUpdate> updates) const;
   void Apply(const priors::SourceUpdate& update);
+  std::vector<std::pair<std::string, Entry>> NewestFirst(const EntriesBySource& entries) const;
   // Returns those that speak for a scene, of the entries of one of its keys.
   std::vector<std::pair<std::string, Entry>> Choose(const EntriesBySource& entries,
                                                     size_t limit) const;
