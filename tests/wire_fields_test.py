@@ -29,6 +29,8 @@ OTHERS = {
     "ReadRecordingRequest.": "the dashboard reads recordings",
     "ReadRecordingResponse.": "the dashboard reads recordings",
     "PriorRecord.is_imported": "the dashboard tells imports from sessions",
+    "PriorRecord.weight": "the dashboard shows what a source weighs",
+    "ExportPriorsRequest.with_weights": "the dashboard asks for weights; ours export to files",
     "GetPosteriorRequest.": "the call of programs that want one scene; ours list",
     "GetPosteriorResponse.": "the call of programs that want one scene; ours list",
 }

@@ -10,6 +10,7 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/common/source_weights.h"
 #include "server/rpc/services/page_stream.h"
 #include "server/rpc/services/unary_call.h"
 #include "server/rpc/sessions/admin_log.h"
@@ -31,7 +32,7 @@ using ExportStream = PageStream<v1::ExportPriorsResponse, TransferPlace>;
 
 absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
                                                const priors::SceneFilter& filter,
-                                               const TransferPlace& place) {
+                                               const TransferPlace& place, bool with_weights) {
   const auto stored = place.in_quarantine
                           ? store.ExportQuarantined(filter, place.after, kRecordsPerMessage)
                           : store.Export(filter, place.after, kRecordsPerMessage);
@@ -39,11 +40,19 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
   const bool ends = stored->records.size() < kRecordsPerMessage;
   const bool has_any = !stored->records.empty() || stored->folded_record_count > 0;
   if (ends && !has_any && !place.in_quarantine)
-    return LoadRecords(store, filter, {.in_quarantine = true, .after = {}});
+    return LoadRecords(store, filter, {.in_quarantine = true, .after = {}}, with_weights);
   ExportStream::Page page;
   page.empty = !has_any;
   page.last = ends && place.in_quarantine;
-  for (const PriorRecord& record : stored->records) ToProto(record, *page.response.add_records());
+  SourceWeights weights(store);
+  for (const PriorRecord& record : stored->records) {
+    v1::PriorRecord& message = *page.response.add_records();
+    ToProto(record, message);
+    if (!with_weights) continue;
+    const auto weight = weights.Of(record);
+    if (!weight.ok()) return weight.status();
+    message.set_weight(*weight);
+  }
   page.response.set_folded_record_count(stored->folded_record_count);
   page.response.set_folded_window_count(stored->folded_window_count);
   page.next = ends ? TransferPlace{.in_quarantine = true, .after = {}}
@@ -287,12 +296,13 @@ grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
     return new RefusedCall<grpc::ServerWriteReactor<v1::ExportPriorsResponse>>(
         ToGrpc(allowed, context_.counters));
   }
-  return ExportStream::Start(context_, *call, *caller,
-                             [filter, quarantined_only = request->quarantined_only()](
-                                 priors::PriorReader& store, TransferPlace place) {
-                               place.in_quarantine = place.in_quarantine || quarantined_only;
-                               return LoadRecords(store, filter, place);
-                             });
+  return ExportStream::Start(
+      context_, *call, *caller,
+      [filter, quarantined_only = request->quarantined_only(),
+       with_weights = request->with_weights()](priors::PriorReader& store, TransferPlace place) {
+        place.in_quarantine = place.in_quarantine || quarantined_only;
+        return LoadRecords(store, filter, place, with_weights);
+      });
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(

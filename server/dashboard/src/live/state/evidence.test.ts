@@ -3,7 +3,7 @@ import { expect, it } from 'vitest';
 import { ExportPriorsResponseSchema } from '../../gen/sweepstake/v1/priors_pb';
 import { addPart, MAX_SOURCES, noEvidence, priorsFile } from './evidence';
 
-interface More { arm?: string; measuredBy?: string; bailOutCount?: bigint; build?: string; unixLastSeenS?: bigint; isImported?: boolean; isQuarantined?: boolean; machineClass?: string }
+interface More { arm?: string; measuredBy?: string; bailOutCount?: bigint; build?: string; unixLastSeenS?: bigint; isImported?: boolean; isQuarantined?: boolean; machineClass?: string; weight?: number }
 const recordOf = (sourceId: string, more: More = {}) => ({ project: 'p', scene: 's', arm: 'SAP', backendVersion: 1, rewardVersion: 3,
   sourceId, sourceSequence: 7n, alphaIncrement: 1.5, betaIncrement: 0.5, windowCount: 2n, ...more });
 
@@ -15,11 +15,11 @@ function evidenceOf(...parts: Parameters<typeof create<typeof ExportPriorsRespon
 
 it('sums what sources taught by scene and arm, and by source', () => {
   const evidence = evidenceOf(
-    { records: [recordOf('x'), recordOf('y'), recordOf('x', { arm: 'Grid', bailOutCount: 1n })] },
-    { records: [recordOf('x', { measuredBy: 'lane' })], foldedRecordCount: 4n, foldedWindowCount: 40n });
+    { records: [recordOf('x'), recordOf('y'), recordOf('x', { arm: 'Grid', bailOutCount: 1n, weight: 0.5 })] },
+    { records: [recordOf('x', { measuredBy: 'lane', weight: 0.02 })], foldedRecordCount: 4n, foldedWindowCount: 40n });
   expect(evidence.sums.size).toBe(3);
   expect([...evidence.sums.values()][0]).toMatchObject({ sourceCount: 2, alpha: 3, beta: 1, windowCount: 4, bailOutCount: 0 });
-  expect(evidence.sources.get('x')).toMatchObject({ windowCount: 6, bailOutCount: 1, arms: new Set(['SAP', 'Grid']) });
+  expect(evidence.sources.get('x')).toMatchObject({ windowCount: 6, bailOutCount: 1, weight: 0.5, arms: new Set(['SAP', 'Grid']) });
   expect(evidence).toMatchObject({ recordCount: 4, foldedRecordCount: 4, foldedWindowCount: 40 });
 });
 

@@ -34,6 +34,7 @@ interface Teacher extends Counts {
 export interface SourceSum extends Teacher {
   sourceId: string;
   isImported: boolean;
+  weight: number;  // the highest of its records' weights
 }
 
 // What the sources of one build of a project taught.
@@ -107,7 +108,8 @@ function add(evidence: Evidence, record: PriorRecord): void {
     sum.alpha += record.alphaIncrement;
     sum.beta += record.betaIncrement;
   }
-  const source = entry(evidence.sources, sourceId, MAX_SOURCES, () => ({ sourceId, isImported, ...teacher(record) }));
+  const source = entry(evidence.sources, sourceId, MAX_SOURCES, () => ({ sourceId, isImported, weight: 0, ...teacher(record) }));
+  if (source) source.weight = Math.max(source.weight, record.weight);
   const buildKey = buildKeyOf(record);
   const build = source && entry(evidence.builds, buildKey, MAX_SOURCES, () => ({ key: buildKey, sourceIds: new Set<string>(), ...teacher(record) }));
   build?.sourceIds.add(sourceId);

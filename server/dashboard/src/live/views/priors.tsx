@@ -29,7 +29,7 @@ interface Answer {
 async function read(project: string, cancel: AbortSignal, show: (answer: Answer) => void): Promise<void> {
   const evidence = noEvidence();
   try {
-    for await (const part of stream(PriorsService.method.exportPriors, { project }, cancel)) {
+    for await (const part of stream(PriorsService.method.exportPriors, { project, withWeights: true }, cancel)) {
       addPart(evidence, part);
     }
     show({ evidence, isWhole: true, atMs: Date.now() });

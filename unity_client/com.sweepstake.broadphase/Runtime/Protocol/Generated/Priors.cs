@@ -24,48 +24,49 @@ namespace Sweepstake.Protocol.V1 {
     static PriorsReflection() {
       byte[] descriptorData = global::System.Convert.FromBase64String(
           string.Concat(
-            "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MSJP",
+            "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MSJl",
             "ChNFeHBvcnRQcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
-            "bmUYAiABKAkSGAoQcXVhcmFudGluZWRfb25seRgDIAEoCCJ9ChRFeHBvcnRQ",
-            "cmlvcnNSZXNwb25zZRIrCgdyZWNvcmRzGAEgAygLMhouc3dlZXBzdGFrZS52",
-            "MS5QcmlvclJlY29yZBIbChNmb2xkZWRfcmVjb3JkX2NvdW50GAIgASgEEhsK",
-            "E2ZvbGRlZF93aW5kb3dfY291bnQYAyABKAQiUwoTSW1wb3J0UHJpb3JzUmVx",
-            "dWVzdBIrCgdyZWNvcmRzGAEgAygLMhouc3dlZXBzdGFrZS52MS5QcmlvclJl",
-            "Y29yZBIPCgdwcm9tb3RlGAIgASgIIkYKFEltcG9ydFByaW9yc1Jlc3BvbnNl",
-            "EhUKDWFwcGxpZWRfY291bnQYASABKAQSFwoPdW5jaGFuZ2VkX2NvdW50GAIg",
-            "ASgEIn4KDFNvdXJjZUZpbHRlchIPCgdwcm9qZWN0GAEgASgJEhEKCXNvdXJj",
-            "ZV9pZBgCIAEoCRINCgVidWlsZBgDIAEoCRIQCgh0b2tlbl9pZBgEIAEoAxIT",
-            "Cgt1bml4X2Zyb21fcxgFIAEoAxIUCgx1bml4X3VudGlsX3MYBiABKAMiVAoT",
-            "UmV2b2tlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsuc3dlZXBz",
-            "dGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCJYChRSZXZv",
-            "a2VQcmlvcnNSZXNwb25zZRIUCgxzb3VyY2VfY291bnQYASABKAQSFAoMcmVj",
-            "b3JkX2NvdW50GAIgASgEEhQKDHdpbmRvd19jb3VudBgDIAEoBCJVChRQcm9t",
-            "b3RlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsuc3dlZXBzdGFr",
-            "ZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCJuChVQcm9tb3Rl",
-            "UHJpb3JzUmVzcG9uc2USFAoMc291cmNlX2NvdW50GAEgASgEEhQKDHJlY29y",
-            "ZF9jb3VudBgCIAEoBBIUCgx3aW5kb3dfY291bnQYAyABKAQSEwoLc2NlbmVf",
-            "Y291bnQYBCABKAQi+AIKC1ByaW9yUmVjb3JkEg8KB3Byb2plY3QYASABKAkS",
-            "DQoFc2NlbmUYAiABKAkSEwoLbWVhc3VyZWRfYnkYAyABKAkSCwoDYXJtGAQg",
-            "ASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgFIAEoDRIVCg1tYWNoaW5lX2NsYXNz",
-            "GAYgASgJEhYKDnJld2FyZF92ZXJzaW9uGAcgASgNEhEKCXNvdXJjZV9pZBgI",
-            "IAEoCRIXCg9zb3VyY2Vfc2VxdWVuY2UYCSABKAQSFwoPYWxwaGFfaW5jcmVt",
-            "ZW50GAogASgBEhYKDmJldGFfaW5jcmVtZW50GAsgASgBEhQKDHdpbmRvd19j",
-            "b3VudBgMIAEoBBIWCg5iYWlsX291dF9jb3VudBgNIAEoBBINCgVidWlsZBgO",
-            "IAEoCRIYChB1bml4X2xhc3Rfc2Vlbl9zGA8gASgDEhMKC2lzX2ltcG9ydGVk",
-            "GBAgASgIEhYKDmlzX3F1YXJhbnRpbmVkGBEgASgIMvoCCg1QcmlvcnNTZXJ2",
-            "aWNlElkKDEV4cG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJp",
-            "b3JzUmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVzcG9u",
-            "c2UwARJZCgxJbXBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkltcG9ydFBy",
-            "aW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1Jlc3Bv",
-            "bnNlKAESVwoMUmV2b2tlUHJpb3JzEiIuc3dlZXBzdGFrZS52MS5SZXZva2VQ",
-            "cmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXNw",
-            "b25zZRJaCg1Qcm9tb3RlUHJpb3JzEiMuc3dlZXBzdGFrZS52MS5Qcm9tb3Rl",
-            "UHJpb3JzUmVxdWVzdBokLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1Jl",
-            "c3BvbnNlQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "bmUYAiABKAkSGAoQcXVhcmFudGluZWRfb25seRgDIAEoCBIUCgx3aXRoX3dl",
+            "aWdodHMYBCABKAgifQoURXhwb3J0UHJpb3JzUmVzcG9uc2USKwoHcmVjb3Jk",
+            "cxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQSGwoTZm9sZGVk",
+            "X3JlY29yZF9jb3VudBgCIAEoBBIbChNmb2xkZWRfd2luZG93X2NvdW50GAMg",
+            "ASgEIlMKE0ltcG9ydFByaW9yc1JlcXVlc3QSKwoHcmVjb3JkcxgBIAMoCzIa",
+            "LnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQSDwoHcHJvbW90ZRgCIAEoCCJG",
+            "ChRJbXBvcnRQcmlvcnNSZXNwb25zZRIVCg1hcHBsaWVkX2NvdW50GAEgASgE",
+            "EhcKD3VuY2hhbmdlZF9jb3VudBgCIAEoBCJ+CgxTb3VyY2VGaWx0ZXISDwoH",
+            "cHJvamVjdBgBIAEoCRIRCglzb3VyY2VfaWQYAiABKAkSDQoFYnVpbGQYAyAB",
+            "KAkSEAoIdG9rZW5faWQYBCABKAMSEwoLdW5peF9mcm9tX3MYBSABKAMSFAoM",
+            "dW5peF91bnRpbF9zGAYgASgDIlQKE1Jldm9rZVByaW9yc1JlcXVlc3QSLAoH",
+            "c291cmNlcxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNlRmlsdGVyEg8K",
+            "B3ByZXZpZXcYAiABKAgiWAoUUmV2b2tlUHJpb3JzUmVzcG9uc2USFAoMc291",
+            "cmNlX2NvdW50GAEgASgEEhQKDHJlY29yZF9jb3VudBgCIAEoBBIUCgx3aW5k",
+            "b3dfY291bnQYAyABKAQiVQoUUHJvbW90ZVByaW9yc1JlcXVlc3QSLAoHc291",
+            "cmNlcxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNlRmlsdGVyEg8KB3By",
+            "ZXZpZXcYAiABKAgibgoVUHJvbW90ZVByaW9yc1Jlc3BvbnNlEhQKDHNvdXJj",
+            "ZV9jb3VudBgBIAEoBBIUCgxyZWNvcmRfY291bnQYAiABKAQSFAoMd2luZG93",
+            "X2NvdW50GAMgASgEEhMKC3NjZW5lX2NvdW50GAQgASgEIogDCgtQcmlvclJl",
+            "Y29yZBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhMKC21lYXN1",
+            "cmVkX2J5GAMgASgJEgsKA2FybRgEIAEoCRIXCg9iYWNrZW5kX3ZlcnNpb24Y",
+            "BSABKA0SFQoNbWFjaGluZV9jbGFzcxgGIAEoCRIWCg5yZXdhcmRfdmVyc2lv",
+            "bhgHIAEoDRIRCglzb3VyY2VfaWQYCCABKAkSFwoPc291cmNlX3NlcXVlbmNl",
+            "GAkgASgEEhcKD2FscGhhX2luY3JlbWVudBgKIAEoARIWCg5iZXRhX2luY3Jl",
+            "bWVudBgLIAEoARIUCgx3aW5kb3dfY291bnQYDCABKAQSFgoOYmFpbF9vdXRf",
+            "Y291bnQYDSABKAQSDQoFYnVpbGQYDiABKAkSGAoQdW5peF9sYXN0X3NlZW5f",
+            "cxgPIAEoAxITCgtpc19pbXBvcnRlZBgQIAEoCBIWCg5pc19xdWFyYW50aW5l",
+            "ZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAEy+gIKDVByaW9yc1NlcnZpY2USWQoM",
+            "RXhwb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXF1",
+            "ZXN0GiMuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXNwb25zZTABElkK",
+            "DEltcG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVx",
+            "dWVzdBojLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVzcG9uc2UoARJX",
+            "CgxSZXZva2VQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1Jl",
+            "cXVlc3QaIy5zd2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1Jlc3BvbnNlEloK",
+            "DVByb21vdGVQcmlvcnMSIy5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNS",
+            "ZXF1ZXN0GiQuc3dlZXBzdGFrZS52MS5Qcm9tb3RlUHJpb3JzUmVzcG9uc2VC",
+            "GaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsRequest), global::Sweepstake.Protocol.V1.ExportPriorsRequest.Parser, new[]{ "Project", "Scene", "QuarantinedOnly" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsRequest), global::Sweepstake.Protocol.V1.ExportPriorsRequest.Parser, new[]{ "Project", "Scene", "QuarantinedOnly", "WithWeights" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records", "FoldedRecordCount", "FoldedWindowCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records", "Promote" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
@@ -74,7 +75,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsRequest), global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsResponse), global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "SceneCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined" }, null, null, null, null)
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined", "Weight" }, null, null, null, null)
           }));
     }
     #endregion
@@ -122,6 +123,7 @@ namespace Sweepstake.Protocol.V1 {
       project_ = other.project_;
       scene_ = other.scene_;
       quarantinedOnly_ = other.quarantinedOnly_;
+      withWeights_ = other.withWeights_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -176,6 +178,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "with_weights" field.</summary>
+    public const int WithWeightsFieldNumber = 4;
+    private bool withWeights_;
+    /// <summary>
+    /// True: each record says its weight. Absent: none does.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool WithWeights {
+      get { return withWeights_; }
+      set {
+        withWeights_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -194,6 +211,7 @@ namespace Sweepstake.Protocol.V1 {
       if (Project != other.Project) return false;
       if (Scene != other.Scene) return false;
       if (QuarantinedOnly != other.QuarantinedOnly) return false;
+      if (WithWeights != other.WithWeights) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -204,6 +222,7 @@ namespace Sweepstake.Protocol.V1 {
       if (Project.Length != 0) hash ^= Project.GetHashCode();
       if (Scene.Length != 0) hash ^= Scene.GetHashCode();
       if (QuarantinedOnly != false) hash ^= QuarantinedOnly.GetHashCode();
+      if (WithWeights != false) hash ^= WithWeights.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -234,6 +253,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(24);
         output.WriteBool(QuarantinedOnly);
       }
+      if (WithWeights != false) {
+        output.WriteRawTag(32);
+        output.WriteBool(WithWeights);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -256,6 +279,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(24);
         output.WriteBool(QuarantinedOnly);
       }
+      if (WithWeights != false) {
+        output.WriteRawTag(32);
+        output.WriteBool(WithWeights);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -273,6 +300,9 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
       }
       if (QuarantinedOnly != false) {
+        size += 1 + 1;
+      }
+      if (WithWeights != false) {
         size += 1 + 1;
       }
       if (_unknownFields != null) {
@@ -295,6 +325,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.QuarantinedOnly != false) {
         QuarantinedOnly = other.QuarantinedOnly;
+      }
+      if (other.WithWeights != false) {
+        WithWeights = other.WithWeights;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -327,6 +360,10 @@ namespace Sweepstake.Protocol.V1 {
             QuarantinedOnly = input.ReadBool();
             break;
           }
+          case 32: {
+            WithWeights = input.ReadBool();
+            break;
+          }
         }
       }
     #endif
@@ -356,6 +393,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 24: {
             QuarantinedOnly = input.ReadBool();
+            break;
+          }
+          case 32: {
+            WithWeights = input.ReadBool();
             break;
           }
         }
@@ -2689,6 +2730,7 @@ namespace Sweepstake.Protocol.V1 {
       unixLastSeenS_ = other.unixLastSeenS_;
       isImported_ = other.isImported_;
       isQuarantined_ = other.isQuarantined_;
+      weight_ = other.weight_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2953,6 +2995,23 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "weight" field.</summary>
+    public const int WeightFieldNumber = 18;
+    private double weight_;
+    /// <summary>
+    /// In exports that ask for it: how much it counts in a new session of its scene and class of machines, which plays the build of the
+    /// source that was seen there last and has the newest version of the arm that is known there: for reward version 3, from 0 to 0.5, the
+    /// weight of its power prior, otherwise 1. Imports take no notice of it. Absent: 0, such a session does not look at it.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Weight {
+      get { return weight_; }
+      set {
+        weight_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2985,6 +3044,7 @@ namespace Sweepstake.Protocol.V1 {
       if (UnixLastSeenS != other.UnixLastSeenS) return false;
       if (IsImported != other.IsImported) return false;
       if (IsQuarantined != other.IsQuarantined) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Weight, other.Weight)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -3009,6 +3069,7 @@ namespace Sweepstake.Protocol.V1 {
       if (UnixLastSeenS != 0L) hash ^= UnixLastSeenS.GetHashCode();
       if (IsImported != false) hash ^= IsImported.GetHashCode();
       if (IsQuarantined != false) hash ^= IsQuarantined.GetHashCode();
+      if (Weight != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Weight);
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -3095,6 +3156,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(136, 1);
         output.WriteBool(IsQuarantined);
       }
+      if (Weight != 0D) {
+        output.WriteRawTag(145, 1);
+        output.WriteDouble(Weight);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3173,6 +3238,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(136, 1);
         output.WriteBool(IsQuarantined);
       }
+      if (Weight != 0D) {
+        output.WriteRawTag(145, 1);
+        output.WriteDouble(Weight);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -3233,6 +3302,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (IsQuarantined != false) {
         size += 2 + 1;
+      }
+      if (Weight != 0D) {
+        size += 2 + 8;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -3296,6 +3368,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.IsQuarantined != false) {
         IsQuarantined = other.IsQuarantined;
+      }
+      if (other.Weight != 0D) {
+        Weight = other.Weight;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -3384,6 +3459,10 @@ namespace Sweepstake.Protocol.V1 {
             IsQuarantined = input.ReadBool();
             break;
           }
+          case 145: {
+            Weight = input.ReadDouble();
+            break;
+          }
         }
       }
     #endif
@@ -3469,6 +3548,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 136: {
             IsQuarantined = input.ReadBool();
+            break;
+          }
+          case 145: {
+            Weight = input.ReadDouble();
             break;
           }
         }

@@ -49,6 +49,8 @@ const SOURCES: readonly Column<SourceSum>[] = [
     cell: ({ sourceId, isImported }) => (isImported ? <Name text={sourceId} /> : <a href={sourceHref(sourceId)}><Name text={sourceId} /></a>) },
   { id: 'origin', title: 'Origin', isText: true, hint: 'A session of this daemon, or the import of a file of priors', sort: originOf, cell: originOf },
   { id: 'build', title: 'Build', isText: true, sort: ({ build }) => build, cell: ({ build }) => <Name text={build} /> },
+  { id: 'weight', title: 'Weight', hint: 'How much it counts, at most, in a new session on its class of machines, of the build that was seen last in its scenes, with the newest backends. '
+    + '0: newer sources of every arm have taken its place. 1: where rewards do not tell costs, all sources are summed', sort: ({ weight }) => weight, cell: ({ weight }) => significant(weight) },
   ...TAUGHT,
   { id: 'revoke', title: 'Revoke', isText: true, cell: ({ project, sourceId }) => <RevokeButton scope={{ project, sourceId }} of={`source ${sourceId}`} /> },
 ];
