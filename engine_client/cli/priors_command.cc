@@ -143,27 +143,65 @@ std::string DoneText(const PriorsOptions& options, const std::string& done) {
   return options.yes ? " were " + done + "\n" : " would be " + done + "; say --yes to do it\n";
 }
 
+// In which scenes another arm would lead.
+std::string LeadersText(const LeaderChanges& changes) {
+  if (changes.scene_count == 0) return "";
+  std::string text =
+      "another arm would be the leader of " + std::to_string(changes.scene_count) + " scenes:\n";
+  const auto named = [](const std::string& arm) { return arm.empty() ? "none" : arm; };
+  for (const LeaderChange& change : changes.scenes) {
+    text += "  " + change.project + " / " + change.scene;
+    if (!change.machine_class.empty()) text += " on " + change.machine_class;
+    text += ", reward version " + std::to_string(change.reward_version) + ": " +
+            named(change.next_arm) + " in place of " + named(change.arm) + "\n";
+  }
+  if (changes.scene_count > changes.scenes.size()) text += "  and others\n";
+  return text;
+}
+
+Json LeadersJson(const LeaderChanges& changes) {
+  Json scenes = Json::array();
+  for (const LeaderChange& change : changes.scenes) {
+    scenes.push_back({{"project", change.project},
+                      {"scene", change.scene},
+                      {"machine_class", change.machine_class},
+                      {"reward_version", change.reward_version},
+                      {"arm", change.arm},
+                      {"next_arm", change.next_arm}});
+  }
+  return {{"count", changes.scene_count}, {"scenes", scenes}};
+}
+
 int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
   const auto result = RevokePriors(options.daemon, options.sources, /*preview=*/!options.yes);
   if (!result.ok()) return FailAnswer(terminal, result.status());
-  const Json document = {{"command", "priors revoke"},
-                         {"revoked", options.yes},
-                         {"sources", result->source_count},
-                         {"records", result->record_count},
-                         {"windows", result->window_count}};
-  PrintResult(terminal, options.json, document, CountsText(*result) + DoneText(options, "revoked"));
+  const Json document = {
+      {"command", "priors revoke"},
+      {"revoked", options.yes},
+      {"sources", result->source_count},
+      {"records", result->record_count},
+      {"windows", result->window_count},
+      {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
+  PrintResult(
+      terminal, options.json, document,
+      CountsText(*result) + DoneText(options, "revoked") + LeadersText(result->leader_changes));
   return kDone;
 }
 
 int RunPromote(const PriorsOptions& options, Terminal& terminal) {
   const auto result = PromotePriors(options.daemon, options.sources, /*preview=*/!options.yes);
   if (!result.ok()) return FailAnswer(terminal, result.status());
-  const Json document = {{"command", "priors promote"},     {"promoted", options.yes},
-                         {"sources", result->source_count}, {"records", result->record_count},
-                         {"windows", result->window_count}, {"scenes", result->scene_count}};
+  const Json document = {
+      {"command", "priors promote"},
+      {"promoted", options.yes},
+      {"sources", result->source_count},
+      {"records", result->record_count},
+      {"windows", result->window_count},
+      {"scenes", result->scene_count},
+      {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
   PrintResult(terminal, options.json, document,
               CountsText(*result) + " for " + std::to_string(result->scene_count) + " scenes" +
-                  DoneText(options, "promoted"));
+                  DoneText(options, "promoted") + LeadersText(result->leader_changes));
   return kDone;
 }
 

@@ -16,6 +16,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -271,6 +272,28 @@ struct PromoteResult {
   friend bool operator==(const PromoteResult&, const PromoteResult&) = default;
 };
 
+class PriorReader;
+
+// Whether a change of the evidence is only shown: then nothing changes, and who wants to reads the
+// store as it would be. It converts from the answer to that.
+class Preview {
+ public:
+  using Look = std::function<void(PriorReader&)>;
+
+  Preview(bool is_preview) : is_preview_(is_preview) {}  // NOLINT(google-explicit-constructor)
+  // Where the store begins anew, because others were in the way, `look` runs again.
+  explicit Preview(Look look) : is_preview_(true), look_(std::move(look)) {}
+
+  explicit operator bool() const { return is_preview_; }
+  void Show(PriorReader& store) const {
+    if (look_) look_(store);
+  }
+
+ private:
+  bool is_preview_;
+  Look look_;
+};
+
 // What a store has. Evidence in quarantine is in ExportQuarantined alone. Errors: UNAVAILABLE (the
 // disk cannot read, or the file is locked), DATA_LOSS (what was asked for is damaged).
 class PriorReader {
@@ -372,14 +395,16 @@ class PriorStore : public PriorReader {
 
   // Takes the sources' records out of the quarantine, into what counts: then the store is as if
   // Import had had them. With `preview` nothing changes.
-  virtual absl::StatusOr<PromoteResult> Promote(const SourceFilter& filter, bool preview) = 0;
+  virtual absl::StatusOr<PromoteResult> Promote(const SourceFilter& filter,
+                                                const Preview& preview) = 0;
 
   // Removes exactly the evidence of the sources, in quarantine and out of it, and bars them from
   // later commits and imports; an unknown id is barred, too, unless a project is named. What was
   // folded of their evidence stays, unless all sources of a build are meant. The log of
   // administrators is no source. With `preview` nothing changes. REQUIRES: an id, a build, a token
   // or a time.
-  virtual absl::StatusOr<RevokeResult> Revoke(const SourceFilter& filter, bool preview) = 0;
+  virtual absl::StatusOr<RevokeResult> Revoke(const SourceFilter& filter,
+                                              const Preview& preview) = 0;
 };
 
 // A PriorStore that runs on threads of its own, one that writes and one that reads. Thread-safe.

@@ -430,7 +430,8 @@ absl::StatusOr<priors::ImportResult> MemoryPriorStore::Quarantine(
 }
 
 absl::StatusOr<priors::PromoteResult> MemoryPriorStore::Promote(const priors::SourceFilter& filter,
-                                                                bool preview) {
+                                                                const priors::Preview& preview) {
+  if (preview) return Shown(preview, [&](auto& store) { return store.Promote(filter, false); });
   priors::PromoteResult result;
   std::set<std::string> sources;
   std::set<SceneKey> scenes;
@@ -442,7 +443,7 @@ absl::StatusOr<priors::PromoteResult> MemoryPriorStore::Promote(const priors::So
       scenes.insert(SceneOf(key));
       ++result.record_count;
       result.window_count += entry.evidence.window_count;
-      if (!preview) Take(key, source_id, entry);
+      Take(key, source_id, entry);
     }
   }
   result.source_count = sources.size();
@@ -470,7 +471,8 @@ bool MemoryPriorStore::Matches(const std::string& source_id,
 }
 
 absl::StatusOr<priors::RevokeResult> MemoryPriorStore::Revoke(const priors::SourceFilter& filter,
-                                                              bool preview) {
+                                                              const priors::Preview& preview) {
+  if (preview) return Shown(preview, [&](auto& store) { return store.Revoke(filter, false); });
   std::set<std::string> matching;
   for (const auto& [id, source] : sources_) {
     if (!source.revoked && Matches(id, filter)) matching.insert(id);
@@ -483,12 +485,11 @@ absl::StatusOr<priors::RevokeResult> MemoryPriorStore::Revoke(const priors::Sour
         if (!is_meant || !matching.contains(entry.first)) return false;
         ++result.record_count;
         result.window_count += entry.second.evidence.window_count;
-        return !preview;
+        return true;
       });
       entries = entries->second.empty() ? all->erase(entries) : std::next(entries);
     }
   }
-  if (preview) return result;
   for (const std::string& id : matching) FindSource(id).revoked = true;
   if (BarsUnknown(filter)) FindSource(filter.id).revoked = true;
   return result;

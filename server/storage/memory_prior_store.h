@@ -80,9 +80,9 @@ class MemoryPriorStore : public priors::PriorStore {
   absl::StatusOr<priors::ImportResult> Quarantine(std::span<const priors::PriorRecord> records,
                                                   uint64_t max_records) override;
   absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
-                                                bool preview) override;
+                                                const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
-                                              bool preview) override;
+                                              const priors::Preview& preview) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;
@@ -107,6 +107,14 @@ class MemoryPriorStore : public priors::PriorStore {
   using EntriesBySource = std::map<std::string, Entry>;
   using EntriesByKey = std::map<priors::EvidenceKey, EntriesBySource>;
 
+  // Returns the result of the change of a copy, which the preview is shown.
+  template <typename Change>
+  auto Shown(const priors::Preview& preview, Change change) const {
+    MemoryPriorStore copy = *this;
+    auto result = change(copy);
+    if (result.ok()) preview.Show(copy);
+    return result;
+  }
   // Adds the source if there is none.
   Source& FindSource(const std::string& id);
   // Returns whether the update is one of a session and newer than what is stored of it.

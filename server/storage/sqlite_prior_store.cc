@@ -72,9 +72,9 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::StatusOr<priors::ImportResult> Quarantine(std::span<const PriorRecord> records,
                                                   uint64_t max_records) override;
   absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
-                                                bool preview) override;
+                                                const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
-                                              bool preview) override;
+                                              const priors::Preview& preview) override;
   absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s, uint32_t row_count);
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
@@ -110,6 +110,12 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status JoinScene(int64_t source, int64_t scene);
   absl::Status CountSource(int64_t scene);
   absl::StatusOr<priors::PromoteResult> PromoteAll(const priors::SourceFilter& filter);
+  // Shows a preview, and returns an error then, which undoes what the transaction has changed.
+  absl::Status KeepUnless(const priors::Preview& preview) {
+    if (!preview) return absl::OkStatus();
+    preview.Show(*reader_);
+    return absl::CancelledError("a preview");
+  }
   absl::StatusOr<StoredKey> FindOrAddKey(const EvidenceKey& key);
   SqliteDatabase database_;
   // Statements must be destroyed before the database, so they stand after it.
@@ -357,11 +363,11 @@ absl::StatusOr<priors::ImportResult> SqlitePriorStore::Quarantine(
 
 // A preview is a change that is not committed.
 absl::StatusOr<priors::PromoteResult> SqlitePriorStore::Promote(const priors::SourceFilter& filter,
-                                                                bool preview) {
+                                                                const priors::Preview& preview) {
   absl::StatusOr<priors::PromoteResult> result;
   absl::Status status = InTransaction([&] {
     result = PromoteAll(filter);
-    return result.ok() && preview ? absl::CancelledError("a preview") : result.status();
+    return result.ok() ? KeepUnless(preview) : result.status();
   });
   return status.ok() || (result.ok() && preview) ? result : status;
 }
@@ -390,12 +396,12 @@ absl::StatusOr<priors::PromoteResult> SqlitePriorStore::PromoteAll(
 }
 
 absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::SourceFilter& filter,
-                                                              bool preview) {
+                                                              const priors::Preview& preview) {
   scene_counts_.clear();  // fewer may have evidence then
   absl::StatusOr<priors::RevokeResult> result;
   absl::Status status = InTransaction([&] {
     result = RevokeSources(statements_, filter);
-    return result.ok() && preview ? absl::CancelledError("a preview") : result.status();
+    return result.ok() ? KeepUnless(preview) : result.status();
   });
   return status.ok() || (result.ok() && preview) ? result : status;
 }

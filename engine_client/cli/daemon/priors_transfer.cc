@@ -44,6 +44,19 @@ v1::SourceFilter FilterOf(const SourceChoice& sources) {
   return filter;
 }
 
+LeaderChanges LeadersOf(const v1::LeaderChanges& message) {
+  LeaderChanges changes{.scenes = {}, .scene_count = message.scene_count()};
+  for (const v1::LeaderChange& change : message.scenes()) {
+    changes.scenes.push_back({.project = change.project(),
+                              .scene = change.scene(),
+                              .machine_class = change.machine_class(),
+                              .reward_version = change.reward_version(),
+                              .arm = change.arm(),
+                              .next_arm = change.next_arm()});
+  }
+  return changes;
+}
+
 }  // namespace
 
 Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string& project,
@@ -113,7 +126,8 @@ Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoic
   if (!status.ok()) return status;
   return RevokeResult{.source_count = response.source_count(),
                       .record_count = response.record_count(),
-                      .window_count = response.window_count()};
+                      .window_count = response.window_count(),
+                      .leader_changes = LeadersOf(response.leader_changes())};
 }
 
 Result<PromoteResult> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
@@ -132,7 +146,8 @@ Result<PromoteResult> PromotePriors(const DaemonOptions& daemon, const SourceCho
   return PromoteResult{.source_count = response.source_count(),
                        .record_count = response.record_count(),
                        .window_count = response.window_count(),
-                       .scene_count = response.scene_count()};
+                       .scene_count = response.scene_count(),
+                       .leader_changes = LeadersOf(response.leader_changes())};
 }
 
 }  // namespace sweepstake::cli

@@ -48,10 +48,27 @@ struct SourceChoice {
   int64_t unix_until_s = 0;
 };
 
+// A scene in which another arm would be the one that is believed to cost least; empty: none.
+struct LeaderChange {
+  std::string project;
+  std::string scene;
+  std::string machine_class;
+  uint32_t reward_version = 0;
+  std::string arm;
+  std::string next_arm;
+};
+
+// Of a preview.
+struct LeaderChanges {
+  std::vector<LeaderChange> scenes;  // the first 20
+  uint64_t scene_count = 0;
+};
+
 struct RevokeResult {
   uint64_t source_count = 0;
   uint64_t record_count = 0;
   uint64_t window_count = 0;
+  LeaderChanges leader_changes = {};
 };
 
 struct PromoteResult {
@@ -59,6 +76,7 @@ struct PromoteResult {
   uint64_t record_count = 0;
   uint64_t window_count = 0;
   uint64_t scene_count = 0;
+  LeaderChanges leader_changes = {};
 };
 
 // Lets what waits of them count or, with `preview`, only says what that would be.

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/rpc/common/error_reasons.h"
+#include "server/rpc/common/leader_preview.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/common/source_weights.h"
@@ -331,22 +332,26 @@ grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContex
     const bool submitted =
         context_.store.Submit([this, request, response, end, filter = *std::move(filter),
                                who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
-          const auto result = store.Revoke(filter, request->preview());
+          LeaderPreview leaders(store, filter.project, request->preview());
+          const auto result = store.Revoke(filter, leaders.preview());
           // Behind what was read before of the store, as commits are.
-          context_.loop.PostLater([this, request, response, end, who, result] {
-            if (!result.ok()) return end(StoreFailed(result.status()));
-            response->set_source_count(result->source_count);
-            response->set_record_count(result->record_count);
-            response->set_window_count(result->window_count);
-            if (!request->preview()) {
-              OnChanged("revoke",
-                        absl::StrCat("sources=", result->source_count, " records=",
-                                     result->record_count, " ", Describe(request->sources())),
-                        who);
-              context_.watch_hub.Reset();
-            }
-            end(absl::OkStatus());
-          });
+          context_.loop.PostLater(
+              [this, request, response, end, who, result, changes = leaders.Changes()] {
+                if (!result.ok()) return end(StoreFailed(result.status()));
+                if (!changes.ok()) return end(StoreFailed(changes.status()));
+                if (request->preview()) *response->mutable_leader_changes() = *changes;
+                response->set_source_count(result->source_count);
+                response->set_record_count(result->record_count);
+                response->set_window_count(result->window_count);
+                if (!request->preview()) {
+                  OnChanged("revoke",
+                            absl::StrCat("sources=", result->source_count, " records=",
+                                         result->record_count, " ", Describe(request->sources())),
+                            who);
+                  context_.watch_hub.Reset();
+                }
+                end(absl::OkStatus());
+              });
         });
     if (!submitted)
       end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
@@ -366,22 +371,25 @@ grpc::ServerUnaryReactor* PriorsService::PromotePriors(grpc::CallbackServerConte
           SceneQuota quota(store, context_.options);
           if (const absl::Status allowed = CheckPromotion(store, filter, quota); !allowed.ok())
             return context_.loop.Post([end, allowed] { end(allowed); });
-          const auto result = store.Promote(filter, request->preview());
-          context_.loop.PostLater(
-              [this, request, response, end, who, result, new_scenes = quota.new_scenes()] {
-                if (!request->preview()) OnEvidence(context_, result.status(), new_scenes);
-                if (!result.ok()) return end(StoreFailed(result.status()));
-                response->set_source_count(result->source_count);
-                response->set_record_count(result->record_count);
-                response->set_window_count(result->window_count);
-                response->set_scene_count(result->scene_count);
-                if (!request->preview())
-                  OnChanged("promote",
-                            absl::StrCat("sources=", result->source_count, " records=",
-                                         result->record_count, " ", Describe(request->sources())),
-                            who);
-                end(absl::OkStatus());
-              });
+          LeaderPreview leaders(store, filter.project, request->preview());
+          const auto result = store.Promote(filter, leaders.preview());
+          context_.loop.PostLater([this, request, response, end, who, result,
+                                   changes = leaders.Changes(), new_scenes = quota.new_scenes()] {
+            if (!request->preview()) OnEvidence(context_, result.status(), new_scenes);
+            if (!result.ok()) return end(StoreFailed(result.status()));
+            if (!changes.ok()) return end(StoreFailed(changes.status()));
+            if (request->preview()) *response->mutable_leader_changes() = *changes;
+            response->set_source_count(result->source_count);
+            response->set_record_count(result->record_count);
+            response->set_window_count(result->window_count);
+            response->set_scene_count(result->scene_count);
+            if (!request->preview())
+              OnChanged("promote",
+                        absl::StrCat("sources=", result->source_count, " records=",
+                                     result->record_count, " ", Describe(request->sources())),
+                        who);
+            end(absl::OkStatus());
+          });
         });
     if (!submitted)
       end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));

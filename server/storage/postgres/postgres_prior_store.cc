@@ -115,9 +115,9 @@ class PostgresPriorStore final : public priors::PriorStore {
   absl::StatusOr<priors::ImportResult> Quarantine(std::span<const PriorRecord> records,
                                                   uint64_t max_records) override;
   absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
-                                                bool preview) override;
+                                                const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
-                                              bool preview) override;
+                                              const priors::Preview& preview) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -154,7 +154,7 @@ class PostgresPriorStore final : public priors::PriorStore {
   absl::StatusOr<priors::RevokeResult> RevokeAll(const priors::SourceFilter& filter);
   // Runs `change`, which returns a result, in a transaction that a preview does not commit.
   template <typename Result, typename Change>
-  absl::StatusOr<Result> ChangeUnless(bool preview, Change change);
+  absl::StatusOr<Result> ChangeUnless(const priors::Preview& preview, Change change);
 
   PostgresConnection connection_;
   PostgresReader reader_;
@@ -382,17 +382,20 @@ absl::StatusOr<priors::ImportResult> PostgresPriorStore::Quarantine(
 }
 
 template <typename Result, typename Change>
-absl::StatusOr<Result> PostgresPriorStore::ChangeUnless(bool preview, Change change) {
+absl::StatusOr<Result> PostgresPriorStore::ChangeUnless(const priors::Preview& preview,
+                                                        Change change) {
   absl::StatusOr<Result> result;
   absl::Status status = InTransaction([&] {
     result = change();
-    return result.ok() && preview ? absl::CancelledError("a preview") : result.status();
+    if (!result.ok() || !preview) return result.status();
+    preview.Show(reader_);
+    return absl::CancelledError("a preview");
   });
   return status.ok() || (result.ok() && absl::IsCancelled(status)) ? result : status;
 }
 
 absl::StatusOr<priors::PromoteResult> PostgresPriorStore::Promote(
-    const priors::SourceFilter& filter, bool preview) {
+    const priors::SourceFilter& filter, const priors::Preview& preview) {
   return ChangeUnless<priors::PromoteResult>(preview, [&] { return PromoteAll(filter); });
 }
 
@@ -416,7 +419,7 @@ absl::StatusOr<priors::PromoteResult> PostgresPriorStore::PromoteAll(
 }
 
 absl::StatusOr<priors::RevokeResult> PostgresPriorStore::Revoke(const priors::SourceFilter& filter,
-                                                                bool preview) {
+                                                                const priors::Preview& preview) {
   return ChangeUnless<priors::RevokeResult>(preview, [&] { return RevokeAll(filter); });
 }
 

@@ -64,11 +64,11 @@ class ForwardingStore : public priors::PriorStore {
     return store_->Quarantine(records, max_records);
   }
   absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
-                                                bool preview) override {
+                                                const priors::Preview& preview) override {
     return store_->Promote(filter, preview);
   }
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
-                                              bool preview) override {
+                                              const priors::Preview& preview) override {
     return store_->Revoke(filter, preview);
   }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,

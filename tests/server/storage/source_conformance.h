@@ -170,4 +170,25 @@ TEST_P(SourceConformance, WhereASourceComesFromGoesWithItsRecords) {
   EXPECT_TRUE(records[1].is_imported);
 }
 
+TEST_P(SourceConformance, APreviewIsShownTheStoreAsItWouldBeAndChangesNothing) {
+  const SceneKey scene{"game", "harbour", "desktop", 1};
+  ASSERT_TRUE(store_->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  PriorRecord waiting = Record("b", 1, Key("SAP"), 1);
+  ASSERT_TRUE(store_->Quarantine({&waiting, 1}, 10).ok());
+  std::vector<std::string> arms;
+  const priors::Preview preview([&](priors::PriorReader& store) {
+    arms.clear();
+    const auto shown = *store.LoadScene(scene);
+    if (!shown) return;
+    for (const auto& arm : shown->arms) arms.push_back(arm.name);
+  });
+  ASSERT_TRUE(store_->Promote({}, preview).ok());
+  EXPECT_EQ(arms, (std::vector<std::string>{"Grid", "SAP"}));
+  ASSERT_TRUE(store_->Revoke({.id = "a"}, preview).ok());
+  EXPECT_TRUE(arms.empty());
+  const auto after = *store_->LoadScene(scene);
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->arms.size(), 1u);
+}
+
 }  // namespace sweepstake::storage

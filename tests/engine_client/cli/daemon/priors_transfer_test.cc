@@ -212,6 +212,30 @@ TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {
   EXPECT_GT(daemon.priors.patience_s, 60);
 }
 
+TEST(PriorsCommand, APreviewNamesTheScenesThatWouldHaveAnotherLeader) {
+  FakeDaemonServices daemon;
+  v1::LeaderChanges& changes = *daemon.priors.revoke_response->mutable_leader_changes();
+  changes.set_scene_count(2);
+  v1::LeaderChange& change = *changes.add_scenes();
+  change.set_project("arcade");
+  change.set_scene("harbour");
+  change.set_machine_class("desktop");
+  change.set_reward_version(3);
+  change.set_next_arm("SAP");
+  *daemon.priors.promote_response->mutable_leader_changes() = changes;
+  for (const char* action : {"revoke --build 1.3", "promote"}) {
+    const std::string command = std::string("priors ") + action + " --daemon " + daemon.address();
+    EXPECT_THAT(RunCommand(command).out,
+                HasSubstr("another arm would be the leader of 2 scenes:\n"
+                          "  arcade / harbour on desktop, reward version 3: SAP in place of none\n"
+                          "  and others\n"));
+    const auto told = nlohmann::json::parse(RunCommand(command + " --json").out)["leader_changes"];
+    EXPECT_EQ(told["count"], 2);
+    EXPECT_EQ(told["scenes"][0]["scene"], "harbour");
+    EXPECT_EQ(told["scenes"][0]["next_arm"], "SAP");
+  }
+}
+
 TEST(PriorsCommand, AListHasWhatWaitsInQuarantineApart) {
   FakeDaemonServices daemon;
   daemon.posteriors.pages->resize(1);

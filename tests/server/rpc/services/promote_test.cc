@@ -110,6 +110,9 @@ TEST_F(PromoteTest, AnImportReachesNoSessionAndNoPosteriorUntilItIsPromoted) {
   EXPECT_EQ(promoted_.record_count(), 1u);
   EXPECT_EQ(promoted_.window_count(), 4u);
   EXPECT_EQ(promoted_.scene_count(), 1u);
+  ASSERT_EQ(promoted_.leader_changes().scenes_size(), 1);
+  EXPECT_EQ(promoted_.leader_changes().scenes(0).arm(), "") << "nothing is known now";
+  EXPECT_EQ(promoted_.leader_changes().scenes(0).next_arm(), OneArmHello().arms(0).name());
   EXPECT_TRUE(Stored().arms.empty()) << "a preview";
   ASSERT_TRUE(Eventually([&] { return AdminRows().size() == 1; })) << "of the import";
   EXPECT_THAT(AdminRows()[0], HasSubstr("action=import records=1 applied=1 promoted=no"));

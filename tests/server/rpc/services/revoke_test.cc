@@ -89,6 +89,50 @@ TEST_F(RevokeTest, ABuildGoesWithoutATraceAfterAPreviewThatChangesNothing) {
                     HasSubstr("operator=token all at ")));
 }
 
+TEST_F(RevokeTest, APreviewSaysWhichScenesWouldHaveAnotherLeader) {
+  const auto import = [this](const std::string& source, const std::string& arm, double alpha) {
+    v1::ImportPriorsRequest request;
+    request.set_promote(true);
+    for (int scene = 0; scene < 25; ++scene) {
+      v1::PriorRecord& record = *request.add_records();
+      record.set_project("game");
+      record.set_scene(std::to_string(100 + scene));
+      record.set_arm(arm);
+      record.set_backend_version(1);
+      record.set_reward_version(3);
+      record.set_source_id(source);
+      record.set_source_sequence(1);
+      record.set_alpha_increment(scene == 0 ? 10 : alpha);
+      record.set_beta_increment(10);
+      record.set_build(source);
+    }
+    grpc::ClientContext context;
+    context.AddMetadata("authorization", "Bearer all-token");
+    v1::ImportPriorsResponse response;
+    const auto writer = v1::PriorsService::NewStub(channel_)->ImportPriors(&context, &response);
+    writer->Write(request);
+    writer->WritesDone();
+    EXPECT_TRUE(writer->Finish().ok());
+  };
+  import("1.0", "Grid", 20);
+  import("1.1", "SAP", 30);
+  v1::RevokePriorsRequest request = OfBuild("1.1");
+  request.set_preview(true);
+  const v1::LeaderChanges changes = RevokedBy(request).leader_changes();
+  EXPECT_EQ(changes.scene_count(), 24u) << "the first scene's arms are equal: the first one leads";
+  ASSERT_EQ(changes.scenes_size(), 20);
+  EXPECT_EQ(changes.scenes(0).project(), "game");
+  EXPECT_EQ(changes.scenes(0).scene(), "101");
+  EXPECT_EQ(changes.scenes(0).reward_version(), 3u);
+  EXPECT_EQ(changes.scenes(0).arm(), "SAP");
+  EXPECT_EQ(changes.scenes(0).next_arm(), "Grid");
+  request.mutable_sources()->set_build("1.0");
+  EXPECT_EQ(RevokedBy(request).leader_changes().scenes(0).scene(), "100");
+  request.mutable_sources()->set_project("other");
+  EXPECT_EQ(RevokedBy(request).leader_changes().scene_count(), 0u);
+  EXPECT_FALSE(RevokedBy(OfBuild("1.1")).has_leader_changes()) << "no preview";
+}
+
 TEST_F(RevokeTest, ASessionThatIsRevokedPlaysOnAndTeachesNoMore) {
   TelemetryClient client(channel_, "all-token");
   v1::RevokePriorsRequest request;

@@ -36,33 +36,40 @@ namespace Sweepstake.Protocol.V1 {
             "EhcKD3VuY2hhbmdlZF9jb3VudBgCIAEoBCJ+CgxTb3VyY2VGaWx0ZXISDwoH",
             "cHJvamVjdBgBIAEoCRIRCglzb3VyY2VfaWQYAiABKAkSDQoFYnVpbGQYAyAB",
             "KAkSEAoIdG9rZW5faWQYBCABKAMSEwoLdW5peF9mcm9tX3MYBSABKAMSFAoM",
-            "dW5peF91bnRpbF9zGAYgASgDIlQKE1Jldm9rZVByaW9yc1JlcXVlc3QSLAoH",
-            "c291cmNlcxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNlRmlsdGVyEg8K",
-            "B3ByZXZpZXcYAiABKAgiWAoUUmV2b2tlUHJpb3JzUmVzcG9uc2USFAoMc291",
-            "cmNlX2NvdW50GAEgASgEEhQKDHJlY29yZF9jb3VudBgCIAEoBBIUCgx3aW5k",
-            "b3dfY291bnQYAyABKAQiVQoUUHJvbW90ZVByaW9yc1JlcXVlc3QSLAoHc291",
-            "cmNlcxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNlRmlsdGVyEg8KB3By",
-            "ZXZpZXcYAiABKAgibgoVUHJvbW90ZVByaW9yc1Jlc3BvbnNlEhQKDHNvdXJj",
-            "ZV9jb3VudBgBIAEoBBIUCgxyZWNvcmRfY291bnQYAiABKAQSFAoMd2luZG93",
-            "X2NvdW50GAMgASgEEhMKC3NjZW5lX2NvdW50GAQgASgEIogDCgtQcmlvclJl",
-            "Y29yZBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhMKC21lYXN1",
-            "cmVkX2J5GAMgASgJEgsKA2FybRgEIAEoCRIXCg9iYWNrZW5kX3ZlcnNpb24Y",
-            "BSABKA0SFQoNbWFjaGluZV9jbGFzcxgGIAEoCRIWCg5yZXdhcmRfdmVyc2lv",
-            "bhgHIAEoDRIRCglzb3VyY2VfaWQYCCABKAkSFwoPc291cmNlX3NlcXVlbmNl",
-            "GAkgASgEEhcKD2FscGhhX2luY3JlbWVudBgKIAEoARIWCg5iZXRhX2luY3Jl",
-            "bWVudBgLIAEoARIUCgx3aW5kb3dfY291bnQYDCABKAQSFgoOYmFpbF9vdXRf",
-            "Y291bnQYDSABKAQSDQoFYnVpbGQYDiABKAkSGAoQdW5peF9sYXN0X3NlZW5f",
-            "cxgPIAEoAxITCgtpc19pbXBvcnRlZBgQIAEoCBIWCg5pc19xdWFyYW50aW5l",
-            "ZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAEy+gIKDVByaW9yc1NlcnZpY2USWQoM",
-            "RXhwb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXF1",
-            "ZXN0GiMuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXNwb25zZTABElkK",
-            "DEltcG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVx",
-            "dWVzdBojLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVzcG9uc2UoARJX",
-            "CgxSZXZva2VQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1Jl",
-            "cXVlc3QaIy5zd2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1Jlc3BvbnNlEloK",
-            "DVByb21vdGVQcmlvcnMSIy5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNS",
-            "ZXF1ZXN0GiQuc3dlZXBzdGFrZS52MS5Qcm9tb3RlUHJpb3JzUmVzcG9uc2VC",
-            "GaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
+            "dW5peF91bnRpbF9zGAYgASgDInwKDExlYWRlckNoYW5nZRIPCgdwcm9qZWN0",
+            "GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkS",
+            "FgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SCwoDYXJtGAUgASgJEhAKCG5leHRf",
+            "YXJtGAYgASgJIlEKDUxlYWRlckNoYW5nZXMSKwoGc2NlbmVzGAEgAygLMhsu",
+            "c3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2USEwoLc2NlbmVfY291bnQYAiAB",
+            "KAQiVAoTUmV2b2tlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsu",
+            "c3dlZXBzdGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCKO",
+            "AQoUUmV2b2tlUHJpb3JzUmVzcG9uc2USFAoMc291cmNlX2NvdW50GAEgASgE",
+            "EhQKDHJlY29yZF9jb3VudBgCIAEoBBIUCgx3aW5kb3dfY291bnQYAyABKAQS",
+            "NAoObGVhZGVyX2NoYW5nZXMYBCABKAsyHC5zd2VlcHN0YWtlLnYxLkxlYWRl",
+            "ckNoYW5nZXMiVQoUUHJvbW90ZVByaW9yc1JlcXVlc3QSLAoHc291cmNlcxgB",
+            "IAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNlRmlsdGVyEg8KB3ByZXZpZXcY",
+            "AiABKAgipAEKFVByb21vdGVQcmlvcnNSZXNwb25zZRIUCgxzb3VyY2VfY291",
+            "bnQYASABKAQSFAoMcmVjb3JkX2NvdW50GAIgASgEEhQKDHdpbmRvd19jb3Vu",
+            "dBgDIAEoBBITCgtzY2VuZV9jb3VudBgEIAEoBBI0Cg5sZWFkZXJfY2hhbmdl",
+            "cxgFIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVhZGVyQ2hhbmdlcyKIAwoLUHJp",
+            "b3JSZWNvcmQSDwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRITCgtt",
+            "ZWFzdXJlZF9ieRgDIAEoCRILCgNhcm0YBCABKAkSFwoPYmFja2VuZF92ZXJz",
+            "aW9uGAUgASgNEhUKDW1hY2hpbmVfY2xhc3MYBiABKAkSFgoOcmV3YXJkX3Zl",
+            "cnNpb24YByABKA0SEQoJc291cmNlX2lkGAggASgJEhcKD3NvdXJjZV9zZXF1",
+            "ZW5jZRgJIAEoBBIXCg9hbHBoYV9pbmNyZW1lbnQYCiABKAESFgoOYmV0YV9p",
+            "bmNyZW1lbnQYCyABKAESFAoMd2luZG93X2NvdW50GAwgASgEEhYKDmJhaWxf",
+            "b3V0X2NvdW50GA0gASgEEg0KBWJ1aWxkGA4gASgJEhgKEHVuaXhfbGFzdF9z",
+            "ZWVuX3MYDyABKAMSEwoLaXNfaW1wb3J0ZWQYECABKAgSFgoOaXNfcXVhcmFu",
+            "dGluZWQYESABKAgSDgoGd2VpZ2h0GBIgASgBMvoCCg1QcmlvcnNTZXJ2aWNl",
+            "ElkKDEV4cG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3Jz",
+            "UmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVzcG9uc2Uw",
+            "ARJZCgxJbXBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9y",
+            "c1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1Jlc3BvbnNl",
+            "KAESVwoMUmV2b2tlUHJpb3JzEiIuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlv",
+            "cnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXNwb25z",
+            "ZRJaCg1Qcm9tb3RlUHJpb3JzEiMuc3dlZXBzdGFrZS52MS5Qcm9tb3RlUHJp",
+            "b3JzUmVxdWVzdBokLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1Jlc3Bv",
+            "bnNlQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
@@ -71,10 +78,12 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records", "Promote" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SourceFilter), global::Sweepstake.Protocol.V1.SourceFilter.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LeaderChange), global::Sweepstake.Protocol.V1.LeaderChange.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arm", "NextArm" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LeaderChanges), global::Sweepstake.Protocol.V1.LeaderChanges.Parser, new[]{ "Scenes", "SceneCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsRequest), global::Sweepstake.Protocol.V1.RevokePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "LeaderChanges" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsRequest), global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsResponse), global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "SceneCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsResponse), global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "SceneCount", "LeaderChanges" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined", "Weight" }, null, null, null, null)
           }));
     }
@@ -1562,6 +1571,643 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
+  /// A scene in which a change makes another arm the one that is believed to cost least.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class LeaderChange : pb::IMessage<LeaderChange>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<LeaderChange> _parser = new pb::MessageParser<LeaderChange>(() => new LeaderChange());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<LeaderChange> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[5]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public LeaderChange() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public LeaderChange(LeaderChange other) : this() {
+      project_ = other.project_;
+      scene_ = other.scene_;
+      machineClass_ = other.machineClass_;
+      rewardVersion_ = other.rewardVersion_;
+      arm_ = other.arm_;
+      nextArm_ = other.nextArm_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public LeaderChange Clone() {
+      return new LeaderChange(this);
+    }
+
+    /// <summary>Field number for the "project" field.</summary>
+    public const int ProjectFieldNumber = 1;
+    private string project_ = "";
+    /// <summary>
+    /// The project. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Project {
+      get { return project_; }
+      set {
+        project_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "scene" field.</summary>
+    public const int SceneFieldNumber = 2;
+    private string scene_ = "";
+    /// <summary>
+    /// The scene. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Scene {
+      get { return scene_; }
+      set {
+        scene_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "machine_class" field.</summary>
+    public const int MachineClassFieldNumber = 3;
+    private string machineClass_ = "";
+    /// <summary>
+    /// Class of machine. Absent: the unknown class.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string MachineClass {
+      get { return machineClass_; }
+      set {
+        machineClass_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "reward_version" field.</summary>
+    public const int RewardVersionFieldNumber = 4;
+    private uint rewardVersion_;
+    /// <summary>
+    /// Version of the reward. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint RewardVersion {
+      get { return rewardVersion_; }
+      set {
+        rewardVersion_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "arm" field.</summary>
+    public const int ArmFieldNumber = 5;
+    private string arm_ = "";
+    /// <summary>
+    /// The arm that is it now: of the arms with evidence, in their newest versions, that with the best mean. Absent: nothing is known.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Arm {
+      get { return arm_; }
+      set {
+        arm_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "next_arm" field.</summary>
+    public const int NextArmFieldNumber = 6;
+    private string nextArm_ = "";
+    /// <summary>
+    /// The arm that would be. Absent: nothing would be known.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string NextArm {
+      get { return nextArm_; }
+      set {
+        nextArm_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as LeaderChange);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(LeaderChange other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (Project != other.Project) return false;
+      if (Scene != other.Scene) return false;
+      if (MachineClass != other.MachineClass) return false;
+      if (RewardVersion != other.RewardVersion) return false;
+      if (Arm != other.Arm) return false;
+      if (NextArm != other.NextArm) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (Project.Length != 0) hash ^= Project.GetHashCode();
+      if (Scene.Length != 0) hash ^= Scene.GetHashCode();
+      if (MachineClass.Length != 0) hash ^= MachineClass.GetHashCode();
+      if (RewardVersion != 0) hash ^= RewardVersion.GetHashCode();
+      if (Arm.Length != 0) hash ^= Arm.GetHashCode();
+      if (NextArm.Length != 0) hash ^= NextArm.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (Project.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Project);
+      }
+      if (Scene.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(Scene);
+      }
+      if (MachineClass.Length != 0) {
+        output.WriteRawTag(26);
+        output.WriteString(MachineClass);
+      }
+      if (RewardVersion != 0) {
+        output.WriteRawTag(32);
+        output.WriteUInt32(RewardVersion);
+      }
+      if (Arm.Length != 0) {
+        output.WriteRawTag(42);
+        output.WriteString(Arm);
+      }
+      if (NextArm.Length != 0) {
+        output.WriteRawTag(50);
+        output.WriteString(NextArm);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (Project.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Project);
+      }
+      if (Scene.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(Scene);
+      }
+      if (MachineClass.Length != 0) {
+        output.WriteRawTag(26);
+        output.WriteString(MachineClass);
+      }
+      if (RewardVersion != 0) {
+        output.WriteRawTag(32);
+        output.WriteUInt32(RewardVersion);
+      }
+      if (Arm.Length != 0) {
+        output.WriteRawTag(42);
+        output.WriteString(Arm);
+      }
+      if (NextArm.Length != 0) {
+        output.WriteRawTag(50);
+        output.WriteString(NextArm);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (Project.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Project);
+      }
+      if (Scene.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
+      }
+      if (MachineClass.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(MachineClass);
+      }
+      if (RewardVersion != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(RewardVersion);
+      }
+      if (Arm.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Arm);
+      }
+      if (NextArm.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(NextArm);
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(LeaderChange other) {
+      if (other == null) {
+        return;
+      }
+      if (other.Project.Length != 0) {
+        Project = other.Project;
+      }
+      if (other.Scene.Length != 0) {
+        Scene = other.Scene;
+      }
+      if (other.MachineClass.Length != 0) {
+        MachineClass = other.MachineClass;
+      }
+      if (other.RewardVersion != 0) {
+        RewardVersion = other.RewardVersion;
+      }
+      if (other.Arm.Length != 0) {
+        Arm = other.Arm;
+      }
+      if (other.NextArm.Length != 0) {
+        NextArm = other.NextArm;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            Project = input.ReadString();
+            break;
+          }
+          case 18: {
+            Scene = input.ReadString();
+            break;
+          }
+          case 26: {
+            MachineClass = input.ReadString();
+            break;
+          }
+          case 32: {
+            RewardVersion = input.ReadUInt32();
+            break;
+          }
+          case 42: {
+            Arm = input.ReadString();
+            break;
+          }
+          case 50: {
+            NextArm = input.ReadString();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            Project = input.ReadString();
+            break;
+          }
+          case 18: {
+            Scene = input.ReadString();
+            break;
+          }
+          case 26: {
+            MachineClass = input.ReadString();
+            break;
+          }
+          case 32: {
+            RewardVersion = input.ReadUInt32();
+            break;
+          }
+          case 42: {
+            Arm = input.ReadString();
+            break;
+          }
+          case 50: {
+            NextArm = input.ReadString();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// What a change does to leaders.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class LeaderChanges : pb::IMessage<LeaderChanges>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<LeaderChanges> _parser = new pb::MessageParser<LeaderChanges>(() => new LeaderChanges());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<LeaderChanges> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[6]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public LeaderChanges() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public LeaderChanges(LeaderChanges other) : this() {
+      scenes_ = other.scenes_.Clone();
+      sceneCount_ = other.sceneCount_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public LeaderChanges Clone() {
+      return new LeaderChanges(this);
+    }
+
+    /// <summary>Field number for the "scenes" field.</summary>
+    public const int ScenesFieldNumber = 1;
+    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.LeaderChange> _repeated_scenes_codec
+        = pb::FieldCodec.ForMessage(10, global::Sweepstake.Protocol.V1.LeaderChange.Parser);
+    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.LeaderChange> scenes_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.LeaderChange>();
+    /// <summary>
+    /// The first 20 scenes with another leader, by project and scene. Absent: none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.LeaderChange> Scenes {
+      get { return scenes_; }
+    }
+
+    /// <summary>Field number for the "scene_count" field.</summary>
+    public const int SceneCountFieldNumber = 2;
+    private ulong sceneCount_;
+    /// <summary>
+    /// How many there are among the 10,000 first scenes that were compared. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong SceneCount {
+      get { return sceneCount_; }
+      set {
+        sceneCount_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as LeaderChanges);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(LeaderChanges other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if(!scenes_.Equals(other.scenes_)) return false;
+      if (SceneCount != other.SceneCount) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      hash ^= scenes_.GetHashCode();
+      if (SceneCount != 0UL) hash ^= SceneCount.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      scenes_.WriteTo(output, _repeated_scenes_codec);
+      if (SceneCount != 0UL) {
+        output.WriteRawTag(16);
+        output.WriteUInt64(SceneCount);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      scenes_.WriteTo(ref output, _repeated_scenes_codec);
+      if (SceneCount != 0UL) {
+        output.WriteRawTag(16);
+        output.WriteUInt64(SceneCount);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      size += scenes_.CalculateSize(_repeated_scenes_codec);
+      if (SceneCount != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(SceneCount);
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(LeaderChanges other) {
+      if (other == null) {
+        return;
+      }
+      scenes_.Add(other.scenes_);
+      if (other.SceneCount != 0UL) {
+        SceneCount = other.SceneCount;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            scenes_.AddEntriesFrom(input, _repeated_scenes_codec);
+            break;
+          }
+          case 16: {
+            SceneCount = input.ReadUInt64();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            scenes_.AddEntriesFrom(ref input, _repeated_scenes_codec);
+            break;
+          }
+          case 16: {
+            SceneCount = input.ReadUInt64();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
   /// What to revoke.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
@@ -1579,7 +2225,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[5]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[7]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -1832,7 +2478,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[6]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[8]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -1855,6 +2501,7 @@ namespace Sweepstake.Protocol.V1 {
       sourceCount_ = other.sourceCount_;
       recordCount_ = other.recordCount_;
       windowCount_ = other.windowCount_;
+      leaderChanges_ = other.leaderChanges_ != null ? other.leaderChanges_.Clone() : null;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1909,6 +2556,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "leader_changes" field.</summary>
+    public const int LeaderChangesFieldNumber = 4;
+    private global::Sweepstake.Protocol.V1.LeaderChanges leaderChanges_;
+    /// <summary>
+    /// What that would do to leaders. Absent: it is no preview.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.LeaderChanges LeaderChanges {
+      get { return leaderChanges_; }
+      set {
+        leaderChanges_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1927,6 +2589,7 @@ namespace Sweepstake.Protocol.V1 {
       if (SourceCount != other.SourceCount) return false;
       if (RecordCount != other.RecordCount) return false;
       if (WindowCount != other.WindowCount) return false;
+      if (!object.Equals(LeaderChanges, other.LeaderChanges)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1937,6 +2600,7 @@ namespace Sweepstake.Protocol.V1 {
       if (SourceCount != 0UL) hash ^= SourceCount.GetHashCode();
       if (RecordCount != 0UL) hash ^= RecordCount.GetHashCode();
       if (WindowCount != 0UL) hash ^= WindowCount.GetHashCode();
+      if (leaderChanges_ != null) hash ^= LeaderChanges.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1967,6 +2631,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(24);
         output.WriteUInt64(WindowCount);
       }
+      if (leaderChanges_ != null) {
+        output.WriteRawTag(34);
+        output.WriteMessage(LeaderChanges);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1989,6 +2657,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(24);
         output.WriteUInt64(WindowCount);
       }
+      if (leaderChanges_ != null) {
+        output.WriteRawTag(34);
+        output.WriteMessage(LeaderChanges);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2007,6 +2679,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (WindowCount != 0UL) {
         size += 1 + pb::CodedOutputStream.ComputeUInt64Size(WindowCount);
+      }
+      if (leaderChanges_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(LeaderChanges);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2028,6 +2703,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.WindowCount != 0UL) {
         WindowCount = other.WindowCount;
+      }
+      if (other.leaderChanges_ != null) {
+        if (leaderChanges_ == null) {
+          LeaderChanges = new global::Sweepstake.Protocol.V1.LeaderChanges();
+        }
+        LeaderChanges.MergeFrom(other.LeaderChanges);
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2058,6 +2739,13 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 24: {
             WindowCount = input.ReadUInt64();
+            break;
+          }
+          case 34: {
+            if (leaderChanges_ == null) {
+              LeaderChanges = new global::Sweepstake.Protocol.V1.LeaderChanges();
+            }
+            input.ReadMessage(LeaderChanges);
             break;
           }
         }
@@ -2091,6 +2779,13 @@ namespace Sweepstake.Protocol.V1 {
             WindowCount = input.ReadUInt64();
             break;
           }
+          case 34: {
+            if (leaderChanges_ == null) {
+              LeaderChanges = new global::Sweepstake.Protocol.V1.LeaderChanges();
+            }
+            input.ReadMessage(LeaderChanges);
+            break;
+          }
         }
       }
     }
@@ -2116,7 +2811,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[7]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[9]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -2369,7 +3064,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[8]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[10]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -2393,6 +3088,7 @@ namespace Sweepstake.Protocol.V1 {
       recordCount_ = other.recordCount_;
       windowCount_ = other.windowCount_;
       sceneCount_ = other.sceneCount_;
+      leaderChanges_ = other.leaderChanges_ != null ? other.leaderChanges_.Clone() : null;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2462,6 +3158,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "leader_changes" field.</summary>
+    public const int LeaderChangesFieldNumber = 5;
+    private global::Sweepstake.Protocol.V1.LeaderChanges leaderChanges_;
+    /// <summary>
+    /// What that would do to leaders. Absent: it is no preview.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.LeaderChanges LeaderChanges {
+      get { return leaderChanges_; }
+      set {
+        leaderChanges_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2481,6 +3192,7 @@ namespace Sweepstake.Protocol.V1 {
       if (RecordCount != other.RecordCount) return false;
       if (WindowCount != other.WindowCount) return false;
       if (SceneCount != other.SceneCount) return false;
+      if (!object.Equals(LeaderChanges, other.LeaderChanges)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2492,6 +3204,7 @@ namespace Sweepstake.Protocol.V1 {
       if (RecordCount != 0UL) hash ^= RecordCount.GetHashCode();
       if (WindowCount != 0UL) hash ^= WindowCount.GetHashCode();
       if (SceneCount != 0UL) hash ^= SceneCount.GetHashCode();
+      if (leaderChanges_ != null) hash ^= LeaderChanges.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2526,6 +3239,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(32);
         output.WriteUInt64(SceneCount);
       }
+      if (leaderChanges_ != null) {
+        output.WriteRawTag(42);
+        output.WriteMessage(LeaderChanges);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2552,6 +3269,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(32);
         output.WriteUInt64(SceneCount);
       }
+      if (leaderChanges_ != null) {
+        output.WriteRawTag(42);
+        output.WriteMessage(LeaderChanges);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2573,6 +3294,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (SceneCount != 0UL) {
         size += 1 + pb::CodedOutputStream.ComputeUInt64Size(SceneCount);
+      }
+      if (leaderChanges_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(LeaderChanges);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2597,6 +3321,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.SceneCount != 0UL) {
         SceneCount = other.SceneCount;
+      }
+      if (other.leaderChanges_ != null) {
+        if (leaderChanges_ == null) {
+          LeaderChanges = new global::Sweepstake.Protocol.V1.LeaderChanges();
+        }
+        LeaderChanges.MergeFrom(other.LeaderChanges);
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2631,6 +3361,13 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 32: {
             SceneCount = input.ReadUInt64();
+            break;
+          }
+          case 42: {
+            if (leaderChanges_ == null) {
+              LeaderChanges = new global::Sweepstake.Protocol.V1.LeaderChanges();
+            }
+            input.ReadMessage(LeaderChanges);
             break;
           }
         }
@@ -2668,6 +3405,13 @@ namespace Sweepstake.Protocol.V1 {
             SceneCount = input.ReadUInt64();
             break;
           }
+          case 42: {
+            if (leaderChanges_ == null) {
+              LeaderChanges = new global::Sweepstake.Protocol.V1.LeaderChanges();
+            }
+            input.ReadMessage(LeaderChanges);
+            break;
+          }
         }
       }
     }
@@ -2693,7 +3437,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[9]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[11]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]

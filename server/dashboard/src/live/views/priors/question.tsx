@@ -1,9 +1,10 @@
 // Taking the evidence of sources out of the daemon, and letting imports that wait count: what that would change is shown first.
 import { signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
-import { PriorsService } from '../../../gen/sweepstake/v1/priors_pb';
+import { type LeaderChanges, PriorsService } from '../../../gen/sweepstake/v1/priors_pb';
 import { grouped } from '../../../format';
 import { timeText } from '../../parts/clock';
+import { Arm } from '../../parts/arm';
 import { Modal } from '../../parts/dialog';
 import { Name } from '../../parts/name';
 import { toast } from '../../parts/toast';
@@ -15,7 +16,7 @@ import { type ApiError, asApiError, call } from '../../transport/calls';
 export interface Scope { project?: string; sourceId?: string; build?: string; tokenId?: bigint; unixFromS?: bigint; unixUntilS?: bigint }
 
 type Action = 'promote' | 'revoke';
-interface Counts { sourceCount: bigint; recordCount: bigint; windowCount: bigint; sceneCount?: bigint }
+interface Counts { sourceCount: bigint; recordCount: bigint; windowCount: bigint; sceneCount?: bigint; leaderChanges?: LeaderChanges }
 
 const DEEDS = {
   revoke: { verb: 'Revoke', title: 'Revoke evidence?', done: 'Revoked', notDone: 'Not revoked', would: 'would go', what: 'what would go',
@@ -108,6 +109,27 @@ function PreviewWords({ action, preview }: { action: Action; preview: Preview | 
   return preview.counts!.sourceCount === 0n ? <>{none}</> : <b>{countsText(preview.counts!)} {would}.</b>;
 }
 
+// In which scenes another arm would be believed to cost least.
+function Leaders({ changes }: { changes: LeaderChanges | undefined }) {
+  if (!changes) return null;
+  const { scenes, sceneCount } = changes;
+  if (sceneCount === 0n) return <p>The same arm would lead in every scene.</p>;
+  const hidden = Number(sceneCount) - scenes.length;
+  return (
+    <>
+      <p>Another arm would lead in {many(sceneCount, 'scene')}:</p>
+      <ul>
+        {scenes.map(({ project, scene, machineClass, rewardVersion, arm, nextArm }) => (
+          <li key={[project, scene, machineClass, rewardVersion].join('\n')}>
+            <Name text={project} /> / <Name text={scene} />{machineClass && <> on <Name text={machineClass} /></>}: <Arm name={nextArm} /> in place of <Arm name={arm} />
+          </li>
+        ))}
+        {hidden > 0 && <li>and {grouped(hidden)} more</li>}
+      </ul>
+    </>
+  );
+}
+
 const secondsOf = (localTime: string) => (localTime ? BigInt(Math.floor(Date.parse(localTime) / 1000)) : undefined);
 
 // The scope that a form says; undefined fields are any.
@@ -170,6 +192,7 @@ function Dialog({ question: { action, scope: start, isOpen }, known, onClose, on
       {isOpen && <ScopeForm scope={start} known={known} onChange={() => setScope(undefined)} onAsk={setScope} />}
       {scope && <ScopeWords action={action} scope={scope} />}
       <p role="status">{scope && <PreviewWords action={action} preview={preview} />}</p>
+      {goes && <Leaders changes={preview.counts!.leaderChanges} />}
       <Consequences action={action} />
       <p class="buttons">
         <button type="button" autoFocus={!isOpen} onClick={onClose}>Cancel</button>
