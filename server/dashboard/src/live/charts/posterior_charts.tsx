@@ -115,7 +115,7 @@ export function BestChart({ arms, rows, names, moments, domain }: PosteriorChart
   );
 }
 
-export function LossChart({ rows, names, domain }: PosteriorChartsProps) {
+export function LossChart({ rows, names, moments, domain }: PosteriorChartsProps) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const lines = useMemo((): Line[] => [{
     label: 'loss', values: rows.map(({ expectedLossRatio }) => expectedLossRatio ?? null), colour: 'var(--accent)', stepped: true,
@@ -124,7 +124,7 @@ export function LossChart({ rows, names, domain }: PosteriorChartsProps) {
   return (
     <ChartFrame id="loss" title={title} names={names} note="Up to 0.5 % it does not matter which arm is chosen." empty={rows.length < 2 && NOT_YET}
       table={() => ({ header: ['time', 'expected loss'], rows: rows.map((row) => [isoTime(row.timeMs), row.expectedLossRatio ?? null]) })}>
-      <TimeChart title={title} timesMs={timesMs} lines={lines} scale="zero" levels={[{ value: TIE_LOSS_RATIO, label: 'does not matter' }]}
+      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(moments && { moments })} scale="zero" levels={[{ value: TIE_LOSS_RATIO, label: 'does not matter' }]}
         domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />
     </ChartFrame>
   );

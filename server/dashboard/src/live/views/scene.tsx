@@ -30,7 +30,7 @@ import { ArmTable } from './scene/arm_table';
 import { Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { Builds, buildStarts } from './scene/builds';
 import { MeasuredBy } from './scene/measured_by';
-import { armNames, type ArmRow, armRows, ridgeRows } from './scene/model';
+import { armNames, type ArmRow, armRows, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/model';
 import { verdictWord } from './words';
 
 function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdict }) {
@@ -91,14 +91,16 @@ function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] })
   const names = armNames(rows);
   const arms = useMemo(() => names, [names.join('\n')]);
   const series = useMemo(() => new PosteriorSeries(arms, rewardVersion), [arms, rewardVersion]);
-  const moments = useMemo(() => series.of(state.history), [series, state.history]);
+  const beliefs = useMemo(() => series.of(state.history), [series, state.history]);
   const never = rows.filter(({ measured, isOld }) => measured === 'never' && !isOld).map(({ arm }) => arm).join('\n');
   const assumed = useMemo(() => new Set(never.split('\n')), [never]);
   const builds = useBuilds(state.posterior);
-  const props = { arms, assumed, moments: builds, rows: moments, rewardVersion, names: [project, scene] };
+  const moments = useMemo(() => [...latestSwitches(state.decisions), ...builds], [state.decisions, builds]);
+  const props = { arms, assumed, moments, rows: beliefs, rewardVersion, names: [project, scene] };
   return (
     <>
       <TimeTools />
+      <p class="soft small">Dotted lines: a build of the game was first seen; or, in its colour, an arm was switched to (the latest {MAX_SWITCHES} switches of all sessions).</p>
       <BandsChart {...props} />
       <div class="beside"><BestChart {...props} /><LossChart {...props} /></div>
     </>

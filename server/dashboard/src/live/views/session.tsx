@@ -6,6 +6,7 @@ import { counted, grouped } from '../../format';
 import { armsOf, isSwitch, laneVisits, measuredOf, mergedSteps, type Step } from '../audit/steps';
 import { MAX_STEPS, type SessionLog, useSessionLog } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
+import type { Moment } from '../charts/plot';
 import { BandsChart, BestChart } from '../charts/posterior_charts';
 import { Ridgeline } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
@@ -96,25 +97,25 @@ function Lane({ steps }: { steps: readonly Step[] }) {
   return <Table caption="Visits of the shadow lane" columns={LANE_COLUMNS} rows={sums} keyOf={({ arm }) => arm} sort="median" sortParameter="lane" />;
 }
 
-interface ChartsProps { sessionId: string; steps: readonly Step[]; arms: readonly string[]; rewardVersion: number; domain: Range }
+interface ChartsProps { sessionId: string; steps: readonly Step[]; arms: readonly string[]; moments: readonly Moment[]; rewardVersion: number; domain: Range }
 
 function Timeline({ sessionId, steps, arms, domain }: ChartsProps) {
   const switchCount = steps.filter(isSwitch).length;
   return (
     <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'Nothing was decided yet.'}
-      note={`${counted(switchCount, 'switch', 'switches')} commanded. Point to a mark, or go through them with the arrow keys; Enter explains one.`}>
+      note={`${counted(switchCount, 'switch', 'switches')} commanded. Point to a mark, or go through them with the arrow keys; Enter explains one. Dotted lines in the charts below: another arm began.`}>
       <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openStep} />
     </ChartFrame>
   );
 }
 
-function Beliefs({ sessionId, steps, arms, rewardVersion, domain }: ChartsProps) {
+function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: ChartsProps) {
   const rows = useMemo(() => beliefRows(steps, arms.length), [steps, arms]);
   const ridges = useMemo(() => priorAndPosterior(steps, arms), [steps, arms]);
   const title = 'Prior and posterior of this session';
   const known = useMemo(() => rows.filter(({ beliefs }) => beliefs.some(Boolean)), [rows]);
   const assumed = useMemo(() => new Set(ridges.filter(({ measured }) => measured === 'never').map(({ arm }) => arm)), [ridges]);
-  const common = { arms, assumed, rewardVersion, names: [sessionId], domain };
+  const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain };
   const table = () => ({
     header: ['arm', 'measured', 'alpha', 'beta', 'prior alpha', 'prior beta'],
     rows: ridges.map(({ arm, measured, posterior, before }) => [arm, measured, posterior.alpha, posterior.beta, before?.alpha ?? 1, before?.beta ?? 1]),
@@ -131,9 +132,8 @@ function Beliefs({ sessionId, steps, arms, rewardVersion, domain }: ChartsProps)
   );
 }
 
-function Costs({ sessionId, steps, arms, domain }: ChartsProps) {
+function Costs({ sessionId, steps, moments, domain }: ChartsProps) {
   const columns = useMemo(() => costColumns(measuredOf(steps)), [steps]);
-  const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
   return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} />;
 }
 
@@ -182,8 +182,9 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
   const names = armsOf(steps);
   const arms = useMemo(() => names, [names.join('\n')]);
   const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
+  const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
   const chosen = chosenStep(steps);
-  const props = { sessionId, steps, arms, rewardVersion, domain };
+  const props = { sessionId, steps, arms, moments, rewardVersion, domain };
   return (
     <>
       <header class="title"><h1>Session <Name text={sessionId} /></h1><CopyLink /></header>

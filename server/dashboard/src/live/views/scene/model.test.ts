@@ -1,8 +1,9 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
-import { ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { colourOf } from '../../../palette';
 import type { SceneState } from '../../state/scenes';
-import { armNames, armRows, measuredBy, ridgeRows } from './model';
+import { armNames, armRows, latestSwitches, MAX_SWITCHES, measuredBy, ridgeRows } from './model';
 
 const posterior = create(ScenePosteriorSchema, {
   rewardVersion: 3,
@@ -39,4 +40,13 @@ describe('the rows of a scene', () => {
     expect(ridgeRows(rows, before).map(({ before: was }) => was?.alpha)).toEqual([undefined, 5, undefined]);
   });
   it('name each arm once', () => expect(armNames(rows)).toEqual(['A', 'B']));
+});
+
+it('The latest switches are marked in the colour of the arm that they led to, however many there were', () => {
+  const decisions = Array.from({ length: 3 * MAX_SWITCHES }, (_, i) => create(DecisionEventSchema, {
+    unixMs: BigInt(i), activeArm: 'Grid', candidateArm: 'SAP', outcome: i % 2 ? DecisionOutcome.SWITCHED : DecisionOutcome.HELD_GATE }));
+  const switches = latestSwitches(decisions);
+  expect(switches).toHaveLength(MAX_SWITCHES);
+  expect([switches[0], switches.at(-1)].map((each) => each!.timeMs)).toEqual([MAX_SWITCHES + 1, 3 * MAX_SWITCHES - 1]);
+  expect(new Set(switches.map(({ colour }) => colour))).toEqual(new Set([colourOf('SAP')]));
 });

@@ -1,5 +1,7 @@
 // What the view of a scene says of each arm, computed from what the daemon told.
-import type { ArmPosterior, ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { type ArmPosterior, type DecisionEvent, DecisionOutcome, type ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { colourOf } from '../../../palette';
+import type { Moment } from '../../charts/plot';
 import type { Measured, RidgeRow } from '../../charts/ridgeline';
 import type { Beta } from '../../numbers/beta';
 import { type ArmView, isNewest, verdictOf } from '../../numbers/verdict';
@@ -65,3 +67,11 @@ export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): Rid
 
 /** The scene's arms, each once, in the order of the daemon. */
 export const armNames = (rows: readonly ArmRow[]) => rows.filter(({ isOld }) => !isOld).map(({ arm }) => arm);
+
+/** Many games switch in a scene; more lines than these would hide what they mark. */
+export const MAX_SWITCHES = 40;
+
+/** Returns the latest switches that its sessions were told to make, as charts mark them, oldest first. */
+export const latestSwitches = (decisions: readonly DecisionEvent[]): Moment[] =>
+  decisions.filter(({ outcome }) => outcome === DecisionOutcome.SWITCHED).slice(-MAX_SWITCHES)
+    .map(({ unixMs, candidateArm }) => ({ timeMs: Number(unixMs), colour: colourOf(candidateArm) }));
