@@ -100,7 +100,8 @@ function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] })
   return (
     <>
       <TimeTools />
-      <p class="soft small">Dotted lines: a build of the game was first seen; or, in its colour, an arm was switched to (the latest {MAX_SWITCHES} switches of all sessions).</p>
+      <p class="soft small">Dotted lines: a build of the game was first seen; or, in its colour, an arm was switched to (the latest {MAX_SWITCHES} switches of all sessions). The
+        charts begin when the page was opened; those of a session begin with its log.</p>
       <BandsChart {...props} />
       <div class="beside"><BestChart {...props} /><LossChart {...props} /></div>
     </>
