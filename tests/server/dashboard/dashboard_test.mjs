@@ -204,12 +204,16 @@ const SIZES = { wide: { width: 1440, height: 900 }, narrow: { width: 390, height
 // What each view has once it shows something.
 const ROWS = 'main tbody tr[data-key]';
 const CURVE = 'main td.curve svg'; // figures of a rate need two readings
-const SHOWN = { overview: ROWS, scene: 'figure[data-chart=best] .u-over', session: 'figure[data-chart=frame-time] .u-over', decisions: ROWS, priors: ROWS, health: CURVE };
+const SHOWN = { overview: ROWS, scene: 'figure[data-chart=best] .u-over', scenes: '.beside > div:nth-child(2) figure[data-chart=beliefs] svg.picture',
+  session: 'figure[data-chart=frame-time] .u-over', why: 'section.why', decisions: ROWS, rows: ROWS, row: '.why', priors: ROWS, health: CURVE };
 
 async function viewsOf(daemon) {
   const { sessions = [] } = await daemon.call('SessionsService/ListSessions');
   const session = sessions[0]?.sessionId ?? 'none';
-  return { overview: '/', scene: '/scenes/arcade/late?class=test&reward=3', session: `/sessions/${session}`, decisions: '/decisions', priors: '/priors', health: '/health' };
+  const scene = '/scenes/arcade/late?class=test&reward=3';
+  return { overview: '/', scene, scenes: `${scene}&with=${encodeURIComponent('arcade\narena\ntest\n3')}`, session: `/sessions/${session}`,
+    why: `/sessions/${session}?decision=1`, decisions: '/decisions', rows: `/decisions?session=${session}`,
+    row: `/decisions?session=${session}&row=${session}.1.3`, priors: '/priors', health: '/health' };
 }
 
 async function checkViews(browser, daemon) {
@@ -218,6 +222,8 @@ async function checkViews(browser, daemon) {
     for (const [name, path] of Object.entries(await viewsOf(daemon))) {
       const page = await openPage(context, daemon.origin);
       await page.goto(`${daemon.origin}${path}`);
+      // Of a long log the page has only the newest decisions.
+      if (name === 'why') await page.getByRole('button', { name: 'Why this arm?' }).click();
       await page.locator(SHOWN[name]).first().waitFor();
       for (const theme of ['light', 'dark']) {
         await useTheme(page, theme);
