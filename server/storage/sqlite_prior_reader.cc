@@ -188,13 +188,22 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorReader::LoadSource
 }
 
 absl::Status SqlitePriorReader::LoadArms(int64_t scene_id, SceneEvidence& scene) {
-  return statements_.scene_arms.ForEachRow(
-      [&](const SqliteRow& row) {
-        SceneEvidence::Arm& arm = scene.ArmOf(row.Text(0), static_cast<uint32_t>(row.Integer(1)));
-        arm.of(row.Text(2)) += EvidenceOf(row, 3);
-        arm.last_seen_unix_s = std::max(arm.last_seen_unix_s, row.Unsigned(7));
-      },
-      scene_id, priors::kSourcesOfAge);
+  const auto arm_of = [&](const SqliteRow& row) -> SceneEvidence::Arm& {
+    return scene.ArmOf(row.Text(0), static_cast<uint32_t>(row.Integer(1)));
+  };
+  absl::Status status = statements_.scene_arms.ForEachRow(
+      [&](const SqliteRow& row) { arm_of(row).of(row.Text(2)) += EvidenceOf(row, 3); }, scene_id);
+  if (!status.ok()) return status;
+  // The sums can be read where the sources cannot; their times are unknown then.
+  statements_.scene_ages
+      .ForEachRow(
+          [&](const SqliteRow& row) {
+            SceneEvidence::Arm& arm = arm_of(row);
+            arm.last_seen_unix_s = std::max(arm.last_seen_unix_s, row.Unsigned(2));
+          },
+          scene_id, priors::kSourcesOfAge)
+      .IgnoreError();
+  return status;
 }
 
 absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorReader::List(

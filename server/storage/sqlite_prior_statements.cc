@@ -308,13 +308,16 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
           AND source_count > 0)sql"},
     {&PriorReadStatements::scene_arms, R"sql(
-        SELECT arm, backend_version, measured_by, alpha_sum, beta_sum, window_sum, bail_out_sum,
+        SELECT arm, backend_version, measured_by, alpha_sum, beta_sum, window_sum, bail_out_sum
+        FROM evidence_key WHERE scene_id = ?1 AND source_count > 0
+        ORDER BY arm, backend_version)sql"},
+    {&PriorReadStatements::scene_ages, R"sql(
+        SELECT arm, backend_version,
                (SELECT coalesce(max(last_seen_unix_s), 0)
                 FROM (SELECT source_id FROM evidence WHERE key_id = evidence_key.id
                       ORDER BY source_id DESC LIMIT ?2) e
                      CROSS JOIN source s ON s.id = e.source_id AND s.hash = s.content_hash)
-        FROM evidence_key WHERE scene_id = ?1 AND source_count > 0
-        ORDER BY arm, backend_version)sql"},
+        FROM evidence_key WHERE scene_id = ?1 AND source_count > 0)sql"},
     // The row value finds its place in the index, whatever comes before it.
     {&PriorReadStatements::next_key, R"sql(
         SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "server/web/api/methods.h"
-#include "server/web/query.h"
 #include "server/web/error_page.h"
 #include "server/web/health_page.h"
 #include "server/web/http_connection.h"
 #include "server/web/metrics_page.h"
+#include "server/web/query.h"
 #include "server/web/site.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "tests/fuzz/input.h"

@@ -8,7 +8,7 @@
 
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/record_limits.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "sweepstake/v1/priors.pb.h"

@@ -11,8 +11,8 @@
 #include "absl/strings/str_split.h"
 #include "server/net/peer_address.h"
 #include "server/web/api/line_answer.h"
-#include "server/web/query.h"
 #include "server/web/error_page.h"
+#include "server/web/query.h"
 
 namespace sweepstake::web {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "engine_client/telemetry/error_reason.h"
 #include "server/rpc/rpc_server.h"
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/store_thread.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/rpc/holding_store.h"

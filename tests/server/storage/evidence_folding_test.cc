@@ -14,7 +14,7 @@
 #include <set>
 
 #include "server/storage/backup/sqlite_backup.h"
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/store_thread.h"
 #include "tests/server/storage/evidence_samples.h"

@@ -1,7 +1,7 @@
 // Every store passes the conformance suite.
 #include <cstdlib>
 
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/audit_conformance.h"
 #include "tests/server/storage/forwarding_store.h"

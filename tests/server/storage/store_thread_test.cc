@@ -7,7 +7,7 @@
 
 #include <future>
 
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 
 namespace sweepstake::storage {

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "sweepstake/v1/posteriors.pb.h"
 
 namespace sweepstake::watch {

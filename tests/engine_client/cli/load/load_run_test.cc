@@ -14,7 +14,7 @@
 
 #include "engine_client/cli/daemon/sessions_transfer.h"
 #include "server/rpc/rpc_server.h"
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/store_thread.h"
 #include "tests/server/rpc/holding_store.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/decision/policy/log_cost.h"
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 
 namespace sweepstake::rpc {
 namespace {

@@ -5,7 +5,7 @@
 #include "engine_client/telemetry/error_reason.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/sessions/session_start.h"
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/server/storage/forwarding_store.h"

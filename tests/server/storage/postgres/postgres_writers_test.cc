@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/storage/memory_prior_store.h"
+#include "server/storage/memory/memory_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/server/storage/postgres/temporary_postgres_store.h"
 
