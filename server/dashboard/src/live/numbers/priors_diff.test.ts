@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { buildChanges, costRatios, LANE, pooled, type Taught } from './priors_diff';
+import { buildChanges, byWeight, costRatios, LANE, pooled, type Taught } from './priors_diff';
 
 type More = Partial<Taught['example']> & { bailOutCount?: number };
 const taught = (build: string, arm: string, alpha: number, beta: number, { bailOutCount = 0, ...more }: More = {}): Taught => ({
@@ -33,8 +33,14 @@ describe('changes from build to build', () => {
     const near = (value: unknown) => (typeof value === 'number' ? expect.closeTo(value, 8) : value);
     const changes = buildChanges(EVIDENCE, '1.1', '1.2').sort((a, b) => a.scene.localeCompare(b.scene));
     expect(changes.map(({ project, leaderChanged }) => [project, leaderChanged])).toEqual([['arcade', true], ['arcade', true]]);
-    expect(changes.map(({ scene, machineClass, arms }) => ({ scene, machineClass, arms: arms.map(({ arm, before, after }) => [arm, before, after]) })))
+    expect(changes.map(({ scene, machineClass, arms }) => ({ scene, machineClass, arms: arms.map(({ arm, before, after }) => [arm, before?.median, after?.median]) })))
       .toEqual(expected.map(({ arms, ...rest }) => ({ ...rest, arms: arms.map((arm) => arm.map(near)) })));
+  });
+  it('come first where another arm is the cheapest one, then where costs differ most', () => {
+    const ratio = (median: number) => ({ median, low: median, high: median });
+    const scene = (name: string, leaderChanged: boolean, after: number) =>
+      ({ project: 'arcade', scene: name, machineClass: '', leaderChanged, arms: [{ arm: 'SAP', before: ratio(1), after: ratio(after) }, { arm: 'Grid', after: ratio(9) }] });
+    expect([scene('a', false, 1.1), scene('b', false, 0.5), scene('c', true, 1), scene('d', false, 1.1)].sort(byWeight).map((each) => each.scene)).toEqual(['c', 'b', 'a', 'd']);
   });
   it('are none between a build and itself, or where nothing is known', () => {
     expect(buildChanges(EVIDENCE, '1.1', '1.1')).toEqual([]);
@@ -57,6 +63,10 @@ it('The cheapest arm costs 1, and an arm without evidence nothing that is known'
     ['SAP', { live: { alpha: 62, beta: 38 }, lane: nothing, bailOutCount: 0 }], ['Grid', { live: { alpha: 61, beta: 39 }, lane: nothing, bailOutCount: 0 }],
     ['DBVT', { live: nothing, lane: nothing, bailOutCount: 0 }]]));
   expect([...ratios.keys()]).toEqual(['SAP', 'Grid']);
-  expect(ratios.get('SAP')).toBe(1);
-  expect(ratios.get('Grid')).toBeCloseTo(Math.exp(0.01 * Math.log(5e9)), 12);
+  expect(ratios.get('SAP')).toEqual({ median: 1, low: 1, high: 1 });
+  const { median, low, high } = ratios.get('Grid')!;
+  expect(median).toBeCloseTo(Math.exp(0.01 * Math.log(5e9)), 12);
+  // Of two means of 100 rewards of Bernoulli's kind, times the range of the logarithm.
+  const deviation = Math.sqrt((0.62 * 0.38 + 0.61 * 0.39) / 101) * Math.log(5e9);
+  expect([Math.log(high / median), Math.log(median / low)].map((each) => each / deviation)).toEqual([expect.closeTo(1.96, 3), expect.closeTo(1.96, 3)]);
 });

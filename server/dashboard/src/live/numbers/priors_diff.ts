@@ -1,7 +1,7 @@
 // Where two builds of a game say something else of what arms cost, computed as `sweepstake priors diff` does (engine_client/cli/priors/):
 // from the evidence of each build alone, in the newest version of each arm, as costs relative to the scene's cheapest arm.
 import type { PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
-import { costNsOf, evidenceOf, LOG_COST_REWARD_VERSION } from './log_cost';
+import { costRatioOf, evidenceOf, LOG_COST_REWARD_VERSION, type Ratio } from './log_cost';
 
 /** What measures beside the frame thread, in visits; the frame thread has no name. */
 export const LANE = 'lane';
@@ -25,7 +25,7 @@ export interface Taught extends Sum {
 }
 
 /** An arm's cost ÷ the cheapest one's, in one build and in the other; absent where that knows nothing of it. */
-export interface ArmChange { readonly arm: string; readonly before?: number; readonly after?: number }
+export interface ArmChange { readonly arm: string; readonly before?: Ratio; readonly after?: Ratio }
 
 export interface SceneChange {
   readonly project: string;
@@ -60,15 +60,17 @@ export function pooled(arms: readonly ArmEvidence[]): Sum[] {
   });
 }
 
-type Ratios = ReadonlyMap<string, number>; // by arm
+type Ratios = ReadonlyMap<string, Ratio>; // by arm
 
-/** Returns the cost of each arm with evidence ÷ that of the cheapest one. REQUIRES: rewards of version 3. */
+const CHEAPEST: Ratio = { median: 1, low: 1, high: 1 };
+
+/** Returns the cost of each arm with evidence ÷ that of the cheapest one, which has no interval. REQUIRES: rewards of version 3. */
 export function costRatios(arms: ReadonlyMap<string, ArmEvidence>): Ratios {
   const sums = pooled([...arms.values()]);
-  const costs = [...arms.keys()].map((arm, i) => [arm, sums[i]!] as const).filter(([, sum]) => isKnown(sum))
-    .map(([arm, sum]) => [arm, costNsOf(meanOf(sum))] as const);
-  const least = Math.min(...costs.map(([, cost]) => cost));
-  return new Map(costs.map(([arm, cost]) => [arm, cost / least]));
+  const known = [...arms.keys()].map((arm, i) => [arm, sums[i]!] as const).filter(([, sum]) => isKnown(sum));
+  const most = Math.max(...known.map(([, sum]) => meanOf(sum)));
+  const leader = known.find(([, sum]) => meanOf(sum) === most)?.[1];
+  return new Map(known.map(([arm, sum]) => [arm, meanOf(sum) === most ? CHEAPEST : costRatioOf(sum, leader!)]));
 }
 
 interface SceneArms {
@@ -101,17 +103,25 @@ function scenesOf(taught: Iterable<Taught>, build: string): Map<string, SceneArm
 
 /** Whether two builds say something else of an arm, or only one of them knows it. */
 export const isChange = ({ before, after }: ArmChange) =>
-  (before === undefined || after === undefined ? before !== after : Math.abs(Math.log(after / before)) > SAME_LOG_RATIO);
+  (before === undefined || after === undefined ? before !== after : Math.abs(Math.log(after.median / before.median)) > SAME_LOG_RATIO);
 
 function changeOf(place: SceneArms['place'], before: Ratios, after: Ratios): SceneChange {
   const arms = [...new Set([...before.keys(), ...after.keys()])].sort().map((arm): ArmChange => ({
     arm, ...(before.has(arm) && { before: before.get(arm)! }), ...(after.has(arm) && { after: after.get(arm)! }),
   }));
-  return { ...place, arms, leaderChanged: !arms.some((arm) => arm.before === 1 && arm.after === 1) };
+  return { ...place, arms, leaderChanged: !arms.some((arm) => arm.before?.median === 1 && arm.after?.median === 1) };
 }
 
 const NO_RATIOS: Ratios = new Map();
 const ratiosIn = (scenes: ReadonlyMap<string, SceneArms>, key: string) => (scenes.has(key) ? costRatios(scenes.get(key)!.arms) : NO_RATIOS);
+
+// By how much, as a logarithm, the most different arm of a scene differs; of an arm that only one knows nothing can be said.
+const sizeOf = ({ arms }: SceneChange) =>
+  Math.max(0, ...arms.map(({ before, after }) => (before && after ? Math.abs(Math.log(after.median / before.median)) : 0)));
+
+/** Orders scenes so that those come first where another arm is the cheapest one, and then those where costs differ most. */
+export const byWeight = (a: SceneChange, b: SceneChange) =>
+  Number(b.leaderChanged) - Number(a.leaderChanged) || sizeOf(b) - sizeOf(a) || a.scene.localeCompare(b.scene);
 
 /** Returns the scenes in which an arm is a change from the one build to the other, with all their arms. */
 export function buildChanges(taught: Iterable<Taught>, before: string, after: string): SceneChange[] {

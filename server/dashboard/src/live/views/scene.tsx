@@ -70,7 +70,8 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   });
   return (
     <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'Nothing is learnt of any arm yet.'}
-      note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: what was believed when you opened this view.">
+      note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: what was believed when you opened this view, where that was something else; no prior, since
+        a scene’s is flat, the same for every arm. What a session began with is in its own page.">
       <Ridgeline title={title} rows={ridges} rewardVersion={posterior.rewardVersion} />
     </ChartFrame>
   );

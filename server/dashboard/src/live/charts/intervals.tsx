@@ -1,0 +1,87 @@
+// What two builds, or two of anything, say of each arm: a row per arm, the first one's interval above the second one's, over an axis of ratios.
+import { compact, significant } from '../../format';
+import { colourOf } from '../../palette';
+import type { Ratio } from '../numbers/log_cost';
+import { logTicks } from '../numbers/ridge';
+import { shapeOf } from '../parts/arm';
+import { visible } from '../parts/visible';
+import { useWidth } from './width';
+
+/** Absent: that one knows nothing of the arm. */
+export interface IntervalRow { arm: string; before?: Ratio; after?: Ratio }
+
+const ROW = 44;
+const TOP = 4;
+const AXIS = 34;
+const SIDE = 12;
+const TICK_SIDE = 26; // the text of a tick is whole
+const REACH = 10; // an interval further than so many times from all medians is cut off
+
+/** Returns an axis of ratios that shows all medians, and their intervals unless little is known. REQUIRES: there is a ratio. */
+export function ratioAxis(ratios: readonly Ratio[]): [low: number, high: number] {
+  const medians = ratios.map(({ median }) => median);
+  const low = Math.max(Math.min(...ratios.map((each) => each.low)), Math.min(...medians) / REACH);
+  const high = Math.min(Math.max(...ratios.map((each) => each.high)), Math.max(...medians) * REACH);
+  const pad = Math.max((high / low) ** 0.05, 1.01);
+  return [low / pad, high * pad];
+}
+
+type Place = (ratio: number) => number;
+
+function Bar({ arm, ratio: { median, low, high }, y, x, isBefore }: { arm: string; ratio: Ratio; y: number; x: Place; isBefore: boolean }) {
+  const colour = colourOf(arm);
+  return (
+    <g>
+      <line x1={x(low)} x2={x(high)} y1={y} y2={y} stroke={colour} stroke-width={isBefore ? 1.5 : 3} stroke-dasharray={isBefore ? '4 3' : 'none'} />
+      <path d={shapeOf(arm)} transform={`translate(${x(median).toFixed(2)} ${y})`} fill={isBefore ? 'var(--card)' : colour} stroke={colour} stroke-width="1.5" />
+    </g>
+  );
+}
+
+const textOf = (ratio: Ratio | undefined) => (ratio ? significant(ratio.median) : 'not known');
+
+function Row({ row: { arm, before, after }, top, x, width }: { row: IntervalRow; top: number; x: Place; width: number }) {
+  const most = Math.max(8, Math.floor(width / 22));
+  return (
+    <g>
+      <text class="halo" x={SIDE} y={top + 12} font-size=".8rem" font-weight="600" fill="var(--text)">{[...visible(arm)].slice(0, most).join('')}</text>
+      <text class="halo" x={width - SIDE} y={top + 12} font-size=".73rem" fill="var(--soft)" text-anchor="end">{`${textOf(before)} → ${textOf(after)}`}</text>
+      {before && <Bar arm={arm} ratio={before} y={top + 21} x={x} isBefore />}
+      {after && <Bar arm={arm} ratio={after} y={top + 34} x={x} isBefore={false} />}
+    </g>
+  );
+}
+
+function Ticks({ axis: [low, high], x, width, y, unit }: { axis: readonly [number, number]; x: Place; width: number; y: number; unit: string }) {
+  return (
+    <g font-size=".73rem" fill="var(--soft)" text-anchor="middle">
+      {logTicks(low, high, Math.max(2, Math.floor(width / 90))).map((ratio) => (
+        <g key={ratio}>
+          <line x1={x(ratio)} x2={x(ratio)} y1={0} y2={y} stroke="var(--rule)" />
+          <text x={Math.min(Math.max(x(ratio), TICK_SIDE), width - TICK_SIDE)} y={y + 14}>{compact(ratio)}</text>
+        </g>
+      ))}
+      <text x={width / 2} y={y + 29}>{unit}</text>
+    </g>
+  );
+}
+
+interface IntervalsProps { title: string; rows: readonly IntervalRow[]; unit: string }
+
+export function Intervals({ title, rows, unit }: IntervalsProps) {
+  const { element, width } = useWidth<HTMLDivElement>();
+  const axis = ratioAxis(rows.flatMap(({ before, after }) => [before, after]).filter((each): each is Ratio => each !== undefined));
+  const span = Math.log(axis[1] / axis[0]);
+  const x: Place = (ratio) => SIDE + (width - 2 * SIDE) * Math.min(Math.max(Math.log(ratio / axis[0]) / span, 0), 1);
+  const height = TOP + rows.length * ROW + AXIS;
+  return (
+    <div ref={element} class="intervals">
+      {width > 0 && (
+        <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img" aria-label={`${title}; the table has the values`}>
+          <Ticks axis={axis} x={x} width={width} y={height - AXIS} unit={unit} />
+          {rows.map((row, i) => <Row key={row.arm} row={row} top={TOP + i * ROW} x={x} width={width} />)}
+        </svg>
+      )}
+    </div>
+  );
+}
