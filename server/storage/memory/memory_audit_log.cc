@@ -84,7 +84,7 @@ std::vector<AuditSegment> MemoryAuditLog::List(const priors::AuditFilter& filter
   std::vector<AuditSegment> list;
   for (auto at = segments_.upper_bound(after); at != segments_.end() && list.size() < limit; ++at) {
     const auto& [head, rows] = at->second;
-    const SceneFilter scenes{filter.project, filter.scene, filter.projects};
+    const priors::SceneFilter scenes{filter.project, filter.scene, filter.projects};
     if (!filter.session_id.empty() && filter.session_id != head.session_id) continue;
     if (!scenes.Matches(head.project, head.scene)) continue;
     AuditSegment& segment = list.emplace_back(head);
