@@ -42,8 +42,7 @@ constexpr const char* kLoadSource = R"sql(
 constexpr const char* kSourceEvidence = R"sql(
     SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
            alpha, beta, window_count, bail_out_count
-    FROM evidence JOIN evidence_key k ON k.id = key_id
-    WHERE source_id = $1::bigint
+    FROM evidence JOIN evidence_key k ON k.id = key_id WHERE source_id = $1::bigint
     ORDER BY 1, 2, 3, 4, 5, 6, 7)sql";
 constexpr const char* kListScenes = R"sql(
     SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
@@ -51,9 +50,8 @@ constexpr const char* kListScenes = R"sql(
       AND (project, scene, machine_class, reward_version) > ($3, $4, $5, $6::bigint)
       AND source_count > 0 AND ($8::text[] = '{}' OR project = ANY($8::text[]))
     ORDER BY project, scene, machine_class, reward_version LIMIT $7::bigint)sql";
-constexpr const char* kChangedScenes = R"sql(
-    SELECT project, scene, machine_class, reward_version FROM scene
-    WHERE changed_in >= $1::xid8)sql";
+constexpr const char* kChangedScenes =
+    "SELECT project, scene, machine_class, reward_version FROM scene WHERE changed_in >= $1::xid8";
 constexpr const char* kOldestTransaction = "SELECT pg_snapshot_xmin(pg_current_snapshot())";
 constexpr const char* kFindScene = R"sql(
     SELECT id, source_count FROM scene
@@ -62,14 +60,12 @@ constexpr const char* kFindScene = R"sql(
 constexpr const char* kSceneArms = R"sql(
     SELECT scene_id, arm, backend_version, measured_by, alpha_sum, beta_sum, window_sum,
            bail_out_sum,
-           (SELECT coalesce(max(s.last_seen_unix_s), 0)
-            FROM (SELECT source_id FROM evidence WHERE key_id = k.id
-                  ORDER BY source_id DESC LIMIT $2::bigint) e
-                 JOIN source s ON s.id = e.source_id)
+           (SELECT coalesce(max(last_seen_unix_s), 0) FROM source WHERE id = ANY (ARRAY(
+                SELECT source_id FROM evidence WHERE key_id = k.id
+                ORDER BY source_id DESC LIMIT $2::bigint)))
     FROM evidence_key k WHERE scene_id = ANY($1::bigint[]) AND source_count > 0)sql";
-constexpr const char* kCountScenes = R"sql(
-    SELECT count(DISTINCT scene), count(*) FROM scene
-    WHERE project = $1 AND source_count > 0)sql";
+constexpr const char* kCountScenes =
+    "SELECT count(DISTINCT scene), count(*) FROM scene WHERE project = $1 AND source_count > 0";
 // It jumps from one project to the next in the index, however many scenes they have.
 constexpr const char* kCountProjects = R"sql(
     WITH RECURSIVE known(project) AS (
@@ -78,8 +74,7 @@ constexpr const char* kCountProjects = R"sql(
       SELECT (SELECT min(s.project) FROM scene s WHERE s.project > known.project)
       FROM known WHERE known.project IS NOT NULL)
     SELECT count(*) FROM known
-    WHERE EXISTS (SELECT 1 FROM scene s WHERE s.project = known.project AND s.source_count > 0)
-    )sql";
+    WHERE EXISTS (SELECT 1 FROM scene s WHERE s.project = known.project AND source_count > 0))sql";
 // The row value finds its place in the index, whatever comes before it.
 constexpr const char* kNextKey = R"sql(
     SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version, id
