@@ -99,16 +99,20 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
 function drawMoments(plot: uPlot, { moments = [], domain }: Picture): void {
   const { ctx, bbox } = plot;
   ctx.save();
-  ctx.lineWidth = uPlot.pxRatio;
-  ctx.setLineDash([2 * uPlot.pxRatio, 2 * uPlot.pxRatio]);
   ctx.font = fontOf(11 * uPlot.pxRatio);
   for (const { timeMs, colour, label } of moments) {
     if (timeMs < domain.fromMs || timeMs > domain.toMs) continue;
     const x = plot.valToPos(timeMs, 'x', true);
-    ctx.strokeStyle = resolved(colour);
     ctx.beginPath();
     ctx.moveTo(x, bbox.top);
     ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.strokeStyle = resolved('var(--card)'); // it would not be seen on an area of its own colour
+    ctx.lineWidth = 3 * uPlot.pxRatio;
+    ctx.setLineDash([]);
+    ctx.stroke();
+    ctx.strokeStyle = resolved(colour);
+    ctx.lineWidth = uPlot.pxRatio;
+    ctx.setLineDash([2 * uPlot.pxRatio, 2 * uPlot.pxRatio]);
     ctx.stroke();
     ctx.fillStyle = resolved('var(--soft)');
     if (label) ctx.fillText(label, x + 3 * uPlot.pxRatio, bbox.top + 11 * uPlot.pxRatio);

@@ -20,6 +20,7 @@ export interface PosteriorChartsProps {
   moments?: readonly Moment[];
   domain?: Range; // of charts beside others; else all there is
   values?: readonly [number, number]; // of charts beside others: the axis of values
+  notYet?: string; // why there is nothing to draw
   assumed?: ReadonlySet<string>; // arms that were never measured: the axis need not show all that they may be
 }
 
@@ -59,14 +60,14 @@ function table(arms: readonly string[], rows: readonly SeriesRow[], columns: rea
   };
 }
 
-export function BandsChart({ arms, rows, rewardVersion, names, moments, domain, values, assumed = NONE }: PosteriorChartsProps) {
+export function BandsChart({ arms, rows, rewardVersion, names, moments, domain, values, notYet = NOT_YET, assumed = NONE }: PosteriorChartsProps) {
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const { lines, bands } = useMemo(() => bandLines(arms, rows, tellsCosts, assumed), [arms, rows, tellsCosts, assumed]);
   const title = tellsCosts ? 'Detection time that each arm is believed to take' : 'Reward that each arm is believed to have';
   const cells = (row: SeriesRow, arm: number) => PARTS.map((part) => valueOf(row.beliefs[arm], part, tellsCosts));
   return (
-    <ChartFrame id="bands" title={title} names={names} note="Mean, and the bands where it is with 50 and 95 %." empty={rows.length < 2 && NOT_YET}
+    <ChartFrame id="bands" title={title} names={names} note="Mean, and the bands where it is with 50 and 95 %." empty={rows.length < 2 && notYet}
       table={() => table(arms, rows, PARTS.map((part) => (tellsCosts ? `${part} ns` : part)), cells)}>
       <TimeChart title={title} timesMs={timesMs} lines={lines} bands={bands} {...(moments && { moments })} {...(values && { values })} scale={tellsCosts ? 'log' : 'unit'}
         domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
@@ -101,12 +102,12 @@ function stackLines(arms: readonly string[], rows: readonly SeriesRow[]): { line
   return { lines, bands };
 }
 
-export function BestChart({ arms, rows, names, moments, domain }: PosteriorChartsProps) {
+export function BestChart({ arms, rows, names, moments, domain, notYet = NOT_YET }: PosteriorChartsProps) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const { lines, bands } = useMemo(() => stackLines(arms, rows), [arms, rows]);
   const title = 'Probability of each arm to be the best';
   return (
-    <ChartFrame id="best" title={title} names={names} note={`From ${STABLE_PROBABILITY} on the scene is stable.`} empty={rows.length < 2 && NOT_YET}
+    <ChartFrame id="best" title={title} names={names} note={`From ${STABLE_PROBABILITY} on the scene is stable.`} empty={rows.length < 2 && notYet}
       table={() => table(arms, rows, [''], (row, arm) => [row.best[arm] ?? null])}>
       <TimeChart title={title} timesMs={timesMs} lines={lines} bands={bands} {...(moments && { moments })} scale="unit"
         levels={[{ value: STABLE_PROBABILITY, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
@@ -115,14 +116,14 @@ export function BestChart({ arms, rows, names, moments, domain }: PosteriorChart
   );
 }
 
-export function LossChart({ rows, names, moments, domain }: PosteriorChartsProps) {
+export function LossChart({ rows, names, moments, domain, notYet = NOT_YET }: PosteriorChartsProps) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const lines = useMemo((): Line[] => [{
     label: 'loss', values: rows.map(({ expectedLossRatio }) => expectedLossRatio ?? null), colour: 'var(--accent)', stepped: true,
   }], [rows]);
   const title = 'What choosing the leader may still lose';
   return (
-    <ChartFrame id="loss" title={title} names={names} note="Up to 0.5 % it does not matter which arm is chosen." empty={rows.length < 2 && NOT_YET}
+    <ChartFrame id="loss" title={title} names={names} note="Up to 0.5 % it does not matter which arm is chosen." empty={rows.length < 2 && notYet}
       table={() => ({ header: ['time', 'expected loss'], rows: rows.map((row) => [isoTime(row.timeMs), row.expectedLossRatio ?? null]) })}>
       <TimeChart title={title} timesMs={timesMs} lines={lines} {...(moments && { moments })} scale="zero" levels={[{ value: TIE_LOSS_RATIO, label: 'does not matter' }]}
         domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />

@@ -115,7 +115,7 @@ function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: Cha
   const title = 'Prior and posterior of this session';
   const known = useMemo(() => rows.filter(({ beliefs }) => beliefs.some(Boolean)), [rows]);
   const assumed = useMemo(() => new Set(ridges.filter(({ measured }) => measured === 'never').map(({ arm }) => arm)), [ridges]);
-  const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain };
+  const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain, notYet: 'The log has not two decisions yet.' };
   const table = () => ({
     header: ['arm', 'measured', 'alpha', 'beta', 'prior alpha', 'prior beta'],
     rows: ridges.map(({ arm, measured, posterior, before }) => [arm, measured, posterior.alpha, posterior.beta, before?.alpha ?? 1, before?.beta ?? 1]),
