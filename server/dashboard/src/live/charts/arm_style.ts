@@ -7,12 +7,16 @@ const DASHES: readonly (readonly number[])[] = [
 ];
 const UNKNOWN_DASHES: readonly (readonly number[])[] = [[4, 4], [14, 4], [2, 6], [8, 2, 1, 2], [3, 1, 1, 1], [6, 6]];
 
+// They have one colour; those beyond the list take its dashes again with more dots behind them.
+const unknownDash = (place: number) =>
+  [...UNKNOWN_DASHES[place % UNKNOWN_DASHES.length]!, ...Array.from({ length: Math.floor(place / UNKNOWN_DASHES.length) }, () => [1, 3]).flat()];
+
 export interface ArmStyle { colour: string; dash: number[]; hatch: number }
 
 /** REQUIRES: `arm` is one of `arms`. */
 export function armStyle(arm: string, arms: readonly string[]): ArmStyle {
   const rank = familyRank(arm);
   if (rank < FAMILIES.length) return { colour: colourOf(arm), dash: [...DASHES[rank]!], hatch: rank };
-  const place = arms.filter((other) => familyRank(other) === FAMILIES.length).indexOf(arm);
-  return { colour: colourOf(arm), dash: [...UNKNOWN_DASHES[Math.max(place, 0) % UNKNOWN_DASHES.length]!], hatch: FAMILIES.length + Math.max(place, 0) };
+  const place = Math.max(arms.filter((other) => familyRank(other) === FAMILIES.length).indexOf(arm), 0);
+  return { colour: colourOf(arm), dash: unknownDash(place), hatch: FAMILIES.length + place };
 }
