@@ -14,8 +14,9 @@ import { Game, RealDaemon, until, watched } from './real_daemon.mjs';
 const [sweepstaked, sweepstake, pictures] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'sweepstake_dashboard_'));
 const MAX_FIRST_LOAD = 150_000;
-const HOSTILE = '<img src=x onerror=alert(1)>\u202Egnp';
-const SHOWN_HOSTILE = '<img src=x onerror=alert(1)>⟨U+202E⟩gnp';
+const HOSTILE = '<img src=x onerror=alert(1)>\u202Egnp'.padEnd(126, 'W');  // of 128 bytes, the most that a name has
+const SHOWN_HOSTILE = HOSTILE.replace('\u202E', '⟨U+202E⟩');
+assert.equal(Buffer.byteLength(HOSTILE), 128);
 
 function skip(why) {
   rmSync(folder, { recursive: true, force: true });
@@ -146,6 +147,26 @@ async function checkUpdates(context, daemon) {
     .map((row) => [row.Arm, row['P(best)'], numberIn(row['α']), numberIn(row['β'])].join()).sort().join('\n') === said.sort().join('\n'));
   assertNoTrouble(page, 'updates');
   await page.close();
+}
+
+const FIGURES = { 'Streams of games': 'sweepstake_open_streams', 'Sessions in memory': 'sweepstake_sessions', Watchers: 'sweepstake_open_watchers',
+  'Refused switches': 'sweepstake_refused_switches_total', 'Frames that games dropped': 'sweepstake_dropped_frames_total',
+  'Resumed sessions': 'sweepstake_resumed_sessions_total', 'Updates that wait': 'sweepstake_store_queued_commits' };
+
+// The figures of the daemon's health are those that it exports.
+async function checkHealth(page, daemon) {
+  await page.goto(`${daemon.origin}/health`);
+  const metrics = async () => new Map((await (await fetch(`${daemon.origin}/metrics`)).text()).split('\n').map((line) => line.split(' ')));
+  const shown = async () => new Map(await page.locator('.figures-table tr').evaluateAll((rows) => rows.map(({ cells: [name, value] }) => [name.innerText, value.innerText])));
+  await until('the figures are those of /metrics', async () => {
+    const [exported, figures] = [await metrics(), await shown()];
+    return Object.entries(FIGURES).every(([name, metric]) => numberIn(figures.get(name)) === Number(exported.get(metric)));
+  });
+  const [exported, figures] = [await metrics(), await shown()];
+  for (const name of ['Streams of games', 'Sessions in memory', 'Watchers']) assert.ok(numberIn(figures.get(name)) > 0, name);
+  assert.ok(figures.get('Open files').endsWith(` ${Number(exported.get('process_max_fds')).toLocaleString('en')}`), figures.get('Open files'));
+  await until('decisions are counted', async () => Number.parseFloat((await shown()).get('Decisions')) > 0);
+  await page.goBack();
 }
 
 // An update moves no row while the pointer is over the table.
@@ -367,6 +388,7 @@ async function checkAll(browser) {
   await checkUpdates(context, daemon);
   const game = await checkLive(page, daemon);
   await checkHostileNames(page);
+  await checkHealth(page, daemon);
   await checkRowsStay(page, daemon);
   await checkViews(browser, daemon);
   await game.quit();

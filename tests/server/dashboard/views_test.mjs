@@ -12,6 +12,7 @@ const [sweepstaked, sweepstake] = process.argv.slice(2);
 const SCENE = '/scenes/arcade/arena?class=test&reward=3';
 
 const chart = (page, id) => page.locator(`figure[data-chart=${id}]`);
+const timeIn = (figure) => figure.locator('.legend time').innerText();
 const query = (page) => new URL(page.url()).searchParams;
 
 const sessionsOf = async (daemon) => (await daemon.call('SessionsService/ListSessions')).sessions ?? [];
@@ -90,6 +91,10 @@ async function checkTime(page, daemon) {
   await chart(page, 'best').locator('.plot').focus();
   await page.keyboard.press('ArrowLeft');
   await until('the values at the crosshair are said', async () => /\d\.\d{3}/.test(await chart(page, 'best').locator('[role=status]').innerText()), 3000);
+  const crosshair = await timeIn(chart(page, 'best'));
+  assert.match(crosshair, /\d/);
+  await until('the other chart has the crosshair', async () => await timeIn(chart(page, 'bands')) === crosshair, 3000);
+  await chart(page, 'bands').locator('.u-cursor-x:not(.u-off)').waitFor();
   const arm = chart(page, 'bands').locator('button.entry').first();
   await arm.click();
   assert.equal(await arm.getAttribute('aria-pressed'), 'false');
@@ -133,6 +138,7 @@ async function checkCosts(page) {
   await until('percentiles of frames', async () => /p99\s*\d/.test(await chart(page, 'frame-time').locator('.legend').innerText()));
   assert.match(await chart(page, 'memory').locator('.legend').innerText(), /[kM]?B/);
   await until('checks of the log', async () => /checks\s*\d/.test(await chart(page, 'checks').locator('.legend').innerText()));
+  await until('objects of the log', async () => /objects\s*100\b/.test(await chart(page, 'objects').locator('.legend').innerText()));
 }
 
 const hover = async (figure, share) => {
@@ -169,7 +175,6 @@ async function checkCompare(page, daemon, { sessionId }) {
   }
   await page.getByRole('button', { name: 'Pause' }).click(); // so that times stay where they are
   const [first, second] = [0, 1].map((i) => chart(page, 'frame-time').nth(i));
-  const timeIn = (figure) => figure.locator('.legend time').innerText();
   const hasMean = async (figure) => /window mean\s*\d/.test(await figure.locator('.legend').innerText());
   for (const [pointed, seen] of [[first, second], [second, first]]) {
     await hover(pointed, 0.02);
@@ -279,9 +284,25 @@ async function checkOrders(page, daemon, { sessionId }) {
   // A message stays for some seconds, in which a busy machine has not moved the pointer there.
   await page.locator('.toast', { hasText: 'Obeyed' }).getByRole('button', { name: 'Undo' }).dispatchEvent('click');
   await isSession(daemon, sessionId, 'the daemon decides again', ({ mode }) => mode === 'MODE_AI');
+  await order(page, 'Pin this arm', 'Keep this arm');
+  await isSession(daemon, sessionId, 'the game keeps to an arm again', ({ mode }) => mode === 'MODE_MANUAL');
+  await order(page, 'AI decides', 'Let the daemon decide');
+  await isSession(daemon, sessionId, 'the daemon decides', ({ mode }) => mode === 'MODE_AI');
+  await until('there is nothing to order', () => page.getByRole('button', { name: 'AI decides' }).isDisabled());
   await page.getByRole('button', { name: 'Pin this arm', exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: 'Cancel' }).click();
   assert.ok((await sessionsOf(daemon)).some((session) => session.sessionId === sessionId && session.mode === 'MODE_AI'), 'what was not confirmed is not done');
+}
+
+// The game comes back, and its session goes on.
+async function checkReconnect(page, daemon, { sessionId }) {
+  const resumed = async () => Number(/^sweepstake_resumed_sessions_total (\d+)$/m.exec(await (await fetch(`${daemon.origin}/metrics`)).text())[1]);
+  const before = await resumed();
+  await order(page, 'Reconnect', 'Reconnect');
+  await page.locator('.toast', { hasText: 'The connection was ended.' }).waitFor();
+  await until('a session goes on', async () => await resumed() === before + 1);
+  await isSession(daemon, sessionId, 'it is this one', ({ state }) => state === 'SESSION_STATE_CONNECTED');
+  await page.locator('.facts .chip', { hasText: 'connected' }).waitFor();
 }
 
 async function checkKick(page, daemon, { sessionId }) {
@@ -300,7 +321,7 @@ async function checkDecisions(page, daemon, { sessionId }) {
   const all = await rowsOf(page, 'Rows');
   assert.ok(all.length > 5 && all.every((row) => row['In words'].length > 10));
   await page.getByLabel('Kind').selectOption('order');
-  await until('orders only', async () => { const rows = await rowsOf(page, 'Rows'); return rows.length === 2 && rows.every(({ Kind }) => Kind?.includes('order')); });
+  await until('orders only', async () => { const rows = await rowsOf(page, 'Rows'); return rows.length === 4 && rows.every(({ Kind }) => Kind?.includes('order')); });
   assert.match((await rowsOf(page, 'Rows')).map((row) => row['In words']).join(' '), /keep to SAP.*let the daemon decide|let the daemon decide.*keep to SAP/);
   await page.goBack();
   await page.getByRole('region', { name: 'Rows' }).locator('tbody th a').first().click();
@@ -357,7 +378,7 @@ async function checkAll(browser, folder) {
   const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view',
     '--flight-recorder', '8', '--frame-budget', '0.001', '--flight-folder', flights, '--allow-recording-download'] });
   const session = await liveSession(daemon);
-  for (const check of [checkTime, checkWhy, checkCosts, checkCompare, checkUnknown, checkBoxes, checkRecordings, checkOrders, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
+  for (const check of [checkTime, checkWhy, checkCosts, checkCompare, checkUnknown, checkBoxes, checkRecordings, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
   await assertAccessible(page, 'decisions');
   assertNoTrouble(page, 'the views');
   await page.close();
