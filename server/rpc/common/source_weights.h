@@ -19,9 +19,9 @@ class SourceWeights {
   // Returns how much the record counts in a new session of its scene and class of machines, which
   // plays the build of the source that was seen there last and has the newest version of the arm
   // that is known there. It is the weight that session_start.cc gives; 0 for what no such session
-  // looks at: what waits in quarantine, or is older than the scene's kSourcesOfScene last sources
-  // of the arm. Where rewards do not tell costs, the sums of all sources count, which is 1. Errors:
-  // those of PriorReader::LoadSources.
+  // looks at: what waits in quarantine, or is not among the sources that LoadSources chooses of the
+  // arm. Where rewards do not tell costs, the sums of all sources count, which is 1. Errors: those
+  // of PriorReader::LoadSources.
   absl::StatusOr<double> Of(const priors::PriorRecord& record);
 
  private:
