@@ -1,10 +1,11 @@
-// How the dashboard bears being left open: 1,000 scenes and 50 sessions, whose games play a hundred times as fast.
+// How the dashboard bears being left open: 1,000 scenes and 50 sessions, whose games play a hundred times as fast. The page, which is
+// never loaded anew, shows the overview for half of each minute, then a scene, then a session.
 //
 //   node soak.mjs FOLDER [MINUTES [SPEED]]
 //
-// FOLDER is a built page (`npx vite build --mode dashboard`). A simulated week takes MINUTES = 101 at SPEED = 100. Prints a line a
-// minute, and ends with 1 if less than 30 frames were drawn in a second, if a row moved under the pointer, or if memory grew by more than
-// 5 % after the first tenth.
+// FOLDER is a built page (`npx vite build --mode dashboard`). A simulated week takes MINUTES = 101 at SPEED = 100. Prints three lines a
+// minute, and ends with 1 if a view drew less than 30 frames in a second or has more memory at the end than 5 % over its most in the first
+// tenth, if a row moved under the pointer, if a chart stood still or if anything went wrong.
 import { launch, openPage } from './browser.mjs';
 import { pause, until } from './real_daemon.mjs';
 import { SyntheticDaemon } from './synthetic_daemon.mjs';
@@ -34,26 +35,51 @@ const framesPerSecond = (page, ms) => page.evaluate((duration) => new Promise((r
   requestAnimationFrame(frame);
 }), ms);
 
+// Where each view is, with the scenes that are played on top, how long it is shown in a minute, and what of it is another one whenever a
+// game has decided.
+const VIEWS = {
+  overview: { path: '/?sort=-sessions', ms: 30_000, live: '.scroll' },
+  scene: { path: '/scenes/project-0/scene-0?class=desktop&reward=3', ms: 15_000, live: 'figure[data-chart=best] .legend' },
+  session: { path: `/sessions/${daemon.sessions[0].sessionId}`, ms: 15_000, live: 'figure[data-chart=timeline] svg' },
+};
+
+// As a link in the page does.
+const follow = (page, path) => page.evaluate((href) => {
+  history.pushState(null, '', href);
+  dispatchEvent(new PopStateEvent('popstate'));
+}, path);
+
 async function soak() {
   const page = await openPage(await browser.newContext({ viewport: { width: 1440, height: 900 } }), daemon.origin);
   const session = await page.context().newCDPSession(page);
   await until('all scenes are there', async () => (await page.locator('main').innerText()).includes('Scenes: 1,000'));
-  await page.locator('.scroll tbody tr').nth(3).hover();
-  const names = () => page.locator('.scroll tbody th').allInnerTexts();
-  const order = (await names()).slice(0, 10).join('\n');
-  const heaps = [];
+  const order = async () => (await page.locator('.scroll tbody th').allInnerTexts()).slice(0, 10).join('\n');
+  const heaps = { overview: [], scene: [], session: [] };
   const rates = [];
-  for (const end = Date.now() + 60_000 * Number(minutes); Date.now() < end;) {
+  const moved = [];
+  const still = [];
+  async function visit(view) {
+    const { path, ms, live } = VIEWS[view];
+    const leave = Date.now() + ms;
+    await follow(page, path);
+    const shown = page.locator(`main ${live}`).first();
+    await shown.waitFor();
+    if (view === 'overview') await page.locator('.scroll tbody tr').nth(3).hover();
+    const [picture, rows] = [await shown.innerHTML(), view === 'overview' && await order()];
     rates.push(await framesPerSecond(page, 10_000));
-    heaps.push(await heapOf(session));
-    console.log(`${new Date().toISOString()} ${rates.at(-1).toFixed(1)} frames/s, ${(heaps.at(-1) / 1e6).toFixed(1)} MB, ${daemon.decisionCount} decisions`);
-    await pause(Math.max(0, Math.min(50_000, end - Date.now())));
+    heaps[view].push(await heapOf(session));
+    console.log(`${new Date().toISOString()} ${view}: ${rates.at(-1).toFixed(1)} frames/s, ${(heaps[view].at(-1) / 1e6).toFixed(1)} MB, ${daemon.decisionCount} decisions`);
+    await pause(Math.max(0, leave - Date.now()));
+    if (await shown.innerHTML() === picture) still.push(view);
+    if (view === 'overview' && await order() !== rows) moved.push(rows);
   }
-  const settled = Math.max(...heaps.slice(0, Math.max(1, Math.ceil(heaps.length / 10))));
+  for (const end = Date.now() + 60_000 * Number(minutes); Date.now() < end;) for (const view of Object.keys(VIEWS)) await visit(view);
+  const stays = (sizes) => sizes.at(-1) <= MAX_GROWTH * Math.max(...sizes.slice(0, Math.max(1, Math.ceil(sizes.length / 10))));
   return {
     'frames are drawn': Math.min(...rates) >= MIN_FRAMES,
-    'no row moved under the pointer': (await names()).slice(0, 10).join('\n') === order,
-    'memory stays': heaps.at(-1) <= MAX_GROWTH * settled,
+    'no row moved under the pointer': moved.length === 0,
+    'memory stays': Object.values(heaps).every(stays),
+    'no chart stood still': still.length === 0 || still.join(),
     'nothing went wrong': page.troubles.length === 0 || page.troubles.join('\n'),
   };
 }
