@@ -176,13 +176,16 @@ async function checkCompare(page, daemon, { sessionId }) {
   await page.getByRole('button', { name: 'Pause' }).click(); // so that times stay where they are
   const [first, second] = [0, 1].map((i) => chart(page, 'frame-time').nth(i));
   const hasMean = async (figure) => /window mean\s*\d/.test(await figure.locator('.legend').innerText());
-  for (const [pointed, seen] of [[first, second], [second, first]]) {
-    await hover(pointed, 0.02);
-    await until('both have the values at one crosshair', async () => await hasMean(pointed) && await hasMean(seen) && await timeIn(seen) === await timeIn(pointed) && await timeIn(seen));
-  }
-  const at = await timeIn(second);
-  await hover(first, 0.02);
-  await until('the same place is the same time', async () => await timeIn(first) === at);
+  const hasBoth = async (pointed, seen, share) => {
+    await hover(pointed, share);
+    return await hasMean(pointed) && await hasMean(seen) && await timeIn(seen) === await timeIn(pointed) && share;
+  };
+  // Not every window has a mean; the second session has none at all where its times are its own.
+  const share = await until('both have the values at one crosshair', async () =>
+    await hasBoth(first, second, 0.02) || await hasBoth(first, second, 0.05) || hasBoth(first, second, 0.1));
+  const at = await timeIn(first);
+  assert.match(at, /\d/);
+  await until('the same place is the same time', async () => await hasBoth(second, first, share) && await timeIn(second) === at);
   await assertAccessible(page, 'two sessions');
   await page.reload();
   await chart(page, 'timeline').nth(1).locator('rect.span').first().waitFor();
