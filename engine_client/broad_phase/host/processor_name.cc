@@ -1,5 +1,6 @@
 #include "engine_client/broad_phase/host/processor_name.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -42,7 +43,8 @@ Registers Cpuid(uint32_t leaf) {
 
 }  // namespace
 
-// The brand string: "Processor Brand String" of CPUID in the manuals of Intel and AMD.
+// The brand string: "Processor Brand String" of CPUID in the manuals of Intel and AMD. It ends at
+// the first zero; makers fill it with blanks at either end.
 std::string ProcessorName() {
   constexpr uint32_t kExtended = 0x80000000;
   std::string name;
@@ -51,7 +53,9 @@ std::string ProcessorName() {
     const Registers part = Cpuid(leaf);
     name.append(reinterpret_cast<const char*>(&part), sizeof part);
   }
-  return name.c_str();  // up to the first zero
+  name.resize(std::min(name.find('\0'), name.size()));
+  name.erase(name.find_last_not_of(' ') + 1);
+  return name.erase(0, name.find_first_not_of(' '));
 }
 
 #elif defined(__linux__)

@@ -149,9 +149,9 @@ void PrintNotes(const BenchReport& report, std::ostream& out) {
 
 void PrintMachine(const BenchReport& report, std::ostream& out) {
   const Machine& machine = report.machine;
-  out << machine.cpu << ", " << machine.core_count << " cores, " << machine.compiler << ", "
-      << machine.simd_target << (report.options.cold ? ", cold caches, " : ", ") << machine.date_utc
-      << '\n';
+  out << machine.cpu << ", " << machine.core_count << " cores\n"
+      << machine.compiler << ", " << machine.simd_target
+      << (report.options.cold ? ", cold caches, " : ", ") << machine.date_utc << '\n';
   for (const LibraryVersion& library : machine.libraries) {
     out << library.name << ' ' << library.version
         << (&library == &machine.libraries.back() ? "\n" : ", ");

@@ -36,9 +36,12 @@ TEST(MachineClass, IsAnotherOneWithLesserInstructions) {
   EXPECT_EQ(MachineClass(), name);
 }
 
-TEST(ProcessorName, IsOfPrintableCharacters) {
-  EXPECT_FALSE(ProcessorName().empty());
-  for (const char character : ProcessorName()) EXPECT_TRUE(character >= ' ' && character <= '~');
+TEST(ProcessorName, IsOfPrintableCharactersWithoutBlanksAround) {
+  const std::string name = ProcessorName();
+  ASSERT_FALSE(name.empty());
+  for (const char character : name) EXPECT_TRUE(character >= ' ' && character <= '~');
+  EXPECT_NE(name.front(), ' ');
+  EXPECT_NE(name.back(), ' ');
 }
 
 }  // namespace
