@@ -36,8 +36,8 @@ void RecordingReads::Read(uint64_t recording_id, uint64_t offset, Answer answer)
 }
 
 void RecordingReads::Ask() {
-  link_->SendRecordingRequest(++*request_id_, waiting_.front().recording_id,
-                              waiting_.front().offset);
+  ++*request_id_;
+  // The game's time begins before it hears of the request.
   loop_.PostAt(loop_.clock().NowNs() + kPatienceNs,
                [this, weak = std::weak_ptr(request_id_), id = *request_id_] {
                  const auto present = weak.lock();  // as long as this lives
@@ -45,6 +45,7 @@ void RecordingReads::Ask() {
                  RefuseAll(Refused(v1::ERROR_REASON_GAME_AWAY,
                                    "the game has not answered for five seconds; try again"));
                });
+  link_->SendRecordingRequest(*request_id_, waiting_.front().recording_id, waiting_.front().offset);
 }
 
 void RecordingReads::OnPart(const v1::RecordingPart& part) {

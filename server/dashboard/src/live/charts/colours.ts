@@ -6,10 +6,12 @@ const version = signal(0);
 export const theme: ReadonlySignal<number> = version;
 
 const known = new Map<string, string>();
+const tiles = new Map<string, HTMLCanvasElement>();
 let probe: HTMLElement | undefined;
 
 function forget(): void {
   known.clear();
+  tiles.clear();
   version.value += 1;
 }
 
@@ -43,13 +45,14 @@ const HATCHES: readonly (readonly [number, number, number, number])[][] = [
   [[2, 0, 2, 8], [6, 0, 6, 8]],
 ];
 
-/** Returns a fill of this colour with the hatch of that number, for areas that lie side by side. */
-export function hatched(context: CanvasRenderingContext2D, colour: string, hatch: number): CanvasPattern | string {
+function tileOf(colour: string, hatch: number, scale: number): HTMLCanvasElement | undefined {
+  const name = `${colour} ${hatch} ${scale}`;
+  const before = tiles.get(name);
+  if (before) return before;
   const tile = document.createElement('canvas');
-  const scale = Math.max(1, Math.round(devicePixelRatio));
   tile.width = tile.height = 8 * scale;
   const pen = tile.getContext('2d');
-  if (!pen) return translucent(colour, 0.6);
+  if (!pen) return undefined;
   pen.scale(scale, scale);
   pen.fillStyle = translucent(colour, 0.55);
   pen.fillRect(0, 0, 8, 8);
@@ -61,5 +64,12 @@ export function hatched(context: CanvasRenderingContext2D, colour: string, hatch
     pen.lineTo(x2, y2);
     pen.stroke();
   }
-  return context.createPattern(tile, 'repeat') ?? translucent(colour, 0.6);
+  tiles.set(name, tile);
+  return tile;
+}
+
+/** Returns a fill of this colour with the hatch of that number, for areas that lie side by side. */
+export function hatched(context: CanvasRenderingContext2D, colour: string, hatch: number): CanvasPattern | string {
+  const tile = tileOf(colour, hatch, Math.max(1, Math.round(devicePixelRatio)));
+  return (tile && context.createPattern(tile, 'repeat')) ?? translucent(colour, 0.6);
 }

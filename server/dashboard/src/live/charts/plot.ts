@@ -46,6 +46,7 @@ export const LEFT = 72;
 export const RIGHT = 14;
 // Words of this height where the page's own have 15 px; very wide windows have larger ones.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
+const MOMENT = 4; // pixels from one moment's line to the next: more of them would hide what they mark
 const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
@@ -100,9 +101,12 @@ function drawMoments(plot: uPlot, { moments = [], domain }: Picture): void {
   const { ctx, bbox } = plot;
   ctx.save();
   ctx.font = fontOf(11 * uPlot.pxRatio);
+  let last = -Infinity;
   for (const { timeMs, colour, label } of moments) {
     if (timeMs < domain.fromMs || timeMs > domain.toMs) continue;
     const x = plot.valToPos(timeMs, 'x', true);
+    if (!label && x - last < MOMENT * uPlot.pxRatio) continue;
+    last = x;
     ctx.beginPath();
     ctx.moveTo(x, bbox.top);
     ctx.lineTo(x, bbox.top + bbox.height);

@@ -85,10 +85,12 @@ export function bandRange(rows: readonly SeriesRow[], rewardVersion: number): [n
   ];
 }
 
-// From the bottom up, the leader of now first, so that its own height is read against the threshold.
+// From the bottom up, the leader of now first, so that its own height is read against the threshold. The others keep their order: another
+// one is another plot.
 function stackLines(arms: readonly string[], rows: readonly SeriesRow[]): { lines: Line[]; bands: Band[] } {
   const latest = rows.at(-1)?.best ?? [];
-  const order = arms.map((_, i) => i).sort((a, b) => (latest[b] ?? 0) - (latest[a] ?? 0) || a - b);
+  const leader = arms.reduce((best, _, i) => ((latest[i] ?? 0) > (latest[best] ?? 0) ? i : best), 0);
+  const order = [leader, ...arms.keys()].filter((i, place, all) => all.indexOf(i) === place);
   const sums = rows.map(() => 0);
   const lines: Line[] = [{ label: '', values: rows.map(({ best }) => (best.some((p) => p !== undefined) ? 0 : null)), colour: 'var(--soft)', width: 0 }];
   const bands: Band[] = [];

@@ -8,7 +8,7 @@ import { Name } from '../parts/name';
 import { theme } from './colours';
 import { createPlot, dataOf, type Line, type Picture, showCrosshair } from './plot';
 import { crosshairMs, hiddenArms, pausedMs, placeAt, range, setPaused, setRange, toggleArm, zoomed } from './view_state';
-import { useWidth } from './width';
+import { useIsSeen, useWidth } from './width';
 
 interface TimeChartProps extends Omit<Picture, 'hidden'> { title: string; height?: number }
 
@@ -84,9 +84,12 @@ export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
   const latest = useRef(picture);
   latest.current = picture;
   const { element: host, width } = useWidth<HTMLDivElement>();
+  const isSeen = useIsSeen(host); // what nobody sees is not drawn anew
   const plot = useRef<uPlot | null>(null);
   const [spoken, setSpoken] = useState('');
-  const structure = structureOf(picture);
+  const drawn = useRef('');
+  if (isSeen) drawn.current = structureOf(picture);
+  const structure = drawn.current;
 
   useEffect(() => {
     if (!host.current || width === 0) return undefined;
@@ -98,7 +101,7 @@ export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
     };
   }, [structure, theme.value, width === 0]);
   useEffect(() => { if (width > 0) plot.current?.setSize({ width, height }); }, [width, height]);
-  useEffect(() => { plot.current?.setData(dataOf(picture)); }, [picture.timesMs, picture.lines, picture.moments, picture.domain.fromMs, picture.domain.toMs]);
+  useEffect(() => { if (isSeen) plot.current?.setData(dataOf(picture)); }, [isSeen, picture.timesMs, picture.lines, picture.moments, picture.domain.fromMs, picture.domain.toMs]);
   useSignalEffect(() => {
     const at = crosshairMs.value;
     if (plot.current && !host.current?.matches(':hover')) showCrosshair(plot.current, at);

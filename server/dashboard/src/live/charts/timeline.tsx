@@ -1,5 +1,6 @@
 // A session's switches over time: a lane per arm, the active one filled; cooldown and settling shaded; candidates that were held back
 // hollow. What is pointed to, or reached with the arrow keys, is said in words below; Enter or a click opens its explanation.
+import type { JSX } from 'preact';
 import { useId, useMemo, useRef, useState } from 'preact/hooks';
 import type { Step } from '../audit/steps';
 import { shapeOf } from '../parts/arm';
@@ -7,13 +8,14 @@ import { visible } from '../parts/visible';
 import { armStyle } from './arm_style';
 import { axisTime, LEFT, RIGHT, TIME_STEPS } from './plot';
 import { linearTicks } from '../numbers/ridge';
-import { type Mark, type Timeline, timelineOf } from './timeline_model';
+import { joined, type Mark, type Shade, thinned, type Timeline, timelineOf, wordsOf } from './timeline_model';
 import { crosshairMs, range, type Range, setRange, zoomed } from './view_state';
 import { useWidth } from './width';
 
 const LANE = 26;
 const AXIS = 22;
 const REACH = 14; // pixels from a mark that still answers
+const MARK = 10; // pixels that a mark takes of its lane
 
 interface TimelineProps {
   steps: readonly Step[];
@@ -67,37 +69,56 @@ function Lanes({ arms, geometry: { width, height, x, domain } }: { arms: readonl
   );
 }
 
-function MarkShape({ mark, arms, geometry: { x, y, domain }, isOn = false }: { mark: Mark; arms: readonly string[]; geometry: Geometry; isOn?: boolean }) {
-  if (!overlaps(mark, domain)) return null;
-  const { colour } = armStyle(mark.arm, arms);
-  const left = x(mark.fromMs);
-  const right = x(mark.toMs);
-  const height = y(mark.arm);
+const placed = ({ fromMs, arm }: Mark, { x, y }: Geometry) => `M${x(fromMs).toFixed(1)} ${y(arm)}`;
+
+// The time that a run of decisions took; nothing for a moment.
+function pill({ fromMs, toMs, arm }: Mark, { x, y }: Geometry): string {
+  const width = x(toMs) - x(fromMs);
+  if (width <= 3) return '';
+  const inner = Math.max(width - 8, 0).toFixed(1);
+  return `M${(x(fromMs) + 4).toFixed(1)} ${y(arm) - 4}h${inner}a4 4 0 0 1 0 8h-${inner}a4 4 0 0 1 0-8z`;
+}
+
+function Sign({ mark, geometry: { x, y } }: { mark: Mark; geometry: Geometry }) {
+  return <text class="mark" x={x(mark.fromMs)} y={y(mark.arm) + 5} text-anchor="middle" font-size=".93rem" font-weight="700" fill="var(--text)">{mark.sign}</text>;
+}
+
+// Marks of one lane.
+function Marks({ marks, arm, arms, geometry, isOn = false }: { marks: readonly Mark[]; arm: string; arms: readonly string[]; geometry: Geometry; isOn?: boolean }) {
+  const { colour } = armStyle(arm, arms);
+  const shapes = (isHollow: boolean) => marks.filter((mark) => !mark.sign && mark.isHollow === isHollow).map((mark) => placed(mark, geometry) + shapeOf(arm)).join('');
   return (
     <g class={isOn ? 'mark on' : 'mark'} stroke={colour} stroke-width={isOn ? 2.5 : 1.5}>
-      {right - left > 3 && <rect x={left} y={height - 4} width={right - left} height={8} rx="4" fill="none" />}
-      {mark.sign
-        ? <text x={left} y={height + 5} text-anchor="middle" font-size=".93rem" font-weight="700" fill="var(--text)" stroke="none">{mark.sign}</text>
-        : <path d={shapeOf(mark.arm)} transform={`translate(${left.toFixed(1)} ${height})`} fill={mark.isHollow ? 'var(--card)' : colour} />}
+      <path d={marks.map((mark) => pill(mark, geometry)).join('')} fill="none" />
+      <path d={shapes(true)} fill="var(--card)" />
+      <path d={shapes(false)} fill={colour} />
+      <g stroke="none">{marks.filter(({ sign }) => sign).map((mark) => <Sign key={mark.fromMs} mark={mark} geometry={geometry} />)}</g>
     </g>
   );
 }
 
-// All that stays as it is while the pointer moves.
-function Still({ timeline, arms, geometry, settling }: { timeline: Timeline; arms: readonly string[]; geometry: Geometry; settling: string }) {
-  const { x, y, height, domain } = geometry;
+// One path for all of them: a browser draws that many times as fast as a shape for each.
+function Bars({ intervals, geometry: { x, ms, domain }, y, height, ...rest }: { intervals: readonly Range[]; geometry: Geometry; y: number; height: number } & JSX.SVGAttributes<SVGPathElement>) {
+  const shown = joined(intervals.filter((each) => overlaps(each, domain)), ms(1) - ms(0));
+  const d = shown.map(({ fromMs, toMs }) => `M${x(fromMs).toFixed(1)} ${y}h${Math.max(x(toMs) - x(fromMs), 1.5).toFixed(1)}v${height}H${x(fromMs).toFixed(1)}z`);
+  return <path d={d.join('')} {...rest} />;
+}
+
+// All that stays as it is while the pointer moves: what the eye can tell apart, however much there is.
+function Still({ timeline: { shades, spans, marks }, arms, geometry, settling }: { timeline: Timeline; arms: readonly string[]; geometry: Geometry; settling: string }) {
+  const { y, ms, height, domain } = geometry;
+  const shadesOf = (kind: Shade['kind']) => ({ class: kind, intervals: shades.filter((shade) => shade.kind === kind), geometry, y: 0, height: height - AXIS });
+  const shown = thinned(marks.filter((mark) => overlaps(mark, domain)), ms(MARK) - ms(0));
   return (
     <g>
-      {timeline.shades.filter((shade) => overlaps(shade, domain)).map((shade) => (
-        <rect key={`${shade.kind}${shade.fromMs}`} class={shade.kind} x={x(shade.fromMs)} width={Math.max(x(shade.toMs) - x(shade.fromMs), 1)} y={0}
-          height={height - AXIS} fill={shade.kind === 'settling' ? `url(#${settling})` : 'var(--soft)'} opacity={shade.kind === 'settling' ? 1 : 0.14} />
-      ))}
+      <Bars {...shadesOf('cooldown')} fill="var(--soft)" opacity="0.14" />
+      <Bars {...shadesOf('settling')} fill={`url(#${settling})`} />
       <Lanes arms={arms} geometry={geometry} />
-      {timeline.spans.filter((span) => overlaps(span, domain)).map((span) => (
-        <rect key={span.fromMs} class="span" x={x(span.fromMs)} width={Math.max(x(span.toMs) - x(span.fromMs), 1.5)} y={y(span.arm) - 7} height={14} rx="2"
-          fill={armStyle(span.arm, arms).colour} opacity="0.75" />
+      {arms.map((arm) => (
+        <Bars key={arm} class="span" intervals={spans.filter((span) => span.arm === arm)} geometry={geometry} y={y(arm) - 7} height={14}
+          fill={armStyle(arm, arms).colour} opacity="0.75" />
       ))}
-      {timeline.marks.map((mark) => <MarkShape key={`${mark.fromMs} ${mark.step.kind} ${mark.step.decisionId}`} mark={mark} arms={arms} geometry={geometry} />)}
+      {arms.map((arm) => <Marks key={arm} marks={shown.filter((mark) => mark.arm === arm)} arm={arm} arms={arms} geometry={geometry} />)}
     </g>
   );
 }
@@ -119,10 +140,10 @@ function nearestMark(marks: readonly Mark[], { x, y, domain }: Geometry, px: num
   return best;
 }
 
-function wordsOf(mark: Mark | undefined): string {
+function spoken(mark: Mark | undefined): string {
   if (!mark) return '';
   const time = new Date(mark.fromMs).toLocaleTimeString();
-  return mark.count > 1 ? `${time} to ${new Date(mark.toMs).toLocaleTimeString()}, ${mark.count} decisions: ${mark.words}` : `${time}: ${mark.words}`;
+  return mark.count > 1 ? `${time} to ${new Date(mark.toMs).toLocaleTimeString()}, ${mark.count} decisions: ${wordsOf(mark)}` : `${time}: ${wordsOf(mark)}`;
 }
 
 // What keys do: arrows go from mark to mark.
@@ -192,14 +213,14 @@ export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
             </pattern>
           </defs>
           {still}
-          {on && <MarkShape mark={on} arms={arms} geometry={geometry} isOn />}
+          {on && overlaps(on, domain) && <Marks marks={[on]} arm={on.arm} arms={arms} geometry={geometry} isOn />}
           {brush.current !== undefined && brushTo !== undefined && (
             <rect x={Math.min(brush.current, brushTo)} width={Math.abs(brushTo - brush.current)} y={0} height={height - AXIS} fill="var(--accent)" opacity="0.2" />
           )}
           <Crosshair geometry={geometry} />
         </svg>
       )}
-      <p class="say" role="status"><bdi>{visible(wordsOf(on))}</bdi></p>
+      <p class="say" role="status"><bdi>{visible(spoken(on))}</bdi></p>
       <p class="legend soft" aria-hidden="true">filled: the active arm · hollow: a candidate that was held back · grey: cooldown, no switch yet · hatched: settling, nothing learnt</p>
     </div>
   );

@@ -3,7 +3,7 @@ import type { Step } from '../audit/steps';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import type { Told } from '../audit/explain';
-import { timelineOf } from './timeline_model';
+import { joined, thinned, timelineOf, wordsOf } from './timeline_model';
 
 const told = (activeArm: string, candidate: string, outcome: DecisionOutcome): Told => ({
   activeArm, candidate, outcome, reason: SwitchReason.UNSPECIFIED, rewardVersion: 3, verdict: Verdict.AMBIGUOUS, leader: '', leaderProbability: 0,
@@ -36,13 +36,23 @@ describe('a timeline', () => {
     expect(marks.map(({ fromMs, toMs, count }) => [fromMs, toMs, count])).toEqual([[200, 200, 1], [400, 500, 2], [600, 600, 1], [680, 680, 1], [690, 690, 1]]));
 
   it('says each mark in words', () => {
-    expect(marks[1]!.words).toBe('held: cooldown. SAP looks better, but KDTree stays: after a switch 400 ms have to pass before the next one.');
-    for (const { words } of marks) expect(words).toMatch(/\.$/);
+    expect(wordsOf(marks[1]!)).toBe('held: cooldown. SAP looks better, but KDTree stays: after a switch 400 ms have to pass before the next one.');
+    for (const mark of marks) expect(wordsOf(mark)).toMatch(/\.$/);
   });
 
   it('of two switches ends the first cooldown where the second begins', () => {
     const more = timelineOf([...steps, decision(695, 'SAP', 'SAP', KEPT)], 1000);
     expect(more.shades.map(({ fromMs, toMs }) => [fromMs, toMs])).toEqual([[300, 695], [695, 1095]]);
+  });
+
+  it('joins what the eye cannot tell apart, and nothing else', () =>
+    expect(joined([{ fromMs: 0, toMs: 10 }, { fromMs: 11, toMs: 12 }, { fromMs: 20, toMs: 21 }], 5)).toEqual([{ fromMs: 0, toMs: 12 }, { fromMs: 20, toMs: 21 }]));
+
+  it('leaves out the marks that others of their look cover', () => {
+    const shown = (gapMs: number) => thinned(marks, gapMs).map(({ fromMs }) => fromMs);
+    expect(shown(1)).toEqual([200, 400, 600, 680, 690]);
+    expect(shown(100)).toEqual([200, 400, 600, 690]);
+    expect(shown(1000)).toEqual([200, 400, 690]);
   });
 
   it('of nothing is empty', () => expect(timelineOf([], 5)).toEqual({ spans: [], shades: [], marks: [] }));

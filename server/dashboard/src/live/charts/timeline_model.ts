@@ -15,7 +15,6 @@ export interface Mark {
   toMs: number;
   count: number;
   step: Step; // the first one
-  words: string;
 }
 export interface Timeline { spans: Span[]; shades: Shade[]; marks: Mark[] }
 
@@ -31,11 +30,16 @@ const SIGNED = ['bail-out', 'refusal', 'mode', 'order', 'setup'];
 function markOf(step: Step, arm: string): Mark | undefined {
   const { told, timeMs, kind } = step;
   const mark = { arm, isHollow: false, sign: '', fromMs: timeMs, toMs: timeMs, count: 1, step };
-  if (SIGNED.includes(kind)) return { ...mark, sign: kindWord(kind).mark, words: `${kindWord(kind).name}. ${kindWord(kind).meaning}` };
+  if (SIGNED.includes(kind)) return { ...mark, sign: kindWord(kind).mark };
   if (!told?.candidate || told.candidate === told.activeArm) return undefined;
-  const words = `${outcomeWord(told.outcome).name}. ${explained(told)[0] ?? ''}`;
-  if (told.outcome === DecisionOutcome.SWITCHED) return { ...mark, arm: told.candidate, words };
-  return isHeldBack(told.outcome) ? { ...mark, arm: told.candidate, isHollow: true, words } : undefined;
+  if (told.outcome === DecisionOutcome.SWITCHED) return { ...mark, arm: told.candidate };
+  return isHeldBack(told.outcome) ? { ...mark, arm: told.candidate, isHollow: true } : undefined;
+}
+
+/** Returns what a mark means. */
+export function wordsOf({ sign, step: { kind, told } }: Mark): string {
+  if (sign || !told) return `${kindWord(kind).name}. ${kindWord(kind).meaning}`;
+  return `${outcomeWord(told.outcome).name}. ${explained(told)[0] ?? ''}`;
 }
 
 const goesOn = (run: Mark, next: Mark) =>
@@ -69,8 +73,31 @@ function addSpan({ spans, shades }: Timeline, { timeMs, activeArm, kind }: Step,
   if (!activeArm || activeArm === last?.arm) return;
   spans.push({ arm: activeArm, fromMs: timeMs, toMs: timeMs });
   if (!last || kind === 'setup') return;
-  const before = shades.filter((shade) => shade.kind === 'cooldown').at(-1);
-  if (before) before.toMs = Math.min(before.toMs, timeMs); // a new cooldown takes its place
+  for (const before of shades.slice(-2)) if (before.kind === 'cooldown') before.toMs = Math.min(before.toMs, timeMs); // a new one takes its place
   if (cooldownMs > 0) shades.push({ kind: 'cooldown', fromMs: timeMs, toMs: timeMs + cooldownMs });
   if (settlingMs > 0) shades.push({ kind: 'settling', fromMs: timeMs, toMs: timeMs + settlingMs });
+}
+
+interface Interval { fromMs: number; toMs: number }
+
+/** Returns the intervals, those that are less than `gapMs` apart as one. REQUIRES: they are in the order of their beginnings. */
+export function joined(intervals: readonly Interval[], gapMs: number): Interval[] {
+  const all: Interval[] = [];
+  for (const { fromMs, toMs } of intervals) {
+    const last = all.at(-1);
+    if (last && fromMs - last.toMs < gapMs) last.toMs = Math.max(last.toMs, toMs);
+    else all.push({ fromMs, toMs });
+  }
+  return all;
+}
+
+/** Returns the marks without those that would cover one of the same look, less than `gapMs` before them in their lane. */
+export function thinned(marks: readonly Mark[], gapMs: number): Mark[] {
+  const shownMs = new Map<string, number>();
+  return marks.filter(({ arm, isHollow, sign, fromMs, toMs }) => {
+    const look = `${arm}\n${isHollow} ${sign}`;
+    if (fromMs - (shownMs.get(look) ?? -Infinity) < gapMs && toMs - fromMs < gapMs) return false;
+    shownMs.set(look, fromMs);
+    return true;
+  });
 }

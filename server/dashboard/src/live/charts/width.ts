@@ -1,5 +1,5 @@
-// The width that an element has been given.
-import { useLayoutEffect, useRef, useState } from 'preact/hooks';
+// Where an element is: its width, and whether it is on the screen.
+import { type MutableRef, useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 
 /** Returns a reference to put on the element, and its width in pixels; 0 before it is known. */
 export function useWidth<Type extends Element>() {
@@ -14,4 +14,16 @@ export function useWidth<Type extends Element>() {
     return () => observer.disconnect();
   }, []);
   return { element, width };
+}
+
+/** Returns whether a part of the element is on the screen. */
+export function useIsSeen(element: MutableRef<Element | null>): boolean {
+  const [isSeen, setSeen] = useState(true);
+  useEffect(() => {
+    if (!element.current) return undefined;
+    const observer = new IntersectionObserver((entries) => setSeen(entries.at(-1)?.isIntersecting ?? true));
+    observer.observe(element.current);
+    return () => observer.disconnect();
+  }, []);
+  return isSeen;
 }

@@ -2,18 +2,19 @@
 import { colourOf, symbolOf } from '../../palette';
 import { Name } from './name';
 
-// In a box from −6 to 6.
+// In a box from −6 to 6 about where the path begins.
 const SHAPES: Readonly<Record<string, string>> = {
-  circle: 'M5 0A5 5 0 1 1 -5 0A5 5 0 1 1 5 0Z',
-  square: 'M-4.4-4.4H4.4V4.4H-4.4Z',
-  triangle: 'M0-5.4L5 4H-5Z',
-  diamond: 'M0-5.8L4.6 0L0 5.8L-4.6 0Z',
-  hexagon: 'M-2.8-4.8H2.8L5.6 0L2.8 4.8H-2.8L-5.6 0Z',
-  star: 'M0-6L1.6-2L5.8-1.8L2.5 .8L3.7 5L0 2.6L-3.7 5L-2.5 .8L-5.8-1.8L-1.6-2Z',
-  cross: 'M-2-5.4H2V-2H5.4V2H2V5.4H-2V2H-5.4V-2H-2Z',
-  wye: 'M-1.6 0L-5.2-2.6L-3.6-5L0-2.4L3.6-5L5.2-2.6L1.6 0V5.6H-1.6Z',
+  circle: 'm5 0a5 5 0 1 1 -10 0a5 5 0 1 1 10 0z',
+  square: 'm-4.4-4.4h8.8v8.8h-8.8z',
+  triangle: 'm0-5.4l5 9.4h-10z',
+  diamond: 'm0-5.8l4.6 5.8l-4.6 5.8l-4.6-5.8z',
+  hexagon: 'm-2.8-4.8h5.6l2.8 4.8l-2.8 4.8h-5.6l-2.8-4.8z',
+  star: 'm0-6l1.6 4l4.2 .2l-3.3 2.6l1.2 4.2l-3.7-2.4l-3.7 2.4l1.2-4.2l-3.3-2.6l4.2-.2z',
+  cross: 'm-2-5.4h4v3.4h3.4v4h-3.4v3.4h-4v-3.4h-3.4v-4h3.4z',
+  wye: 'm-1.6 0l-3.6-2.6l1.6-2.4l3.6 2.6l3.6-2.6l1.6 2.4l-3.6 2.6v5.6h-3.2z',
 };
 
+/** Returns a path about where it begins: `M10 20` before it puts it there. */
 export const shapeOf = (arm: string) => SHAPES[symbolOf(arm)] ?? SHAPES.wye!;
 
 // Hollow: not the live one.
