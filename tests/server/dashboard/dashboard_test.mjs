@@ -266,14 +266,16 @@ const SIZES = { wide: { width: 1440, height: 900 }, narrow: { width: 390, height
 // What each view has once it shows something.
 const ROWS = 'main tbody tr[data-key]';
 const CURVE = 'main td.curve svg'; // figures of a rate need two readings
+const FRAMES = 'figure[data-chart=frame-time] .u-over';
 const SHOWN = { overview: ROWS, scene: 'figure[data-chart=best] .u-over', scenes: '.beside > div:nth-child(2) figure[data-chart=beliefs] svg.picture',
-  session: 'figure[data-chart=frame-time] .u-over', why: 'section.why', decisions: ROWS, rows: ROWS, row: '.why', priors: ROWS, health: CURVE };
+  session: FRAMES, sessions: `.beside > div:nth-child(2) ${FRAMES}`, why: 'section.why', decisions: ROWS, rows: ROWS, row: '.why', priors: ROWS, health: CURVE };
 
 async function viewsOf(daemon) {
   const { sessions = [] } = await daemon.call('SessionsService/ListSessions');
-  const session = sessions[0]?.sessionId ?? 'none';
+  const [session, other] = [0, 1].map((i) => sessions[i]?.sessionId ?? 'none');
   const scene = '/scenes/arcade/late?class=test&reward=3';
   return { overview: '/', scene, scenes: `${scene}&with=${encodeURIComponent('arcade\narena\ntest\n3')}`, session: `/sessions/${session}`,
+    sessions: `/sessions/${session}?with=${other}`,
     why: `/sessions/${session}?decision=1`, decisions: '/decisions', rows: `/decisions?session=${session}`,
     row: `/decisions?session=${session}&row=${session}.1.3`, priors: '/priors', health: '/health' };
 }
@@ -312,7 +314,7 @@ async function checkEmptyViews(context) {
       return shown && !shown.includes('Loading') && shown;
     });
     assert.doesNotMatch(text, /NaN|undefined|null|Infinity/, name);
-    if (name !== 'health') await page.locator('.state').first().waitFor();
+    if (name !== 'health') await page.locator('.state, .empty-chart').first().waitFor();
     await page.screenshot({ path: join(pictures, `${name}-empty.png`) });
     await assertAccessible(page, `${name}, empty`);
   }
@@ -387,11 +389,14 @@ async function checkAll(browser) {
   await checkNumbers(page, daemon);
   await checkUpdates(context, daemon);
   const game = await checkLive(page, daemon);
+  const other = new Game(sweepstake, daemon, 'arcade', 'late');
+  await until('two sessions are connected', async () => (await daemon.call('SessionsService/ListSessions')).sessions?.length >= 2);
   await checkHostileNames(page);
   await checkHealth(page, daemon);
   await checkRowsStay(page, daemon);
   await checkViews(browser, daemon);
   await game.quit();
+  await other.quit();
   for (const check of [checkAddress, checkKeys, checkDownload]) {
     await check(page, daemon);
     console.log(`${check.name}: passed`);

@@ -186,7 +186,7 @@ async function checkCompare(page, daemon, { sessionId }) {
   const at = await timeIn(first);
   assert.match(at, /\d/);
   await until('the same place is the same time', async () => await hasBoth(second, first, share) && await timeIn(second) === at);
-  await assertAccessible(page, 'two sessions');
+  await isNarrow(page, 'two sessions');
   await page.reload();
   await chart(page, 'timeline').nth(1).locator('rect.span').first().waitFor();
   await page.getByRole('button', { name: 'Only the first' }).click();
@@ -202,7 +202,7 @@ async function checkUnknown(page, daemon, { sessionId }) {
   await chart(page, 'timeline').nth(1).getByText('Its log has nothing.').waitFor();
   await page.getByRole('heading', { name: 'Session <img src=x>⟨U+202E⟩gnp' }).waitFor();
   assert.equal(await page.locator('main img').count(), 0, 'a name became markup');
-  await assertAccessible(page, 'an unknown session');
+  await isNarrow(page, 'an unknown session');
   await page.goto(`${daemon.origin}${SCENE}&with=${encodeURIComponent(nobody)}`);
   await page.getByText('The daemon knows nothing of the other scene').waitFor();
   await page.getByRole('button', { name: 'Only the first' }).click();

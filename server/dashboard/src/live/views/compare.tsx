@@ -3,7 +3,7 @@ import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { share, significant } from '../../format';
 import { armsOf, measuredOf, mergedSteps, type Step } from '../audit/steps';
-import { useSessionLog } from '../audit/use_log';
+import { type SessionLog, useSessionLog } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
 import { Ridgeline, ridgeRange, type RidgeRow } from '../charts/ridgeline';
@@ -17,7 +17,7 @@ import { Arm } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { CopyLink } from '../parts/copy_link';
 import { Name } from '../parts/name';
-import { Empty, Loading } from '../parts/states';
+import { Empty, Failure, Loading } from '../parts/states';
 import { sceneHref, sessionHref, setQuery } from '../state/route';
 import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
@@ -85,15 +85,15 @@ export function CompareScenes({ own, other }: { own: SceneState; other: string }
   );
 }
 
-interface SessionData { id: string; steps: Step[]; arms: string[]; columns: CostColumns; isReading: boolean }
+interface SessionData { id: string; log: SessionLog; steps: Step[]; arms: string[]; columns: CostColumns }
 
 function useSession(id: string): SessionData {
   const log = useSessionLog(id, false);
   const events = useComputed(() => sessions.value.get(id)?.decisions).value ?? [];
   const latest = useMemo(() => {
     const steps = mergedSteps(log.steps, events, log.steps.at(-1)?.told?.rewardVersion ?? 0);
-    return { id, steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)), isReading: log.isReading };
-  }, [id, log.steps, events.at(-1), log.isReading]);
+    return { id, log, steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)) };
+  }, [id, log.steps, log.error, events.at(-1), log.isReading]);
   return useFrozen(latest, !log.isReading);
 }
 
@@ -106,11 +106,12 @@ const laidTo = (startMs: number, data: SessionData): SessionData => {
   return { ...data, steps, columns: costColumns(measuredOf(steps)) };
 };
 
-function SessionSide({ data: { id, steps, arms, columns }, domain, most }: { data: SessionData; domain: Range; most: { frameMs: number; detectionMs: number } }) {
+function SessionSide({ data: { id, log, steps, arms, columns }, domain, most }: { data: SessionData; domain: Range; most: { frameMs: number; detectionMs: number } }) {
   const moments = useMemo(() => switchMoments(steps, arms), [steps]);
   return (
     <div>
       <h2>Session <a href={sessionHref(id)}><Name text={id} /></a></h2>
+      {log.error && <Failure what="The session’s log" error={log.error} onRetry={log.again} />}
       <ChartFrame id="timeline" title="Switches" names={[id]} empty={steps.length === 0 && 'Its log has nothing.'}
         table={() => ({ header: ['time', 'active arm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
         <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={() => undefined} />
@@ -145,7 +146,7 @@ export function CompareSessions({ ids: [first, second] }: { ids: readonly [strin
   return (
     <>
       <header class="title"><h1>Beside one another</h1><span><Alone /><CopyLink /></span></header>
-      {both.some(({ isReading, steps }) => isReading && steps.length === 0) && <Loading what="the logs" />}
+      {both.some(({ log, steps }) => log.isReading && steps.length === 0) && <Loading what="the logs" />}
       <TimeTools />
       <p class="soft">The second session is drawn as if it had begun when the first one did: times are the first one’s.</p>
       <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} domain={range.value ?? { fromMs: startMs, toMs: startMs + lengthMs }} most={most} />)}</div>
