@@ -93,6 +93,14 @@ async function checkNumbers(page, daemon) {
   }
 }
 
+// What a chat shows of a link says which scene it leads to, and no name becomes markup of it.
+async function checkUnfurls(daemon) {
+  const titleOf = async (path) => /<meta property="og:title" content="([^"]*)">/.exec(await (await fetch(`${daemon.origin}${path}`)).text())[1];
+  assert.equal(await titleOf('/scenes/arcade/arena?class=test&reward=3'), 'arcade / arena · Sweepstake');
+  assert.equal(await titleOf('/'), 'Sweepstake');
+  assert.equal(await titleOf(`/scenes/arcade/${encodeURIComponent('"><script>')}`), 'arcade / &quot;&gt;&lt;script&gt; · Sweepstake');
+}
+
 async function checkHostileNames(page) {
   const link = page.getByRole('link', { name: SHOWN_HOSTILE, exact: true });
   assert.equal(await link.count(), 1);
@@ -384,6 +392,7 @@ async function checkAll(browser) {
     new Game(sweepstake, daemon, project, scene, { duration: '4s' }).ended()));
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true });
   await checkSize(context, daemon);
+  await checkUnfurls(daemon);
   await checkFirstChart(browser, daemon);
   const page = await openPage(context, daemon.origin);
   await checkNumbers(page, daemon);

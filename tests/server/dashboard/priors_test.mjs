@@ -12,6 +12,7 @@ import { Game, RealDaemon, until } from './real_daemon.mjs';
 const [sweepstaked, sweepstake] = process.argv.slice(2);
 const HOSTILE = '<b>1.3</b>\u202E';
 const SHOWN_HOSTILE = '<b>1.3</b>⟨U+202E⟩';
+const shownName = (name) => name.replaceAll('\u202E', '⟨U+202E⟩');
 const IMPORTED = 'from a file';
 
 const query = (page) => new URL(page.url()).searchParams;
@@ -94,6 +95,17 @@ async function checkPromote(page, daemon, commands) {
   await page.getByText('action=promote').first().waitFor();
 }
 
+// The most that each source's records count in a new session, as the API tells it.
+async function weightsOf(daemon) {
+  const response = await fetch(`${daemon.origin}/api/sweepstake.v1.PriorsService/ExportPriors`, { method: 'POST', body: '{"withWeights":true}',
+    headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' } });
+  const weights = new Map();
+  for (const { sourceId, weight = 0 } of (await response.text()).trim().split('\n').flatMap((line) => JSON.parse(line).records ?? [])) {
+    weights.set(sourceId, Math.max(weight, weights.get(sourceId) ?? 0));
+  }
+  return weights;
+}
+
 // Builds and sources are those of an export.
 async function checkTables(page, daemon, commands) {
   await page.goto(`${daemon.origin}/priors`);
@@ -112,6 +124,10 @@ async function checkTables(page, daemon, commands) {
       else assert.equal(row.Origin, row[title] === IMPORTED ? 'import' : 'session', row[title]);
     }
   }
+  const weights = await weightsOf(daemon);
+  const shown = (await rowsOf(page, 'Sources')).map(({ Source, Weight }) => [Source, number(Weight)]);
+  assert.ok(shown.some(([, weight]) => weight > 0), 'some source counts');
+  for (const [id, weight] of shown) assert.ok(Math.abs(weight - weights.get(id)) <= 0.006 * weights.get(id), `${id}: ${weight} instead of ${weights.get(id)}`);
   assert.equal(await page.locator('main b', { hasText: /^1\.3$/ }).count(), 0, 'a name became markup');
   await assertAccessible(page, 'priors');
 }
@@ -149,6 +165,11 @@ const countsText = ({ sources, records, windows }) => [counted(sources, 'source'
 async function previewIs(page, result, end = /would go\./) {
   const text = await until('the preview is there', async () => { const shown = await dialog(page).getByRole('status').innerText(); return end.test(shown) && shown; });
   for (const part of countsText(result)) assert.ok(text.replaceAll(',', '').includes(part), `${text} without ${part}`);
+  const leaders = result.leader_changes.scenes.map(({ scene, arm, next_arm: next }) => `${shownName(scene)}: ${next || 'none'} in place of ${arm || 'none'}`);
+  const items = await dialog(page).getByRole('listitem').allInnerTexts();
+  assert.equal(items.length, leaders.length, items.join());
+  for (const leader of leaders) assert.ok(items.some((item) => item.replace(/ on \S+(?=:)/, '').replaceAll(/\s+/g, ' ').includes(leader)), `${items.join()} without ${leader}`);
+  if (leaders.length === 0) await dialog(page).getByText('The same arm would lead in every scene').waitFor();
 }
 
 // A build goes: not before it was said what would go, not when the reader thinks better of it, then all of it and nothing else.

@@ -116,7 +116,7 @@ async function checkTime(page, daemon) {
 
 async function checkWhy(page, daemon, { sessionId }) {
   await page.goto(`${daemon.origin}/sessions/${sessionId}`);
-  await chart(page, 'timeline').locator('rect.span').first().waitFor();
+  await chart(page, 'timeline').locator('path.span[d^=M]').first().waitFor();
   const why = page.getByRole('button', { name: 'Why this arm?' });
   await until('there are decisions', () => why.isEnabled());
   await why.click();
@@ -171,7 +171,7 @@ async function checkCompare(page, daemon, { sessionId }) {
   assert.deepEqual([query(page).get('with'), query(page).get('from')], [other, null]);
   for (const [i, id] of [sessionId, other].entries()) {
     assert.equal(await page.getByRole('heading', { level: 2 }).nth(i).innerText(), `Session ${id}`);
-    await chart(page, 'timeline').nth(i).locator('rect.span').first().waitFor();
+    await chart(page, 'timeline').nth(i).locator('path.span[d^=M]').first().waitFor();
   }
   await page.getByRole('button', { name: 'Pause' }).click(); // so that times stay where they are
   const [first, second] = [0, 1].map((i) => chart(page, 'frame-time').nth(i));
@@ -188,7 +188,7 @@ async function checkCompare(page, daemon, { sessionId }) {
   await until('the same place is the same time', async () => await hasBoth(second, first, share) && await timeIn(second) === at);
   await isNarrow(page, 'two sessions');
   await page.reload();
-  await chart(page, 'timeline').nth(1).locator('rect.span').first().waitFor();
+  await chart(page, 'timeline').nth(1).locator('path.span[d^=M]').first().waitFor();
   await page.getByRole('button', { name: 'Only the first' }).click();
   await page.getByRole('heading', { name: `Session ${sessionId}` }).waitFor();
   await rival.quit();
@@ -198,7 +198,7 @@ async function checkCompare(page, daemon, { sessionId }) {
 async function checkUnknown(page, daemon, { sessionId }) {
   const nobody = '<img src=x>\u202Egnp';
   await page.goto(`${daemon.origin}/sessions/${sessionId}?with=${encodeURIComponent(nobody)}`);
-  await chart(page, 'timeline').first().locator('rect.span').first().waitFor();
+  await chart(page, 'timeline').first().locator('path.span[d^=M]').first().waitFor();
   await chart(page, 'timeline').nth(1).getByText('Its log has nothing.').waitFor();
   await page.getByRole('heading', { name: 'Session <img src=x>⟨U+202E⟩gnp' }).waitFor();
   assert.equal(await page.locator('main img').count(), 0, 'a name became markup');

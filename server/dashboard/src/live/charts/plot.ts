@@ -43,7 +43,7 @@ export interface Picture {
 
 /** All charts of a view have the same margins, so that their times stand above one another. */
 export const LEFT = 72;
-export const RIGHT = 14;
+export const RIGHT = 36; // half of the last time's width
 // Words of this height where the page's own have 15 px; very wide windows have larger ones.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
 const MOMENT = 4; // pixels from one moment's line to the next: more of them would hide what they mark
@@ -75,11 +75,12 @@ export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale'
 
 function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
   const { ctx, bbox } = plot;
+  let wordsY = Infinity;
   for (const { value, label } of levels) {
     const y = plot.valToPos(value, 'y', true);
     if (y < bbox.top || y > bbox.top + bbox.height) continue;
     ctx.save();
-    ctx.strokeStyle = ctx.fillStyle = resolved('var(--bad)');
+    ctx.strokeStyle = resolved('var(--bad)');
     ctx.lineWidth = uPlot.pxRatio;
     ctx.setLineDash([6 * uPlot.pxRatio, 4 * uPlot.pxRatio]);
     ctx.beginPath();
@@ -88,11 +89,14 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
     ctx.stroke();
     ctx.font = fontOf(11 * uPlot.pxRatio);
     ctx.textAlign = 'right';
-    ctx.setLineDash([]);
-    ctx.lineWidth = 3 * uPlot.pxRatio;
-    ctx.strokeStyle = resolved('var(--card)');
-    ctx.strokeText(label, bbox.left + bbox.width - 4 * uPlot.pxRatio, y - 4 * uPlot.pxRatio);
-    ctx.fillText(label, bbox.left + bbox.width - 4 * uPlot.pxRatio, y - 4 * uPlot.pxRatio);
+    const [x, base] = [bbox.left + bbox.width - 4 * uPlot.pxRatio, y - 4 * uPlot.pxRatio];
+    if (Math.abs(wordsY - base) >= 13 * uPlot.pxRatio) { // others would be written over one another
+      ctx.fillStyle = resolved('var(--card)');
+      ctx.fillRect(x - ctx.measureText(label).width - 3 * uPlot.pxRatio, base - 10 * uPlot.pxRatio, bbox.width, 13 * uPlot.pxRatio);
+      ctx.fillStyle = resolved('var(--bad)');
+      ctx.fillText(label, x, base);
+      wordsY = base;
+    }
     ctx.restore();
   }
 }
@@ -185,7 +189,7 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
       bind: { dblclick: () => () => { setRange(undefined); return null; } },
     },
     hooks: {
-      draw: [(plot) => { drawLevels(plot, now()); drawMoments(plot, now()); }],
+      draw: [(plot) => { drawMoments(plot, now()); drawLevels(plot, now()); }],
       setCursor: [(plot) => {
         const { left = -1 } = plot.cursor;
         if (plot.over.matches(':hover')) crosshairMs.value = left < 0 ? undefined : plot.posToVal(left, 'x');

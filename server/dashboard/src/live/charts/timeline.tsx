@@ -141,7 +141,7 @@ function nearestMark(marks: readonly Mark[], { x, y, domain }: Geometry, px: num
 }
 
 function spoken(mark: Mark | undefined): string {
-  if (!mark) return '';
+  if (!mark) return 'Point to a mark, or go through them with the arrow keys; Enter explains one.';
   const time = new Date(mark.fromMs).toLocaleTimeString();
   return mark.count > 1 ? `${time} to ${new Date(mark.toMs).toLocaleTimeString()}, ${mark.count} decisions: ${wordsOf(mark)}` : `${time}: ${wordsOf(mark)}`;
 }

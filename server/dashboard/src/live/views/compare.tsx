@@ -40,6 +40,12 @@ function sideOf(state: SceneState): Side {
   return { state, ridges: ridgeRows(rows), arms, rows: new PosteriorSeries(arms, state.posterior.rewardVersion).of(state.history) };
 }
 
+// Rows of the same arm stand side by side.
+const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): RidgeRow[] => {
+  const place = ({ label }: RidgeRow) => first.findIndex((each) => each.label === label) >>> 0; // those of no place last
+  return [...rows].sort((a, b) => place(a) - place(b));
+};
+
 function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, values }: { side: Side; rewards: readonly [number, number]; domain: Range; values: readonly [number, number] }) {
   const { posterior } = state;
   const { verdict: computed, leader, leaderProbability, expectedLossRatio } = verdictOf(posterior);
@@ -66,7 +72,7 @@ function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, value
 export function CompareScenes({ own, other }: { own: SceneState; other: string }) {
   const beside = useComputed(() => scenes.value.get(other)).value;
   const states = useFrozen([own, ...(beside ? [beside] : [])], beside !== undefined);
-  const sides = useMemo(() => states.map(sideOf), [states.map((state) => state.posterior).length, ...states.map(({ posterior }) => posterior)]);
+  const sides = useMemo(() => states.map(sideOf).map((side, _, all) => ({ ...side, ridges: inOrderOf(all[0]!.ridges, side.ridges) })), [states.map((state) => state.posterior).length, ...states.map(({ posterior }) => posterior)]);
   if (!beside) return <Empty title="The daemon knows nothing of the other scene"><p><Alone /></p></Empty>;
   const rewardVersion = own.posterior.rewardVersion;
   const hasOneReward = beside.posterior.rewardVersion === rewardVersion;

@@ -135,7 +135,7 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
 function NoScene({ name }: { name: SceneName }) {
   const others = variantsOf(name);
   const { error } = connection.value;
-  if (!isKnown.value.scenes) return error ? <Failure what="The scene" error={error} /> : <Loading what="the scene" />;
+  if (!isKnown.value.scenes) return error ? <Failure what="The scene" error={error} onRetry={() => location.reload()} /> : <Loading what="the scene" />;
   return (
     <Empty title="The daemon knows nothing of this scene">
       <p><Name text={name.project} /> / <Name text={name.scene} /> on <Name text={name.machineClass} />, reward version {name.rewardVersion}.</p>

@@ -103,7 +103,7 @@ function Timeline({ sessionId, steps, arms, domain }: ChartsProps) {
   const switchCount = steps.filter(isSwitch).length;
   return (
     <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'Nothing was decided yet.'}
-      note={`${counted(switchCount, 'switch', 'switches')} commanded. Point to a mark, or go through them with the arrow keys; Enter explains one. Dotted lines in the charts below: another arm began.`}>
+      note={`${counted(switchCount, 'switch', 'switches')} commanded. Dotted lines in the charts below: another arm began.`}>
       <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openStep} />
     </ChartFrame>
   );
