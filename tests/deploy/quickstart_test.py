@@ -27,8 +27,8 @@ def until(what, condition):
     raise SystemExit(f"quickstart_test.py: never: {what}")
 
 
-def called(origin, method):
-    request = urllib.request.Request(f"{origin}/api/sweepstake.v1.{method}", b"{}", {"X-Sweepstake": "1"})
+def called(origin, method, fields=None):
+    request = urllib.request.Request(f"{origin}/api/sweepstake.v1.{method}", json.dumps(fields or {}).encode(), {"X-Sweepstake": "1"})
     with urllib.request.urlopen(request, timeout=PATIENCE_S) as response:
         return json.load(response)
 
@@ -52,6 +52,8 @@ def play(script, bin_folder, data):
             session["state"] for session in called(origin, "SessionsService/ListSessions").get("sessions", [])
         ] == ["SESSION_STATE_CONNECTED"] * SCENES)
         until("each scene is learnt", lambda: sum(map(is_learnt, called(origin, "PosteriorsService/ListPosteriors").get("scenes", []))) == SCENES)
+        session = called(origin, "SessionsService/ListSessions")["sessions"][0]["sessionId"]
+        called(origin, "SessionsService/ReadRecording", {"sessionId": session})  # which recordings it gives, if any yet
         children = children_of(demo.pid)
         assert len(children) == 1 + SCENES, children
     finally:

@@ -21,6 +21,8 @@ namespace sweepstake {
 namespace {
 
 using test_support::AsHandles;
+using test_support::kTouching;
+using test_support::kUnit;
 using test_support::PairsByDefinition;
 using test_support::ProxyGame;
 using test_support::ProxyPairs;
@@ -179,9 +181,6 @@ TEST(ProxiesOnEachInstructionSet, HaveThePairsOfTheDefinition) {
     }
   });
 }
-
-constexpr Aabb kUnit = {{0, 0, 0}, {1, 1, 1}};
-constexpr Aabb kTouching = {{1, 1, 1}, {2, 2, 2}};
 
 TEST(ResolvedPairs, AreTheBackendsOwnWhereThereIsNothingToFilter) {
   ProxySet proxies;

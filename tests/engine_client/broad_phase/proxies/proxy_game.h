@@ -17,6 +17,9 @@
 
 namespace sweepstake::test_support {
 
+inline constexpr Aabb kUnit = {{0, 0, 0}, {1, 1, 1}};
+inline constexpr Aabb kTouching = {{1, 1, 1}, {2, 2, 2}};  // kUnit in a corner
+
 struct ListedProxy {
   ProxyHandle handle;
   Aabb box;

@@ -10,7 +10,8 @@
 namespace sweepstake {
 namespace {
 
-constexpr Aabb kUnit = {{0, 0, 0}, {1, 1, 1}};
+using test_support::kUnit;
+
 constexpr Aabb kOther = {{5, 5, 5}, {6, 6, 6}};
 
 void ExpectNothingBehind(ProxySet& proxies, ProxyHandle handle) {

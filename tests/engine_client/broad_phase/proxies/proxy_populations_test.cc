@@ -13,8 +13,9 @@
 namespace sweepstake {
 namespace {
 
-constexpr Aabb kUnit = {{0, 0, 0}, {1, 1, 1}};
-constexpr Aabb kTouching = {{1, 1, 1}, {2, 2, 2}};
+using test_support::kTouching;
+using test_support::kUnit;
+
 constexpr Aabb kFarAway = {{9, 9, 9}, {10, 10, 10}};
 // Collides with everything but its own kind.
 constexpr CollisionFilter kDebris = {.category = 4, .mask = ~4U};

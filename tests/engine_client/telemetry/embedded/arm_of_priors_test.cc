@@ -11,19 +11,19 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<std::string> kArms = {"SAP", "DBVT", "KDTree"};
-const std::vector<uint32_t> kVersions = {1, 1, 2};
+const std::vector<std::string> kPriorArms = {"SAP", "DBVT", "KDTree"};
+const std::vector<uint32_t> kPriorVersions = {1, 1, 2};
 
 // The lane's visits of the arms from this one on, each of which costs less than the one before it.
 std::string Visits(size_t first_arm = 0, const std::string& machine_class = MachineClass()) {
   std::vector<PriorRecord> records;
-  for (size_t arm = first_arm; arm < kArms.size(); ++arm) {
+  for (size_t arm = first_arm; arm < kPriorArms.size(); ++arm) {
     PriorRecord& record = records.emplace_back();
     record.project = record.scene = "default";
     record.machine_class = machine_class;
     record.measured_by = "lane";
-    record.arm = kArms[arm];
-    record.backend_version = kVersions[arm];
+    record.arm = kPriorArms[arm];
+    record.backend_version = kPriorVersions[arm];
     record.reward_version = 3;
     record.source_id = "studio";
     record.source_sequence = 1;
@@ -40,7 +40,7 @@ TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedInANewSceneAndOnAnotherMachineT
     for (const char* scene : {"default", "a new one"}) {
       options.scene = scene;
       for (options.seed = 1; options.seed <= 3; ++options.seed) {
-        const auto arm = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
+        const auto arm = EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions);
         ASSERT_TRUE(arm.ok()) << arm.status().message();
         EXPECT_EQ(*arm, "KDTree");
       }
@@ -53,7 +53,7 @@ TEST(ArmOfPriors, IsNoneOfWhatWaitsInQuarantine) {
   for (PriorRecord& record : records) record.is_quarantined = true;
   EmbeddedOptions options;
   options.priors_data = FormatPriors(records);
-  EXPECT_FALSE(EmbeddedDecider::ArmOfPriors(options, kArms, kVersions).ok());
+  EXPECT_FALSE(EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions).ok());
 }
 
 TEST(ArmOfPriors, IsOneThatThePriorsKnow) {
@@ -62,14 +62,14 @@ TEST(ArmOfPriors, IsOneThatThePriorsKnow) {
     options.policy = policy;
     for (const size_t first_arm : {1, 2}) {
       options.priors_data = Visits(first_arm);
-      const auto arm = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
+      const auto arm = EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions);
       ASSERT_TRUE(arm.ok()) << arm.status().message();
       EXPECT_EQ(*arm, "KDTree");
     }
   }
   options.policy = "default";
   options.scene = "a new one, whose neighbour compares nothing";
-  EXPECT_EQ(EmbeddedDecider::ArmOfPriors(options, kArms, kVersions).status().code(),
+  EXPECT_EQ(EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions).status().code(),
             StatusCode::kNotFound);
 }
 
@@ -77,11 +77,11 @@ TEST(ArmOfPriors, IsNoneWhereNothingIsKnown) {
   EmbeddedOptions options;
   options.priors_data = Visits();
   options.project = "another game";
-  const auto unknown = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
+  const auto unknown = EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions);
   EXPECT_EQ(unknown.status().code(), StatusCode::kNotFound);
   EXPECT_THAT(unknown.status().message(), HasSubstr("another game"));
   options.priors_data = "[";
-  EXPECT_EQ(EmbeddedDecider::ArmOfPriors(options, kArms, kVersions).status().code(),
+  EXPECT_EQ(EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions).status().code(),
             StatusCode::kDataLoss);
 }
 

@@ -6,8 +6,8 @@
 namespace sweepstake {
 namespace {
 
-const std::vector<std::string> kArms = {"SAP", "DBVT"};
-const std::vector<uint32_t> kVersions = {1, 4};
+const std::vector<std::string> kLedgerArms = {"SAP", "DBVT"};
+const std::vector<uint32_t> kLedgerVersions = {1, 4};
 
 EvidenceLedger::Key KeyOfPlayer(const std::string& source) {
   return {.project = "game",
@@ -19,7 +19,7 @@ EvidenceLedger::Key KeyOfPlayer(const std::string& source) {
 }
 
 EvidenceLedger LedgerOf(std::vector<PriorRecord> given, const std::string& source = "player") {
-  return {std::move(given), KeyOfPlayer(source), kArms, kVersions};
+  return {std::move(given), KeyOfPlayer(source), kLedgerArms, kLedgerVersions};
 }
 
 // Evidence that applies to the arm SAP.
@@ -139,19 +139,19 @@ TEST(EvidenceLedger, BeginsASceneWithoutEvidenceWithWhatTheProjectsOthersHaveInC
   }
   EvidenceLedger::Key key = KeyOfPlayer("player");
   key.compares_sources = true;
-  const EvidenceLedger ledger(given, key, kArms, kVersions);
+  const EvidenceLedger ledger(given, key, kLedgerArms, kLedgerVersions);
   EXPECT_EQ(ledger.prior_source_count(), 5U);
   EXPECT_GT(ledger.priors()[1].mean(), ledger.priors()[0].mean());
   key.scene = "desert";
   EXPECT_LT(ledger.priors()[1].evidence(),
-            EvidenceLedger(given, key, kArms, kVersions).priors()[1].evidence())
+            EvidenceLedger(given, key, kLedgerArms, kLedgerVersions).priors()[1].evidence())
       << "another scene is another one";
   key.scene = "harbour";
 
   EXPECT_EQ(LedgerOf(given).prior_source_count(), 0U) << "not for policies that sum rewards up";
   given.push_back(RecordOf("studio", 1, 10));
   given.back().beta_increment = 10;
-  const EvidenceLedger known(given, key, kArms, kVersions);
+  const EvidenceLedger known(given, key, kLedgerArms, kLedgerVersions);
   EXPECT_EQ(known.prior_source_count(), 1U);
   EXPECT_GT(known.priors()[1].mean(), known.priors()[0].mean()) << "of the others still";
 }
@@ -172,7 +172,7 @@ TEST(EvidenceLedger, ComparesSourcesOfOtherMachinesBuildsAndVersions) {
   EvidenceLedger::Key key = KeyOfPlayer("player");
   key.compares_sources = true;
   const auto evidence_of_dbvt = [&] {
-    const auto priors = EvidenceLedger(given, key, kArms, kVersions).priors();
+    const auto priors = EvidenceLedger(given, key, kLedgerArms, kLedgerVersions).priors();
     EXPECT_GT(priors[1].mean(), priors[0].mean());
     EXPECT_LT(priors[1].mean(), 0.51) << "at the player's level";
     return priors[1].evidence();

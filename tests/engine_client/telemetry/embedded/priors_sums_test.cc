@@ -55,7 +55,7 @@ std::string SumsWith(Change change) {
   return document.dump();
 }
 
-std::string ComplaintAbout(const std::string& text) {
+std::string ComplaintAboutSums(const std::string& text) {
   const auto result = ParsePriors(text);
   if (result.ok()) return "none";
   EXPECT_EQ(result.status().code(), StatusCode::kDataLoss);
@@ -120,16 +120,16 @@ TEST(PriorsSums, AreRefusedOnceChangedOrCutOff) {
   const std::string text = FormatPriors(SomeSums());
   std::string changed = text;
   changed.replace(changed.find("0.5"), 3, "0.6");
-  EXPECT_THAT(ComplaintAbout(changed), HasSubstr("checksum"));
+  EXPECT_THAT(ComplaintAboutSums(changed), HasSubstr("checksum"));
   for (size_t length = 0; length + 2 < text.size(); ++length)
     EXPECT_FALSE(ParsePriors(text.substr(0, length)).ok()) << length;
 }
 
 TEST(PriorsSums, SayWhichSceneIsBroken) {
   const auto same = [](json&) {};
-  EXPECT_EQ(ComplaintAbout(SumsWith(same)), "none");
+  EXPECT_EQ(ComplaintAboutSums(SumsWith(same)), "none");
   const auto complaint_where = [](const char* pointer, const json& value) {
-    return ComplaintAbout(
+    return ComplaintAboutSums(
         SumsWith([&](json& scenes) { scenes[json::json_pointer(pointer)] = value; }));
   };
   EXPECT_EQ(complaint_where("/0/project", ""), "priors scene 0: project is empty");
@@ -146,7 +146,7 @@ TEST(PriorsSums, SayWhichSceneIsBroken) {
   EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", "x"), HasSubstr("evidence is not"));
   EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {1, 2}), HasSubstr("evidence is not"));
   EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {-1, 2, 3}), HasSubstr("within 0 to 1e15"));
-  EXPECT_THAT(ComplaintAbout(SumsWith([](json& scenes) { scenes.push_back(json(scenes[0])); })),
+  EXPECT_THAT(ComplaintAboutSums(SumsWith([](json& scenes) { scenes.push_back(json(scenes[0])); })),
               HasSubstr("repeats"));
 }
 

@@ -20,7 +20,7 @@ export interface Band { upper: number; lower: number; fill: (context: CanvasRend
 /** A horizontal line that means something. */
 export interface Level {
   value: number;
-  label: string;
+  label: string; // beside the chart, where a word has room
   isAside?: boolean; // it does not say how far the axis goes: it is drawn where values come near it
 }
 /** A moment that means something. */
@@ -43,7 +43,7 @@ export interface Picture {
 
 /** All charts of a view have the same margins, so that their times stand above one another. */
 export const LEFT = 72;
-export const RIGHT = 36; // half of the last time's width
+export const RIGHT = 50; // for the last time's end, and for what levels mean
 // Words of this height where the page's own have 15 px; very wide windows have larger ones.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
 const MOMENT = 4; // pixels from one moment's line to the next: more of them would hide what they mark
@@ -87,15 +87,12 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
     ctx.moveTo(bbox.left, y);
     ctx.lineTo(bbox.left + bbox.width, y);
     ctx.stroke();
-    ctx.font = fontOf(11 * uPlot.pxRatio);
-    ctx.textAlign = 'right';
-    const [x, base] = [bbox.left + bbox.width - 4 * uPlot.pxRatio, y - 4 * uPlot.pxRatio];
-    if (Math.abs(wordsY - base) >= 13 * uPlot.pxRatio) { // others would be written over one another
-      ctx.fillStyle = resolved('var(--card)');
-      ctx.fillRect(x - ctx.measureText(label).width - 3 * uPlot.pxRatio, base - 10 * uPlot.pxRatio, bbox.width, 13 * uPlot.pxRatio);
+    if (Math.abs(wordsY - y) >= 12 * uPlot.pxRatio) { // others would be written over one another
       ctx.fillStyle = resolved('var(--bad)');
-      ctx.fillText(label, x, base);
-      wordsY = base;
+      ctx.font = fontOf(11 * uPlot.pxRatio);
+      ctx.textBaseline = 'middle';
+      ctx.fillText(label, bbox.left + bbox.width + 4 * uPlot.pxRatio, y);
+      wordsY = y;
     }
     ctx.restore();
   }

@@ -127,7 +127,7 @@ export function LossChart({ rows, names, moments, domain, notYet = NOT_YET }: Po
   return (
     <ChartFrame id="loss" title={title} names={names} note="Up to 0.5 % it does not matter which arm is chosen." empty={rows.length < 2 && notYet}
       table={() => ({ header: ['time', 'expected loss'], rows: rows.map((row) => [isoTime(row.timeMs), row.expectedLossRatio ?? null]) })}>
-      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(moments && { moments })} scale="zero" levels={[{ value: TIE_LOSS_RATIO, label: 'does not matter' }]}
+      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(moments && { moments })} scale="zero" levels={[{ value: TIE_LOSS_RATIO, label: 'a tie' }]}
         domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />
     </ChartFrame>
   );

@@ -62,7 +62,7 @@ function Lanes({ arms, geometry: { width, height, x, domain } }: { arms: readonl
       {arms.map((arm, i) => (
         <g key={arm}>
           <line x1={LEFT} x2={width - RIGHT} y1={(i + 1) * LANE} y2={(i + 1) * LANE} stroke="var(--rule)" />
-          <text x={LEFT - 6} y={i * LANE + LANE / 2 + 4} text-anchor="end" fill="var(--text)">{[...visible(arm)].slice(0, 11).join('')}</text>
+          <text x={LEFT - 10} y={i * LANE + LANE / 2 + 4} text-anchor="end" fill="var(--text)">{[...visible(arm)].slice(0, 11).join('')}</text>
         </g>
       ))}
     </g>

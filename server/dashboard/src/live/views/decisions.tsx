@@ -80,7 +80,7 @@ const ROWS: readonly Column<PlacedRow>[] = [
     cell: ({ row }) => (row.text('active_arm') || row.text('arm') ? <Arm name={row.text('active_arm') || row.text('arm')} /> : '–') },
   { id: 'candidate', title: 'Candidate', isText: true, sort: ({ row }) => row.text('candidate'), cell: ({ row }) => (row.text('candidate') ? <Arm name={row.text('candidate')} hollow /> : '–') },
   { id: 'outcome', title: 'Outcome', isText: true, sort: outcomeText, cell: (placed) => outcomeText(placed) || '–' },
-  { id: 'words', title: 'In words', isText: true, csv: wordsOf, cell: (placed) => <bdi>{wordsOf(placed)}</bdi> },
+  { id: 'words', title: 'In words', isText: true, csv: wordsOf, cell: (placed) => <bdi class="words">{wordsOf(placed)}</bdi> },
   { id: 'session', title: 'Session', isText: true, sort: ({ row }) => row.text('session'), cell: ({ row }) => <a href={sessionHref(row.text('session'))}><Name text={row.text('session')} /></a> },
 ];
 

@@ -28,9 +28,9 @@ const TAUGHT: readonly Column<Teacher>[] = [
 
 const BUILDS: readonly Column<BuildSum>[] = [
   { id: 'build', title: 'Build', sort: ({ build }) => build, cell: ({ build }) => <Name text={build} /> },
+  { id: 'revoke', title: 'Revoke', isText: true, cell: ({ project, build }) => build && <RevokeButton scope={{ project, build }} of={`build ${build}`} /> },
   { id: 'sources', title: 'Sources', hint: 'Sessions and imported sources', sort: ({ sourceIds }) => sourceIds.size, cell: ({ sourceIds }) => grouped(sourceIds.size) },
   ...TAUGHT,
-  { id: 'revoke', title: 'Revoke', isText: true, cell: ({ project, build }) => build && <RevokeButton scope={{ project, build }} of={`build ${build}`} /> },
 ];
 
 const WAITING: readonly Column<BuildSum>[] = [
@@ -47,12 +47,12 @@ const originOf = ({ isImported }: SourceSum) => (isImported ? 'import' : 'sessio
 const SOURCES: readonly Column<SourceSum>[] = [
   { id: 'source', title: 'Source', sort: ({ sourceId }) => sourceId,
     cell: ({ sourceId, isImported }) => (isImported ? <Name text={sourceId} /> : <a href={sourceHref(sourceId)}><Name text={sourceId} /></a>) },
+  { id: 'revoke', title: 'Revoke', isText: true, cell: ({ project, sourceId }) => <RevokeButton scope={{ project, sourceId }} of={`source ${sourceId}`} /> },
   { id: 'origin', title: 'Origin', isText: true, hint: 'A session of this daemon, or the import of a file of priors', sort: originOf, cell: originOf },
   { id: 'build', title: 'Build', isText: true, sort: ({ build }) => build, cell: ({ build }) => <Name text={build} /> },
   { id: 'weight', title: 'Weight', hint: 'How much it counts, at most, in a new session on its class of machines, of the build that was seen last in its scenes, with the newest backends. '
     + '0: newer sources of every arm have taken its place. 1: where rewards do not tell costs, all sources are summed', sort: ({ weight }) => weight, cell: ({ weight }) => significant(weight) },
   ...TAUGHT,
-  { id: 'revoke', title: 'Revoke', isText: true, cell: ({ project, sourceId }) => <RevokeButton scope={{ project, sourceId }} of={`source ${sourceId}`} /> },
 ];
 
 const SUMS: readonly Column<EvidenceSum>[] = [

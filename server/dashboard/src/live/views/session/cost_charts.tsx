@@ -7,8 +7,8 @@ import { TimeChart } from '../../charts/time_chart';
 import type { Range } from '../../charts/view_state';
 import type { CostColumns } from './model';
 
-/** Milliseconds that a frame may take at 60 and at 30 frames per second. */
-export const BUDGETS: readonly Level[] = [{ value: 1000 / 60, label: '16.7 ms: 60 fps' }, { value: 1000 / 30, label: '33.3 ms: 30 fps' }];
+/** Milliseconds that a frame may take at 60 and at 30 frames per second: 16.7 and 33.3. */
+export const BUDGETS: readonly Level[] = [{ value: 1000 / 60, label: '60 fps' }, { value: 1000 / 30, label: '30 fps' }];
 // A search is a small part of its frame, and would lie on the floor of an axis that reached them.
 const BUDGETS_ASIDE: readonly Level[] = BUDGETS.map((level) => ({ ...level, isAside: true }));
 
@@ -70,7 +70,7 @@ export function CostCharts({ columns, moments, domain, names, most }: CostCharts
   return (
     <>
       <CostChart {...common} id="frame-time" title="Frame time" lines={lines.frame} levels={BUDGETS} format={ms} {...(most && { values: [0, most.frameMs] as const })}
-        note="Percentiles are of the frames since the page was opened; the mean of each window is from the audit log." />
+        note="Percentiles are of the frames since the page was opened; the mean of each window is from the audit log. 60 and 30 fps: budgets of 16.7 and 33.3 ms." />
       <CostChart {...common} id="detection" title="Detection time" lines={lines.detection} levels={BUDGETS_ASIDE} format={ms}
         {...(most && { values: [0, most.detectionMs] as const })} note="What the broad phase takes of a frame, with a frame’s budgets where it comes near them." />
       <div class="beside">
