@@ -97,11 +97,11 @@ fi
 trap 'exit 0' INT TERM
 # What the page offers for download: the five seconds before a frame over 25 ms.
 flights=$data/flights
-rm -rf "$flights"
-mkdir "$flights"
+mkdir -p "$flights"
+rm -f "$flights"/*.aabbs
 while read -r project scene objects; do
   play "$project" "$scene" "$objects" --scene-name "$scene" --fps 60 --duration 720h --allow-orders --allow-box-view \
-    --flight-recorder 4 --frame-budget 25 --flight-folder "$flights" --allow-recording-download >>"$data/games.log" 2>&1 &
+    --flight-recorder 16 --frame-budget 25 --flight-folder "$flights" --allow-recording-download >>"$data/games.log" 2>&1 &
   games+=($!)
 done <<'SCENES'
 arena storms 1200

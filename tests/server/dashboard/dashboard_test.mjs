@@ -288,6 +288,15 @@ async function viewsOf(daemon) {
     row: `/decisions?session=${session}&row=${session}.1.3`, priors: '/priors', health: '/health' };
 }
 
+// All of a page: what is not on the screen is not drawn anew, so that the screen becomes as high as the page.
+async function drawWhole(page, path) {
+  const { width, height } = page.viewportSize();
+  await page.setViewportSize({ width, height: Math.max(height, await page.evaluate(() => document.documentElement.scrollHeight)) });
+  await page.evaluate(() => new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(resolve, 100))); }));
+  await page.screenshot({ path, fullPage: true });
+  await page.setViewportSize({ width, height });
+}
+
 async function checkViews(browser, daemon) {
   for (const [size, viewport] of Object.entries(SIZES)) {
     const context = await browser.newContext({ viewport, reducedMotion: 'reduce' });
@@ -299,7 +308,7 @@ async function checkViews(browser, daemon) {
       await page.locator(SHOWN[name]).first().waitFor();
       for (const theme of ['light', 'dark']) {
         await useTheme(page, theme);
-        await page.screenshot({ path: join(pictures, `${name}-${size}-${theme}.png`), fullPage: true });
+        await drawWhole(page, join(pictures, `${name}-${size}-${theme}.png`));
         await assertAccessible(page, `${name}, ${size}, ${theme}`);
       }
       assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}, ${size}: the page scrolls sideways`);
@@ -398,7 +407,7 @@ async function checkAll(browser) {
   await checkNumbers(page, daemon);
   await checkUpdates(context, daemon);
   const game = await checkLive(page, daemon);
-  const other = new Game(sweepstake, daemon, 'arcade', 'late');
+  const other = new Game(sweepstake, daemon, 'arcade', 'late', { more: ['--build', '1.4.0-rc2'] });
   await until('two sessions are connected', async () => (await daemon.call('SessionsService/ListSessions')).sessions?.length >= 2);
   await checkHostileNames(page);
   await checkHealth(page, daemon);

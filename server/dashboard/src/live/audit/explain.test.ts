@@ -15,9 +15,10 @@ describe('why this arm', () => {
   it('weighs what is expected against what it costs', () => {
     const text = explained(told).join(' ');
     expect(text).toContain('KDTree looks better, but SAP stays: the change would not pay');
-    expect(text).toContain('save 3.0 % of the detection time for 200 s, which counts 6.0.'); // 200 × 0.03
-    expect(text).toContain('cost 1.0 % more for 40 s, until the next switch is allowed, which counts 0.40; and the change itself counts 8.0. That does not pay.');
-    expect(explained({ ...told, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('That pays.');
+    expect(text).toContain('save 3.0 % of the detection time for 200 s, which is worth 6.0 s of detection.'); // 200 × 0.03
+    expect(text).toContain('cost 1.0 % more for 40 s, until the next switch is allowed, which is 400 ms; and the change itself is 8.0 s. That does not pay.');
+    expect(explained({ ...told, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('That would pay.');
+    expect(explained({ ...told, outcome: DecisionOutcome.SWITCHED, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('That pays.');
   });
 
   it('says the detection time where rewards tell it, else the reward', () => {
@@ -25,6 +26,13 @@ describe('why this arm', () => {
     expect(explained({ ...told, rewardVersion: 1 }).join(' ')).toContain('gave SAP a reward of 0.600');
     const { reward: _, ...nothing } = told;
     expect(explained(nothing).join(' ')).toContain('Nothing was learnt');
+  });
+
+  it('does not contradict itself where the verdict waits for more decisions', () => {
+    expect(explained(told).at(-1)).toContain('3.0 % on average: ambiguous.');
+    const later = explained({ ...told, leaderProbability: 0.9999, expectedLossRatio: 1e-6 }).at(-1);
+    expect(later).toMatch(/over 99\.9 %.* that is stable\. The scene is still called ambiguous/);
+    expect(explained({ ...told, verdict: Verdict.DEGRADED, leaderProbability: 0.9 }).at(-1)).toContain(': degraded.');
   });
 
   it('has a sentence for every outcome', () => {

@@ -1,8 +1,9 @@
 // "Why this arm?": a decision in sentences.
 import type { AuditRow, Setup } from './rows';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../numbers/log_cost';
+import { verdictOfLeader } from '../numbers/verdict';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
-import { SwitchReason, type Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { significant } from '../../format';
 import { kindWord, outcomeOf, outcomeWord, reasonOf, reasonWord, verdictOfText, verdictWord } from '../views/words';
 
@@ -95,21 +96,28 @@ function whatHappened({ activeArm, candidate, outcome, reason, cooldownMs }: Tol
   }
 }
 
-function whatWeighed({ candidate, activeArm, gate }: Told): string | undefined {
+function whatWeighed({ candidate, activeArm, gate, outcome }: Told): string | undefined {
   if (!gate || !candidate || candidate === activeArm) return undefined;
   const saved = gate.horizonS * gate.gain;
   const risked = gate.cooldownS * gate.loss;
   const pays = saved - risked - gate.costS > 0;
-  const points = (value: number) => significant(value, 2);
-  return `For ${candidate}: it is expected to save ${percent(gate.gain)} of the detection time for ${seconds(gate.horizonS)}, which counts ${points(saved)}. `
-    + `Against it: it may turn out to cost ${percent(gate.loss)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which counts ${points(risked)}; `
-    + `and the change itself counts ${points(gate.costS)}. That ${pays ? 'pays' : 'does not pay'}.`;
+  const worth = (s: number) => durationText(1000 * s);
+  const pay = outcome === DecisionOutcome.SWITCHED ? 'pays' : 'would pay';
+  return `For ${candidate}: it is expected to save ${percent(gate.gain)} of the detection time for ${seconds(gate.horizonS)}, which is worth ${worth(saved)} of detection. `
+    + `Against it: it may turn out to cost ${percent(gate.loss)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which is ${worth(risked)}; `
+    + `and the change itself is ${worth(gate.costS)}. That ${pays ? pay : 'does not pay'}.`;
 }
+
+// What these say does not follow from the leader's figures.
+const HELD_BY_OTHERS: readonly Verdict[] = [Verdict.DEGRADED, Verdict.UNSPECIFIED];
 
 function whatIsBelieved({ leader, leaderProbability, expectedLossRatio, verdict }: Told): string | undefined {
   if (!leader) return undefined;
-  return `After this decision ${leader} is the best arm with a probability of ${percent(leaderProbability)}, and choosing it loses `
-    + `${percent(expectedLossRatio)} on average: ${verdictWord(verdict).name}. ${verdictWord(verdict).meaning}`;
+  const believed = `After this decision ${leader} is the best arm with a probability of ${leaderProbability > 0.999 ? 'over 99.9 %' : percent(leaderProbability)}, `
+    + `and choosing it loses ${percent(expectedLossRatio)} on average: `;
+  const next = verdictOfLeader(leaderProbability, expectedLossRatio);
+  if (verdict === next || HELD_BY_OTHERS.includes(verdict)) return `${believed}${verdictWord(verdict).name}. ${verdictWord(verdict).meaning}`;
+  return `${believed}that is ${verdictWord(next).name}. The scene is still called ${verdictWord(verdict).name}: the word changes when three decisions after one another agree.`;
 }
 
 function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | undefined {

@@ -47,6 +47,7 @@ export const RIGHT = 50; // for the last time's end, and for what levels mean
 // Words of this height where the page's own have 15 px; very wide windows have larger ones.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
 const MOMENT = 4; // pixels from one moment's line to the next: more of them would hide what they mark
+const TICK = 10; // where areas fill the chart, a moment's line is so long: whole ones would cut them into stripes
 const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
@@ -90,6 +91,7 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
     if (Math.abs(wordsY - y) >= 12 * uPlot.pxRatio) { // others would be written over one another
       ctx.fillStyle = resolved('var(--bad)');
       ctx.font = fontOf(11 * uPlot.pxRatio);
+      ctx.textAlign = 'left';
       ctx.textBaseline = 'middle';
       ctx.fillText(label, bbox.left + bbox.width + 4 * uPlot.pxRatio, y);
       wordsY = y;
@@ -98,11 +100,25 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
   }
 }
 
-function drawMoments(plot: uPlot, { moments = [], domain }: Picture): void {
+// Beside its line where there is room, and not over the one before it. Returns where it ends.
+function drawName({ ctx, bbox }: uPlot, name: string, x: number, freeFrom: number): number {
+  const gap = 3 * uPlot.pxRatio;
+  const width = ctx.measureText(name).width;
+  const left = x + gap + width > bbox.left + bbox.width ? x - gap - width : x + gap;
+  if (left < freeFrom) return freeFrom;
+  ctx.fillStyle = resolved('var(--soft)');
+  ctx.fillText(name, left, bbox.top + 11 * uPlot.pxRatio);
+  return left + width + gap;
+}
+
+function drawMoments(plot: uPlot, { moments = [], domain, scale }: Picture): void {
   const { ctx, bbox } = plot;
   ctx.save();
   ctx.font = fontOf(11 * uPlot.pxRatio);
+  ctx.textAlign = 'left';
+  ctx.textBaseline = 'alphabetic';
   let last = -Infinity;
+  let wordsEnd = -Infinity;
   for (const { timeMs, colour, label } of moments) {
     if (timeMs < domain.fromMs || timeMs > domain.toMs) continue;
     const x = plot.valToPos(timeMs, 'x', true);
@@ -110,7 +126,7 @@ function drawMoments(plot: uPlot, { moments = [], domain }: Picture): void {
     last = x;
     ctx.beginPath();
     ctx.moveTo(x, bbox.top);
-    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.lineTo(x, bbox.top + (scale === 'unit' ? TICK * uPlot.pxRatio : bbox.height));
     ctx.strokeStyle = resolved('var(--card)'); // it would not be seen on an area of its own colour
     ctx.lineWidth = 3 * uPlot.pxRatio;
     ctx.setLineDash([]);
@@ -119,8 +135,7 @@ function drawMoments(plot: uPlot, { moments = [], domain }: Picture): void {
     ctx.lineWidth = uPlot.pxRatio;
     ctx.setLineDash([2 * uPlot.pxRatio, 2 * uPlot.pxRatio]);
     ctx.stroke();
-    ctx.fillStyle = resolved('var(--soft)');
-    if (label) ctx.fillText(label, x + 3 * uPlot.pxRatio, bbox.top + 11 * uPlot.pxRatio);
+    if (label) wordsEnd = drawName(plot, label, x, wordsEnd);
   }
   ctx.restore();
 }
@@ -146,7 +161,7 @@ function axis(now: () => Picture, isTime: boolean): uPlot.Axis {
     grid: { stroke: () => resolved('var(--rule)'), width: 1 },
     ticks: { show: false },
     ...(isTime
-      ? { size: 30, space: 84, incrs: TIME_STEPS, values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => splits.map((ms) => axisTime(ms, step)) }
+      ? { size: 30, space: 70, incrs: TIME_STEPS, values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => splits.map((ms) => axisTime(ms, step)) }
       : { size: LEFT, values: (_: uPlot, splits: number[]) => splits.map((value: number | null) => (value === null ? null : now().format(value))) }),
   };
 }

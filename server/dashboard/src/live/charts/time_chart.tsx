@@ -61,7 +61,7 @@ function Entry({ line, value }: { line: Line; value: string }) {
   const { arm } = line;
   if (!arm) return <span class="entry">{content}</span>;
   return (
-    <button type="button" class="entry" aria-pressed={!hiddenArms.value.has(arm)} title="Show or hide in all charts" onClick={() => toggleArm(arm)}>
+    <button type="button" class="entry" aria-pressed={!hiddenArms.value.has(arm)} title="Show or hide its line" onClick={() => toggleArm(arm)}>
       {content}
     </button>
   );
@@ -102,6 +102,11 @@ export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
   }, [structure, theme.value, width === 0]);
   useEffect(() => { if (width > 0) plot.current?.setSize({ width, height }); }, [width, height]);
   useEffect(() => { if (isSeen) plot.current?.setData(dataOf(picture)); }, [isSeen, picture.timesMs, picture.lines, picture.moments, picture.domain.fromMs, picture.domain.toMs]);
+  useEffect(() => {
+    const draw = () => plot.current?.setData(dataOf(latest.current)); // paper shows all of them
+    addEventListener('beforeprint', draw);
+    return () => removeEventListener('beforeprint', draw);
+  }, []);
   useSignalEffect(() => {
     const at = crosshairMs.value;
     if (plot.current && !host.current?.matches(':hover')) showCrosshair(plot.current, at);

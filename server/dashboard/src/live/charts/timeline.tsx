@@ -92,7 +92,7 @@ function Marks({ marks, arm, arms, geometry, isOn = false }: { marks: readonly M
       <path d={marks.map((mark) => pill(mark, geometry)).join('')} fill="none" />
       <path d={shapes(true)} fill="var(--card)" />
       <path d={shapes(false)} fill={colour} />
-      <g stroke="none">{marks.filter(({ sign }) => sign).map((mark) => <Sign key={mark.fromMs} mark={mark} geometry={geometry} />)}</g>
+      <g stroke="none">{marks.filter(({ sign }) => sign).map((mark) => <Sign key={`${mark.fromMs} ${mark.sign}`} mark={mark} geometry={geometry} />)}</g>
     </g>
   );
 }
@@ -155,13 +155,13 @@ function actionsOf(marks: readonly Mark[], on: Mark | undefined, domain: Range, 
   return {
     ArrowLeft: () => goTo(place < 0 ? shown.length - 1 : place - 1), ArrowRight: () => goTo(place + 1), Home: () => goTo(0), End: () => goTo(shown.length - 1),
     Enter: () => on && open(on.step), Escape: () => go(undefined),
-    '+': () => setRange(zoomed(domain, about, 0.5)), '-': () => setRange(range.peek() && zoomed(domain, about, 2)), 0: () => setRange(undefined),
+    '+': () => setRange(zoomed(domain, about, 0.5)), '=': () => setRange(zoomed(domain, about, 0.5)), '-': () => setRange(range.peek() && zoomed(domain, about, 2)), 0: () => setRange(undefined),
   };
 }
 
 export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
   const { element, width } = useWidth<HTMLDivElement>();
-  const timeline = useMemo(() => timelineOf(steps, domain.toMs), [steps, domain.toMs]);
+  const timeline = useMemo(() => timelineOf(steps, arms, domain.toMs), [steps, arms, domain.toMs]);
   const [on, setOn] = useState<Mark | undefined>(undefined);
   const settling = useId();
   const brush = useRef<number | undefined>(undefined);

@@ -20,8 +20,10 @@ const steps = [
   { timeMs: 690, kind: 'bail-out', activeArm: 'KDTree', decisionId: 0 },
 ];
 
+const ARMS = ['SAP', 'KDTree'];
+
 describe('a timeline', () => {
-  const { spans, shades, marks } = timelineOf(steps, 1000);
+  const { spans, shades, marks } = timelineOf(steps, ARMS, 1000);
 
   it('shows which arm ran when, up to the end', () =>
     expect(spans).toEqual([{ arm: 'SAP', fromMs: 100, toMs: 300 }, { arm: 'KDTree', fromMs: 300, toMs: 1000 }]));
@@ -41,7 +43,7 @@ describe('a timeline', () => {
   });
 
   it('of two switches ends the first cooldown where the second begins', () => {
-    const more = timelineOf([...steps, decision(695, 'SAP', 'SAP', KEPT)], 1000);
+    const more = timelineOf([...steps, decision(695, 'SAP', 'SAP', KEPT)], ARMS, 1000);
     expect(more.shades.map(({ fromMs, toMs }) => [fromMs, toMs])).toEqual([[300, 695], [695, 1095]]);
   });
 
@@ -55,5 +57,8 @@ describe('a timeline', () => {
     expect(shown(1000)).toEqual([200, 400, 690]);
   });
 
-  it('of nothing is empty', () => expect(timelineOf([], 5)).toEqual({ spans: [], shades: [], marks: [] }));
+  it('leaves out the marks of arms that have no lane', () =>
+    expect(timelineOf(steps, ['KDTree'], 1000).marks.map(({ arm }) => arm)).toEqual(['KDTree', 'KDTree']));
+
+  it('of nothing is empty', () => expect(timelineOf([], ARMS, 5)).toEqual({ spans: [], shades: [], marks: [] }));
 });

@@ -45,15 +45,16 @@ export function wordsOf({ sign, step: { kind, told } }: Mark): string {
 const goesOn = (run: Mark, next: Mark) =>
   run.isHollow && next.isHollow && run.arm === next.arm && run.step.told?.outcome === next.step.told?.outcome;
 
-/** REQUIRES: times ascend. `endMs`: until when the last arm is shown. */
-export function timelineOf(steps: readonly Step[], endMs: number): Timeline {
+/** REQUIRES: times ascend. `arms`: those that have a lane. `endMs`: until when the last arm is shown. */
+export function timelineOf(steps: readonly Step[], arms: readonly string[], endMs: number): Timeline {
   const timeline: Timeline = { spans: [], shades: [], marks: [] };
   let lengths: Lengths = { cooldownMs: 0, settlingMs: 0 };
   let lastDecision: Mark | undefined; // the mark of the decision just before, if it has one
   for (const step of steps) {
     lengths = lengthsAt(step, lengths);
     addSpan(timeline, step, lengths);
-    const mark = markOf(step, timeline.spans.at(-1)?.arm ?? '');
+    const found = markOf(step, timeline.spans.at(-1)?.arm ?? '');
+    const mark = found && arms.includes(found.arm) ? found : undefined;
     if (mark && lastDecision && goesOn(lastDecision, mark)) {
       lastDecision.toMs = mark.toMs;
       ++lastDecision.count;

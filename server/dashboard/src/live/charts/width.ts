@@ -16,13 +16,14 @@ export function useWidth<Type extends Element>() {
   return { element, width };
 }
 
-/** Returns whether a part of the element is on the screen. */
+/** Returns whether a part of the element's figure, or of the element where it is in none, is on the screen. */
 export function useIsSeen(element: MutableRef<Element | null>): boolean {
   const [isSeen, setSeen] = useState(true);
   useEffect(() => {
-    if (!element.current) return undefined;
+    const target = element.current?.closest('figure') ?? element.current;
+    if (!target) return undefined;
     const observer = new IntersectionObserver((entries) => setSeen(entries.at(-1)?.isIntersecting ?? true));
-    observer.observe(element.current);
+    observer.observe(target);
     return () => observer.disconnect();
   }, []);
   return isSeen;

@@ -22,6 +22,6 @@ describe('writing CSV', () => {
   });
 
   it('lets no name become a formula, and leaves numbers alone', () => {
-    expect(csvOf(['x'], [['=1+1', '@cmd', '+1', '-1', '\tx', -1, 2n, null]])).toBe("x\r\n'=1+1,'@cmd,'+1,'-1,'\tx,-1,2,\r\n");
+    expect(csvOf(['x'], [['=1+1', '@cmd', '+1', '-1', '\tx', '＝1', -1, 2n, null]])).toBe("x\r\n'=1+1,'@cmd,'+1,'-1,'\tx,'＝1,-1,2,\r\n");
   });
 });

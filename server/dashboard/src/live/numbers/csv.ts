@@ -33,7 +33,7 @@ export function parseRecord(record: string): string[] | undefined {
 export type CsvValue = string | number | bigint | boolean | null | undefined;
 
 // A spreadsheet takes a text that begins so for a formula. The apostrophe makes it a text.
-const FORMULA = /^[=+\-@\t\r]/;
+const FORMULA = /^[=+\-@\t\r＝＋－＠]/;
 
 function writtenCell(value: CsvValue): string {
   if (value === null || value === undefined) return '';

@@ -15,6 +15,7 @@ interface Concern {
   text: string;
   places: readonly { href: string; name: string }[];
   isBad: boolean;
+  allHref?: string; // where all of them are
 }
 
 const MAX_PLACES = 3;
@@ -23,9 +24,9 @@ const LATELY_MS = 600_000;
 const ofScene = ({ state }: SceneSummary) => ({ href: sceneHref(state.posterior), name: state.posterior.scene });
 const ofSession = ({ info }: SessionState) => ({ href: sessionHref(info.sessionId), name: `${info.scene} (${info.sessionId.slice(0, 8)})` });
 
-function concern(found: readonly (SceneSummary | SessionState)[], one: string, many: string, isBad: boolean): Concern | undefined {
+function concern(found: readonly (SceneSummary | SessionState)[], one: string, many: string, isBad: boolean, allHref?: string): Concern | undefined {
   if (found.length === 0) return undefined;
-  return { text: counted(found.length, one, many), isBad, places: found.map((each) => ('computed' in each ? ofScene(each) : ofSession(each))) };
+  return { text: counted(found.length, one, many), isBad, ...(allHref && { allHref }), places: found.map((each) => ('computed' in each ? ofScene(each) : ofSession(each))) };
 }
 
 const bailsOut = ({ state }: SceneSummary) =>
@@ -39,7 +40,7 @@ function concerns(): Concern[] {
   return [
     ...failed.map(({ name, isOk, note }): Concern => ({ text: `${name}: ${note || 'failed'}`, isBad: !isOk, places: [{ href: '/health', name: 'health' }] })),
     concern(all.filter(({ verdict }) => verdict === Verdict.DEGRADED), 'scene misses the frame-rate floor with every arm',
-      'scenes miss the frame-rate floor with every arm', true),
+      'scenes miss the frame-rate floor with every arm', true, '/?verdict=degraded'),
     concern(all.filter(bailsOut), 'scene had a bail-out lately', 'scenes had bail-outs lately', true),
     concern(lost, 'session has lost its game', 'sessions have lost their games', false),
     concern(online.filter(({ info }) => info.droppedFrameCount > 0n), 'game drops measurements', 'games drop measurements', false),
@@ -48,13 +49,13 @@ function concerns(): Concern[] {
   ].filter((each) => each !== undefined);
 }
 
-function Item({ text, places, isBad }: Concern) {
+function Item({ text, places, isBad, allHref }: Concern) {
   const rest = places.length - MAX_PLACES;
   return (
     <li class={isBad ? 'bad' : 'warn'}>
       <span aria-hidden="true">{isBad ? '▲ ' : '△ '}</span>{text}:{' '}
       {places.slice(0, MAX_PLACES).map(({ href, name }, i) => <span key={href}>{i > 0 && ', '}<a href={href}><bdi>{visible(name)}</bdi></a></span>)}
-      {rest > 0 && ` and ${grouped(rest)} more`}
+      {rest > 0 && <> and {allHref ? <a href={allHref}>{grouped(rest)} more</a> : `${grouped(rest)} more`}</>}
     </li>
   );
 }

@@ -9,7 +9,7 @@ import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
 import { Ridgeline, ridgeRange, type RidgeRow } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
-import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
+import { domainOf, pausedMs, range, type Range, useFrozen } from '../charts/view_state';
 import { centralInterval, mean } from '../numbers/beta';
 import { PosteriorSeries, type SeriesRow } from '../numbers/series';
 import { verdictOf } from '../numbers/verdict';
@@ -17,16 +17,17 @@ import { Arm } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { CopyLink } from '../parts/copy_link';
 import { Name } from '../parts/name';
-import { Empty, Failure, Loading } from '../parts/states';
-import { sceneHref, sessionHref, setQuery } from '../state/route';
+import { Empty } from '../parts/states';
+import { navigate, sceneHref, sessionHref, setQuery } from '../state/route';
 import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { visible } from '../parts/visible';
 import { scenes, type SceneState } from '../state/scenes';
-import { sessions } from '../state/sessions';
+import { isConnected, sessions } from '../state/sessions';
 import { isDegraded } from '../state/summaries';
 import { armNames, armRows, ridgeRows } from './scene/model';
 import { CostCharts } from './session/cost_charts';
+import { LogState } from './session/log_state';
 import { type CostColumns, costColumns, switchMoments } from './session/model';
 
 const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Only the first</button>;
@@ -91,38 +92,50 @@ export function CompareScenes({ own, other }: { own: SceneState; other: string }
   );
 }
 
-interface SessionData { id: string; log: SessionLog; steps: Step[]; arms: string[]; columns: CostColumns }
+interface SessionData {
+  id: string;
+  log: SessionLog;
+  steps: Step[];
+  arms: string[];
+  columns: CostColumns;
+  laterMs: number; // by which it is drawn earlier than it was
+}
 
 function useSession(id: string): SessionData {
-  const log = useSessionLog(id, false);
-  const events = useComputed(() => sessions.value.get(id)?.decisions).value ?? [];
+  const state = useComputed(() => sessions.value.get(id)).value;
+  const events = state?.decisions ?? [];
+  const log = useSessionLog(id, state !== undefined && isConnected(state) && pausedMs.value === undefined);
   const latest = useMemo(() => {
     const steps = mergedSteps(log.steps, events, log.steps.at(-1)?.told?.rewardVersion ?? 0);
-    return { id, log, steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)) };
-  }, [id, log.steps, log.error, events.at(-1), log.isReading]);
+    return { id, log, steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)), laterMs: 0 };
+  }, [id, log.steps, log.error, log.atMs, events.at(-1), log.isReading]);
   return useFrozen(latest, !log.isReading);
 }
 
 const mostOf = (columns: readonly (readonly (number | null)[])[]) => Math.max(0, ...columns.flat().map((value) => value ?? 0));
 
+// When it began: of a long log the page has only the end.
+const startOf = ({ steps }: SessionData, otherwiseMs: number) =>
+  steps.find(({ placed }) => placed?.setup)?.placed?.setup?.unixStartMs || (steps[0]?.timeMs ?? otherwiseMs);
+
 // Sessions of different times are laid over one another: the second one's times are counted from the first one's start.
 const laidTo = (startMs: number, data: SessionData): SessionData => {
-  const laterMs = (data.steps[0]?.timeMs ?? startMs) - startMs;
+  const laterMs = startOf(data, startMs) - startMs;
   const steps = data.steps.map((step) => ({ ...step, timeMs: step.timeMs - laterMs }));
-  return { ...data, steps, columns: costColumns(measuredOf(steps)) };
+  return { ...data, steps, columns: costColumns(measuredOf(steps)), laterMs };
 };
 
-function SessionSide({ data: { id, log, steps, arms, columns }, domain, most }: { data: SessionData; domain: Range; most: { frameMs: number; detectionMs: number } }) {
+function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain, most }: { data: SessionData; domain: Range; most: { frameMs: number; detectionMs: number } }) {
   const moments = useMemo(() => switchMoments(steps, arms), [steps]);
   return (
     <div>
       <h2>Session <a href={sessionHref(id)}><Name text={id} /></a></h2>
-      {log.error && <Failure what="The session’s log" error={log.error} onRetry={log.again} />}
+      <LogState log={log} />
       <ChartFrame id="timeline" title="Switches" names={[id]} empty={steps.length === 0 && 'Its log has nothing.'}
-        table={() => ({ header: ['time', 'active arm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
-        <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={() => undefined} />
+        table={() => ({ header: ['time', 'active arm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs + laterMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
+        <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={({ decisionId, timeMs }) => navigate(`${sessionHref(id)}?${decisionId > 0 ? `decision=${decisionId}` : `at=${Math.round(timeMs + laterMs)}`}`)} />
       </ChartFrame>
-      <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} most={most} />
+      <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} most={most} laterMs={laterMs} />
     </div>
   );
 }
@@ -144,15 +157,14 @@ export function CompareWith({ info }: { info: SessionInfo }) {
 
 export function CompareSessions({ ids: [first, second] }: { ids: readonly [string, string] }) {
   const [own, other] = [useSession(first), useSession(second)];
-  const startMs = own.steps[0]?.timeMs ?? 0;
+  const startMs = startOf(own, 0);
   const laid = useMemo(() => laidTo(startMs, other), [startMs, other]);
   const both = [own, laid];
-  const lengthMs = Math.max(1000, ...both.map(({ steps }) => (steps.at(-1)?.timeMs ?? 0) - (steps[0]?.timeMs ?? 0)));
+  const lengthMs = Math.max(1000, ...both.map(({ steps }) => (steps.at(-1)?.timeMs ?? startMs) - startMs));
   const most = { frameMs: mostOf(both.flatMap(({ columns }) => columns.frame)), detectionMs: mostOf(both.flatMap(({ columns }) => columns.detection)) };
   return (
     <>
       <header class="title"><h1>Beside one another</h1><span><Alone /><CopyLink /></span></header>
-      {both.some(({ log, steps }) => log.isReading && steps.length === 0) && <Loading what="the logs" />}
       <TimeTools />
       <p class="soft">The second session is drawn as if it had begun when the first one did: times are the first one’s.</p>
       <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} domain={range.value ?? { fromMs: startMs, toMs: startMs + lengthMs }} most={most} />)}</div>

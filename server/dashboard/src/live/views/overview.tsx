@@ -54,7 +54,7 @@ function Figure({ value, what, title }: { value: string; what: string; title?: s
 function Figures() {
   const all = summaries.value;
   const lastMs = Math.max(0, ...all.map(({ state }) => state.changedMs));
-  const unsure = all.filter(({ verdict }) => verdict === Verdict.AMBIGUOUS || verdict === Verdict.DEGRADED).length;
+  const unsure = all.filter(isUnsettled).length;
   return (
     <div class="figures">
       <Figure value={grouped(all.length)} what={all.length === 1 ? 'scene' : 'scenes'} />
@@ -92,6 +92,42 @@ function Tools({ all }: { all: readonly SceneSummary[] }) {
   );
 }
 
+interface ProjectSum { project: string; sceneCount: number; unsettledCount: number; sessionCount: number; evidence: bigint; worst: SceneSummary }
+
+const isUnsettled = ({ verdict }: SceneSummary) => verdict === Verdict.AMBIGUOUS || verdict === Verdict.DEGRADED;
+
+function projectsOf(all: readonly SceneSummary[]): ProjectSum[] {
+  const sums = new Map<string, ProjectSum>();
+  for (const row of all) {
+    const { project, activeSessionCount } = sceneOf(row);
+    const sum = sums.get(project) ?? { project, sceneCount: 0, unsettledCount: 0, sessionCount: 0, evidence: 0n, worst: row };
+    sums.set(project, { project, sceneCount: sum.sceneCount + 1, unsettledCount: sum.unsettledCount + Number(isUnsettled(row)), sessionCount: sum.sessionCount + activeSessionCount,
+      evidence: sum.evidence + row.evidence, worst: row.uncertainty > sum.worst.uncertainty ? row : sum.worst });
+  }
+  return [...sums.values()];
+}
+
+const PROJECTS: readonly Column<ProjectSum>[] = [
+  { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={`/?project=${encodeURIComponent(project)}`}><Name text={project} /></a> },
+  { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'Sorted by how uncertain it is which arm is the best there', sort: ({ worst }) => worst.uncertainty,
+    csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
+  { id: 'unsettled', title: 'Not settled', hint: 'Scenes that are ambiguous or degraded', sort: ({ unsettledCount }) => unsettledCount, cell: ({ unsettledCount }) => grouped(unsettledCount) },
+  { id: 'scenes', title: 'Scenes', sort: ({ sceneCount }) => sceneCount, cell: ({ sceneCount }) => grouped(sceneCount) },
+  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: ({ sessionCount }) => sessionCount, cell: ({ sessionCount }) => grouped(sessionCount) },
+  { id: 'evidence', title: 'Evidence', hint: 'Decision windows and visits of the shadow lane, of all sessions', sort: ({ evidence }) => Number(evidence), cell: ({ evidence }) => grouped(Number(evidence)) },
+];
+
+function Projects({ all }: { all: readonly SceneSummary[] }) {
+  const rows = projectsOf(all);
+  if (rows.length < 2) return null;
+  return (
+    <section aria-labelledby="projects-heading">
+      <h2 id="projects-heading">Projects</h2>
+      <Table caption="Projects" columns={PROJECTS} rows={rows} keyOf={({ project }) => project} sort="-verdict" sortParameter="projects" />
+    </section>
+  );
+}
+
 function NoScenes() {
   return (
     <Empty title="No scene has reported yet">
@@ -116,6 +152,7 @@ export function Overview() {
         )}
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>
+      <Projects all={all} />
       <p class="soft small">{counted(sessions.value.size, 'session', 'sessions')} known; verdicts are of the evidence of all sessions together, the leader’s P(best) is stable from {significant(STABLE_PROBABILITY, 1)} on.</p>
     </>
   );

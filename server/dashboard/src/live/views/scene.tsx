@@ -34,11 +34,12 @@ import { armNames, type ArmRow, armRows, latestSwitches, MAX_SWITCHES, ridgeRows
 import { verdictWord } from './words';
 
 function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdict }) {
-  if (isDegraded(state, sessions.value)) return <p><VerdictChip verdict={Verdict.DEGRADED} /> {verdictWord(Verdict.DEGRADED).meaning}</p>;
+  const isBad = isDegraded(state, sessions.value);
+  if (isBad && !computed.leader) return <p><VerdictChip verdict={Verdict.DEGRADED} /> {verdictWord(Verdict.DEGRADED).meaning}</p>;
   if (!computed.leader) return <p><VerdictChip verdict={computed.verdict} /> {verdictWord(computed.verdict).meaning}</p>;
   return (
     <p>
-      <VerdictChip verdict={computed.verdict} /> <b><Name text={computed.leader} /></b> is the best arm with a probability of{' '}
+      <VerdictChip verdict={isBad ? Verdict.DEGRADED : computed.verdict} /> {isBad && `${verdictWord(Verdict.DEGRADED).meaning} `}<b><Name text={computed.leader} /></b> is the best arm with a probability of{' '}
       <b class="leader-probability">{computed.leaderProbability.toFixed(3)}</b>. Choosing it loses <b>{share(computed.expectedLossRatio)}</b> on average, and knowing
       everything would gain <b>{share(computed.valueRemainingRatio)}</b>.
     </p>

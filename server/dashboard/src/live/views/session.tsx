@@ -4,7 +4,7 @@ import type { ComponentType } from 'preact';
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { counted, grouped } from '../../format';
 import { armsOf, isSwitch, laneVisits, measuredOf, mergedSteps, type Step } from '../audit/steps';
-import { MAX_STEPS, type SessionLog, useSessionLog } from '../audit/use_log';
+import { type SessionLog, useSessionLog } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import type { Moment } from '../charts/plot';
 import { BandsChart, BestChart } from '../charts/posterior_charts';
@@ -29,6 +29,7 @@ import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
 import { beliefRows, costColumns, laneSums, type LaneSum, priorAndPosterior, stepFor, switchMoments } from './session/model';
+import { LogState } from './session/log_state';
 import { Orders } from './session/orders';
 import { Recordings } from './session/recordings';
 import { Why } from './session/why';
@@ -160,17 +161,6 @@ function Boxes({ sessionId, isOver }: { sessionId: string; isOver: boolean }) {
       </p>
       {isShown && <BoxesLater sessionId={sessionId} />}
     </section>
-  );
-}
-
-function LogState({ log }: { log: SessionLog }) {
-  if (log.error) return <Failure what="The session’s log" error={log.error} onRetry={log.again} />;
-  if (log.isReading && log.steps.length === 0) return <Loading what="the session’s log" />;
-  return (
-    <p class="soft">
-      {log.droppedCount > 0 && <>The last {grouped(MAX_STEPS)} rows of the log are shown; {grouped(log.droppedCount)} older ones are in <code>sweepstake audit export</code>. </>}
-      The log was read {ago(log.atMs, now.value)}. <button type="button" class="quiet" disabled={log.isReading} onClick={log.again}>Read again</button>
-    </p>
   );
 }
 

@@ -22,6 +22,7 @@ interface CostChartProps {
   title: string;
   note?: string;
   timesMs: readonly number[];
+  laterMs: number;
   lines: readonly Line[];
   levels?: readonly Level[];
   moments: readonly Moment[];
@@ -32,11 +33,11 @@ interface CostChartProps {
   values?: readonly [number, number];
 }
 
-function CostChart({ id, title, note, timesMs, lines, levels, moments, domain, names, format, height = 180, values }: CostChartProps) {
+function CostChart({ id, title, note, timesMs, laterMs, lines, levels, moments, domain, names, format, height = 180, values }: CostChartProps) {
   const hasValues = lines.some((line) => line.values.some((value) => value !== null));
   const table = () => ({
     header: ['time', ...lines.map(({ label }) => label)],
-    rows: timesMs.map((ms, i) => [new Date(ms).toISOString(), ...lines.map((line) => line.values[i] ?? null)]),
+    rows: timesMs.map((ms, i) => [new Date(ms + laterMs).toISOString(), ...lines.map((line) => line.values[i] ?? null)]),
   });
   return (
     <ChartFrame id={id} title={title} note={note} names={names} table={table} empty={!hasValues && 'Nothing was measured yet.'}>
@@ -58,15 +59,16 @@ export interface CostChartsProps {
   domain: Range;
   names: readonly string[];
   most?: { frameMs: number; detectionMs: number }; // of charts beside others: their axes reach so far
+  laterMs?: number; // by which the session is drawn earlier than it was; its tables have the times as they were
 }
 
-export function CostCharts({ columns, moments, domain, names, most }: CostChartsProps) {
+export function CostCharts({ columns, moments, domain, names, most, laterMs = 0 }: CostChartsProps) {
   const { timesMs } = columns;
   const lines = useMemo(() => ({
     frame: percentileLines(columns.frame, 'window mean'), detection: percentileLines(columns.detection, 'window mean'),
     bytes: percentileLines(columns.bytes, 'window peak'), checks: single('checks', columns.checks), objects: single('objects', columns.objects),
   }), [columns]);
-  const common = { timesMs, moments, domain, names };
+  const common = { timesMs, moments, domain, names, laterMs };
   return (
     <>
       <CostChart {...common} id="frame-time" title="Frame time" lines={lines.frame} levels={BUDGETS} format={ms} {...(most && { values: [0, most.frameMs] as const })}

@@ -61,16 +61,16 @@ export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readon
   if (!isOperator.value) return <p class="soft orders">Orders need the role operator; yours is {account.value?.role ?? 'not known'}.</p>;
   return (
     <div class="orders" role="group" aria-label="Orders">
-      <span class="soft" title={modeWord(info.mode).meaning}>Now: {modeWord(info.mode).name}</span>
       <button type="button" disabled={info.mode === Mode.AI} onClick={() => void ask(info, { mode: Mode.AI, arm: '' })}>AI decides</button>
       <label class="choice"><span>Keep</span>
-        <select value={arm} onChange={(event) => setChosen(event.currentTarget.value)}>
+        <select value={arm} onFocus={() => setChosen(arm)} onChange={(event) => setChosen(event.currentTarget.value)}>
           {[...new Set([info.activeArm, ...arms])].map((name) => <option key={name} value={name}>{visible(name)}</option>)}
         </select>
       </label>
       <button type="button" onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this arm</button>
       <button type="button" onClick={() => void kick(info, true)}>Reconnect</button>
       <button type="button" onClick={() => void kick(info, false)}>End session</button>
+      <span class="soft" title={modeWord(info.mode).meaning}>Now: {modeWord(info.mode).name}</span>
     </div>
   );
 }
