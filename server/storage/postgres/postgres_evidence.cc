@@ -34,7 +34,7 @@ constexpr const char* kFindKeys = R"sql(
          AS given(project, scene, measured_by, arm, backend_version, machine_class, reward_version)
          JOIN evidence_key k USING (project, scene, measured_by, arm, backend_version,
                                     machine_class, reward_version))sql";
-constexpr const char* kLoadRows = R"sql(
+constexpr const char* kLoadEvidence = R"sql(
     SELECT key_id, source_id, sequence, alpha, beta, window_count, bail_out_count
     FROM unnest($1::bigint[], $2::bigint[]) AS given(key_id, source_id)
          JOIN evidence USING (key_id, source_id))sql";
@@ -48,7 +48,7 @@ constexpr const char* kChangeRows = R"sql(
          AS g(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)
     WHERE e.key_id = g.key_id AND e.source_id = g.source_id)sql";
 // Adds those of the same rows that there are not. Nobody else does, since the sources are locked.
-constexpr const char* kAddRows = R"sql(
+constexpr const char* kAddEvidence = R"sql(
     INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)
     SELECT *
     FROM unnest($1::bigint[], $2::bigint[], $3::bigint[], $4::numeric[], $5::numeric[],
@@ -211,7 +211,7 @@ absl::StatusOr<RowChanges> PostgresEvidence::Load(const std::set<RowPlace>& plac
   }
   RowChanges rows;
   absl::Status status = connection_.ForEachRow(
-      kLoadRows,
+      kLoadEvidence,
       [&](const PostgresRow& row) {
         rows[{row.Integer(0), row.Integer(1)}] = {row.Unsigned(2), UnitsOf(row, 3)};
       },
@@ -243,7 +243,7 @@ absl::Status PostgresEvidence::Apply(const RowChanges& changes) {
   absl::Status status;
   if (any_new)
     status = connection_.ForEachRow(
-        kAddRows,
+        kAddEvidence,
         [&](const PostgresRow& row) {
           new_keys.Add(row.Integer(0));
           new_sources.Add(row.Integer(1));
