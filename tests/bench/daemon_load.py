@@ -12,6 +12,7 @@ import argparse
 import json
 import os
 import pathlib
+import random
 import selectors
 import signal
 import socket
@@ -250,17 +251,48 @@ def measure_browsers(daemon, watchers, scenes, options):
             "server_cores": watched, "browser_cores": watched - alone}
 
 
+def import_records(daemon, records):
+    """Lets a daemon learn what a file of priors says. Returns how long the command took, in seconds."""
+    path = daemon.data / "records.json"
+    path.write_text(json.dumps({"format": "sweepstake-priors", "version": 1, "records": records}), encoding="utf-8")
+    return run_timed(daemon.sweepstake("priors", "import", "--promote", "--in", path))
+
+
+def run_timed(command):
+    start = time.monotonic()
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise Failure(f"{' '.join(map(str, command))} ended with {done.returncode}: {done.stderr.strip()}")
+    return time.monotonic() - start
+
+
+def measure_files(daemon, scenes, builds):
+    """How long the commands take that write and read the evidence of so many scenes and builds, and how large what ships is.
+
+    Of each scene and build there are ten records, as of a session: seven arms that the lane measured, three of them live too.
+    """
+    generator = random.Random(1)
+    records = [{"project": "load", "scene": f"level {scene}", "arm": f"arm {place % 7}", "backend_version": 1, "reward_version": 3,
+                "measured_by": "lane" if place < 7 else "", "machine_class": "desktop", "build": f"1.{build}",
+                "source_id": f"{scene * builds + build:032x}", "source_sequence": 1,
+                "alpha_increment": generator.uniform(1, 10_000), "beta_increment": generator.uniform(1, 10_000),
+                "window_count": 20} for scene in range(scenes) for build in range(builds) for place in range(10)]
+    import_s = import_records(daemon, records)
+    sums = daemon.data / "sums.json"
+    export_s = run_timed(daemon.sweepstake("priors", "export", "--sums", "--out", sums))
+    whole_s = run_timed(daemon.sweepstake("priors", "export", "--out", daemon.data / "whole.json"))
+    # What a game that starts with it does: all of it is read and checked.
+    read_s = run_timed([daemon.programs / "sweepstake", "priors", "show", "--in", sums, "--json"])
+    return {"scenes": scenes, "builds": builds, "records": len(records), "import_s": import_s, "export_s": export_s,
+            "whole_export_s": whole_s, "read_s": read_s, "sums_bytes": sums.stat().st_size}
+
+
 def measure_hello(daemon, sources, options):
     """Welcomes of a scene that so many sessions have taught."""
     records = [{"project": "load", "scene": "scene 0", "arm": "arm 0", "backend_version": 1, "reward_version": 3,
                 "source_id": f"{number:032x}", "source_sequence": 1, "alpha_increment": 1, "beta_increment": 1,
                 "window_count": 2} for number in range(sources)]
-    path = daemon.data / "sources.json"
-    path.write_text(json.dumps({"format": "sweepstake-priors", "version": 1, "records": records}),
-                    encoding="utf-8")
-    imported = subprocess.run(daemon.sweepstake("priors", "import", "--promote", "--in", path), capture_output=True, text=True, check=False)
-    if imported.returncode != 0:
-        raise Failure("cannot import the sources: " + imported.stderr.strip())
+    import_records(daemon, records)
     figures = run_load(daemon.load(2000, 0.1, 60, options.seconds, scenes=1))  # 200 Hellos a second
     check_taught(daemon, sources)
     return {"sources": sources, **{name: figures[name] for name in figures if name.startswith("hello")}}
@@ -292,6 +324,8 @@ def plan(options):
         ("watched", f"100 watchers of {streams // 2} streams", lambda daemon: measure_watched(daemon, streams // 2, options), {}),
         ("browsers", f"{browsers} browsers that watch {scenes} scenes at 4 Hz",
          lambda daemon: measure_browsers(daemon, browsers, scenes, options), quick),
+        ("files", f"files of {max(options.sources // 100, 1)} scenes × 20 builds",
+         lambda daemon: measure_files(daemon, max(options.sources // 100, 1), 20), {}),
         ("hello", f"Hellos of a scene with {options.sources} sources", lambda daemon: measure_hello(daemon, options.sources, options), {}),
     ]
 
