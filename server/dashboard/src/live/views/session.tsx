@@ -59,7 +59,7 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
       {info && <div><dt>Build</dt><dd><Name text={info.build} /></dd></div>}
       {info && <div><dt>Address</dt><dd><Name text={info.clientAddress} /></dd></div>}
       {info && <div><dt>Began</dt><dd>{timeText(Number(info.unixStartMs))}</dd></div>}
-      {state && lastMessageMs(state) > 0 && <div><dt>Last message</dt><dd>{ago(lastMessageMs(state), now.value)}</dd></div>}
+      {state && lastMessageMs(state) > 0 && <div><dt>Last message</dt><dd class="ago">{ago(lastMessageMs(state), now.value)}</dd></div>}
       {info && <div><dt>Dropped frames</dt><dd>{String(info.droppedFrameCount)}</dd></div>}
     </dl>
   );
