@@ -202,7 +202,7 @@ export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
   return (
     <div ref={element} class="timeline">
       {width > 0 && (
-        <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} tabIndex={0} role="group"
+        <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} tabindex={0} role="group"
           aria-label="Switches over time. Arrow keys go from decision to decision, Enter explains one." onPointerMove={onPointerMove}
           onPointerDown={(event) => { brush.current = placeOf(event)[0]; }} onPointerUp={onPointerUp}
           onPointerLeave={() => { crosshairMs.value = undefined; brush.current = undefined; setBrushTo(undefined); }} onKeyDown={onKeyDown}
