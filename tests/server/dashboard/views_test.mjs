@@ -122,7 +122,7 @@ async function checkWhy(page, daemon, { sessionId }) {
   await why.click();
   const panel = page.locator('section.why');
   await panel.waitFor();
-  assert.match(await panel.innerText(), /is the best arm with a probability of \d/);
+  assert.match(await panel.innerText(), /is the best arm with a probability of (over )?\d/);
   assert.ok(Number(query(page).get('decision')) > 0);
   if (await panel.getByRole('button', { name: 'Read its audit row' }).count()) await panel.getByRole('button', { name: 'Read its audit row' }).click();
   await panel.getByText('Its audit row').click();
