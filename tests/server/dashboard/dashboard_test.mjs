@@ -102,7 +102,7 @@ async function checkUnfurls(daemon) {
 }
 
 async function checkHostileNames(page) {
-  const link = page.getByRole('link', { name: SHOWN_HOSTILE, exact: true });
+  const link = page.locator('section[aria-labelledby=scenes-heading]').getByRole('link', { name: SHOWN_HOSTILE, exact: true });
   assert.equal(await link.count(), 1);
   assert.equal(await page.locator('main img').count(), 0, 'a name became markup');
   await link.click();
