@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { valueRange } from './plot';
+import { axisTime, valueRange } from './plot';
 
 const budget = { value: 16, label: '60 fps' };
 
@@ -10,4 +10,10 @@ it('An axis reaches its levels, but for those that stand aside', () => {
   expect(valueRange(aside, 0, 15.9)[1], 'is drawn where values come near it').toBeGreaterThan(16);
   expect(valueRange({ ...aside, values: [0, 20] }, 0, 0.05)[1], 'of charts beside others').toBeCloseTo(20 * 1.08, 12);
   expect(valueRange(aside, null, null)).toEqual([0, 1]);
+});
+
+it('The times of axes are round, also where they are a little before', () => {
+  const noonMs = new Date(2026, 10, 25, 12, 0, 0).getTime();
+  expect([noonMs, noonMs - 0.2, noonMs + 0.2].map((ms) => axisTime(ms, 60_000))).toEqual(['12:00', '12:00', '12:00']);
+  expect(axisTime(noonMs + 999.9, 1000)).toBe('12:00:01');
 });

@@ -56,9 +56,9 @@ const two = (value: number) => String(value).padStart(2, '0');
 /** The steps of time axes: round on the clock. */
 export const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800].map((s) => s * SECOND);
 
-/** Returns a time as an axis with steps of this length says it. */
+/** Returns a time as an axis with steps of this length, whole seconds, says it; where uPlot puts it, it may be off by a part of a millisecond. */
 export function axisTime(ms: number, stepMs: number): string {
-  const date = new Date(ms);
+  const date = new Date(Math.round(ms / SECOND) * SECOND);
   if (stepMs >= DAY) return `${two(date.getMonth() + 1)}-${two(date.getDate())}`;
   const minutes = `${two(date.getHours())}:${two(date.getMinutes())}`;
   return stepMs >= 60 * SECOND ? minutes : `${minutes}:${two(date.getSeconds())}`;
