@@ -346,17 +346,19 @@ const REFUSAL = { status: 503, contentType: 'application/json', body: '{"error":
 async function checkErrors(context, daemon) {
   const page = await openPage(context, daemon.origin);
   for (const pattern of ['**/api/sweepstake*/**', '**/events/**', '**/metrics', '**/readyz*']) await page.route(pattern, (route) => route.fulfill(REFUSAL));
-  for (const [name, path] of Object.entries(await viewsOf(daemon))) {
-    await expecting(page, refused(REFUSAL.status), async () => {
+  const views = Object.entries(await viewsOf(daemon));
+  // The page asks again and again, between the views too.
+  await expecting(page, refused(REFUSAL.status), async () => {
+    for (const [name, path] of views) {
       await page.goto(`${daemon.origin}${path}`);
       await isBadge(page, 'offline');
       await page.getByText('the store has too much to do').first().waitFor();
       await page.screenshot({ path: join(pictures, `${name}-error.png`) });
       await assertAccessible(page, `${name}, in error`);
-    });
-  }
+    }
+    await page.close();
+  });
   assertNoTrouble(page, 'views in error');
-  await page.close();
 }
 
 // ---- Who may look.
