@@ -288,13 +288,13 @@ async function viewsOf(daemon) {
     row: `/decisions?session=${session}&row=${session}.1.3`, priors: '/priors', health: '/health' };
 }
 
-// All of a page: what is not on the screen is not drawn anew, so that the screen becomes as high as the page.
+// All of a page, with the charts that are not on the screen as they are now: paper shows them all.
 async function drawWhole(page, path) {
-  const { width, height } = page.viewportSize();
-  await page.setViewportSize({ width, height: Math.max(height, await page.evaluate(() => document.documentElement.scrollHeight)) });
-  await page.evaluate(() => new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(resolve, 100))); }));
+  await page.evaluate(() => new Promise((resolve) => {
+    dispatchEvent(new Event('beforeprint'));
+    requestAnimationFrame(() => setTimeout(resolve));
+  }));
   await page.screenshot({ path, fullPage: true });
-  await page.setViewportSize({ width, height });
 }
 
 async function checkViews(browser, daemon) {
@@ -439,8 +439,8 @@ const browser = await launch();
 async function drawFailure(error) {
   const pages = browser.contexts().flatMap((context) => context.pages());
   for (const [i, page] of pages.entries()) {
-    await page.screenshot({ path: join(pictures, `failure-${i}.png`) });
-    console.error(page.url(), page.troubles, `drawn in failure-${i}.png`);
+    console.error(page.url(), page.troubles);
+    await page.screenshot({ path: join(pictures, `failure-${i}.png`) }).catch(() => console.error('cannot be drawn'));
   }
   throw error;
 }

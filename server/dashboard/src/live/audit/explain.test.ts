@@ -15,9 +15,12 @@ describe('why this arm', () => {
   it('weighs what is expected against what it costs', () => {
     const text = explained(told).join(' ');
     expect(text).toContain('KDTree looks better, but SAP stays: the change would not pay');
-    expect(text).toContain('save 3.0 % of the detection time for 200 s, which is worth 6.0 s of detection.'); // 200 × 0.03
-    expect(text).toContain('cost 1.0 % more for 40 s, until the next switch is allowed, which is 400 ms; and the change itself is 8.0 s. That does not pay.');
+    expect(text).toContain('save 3.0 % of the detection time for 200 s, which counts as 6.0 s.'); // 200 × 0.03
+    expect(text).toContain('cost 1.0 % more for 40 s, until the next switch is allowed, which counts as 400 ms; and the change itself counts as 8.0 s. That does not pay.');
     expect(explained({ ...told, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('That would pay.');
+    const sure = explained({ ...told, gate: { ...told.gate!, gain: Math.log(4), loss: 1e-40 } }).join(' ');
+    expect(sure).toContain('save 75 % of the detection time');
+    expect(sure).toContain('cost hardly any more for 40 s, until the next switch is allowed, which counts as nothing;');
     expect(explained({ ...told, outcome: DecisionOutcome.SWITCHED, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('That pays.');
   });
 

@@ -8,8 +8,9 @@ import { significant } from '../../format';
 import { kindWord, outcomeOf, outcomeWord, reasonOf, reasonWord, verdictOfText, verdictWord } from '../views/words';
 
 /**
- * What weighed for and against a switch to the candidate: what it is expected to save, and to cost more if it turns out worse, as shares of
- * the detection time; for how many seconds each counts; and what the switch costs on the same scale (GateTerms of server/decision/types.h).
+ * What weighed for and against a switch to the candidate: what it is expected to save, and to cost more if it turns out worse, as natural
+ * logarithms of ratios of detection times; for how many seconds each counts; and what the switch costs on the same scale (GateTerms of
+ * server/decision/types.h).
  */
 export interface Gate { gain: number; loss: number; horizonS: number; cooldownS: number; costS: number }
 
@@ -101,11 +102,12 @@ function whatWeighed({ candidate, activeArm, gate, outcome }: Told): string | un
   const saved = gate.horizonS * gate.gain;
   const risked = gate.cooldownS * gate.loss;
   const pays = saved - risked - gate.costS > 0;
-  const worth = (s: number) => durationText(1000 * s);
+  const worth = (s: number) => (s < 1e-6 ? 'nothing' : durationText(1000 * s));
+  const more = Math.expm1(gate.loss);
   const pay = outcome === DecisionOutcome.SWITCHED ? 'pays' : 'would pay';
-  return `For ${candidate}: it is expected to save ${percent(gate.gain)} of the detection time for ${seconds(gate.horizonS)}, which is worth ${worth(saved)} of detection. `
-    + `Against it: it may turn out to cost ${percent(gate.loss)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which is ${worth(risked)}; `
-    + `and the change itself is ${worth(gate.costS)}. That ${pays ? pay : 'does not pay'}.`;
+  return `For ${candidate}: it is expected to save ${percent(-Math.expm1(-gate.gain))} of the detection time for ${seconds(gate.horizonS)}, which counts as ${worth(saved)}. `
+    + `Against it: it may turn out to cost ${more < 1e-4 ? 'hardly any' : percent(more)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which counts as ${worth(risked)}; `
+    + `and the change itself counts as ${worth(gate.costS)}. That ${pays ? pay : 'does not pay'}.`;
 }
 
 // What these say does not follow from the leader's figures.
