@@ -131,6 +131,8 @@ async function checkWhy(page, daemon, { sessionId }) {
   await panel.waitFor();
   await panel.getByRole('button', { name: 'Close' }).click();
   assert.ok(!query(page).has('decision'));
+  await page.goto(`${daemon.origin}/sessions/${sessionId}?decision=999999999`);
+  await page.getByText('is not among the rows that are shown').waitFor();
 }
 
 // Percentiles are there as soon as a decision is told, with the budgets of 60 and 30 frames per second.

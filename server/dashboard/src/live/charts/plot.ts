@@ -42,7 +42,7 @@ export interface Picture {
 }
 
 /** All charts of a view have the same margins, so that their times stand above one another. */
-export const LEFT = 72;
+export const LEFT = 80;
 export const RIGHT = 50; // for the last time's end, and for what levels mean
 // Words of this height where the page's own have 15 px; very wide windows have larger ones.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;

@@ -68,6 +68,8 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
 const openStep = (step: Step) =>
   setQuery(step.decisionId > 0 ? { decision: String(step.decisionId), at: undefined } : { decision: undefined, at: String(Math.round(step.timeMs)) }, { step: true });
 
+const asksForStep = () => route.value.query.has('decision') || route.value.query.has('at');
+
 function chosenStep(steps: readonly Step[]): Step | undefined {
   const { query } = route.value;
   const id = Number(query.get('decision') ?? 0);
@@ -181,13 +183,14 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <Facts state={state} steps={steps} rewardVersion={rewardVersion} />
       {latest && <Orders info={latest.info} arms={arms} isOver={latest.ended !== undefined} />}
       <p class="orders">
-        <button type="button" class="primary" disabled={!stepFor(steps, undefined)} onClick={() => { const step = stepFor(steps, undefined); if (step) openStep(step); }}>Why this arm?</button>
+        <button type="button" class="primary" disabled={log.isReading || !stepFor(steps, undefined)} onClick={() => { const step = stepFor(steps, undefined); if (step) openStep(step); }}>Why this arm?</button>
         <a href={decisionsHref({ session: sessionId })}>All rows of its log</a>
         {latest && <CompareWith info={latest.info} />}
         <span class="soft">{grouped(steps.filter(({ told }) => told).length)} decisions</span>
       </p>
       <LogState log={log} />
       {chosen && <Why step={chosen} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
+      {!chosen && !log.isReading && asksForStep() && <p class="soft" role="status">The decision of this address is not among the rows that are shown. <a href={decisionsHref({ session: sessionId })}>All rows of its log</a></p>}
       <TimeTools />
       <Timeline {...props} />
       <Costs {...props} />
