@@ -100,7 +100,7 @@ flights=$data/flights
 mkdir -p "$flights"
 rm -f "$flights"/*.aabbs
 while read -r project scene objects; do
-  play "$project" "$scene" "$objects" --scene-name "$scene" --fps 60 --duration 720h --allow-orders --allow-box-view \
+  play "$project" "$scene" "$objects" --scene-name "$scene" --machine-class demo --fps 60 --duration 720h --allow-orders --allow-box-view \
     --flight-recorder 16 --frame-budget 25 --flight-folder "$flights" --allow-recording-download >>"$data/games.log" 2>&1 &
   games+=($!)
 done <<'SCENES'
