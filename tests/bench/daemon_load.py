@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures what a daemon bears: many streams at two rates, a restart, watchers, and a scene that many have taught.
+"""Measures what a daemon bears: many streams at two rates, a restart, watchers, files of priors, and a scene that many have taught.
 
 Starts `sweepstaked` from the folder of programs, on a free port of loopback with a data directory of its own, loads it with
 `sweepstake load`, and prints a table with the goals of data/goals.toml, or one JSON document, which `judge.py daemon` reads.
@@ -108,11 +108,21 @@ def await_value(what, get):
     raise Failure(f"{what} did not come within {PATIENCE_S} s")
 
 
-def run_load(command):
+def run(command):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise Failure(f"{' '.join(map(str, command))} ended with {done.returncode}: {done.stderr.strip()}")
-    return json.loads(done.stdout)
+    return done.stdout
+
+
+def run_json(command):
+    return json.loads(run(command))
+
+
+def seconds_of(command):
+    start = time.monotonic()
+    run(command)
+    return time.monotonic() - start
 
 
 def add_cost(figures):
@@ -126,7 +136,7 @@ def add_cost(figures):
 
 
 def measure_rate(daemon, streams, rate, frames, options):
-    return add_cost(run_load(daemon.load(streams, rate, frames, options.seconds)))
+    return add_cost(run_json(daemon.load(streams, rate, frames, options.seconds)))
 
 
 def measure_idle(daemon, streams, options):
@@ -255,15 +265,7 @@ def import_records(daemon, records):
     """Lets a daemon learn what a file of priors says. Returns how long the command took, in seconds."""
     path = daemon.data / "records.json"
     path.write_text(json.dumps({"format": "sweepstake-priors", "version": 1, "records": records}), encoding="utf-8")
-    return run_timed(daemon.sweepstake("priors", "import", "--promote", "--in", path))
-
-
-def run_timed(command):
-    start = time.monotonic()
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise Failure(f"{' '.join(map(str, command))} ended with {done.returncode}: {done.stderr.strip()}")
-    return time.monotonic() - start
+    return seconds_of(daemon.sweepstake("priors", "import", "--promote", "--in", path))
 
 
 def measure_files(daemon, scenes, builds):
@@ -279,10 +281,10 @@ def measure_files(daemon, scenes, builds):
                 "window_count": 20} for scene in range(scenes) for build in range(builds) for place in range(10)]
     import_s = import_records(daemon, records)
     sums = daemon.data / "sums.json"
-    export_s = run_timed(daemon.sweepstake("priors", "export", "--sums", "--out", sums))
-    whole_s = run_timed(daemon.sweepstake("priors", "export", "--out", daemon.data / "whole.json"))
+    export_s = seconds_of(daemon.sweepstake("priors", "export", "--sums", "--out", sums))
+    whole_s = seconds_of(daemon.sweepstake("priors", "export", "--out", daemon.data / "whole.json"))
     # What a game that starts with it does: all of it is read and checked.
-    read_s = run_timed([daemon.programs / "sweepstake", "priors", "show", "--in", sums, "--json"])
+    read_s = seconds_of([daemon.programs / "sweepstake", "priors", "show", "--in", sums, "--json"])
     return {"scenes": scenes, "builds": builds, "records": len(records), "import_s": import_s, "export_s": export_s,
             "whole_export_s": whole_s, "read_s": read_s, "sums_bytes": sums.stat().st_size}
 
@@ -293,16 +295,16 @@ def measure_hello(daemon, sources, options):
                 "source_id": f"{number:032x}", "source_sequence": 1, "alpha_increment": 1, "beta_increment": 1,
                 "window_count": 2} for number in range(sources)]
     import_records(daemon, records)
-    figures = run_load(daemon.load(2000, 0.1, 60, options.seconds, scenes=1))  # 200 Hellos a second
+    figures = run_json(daemon.load(2000, 0.1, 60, options.seconds, scenes=1))  # 200 Hellos a second
     check_taught(daemon, sources)
     return {"sources": sources, **{name: figures[name] for name in figures if name.startswith("hello")}}
 
 
 def check_taught(daemon, sources):
     """What a game of the load learns is added to what was imported, so that games start from it."""
-    run_load(daemon.load(1, 10, 60, 3, scenes=1, bail_out_share=1))  # a bail-out is evidence whatever else was measured
-    listed = subprocess.run(daemon.sweepstake("priors", "list", "--json"), capture_output=True, text=True, check=True)
-    taught = [scene["sources"] for scene in json.loads(listed.stdout)["scenes"]]
+    run_json(daemon.load(1, 10, 60, 3, scenes=1, bail_out_share=1))  # a bail-out is evidence whatever else was measured
+    listed = run_json(daemon.sweepstake("priors", "list", "--json"))
+    taught = [scene["sources"] for scene in listed["scenes"]]
     if len(taught) != 1 or taught[0] <= sources:
         raise Failure(f"the games did not start from the imported sources, but from a scene of their own: {taught}")
 
@@ -310,7 +312,7 @@ def check_taught(daemon, sources):
 def plan(options):
     """Name, title, measurement, and the daemon's options."""
     streams = options.streams
-    scenes, browsers = max(streams // 40, 1), max(streams // 10, 1)
+    scenes, browsers, levels = max(streams // 40, 1), max(streams // 10, 1), max(options.sources // 100, 1)
     # Each game's posterior changes at each tick of what watchers are told: the paper's policy learns from every window.
     quick = {"server_options": ["--decision-policy", "paper", "--decision-interval-ms", "200", "--decision-settling-ms", "0",
                                 "--no-decision-explore"]}
@@ -324,8 +326,7 @@ def plan(options):
         ("watched", f"100 watchers of {streams // 2} streams", lambda daemon: measure_watched(daemon, streams // 2, options), {}),
         ("browsers", f"{browsers} browsers that watch {scenes} scenes at 4 Hz",
          lambda daemon: measure_browsers(daemon, browsers, scenes, options), quick),
-        ("files", f"files of {max(options.sources // 100, 1)} scenes × 20 builds",
-         lambda daemon: measure_files(daemon, max(options.sources // 100, 1), 20), {}),
+        ("files", f"files of {levels} scenes × 20 builds", lambda daemon: measure_files(daemon, levels, 20), {}),
         ("hello", f"Hellos of a scene with {options.sources} sources", lambda daemon: measure_hello(daemon, options.sources, options), {}),
     ]
 

@@ -152,10 +152,11 @@ function actionsOf(marks: readonly Mark[], on: Mark | undefined, domain: Range, 
   const place = on ? shown.indexOf(on) : -1;
   const goTo = (to: number) => go(shown[Math.min(Math.max(to, 0), shown.length - 1)]);
   const about = on?.fromMs ?? domain.toMs;
+  const zoomIn = () => setRange(zoomed(domain, about, 0.5));
   return {
     ArrowLeft: () => goTo(place < 0 ? shown.length - 1 : place - 1), ArrowRight: () => goTo(place + 1), Home: () => goTo(0), End: () => goTo(shown.length - 1),
     Enter: () => on && open(on.step), Escape: () => go(undefined),
-    '+': () => setRange(zoomed(domain, about, 0.5)), '=': () => setRange(zoomed(domain, about, 0.5)), '-': () => setRange(range.peek() && zoomed(domain, about, 2)), 0: () => setRange(undefined),
+    '+': zoomIn, '=': zoomIn, '-': () => setRange(range.peek() && zoomed(domain, about, 2)), 0: () => setRange(undefined),
   };
 }
 

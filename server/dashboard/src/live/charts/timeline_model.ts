@@ -3,6 +3,7 @@ import type { Step } from '../audit/steps';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { explained } from '../audit/explain';
 import { isHeldBack, kindWord, outcomeWord } from '../views/words';
+import type { Range } from './view_state';
 
 export interface Span { arm: string; fromMs: number; toMs: number }
 export interface Shade { kind: 'cooldown' | 'settling'; fromMs: number; toMs: number }
@@ -79,11 +80,9 @@ function addSpan({ spans, shades }: Timeline, { timeMs, activeArm, kind }: Step,
   if (settlingMs > 0) shades.push({ kind: 'settling', fromMs: timeMs, toMs: timeMs + settlingMs });
 }
 
-interface Interval { fromMs: number; toMs: number }
-
 /** Returns the intervals, those that are less than `gapMs` apart as one. REQUIRES: they are in the order of their beginnings. */
-export function joined(intervals: readonly Interval[], gapMs: number): Interval[] {
-  const all: Interval[] = [];
+export function joined(intervals: readonly Range[], gapMs: number): Range[] {
+  const all: Range[] = [];
   for (const { fromMs, toMs } of intervals) {
     const last = all.at(-1);
     if (last && fromMs - last.toMs < gapMs) last.toMs = Math.max(last.toMs, toMs);

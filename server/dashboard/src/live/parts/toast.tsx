@@ -13,24 +13,22 @@ interface Toast {
 
 const toasts = signal<readonly Toast[]>([]);
 let nextId = 0;
-const isReached = signal(false); // the pointer or the focus is there: nothing goes away
 
-function dismiss(id: number): void {
-  toasts.value = toasts.peek().filter((each) => each.id !== id);
-  if (toasts.peek().length === 0) isReached.value = false;
-}
+const dismiss = (id: number) => { toasts.value = toasts.peek().filter((each) => each.id !== id); };
+
+// The pointer or the focus is there: nothing goes away.
+const isReached = () => document.querySelector('.toasts:hover, .toasts:focus-within') !== null;
 
 export function toast(text: string, { undo, isBad = false }: { undo?: () => void; isBad?: boolean } = {}): void {
   const id = nextId++;
   toasts.value = [...toasts.peek().slice(1 - MAX_TOASTS), { id, text, isBad, ...(undo && { undo }) }];
-  const later = () => setTimeout(() => (isReached.peek() ? later() : dismiss(id)), isBad ? 2 * SHOWN_MS : SHOWN_MS);
+  const later = () => setTimeout(() => (isReached() ? later() : dismiss(id)), isBad ? 2 * SHOWN_MS : SHOWN_MS);
   later();
 }
 
 export function ToastHost() {
   return (
-    <div class="toasts" role="status" aria-live="polite" onPointerEnter={() => { isReached.value = true; }} onPointerLeave={() => { isReached.value = false; }}
-      onFocusIn={() => { isReached.value = true; }} onFocusOut={() => { isReached.value = false; }}>
+    <div class="toasts" role="status" aria-live="polite">
       {toasts.value.map(({ id, text, isBad, undo }) => (
         <div key={id} class={isBad ? 'toast bad' : 'toast'}>
           <span>{text}</span>

@@ -9,7 +9,7 @@ import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
 import { Ridgeline, ridgeRange, type RidgeRow } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
-import { domainOf, pausedMs, range, type Range, useFrozen } from '../charts/view_state';
+import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
 import { centralInterval, mean } from '../numbers/beta';
 import { PosteriorSeries, type SeriesRow } from '../numbers/series';
 import { verdictOf } from '../numbers/verdict';
@@ -23,12 +23,12 @@ import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { visible } from '../parts/visible';
 import { scenes, type SceneState } from '../state/scenes';
-import { isConnected, sessions } from '../state/sessions';
+import { sessions } from '../state/sessions';
 import { isDegraded } from '../state/summaries';
 import { armNames, armRows, ridgeRows } from './scene/model';
 import { CostCharts } from './session/cost_charts';
-import { LogState } from './session/log_state';
-import { type CostColumns, costColumns, switchMoments } from './session/model';
+import { goesOn, LogState } from './session/log_state';
+import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
 
 const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Only the first</button>;
 const span = (ranges: readonly (readonly [number, number])[]): [number, number] => [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
@@ -43,7 +43,8 @@ function sideOf(state: SceneState): Side {
 
 // Rows of the same arm stand side by side.
 const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): RidgeRow[] => {
-  const place = ({ label }: RidgeRow) => first.findIndex((each) => each.label === label) >>> 0; // those of no place last
+  const places = new Map(first.map(({ label }, i) => [label, i]));
+  const place = ({ label }: RidgeRow) => places.get(label) ?? first.length;
   return [...rows].sort((a, b) => place(a) - place(b));
 };
 
@@ -104,7 +105,7 @@ interface SessionData {
 function useSession(id: string): SessionData {
   const state = useComputed(() => sessions.value.get(id)).value;
   const events = state?.decisions ?? [];
-  const log = useSessionLog(id, state !== undefined && isConnected(state) && pausedMs.value === undefined);
+  const log = useSessionLog(id, goesOn(state));
   const latest = useMemo(() => {
     const steps = mergedSteps(log.steps, events, log.steps.at(-1)?.told?.rewardVersion ?? 0);
     return { id, log, steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)), laterMs: 0 };
@@ -127,13 +128,14 @@ const laidTo = (startMs: number, data: SessionData): SessionData => {
 
 function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain, most }: { data: SessionData; domain: Range; most: { frameMs: number; detectionMs: number } }) {
   const moments = useMemo(() => switchMoments(steps, arms), [steps]);
+  const openOwn = ({ decisionId, timeMs }: Step) => navigate(`${sessionHref(id)}?${new URLSearchParams(stepQuery({ decisionId, timeMs: timeMs + laterMs }))}`);
   return (
     <div>
       <h2>Session <a href={sessionHref(id)}><Name text={id} /></a></h2>
       <LogState log={log} />
       <ChartFrame id="timeline" title="Switches" names={[id]} empty={steps.length === 0 && 'Its log has nothing.'}
         table={() => ({ header: ['time', 'active arm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs + laterMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
-        <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={({ decisionId, timeMs }) => navigate(`${sessionHref(id)}?${decisionId > 0 ? `decision=${decisionId}` : `at=${Math.round(timeMs + laterMs)}`}`)} />
+        <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openOwn} />
       </ChartFrame>
       <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} most={most} laterMs={laterMs} />
     </div>

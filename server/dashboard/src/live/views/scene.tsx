@@ -35,11 +35,11 @@ import { verdictWord } from './words';
 
 function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdict }) {
   const isBad = isDegraded(state, sessions.value);
-  if (isBad && !computed.leader) return <p><VerdictChip verdict={Verdict.DEGRADED} /> {verdictWord(Verdict.DEGRADED).meaning}</p>;
-  if (!computed.leader) return <p><VerdictChip verdict={computed.verdict} /> {verdictWord(computed.verdict).meaning}</p>;
+  const verdict = isBad ? Verdict.DEGRADED : computed.verdict;
+  if (!computed.leader) return <p><VerdictChip verdict={verdict} /> {verdictWord(verdict).meaning}</p>;
   return (
     <p>
-      <VerdictChip verdict={isBad ? Verdict.DEGRADED : computed.verdict} /> {isBad && `${verdictWord(Verdict.DEGRADED).meaning} `}<b><Name text={computed.leader} /></b> is the best arm with a probability of{' '}
+      <VerdictChip verdict={verdict} /> {isBad && `${verdictWord(verdict).meaning} `}<b><Name text={computed.leader} /></b> is the best arm with a probability of{' '}
       <b class="leader-probability">{computed.leaderProbability.toFixed(3)}</b>. Choosing it loses <b>{share(computed.expectedLossRatio)}</b> on average, and knowing
       everything would gain <b>{share(computed.valueRemainingRatio)}</b>.
     </p>

@@ -11,7 +11,7 @@ import { BandsChart, BestChart } from '../charts/posterior_charts';
 import { Ridgeline } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
-import { domainOf, pausedMs, range, type Range, useFrozen } from '../charts/view_state';
+import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
 import { LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
 import { Arm } from '../parts/arm';
 import { Chip } from '../parts/chips';
@@ -28,8 +28,8 @@ import { type ApiError, asApiError } from '../transport/calls';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
-import { beliefRows, costColumns, laneSums, type LaneSum, priorAndPosterior, stepFor, switchMoments } from './session/model';
-import { LogState } from './session/log_state';
+import { beliefRows, costColumns, laneSums, type LaneSum, priorAndPosterior, stepFor, stepQuery, switchMoments } from './session/model';
+import { goesOn, LogState } from './session/log_state';
 import { Orders } from './session/orders';
 import { Recordings } from './session/recordings';
 import { Why } from './session/why';
@@ -66,7 +66,7 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
 }
 
 const openStep = (step: Step) =>
-  setQuery(step.decisionId > 0 ? { decision: String(step.decisionId), at: undefined } : { decision: undefined, at: String(Math.round(step.timeMs)) }, { step: true });
+  setQuery({ decision: undefined, at: undefined, ...stepQuery(step) }, { step: true });
 
 const asksForStep = () => route.value.query.has('decision') || route.value.query.has('at');
 
@@ -204,7 +204,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
 
 function Opened({ sessionId }: { sessionId: string }) {
   const state = useComputed(() => sessions.value.get(sessionId)).value; // other sessions change too
-  const log = useSessionLog(sessionId, state !== undefined && isConnected(state) && pausedMs.value === undefined);
+  const log = useSessionLog(sessionId, goesOn(state));
   useEffect(() => {
     sessionInView.value = sessionId;
     return () => { sessionInView.value = ''; };

@@ -1,8 +1,13 @@
-// How much of a session's log is shown, and how old it is.
+// Whether a session's log is read again and again, how much of it is shown, and how old that is.
 import { grouped } from '../../../format';
 import { MAX_STEPS, type SessionLog } from '../../audit/use_log';
 import { ago, now } from '../../parts/clock';
 import { Failure, Loading } from '../../parts/states';
+import { pausedMs } from '../../charts/view_state';
+import { isConnected, type SessionState } from '../../state/sessions';
+
+/** Whether a session's log has new rows that its view wants. */
+export const goesOn = (state: SessionState | undefined) => state !== undefined && isConnected(state) && pausedMs.value === undefined;
 
 export function LogState({ log }: { log: SessionLog }) {
   if (log.error) return <Failure what="The session’s log" error={log.error} onRetry={log.again} />;

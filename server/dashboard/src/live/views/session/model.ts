@@ -119,6 +119,10 @@ export function laneSums(visits: readonly ArmVisit[]): LaneSum[] {
   });
 }
 
+/** Returns what the address of a session's page says of a step. */
+export const stepQuery = ({ decisionId, timeMs }: Pick<Step, 'decisionId' | 'timeMs'>): { decision: string } | { at: string } =>
+  (decisionId > 0 ? { decision: String(decisionId) } : { at: String(Math.round(timeMs)) });
+
 /** The decision that the reader asked about, or the one that is asked about by "why this arm?": the latest switch to it, else the latest. */
 export function stepFor(steps: readonly Step[], decisionId: number | undefined): Step | undefined {
   const decisions = steps.filter(({ told }) => told);
