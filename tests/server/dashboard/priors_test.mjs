@@ -160,6 +160,41 @@ async function checkChanges(page, daemon, commands) {
   await page.getByText('There is no evidence of build 7 here').waitFor();
 }
 
+async function valuesOf(figure) {
+  const [header, ...rows] = await figure.getByRole('region').locator('tr').evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.innerText.trim())));
+  return rows.map((cells) => Object.fromEntries(header.map((title, i) => [title, cells[i]])));
+}
+
+// What a build added to what the others had taught is the sum of the records of each; the build is in the address.
+async function checkPriorOfBuild(page, daemon, commands) {
+  const records = commands.exported().records.filter(({ scene, reward_version: version }) => scene === 'arena' && version === 3);
+  await page.goto(`${daemon.origin}/scenes/arcade/arena?class=${encodeURIComponent(records[0].machine_class)}&reward=3`);
+  await button(page, 'Tell sources apart').click();
+  const figure = page.locator('figure[data-chart=build]');
+  await figure.getByRole('combobox').selectOption('1.2');
+  assert.equal(query(page).get('build'), '1.2');
+  await figure.getByText('what build 1.2 taught').waitFor();
+  await button(figure, 'Table').click();
+  const rows = await valuesOf(figure);
+  assert.deepEqual(rows.map(({ arm }) => arm), [...new Set(records.map(({ arm }) => arm))].sort());
+  for (const row of rows) {
+    const own = records.filter(({ arm }) => arm === row.arm);
+    if (own.some(({ measured_by: by }) => by)) continue; // visits and windows together are no sum
+    const others = own.filter(({ build }) => build !== '1.2');
+    const near = (text, all, field) => assert.ok(Math.abs(number(text) - (1 + sum(all, field))) <= 0.001 * (1 + sum(all, field)), `${row.arm}: ${text} of ${field}`);
+    near(row.alpha, own, 'alpha_increment');
+    near(row.beta, own, 'beta_increment');
+    if (others.length > 0) near(row['prior alpha'], others, 'alpha_increment');
+  }
+  const n = (row, prior) => number(row[`${prior}alpha`]) + number(row[`${prior}beta`]);
+  const both = rows.filter((row) => number(row['prior alpha']) > 0);
+  assert.ok(both.length > 0, 'other builds knew some arm');
+  for (const row of both) assert.ok(n(row, 'prior ') <= n(row, ''), `${row.arm}: the build took something away`);
+  await assertAccessible(page, 'the prior of a build');
+  await page.goBack();
+  assert.equal(query(page).get('build'), null);
+}
+
 const counted = (count, one) => `${count} ${one}${count === 1 ? '' : 's'}`;
 const countsText = ({ sources, records, windows }) => [counted(sources, 'source'), counted(records, 'record'), counted(windows, 'window')];
 async function previewIs(page, result, end = /would go\./) {
@@ -281,7 +316,7 @@ async function checkAll(browser, folder) {
   const file = commands.importOne();
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
   const page = await openPage(context, daemon.origin, '/priors');
-  for (const check of [checkPromote, checkTables, checkChanges, checkRevokeBuild, checkRevokeSource, checkRevokeForm]) {
+  for (const check of [checkPromote, checkTables, checkChanges, checkPriorOfBuild, checkRevokeBuild, checkRevokeSource, checkRevokeForm]) {
     await check(page, daemon, commands);
     console.log(`${check.name}: passed`);
   }

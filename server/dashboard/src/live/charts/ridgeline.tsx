@@ -17,6 +17,7 @@ export interface RidgeRow {
   posterior: Beta;
   before?: Beta; // drawn behind it: a prior
   measured: Measured;
+  isPart?: true; // the arm has another row, of what measured it otherwise
 }
 
 export const MEASURED_WORDS: Readonly<Record<Measured, string>> = {
@@ -60,18 +61,18 @@ const PAINT: Readonly<Record<Measured, { fill: number; dash?: string }>> = {
 };
 
 function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Axis; width: number }) {
-  const { posterior, before, measured, arm, label } = row;
+  const { posterior, before, measured, arm, label, isPart } = row;
   const colour = colourOf(arm);
   const [low, high] = centralInterval(posterior, 0.95);
   const [innerLow, innerHigh] = centralInterval(posterior, 0.5);
   const { fill, dash } = PAINT[measured];
   const text = (reward: number) => rewardText(reward, axis.tellsCosts);
   const [left, right] = axis.tellsCosts ? [high, low] : [low, high];
-  const told = (interval: string) => (measured === 'never' ? 'never measured' : `${text(mean(posterior))}${interval}${measured === 'lane' ? ', lane only' : ''}`);
+  const told = (interval: string) => (measured === 'never' ? 'never measured' : `${text(mean(posterior))}${interval}${measured === 'lane' && !isPart ? ', lane only' : ''}`);
   const value = told(` (${text(left)} to ${text(right)})`);
   return (
     <g>
-      <title>{`${visible(label)}: ${value}. ${MEASURED_WORDS[measured]}`}</title>
+      <title>{`${visible(label)}: ${value}. ${isPart ? '' : MEASURED_WORDS[measured]}`}</title>
       {before && <path d={outline(before, axis, base, width)} fill="none" stroke="var(--soft)" stroke-dasharray="3 3" />}
       <path d={outline(posterior, axis, base, width)} fill={colour} fill-opacity={fill} stroke={colour} stroke-width="1.5" stroke-dasharray={dash ?? 'none'} />
       <line x1={axis.x(low)} x2={axis.x(high)} y1={base + 5} y2={base + 5} stroke={colour} stroke-width="1.5" />

@@ -88,6 +88,13 @@ function addTo(arms: SceneArms['arms'], { example: { arm, backendVersion, measur
     : { ...before, live: together(before.live, more), bailOutCount: before.bailOutCount + bailOutCount });
 }
 
+/** Returns what was taught of each arm of one scene, in its newest version. */
+export function evidenceByArm(taught: Iterable<Taught>): ReadonlyMap<string, ArmEvidence> {
+  const arms: SceneArms['arms'] = new Map();
+  for (const each of taught) addTo(arms, each);
+  return arms;
+}
+
 // What a build says of each scene on each class of machines, as far as its rewards tell costs.
 function scenesOf(taught: Iterable<Taught>, build: string): Map<string, SceneArms> {
   const scenes = new Map<string, SceneArms>();

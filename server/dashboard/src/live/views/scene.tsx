@@ -29,8 +29,8 @@ import { CompareScenes } from './compare';
 import { ArmTable } from './scene/arm_table';
 import { Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { Builds, buildStarts } from './scene/builds';
-import { MeasuredBy } from './scene/measured_by';
 import { armNames, type ArmRow, armRows, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/model';
+import { Taught } from './scene/taught';
 import { verdictWord } from './words';
 
 function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdict }) {
@@ -71,8 +71,8 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   });
   return (
     <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'Nothing is learnt of any arm yet.'}
-      note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: what was believed when you opened this view, where that was something else; no prior, since
-        a scene’s is flat, the same for every arm. What a session began with is in its own page.">
+      note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: what was believed when you opened this view, where that was something else; the prior
+        of a build is below, under what taught it; that of a session in its own view.">
       <Ridgeline title={title} rows={ridges} rewardVersion={posterior.rewardVersion} />
     </ChartFrame>
   );
@@ -123,7 +123,7 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
       <Beliefs rows={rows} state={state} before={before} />
       <ArmTable rows={rows} rewardVersion={name.rewardVersion} />
       <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} rows={rows} /></section>
-      <section aria-labelledby="measured-heading"><h2 id="measured-heading">Live against lane</h2><MeasuredBy name={name} /></section>
+      <section aria-labelledby="taught-heading"><h2 id="taught-heading">What taught it</h2><Taught name={name} /></section>
       <section aria-labelledby="classes-heading"><h2 id="classes-heading">Machines compared</h2><Variants name={name} /></section>
       <section aria-labelledby="builds-heading"><h2 id="builds-heading">Builds compared</h2><Builds name={name} /></section>
       <section aria-labelledby="sessions-heading"><h2 id="sessions-heading">Sessions</h2><Sessions name={name} /></section>
