@@ -71,7 +71,7 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
                                            "which it has"));
   }
   const std::vector<PriorRecord> records =
-      options.sums ? SumByBuild(result->records) : std::move(result->records);
+      options.sums ? SumByBuild(std::move(result->records)) : std::move(result->records);
   const Status written = WritePriorsFile(records, options.file);
   if (!written.ok()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));

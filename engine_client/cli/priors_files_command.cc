@@ -2,9 +2,11 @@
 // how two of them differ, two of them as one, and the arm that one of them would begin with.
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -121,8 +123,6 @@ int RunMerge(const PriorsFileOptions& options, Terminal& terminal) {
 }
 
 int RunArm(const PriorsFileOptions& options, Terminal& terminal) {
-  if (const auto read = ReadPriorsFile(options.file); !read.ok())
-    return Fail(terminal, read.status());
   EmbeddedOptions priors;
   priors.project = options.project;
   priors.scene = options.scene;
@@ -135,7 +135,13 @@ int RunArm(const PriorsFileOptions& options, Terminal& terminal) {
     versions.push_back((*MakeBroadPhase(arm))->version());
   }
   const auto arm = EmbeddedDecider::ArmOfPriors(priors, arms, versions);
-  if (!arm.ok()) return FailAnswer(terminal, arm.status());
+  if (!arm.ok()) {
+    // A file that is there and says nothing of the scene is an answer.
+    std::error_code error;
+    const bool is_answer = arm.status().code() == StatusCode::kNotFound &&
+                           std::filesystem::exists(options.file, error);
+    return is_answer ? FailAnswer(terminal, arm.status()) : Fail(terminal, arm.status());
+  }
   PrintResult(terminal, options.json, Json{{"command", "priors arm"}, {"arm", *arm}}, *arm + "\n");
   return kDone;
 }

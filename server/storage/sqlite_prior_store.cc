@@ -1,6 +1,7 @@
 #include "server/storage/sqlite_prior_store.h"
 
 #include <map>
+#include <string_view>
 #include <unordered_set>
 #include <utility>
 
@@ -117,6 +118,8 @@ class SqlitePriorStore final : public priors::PriorStore {
     return absl::CancelledError("a preview");
   }
   absl::StatusOr<StoredKey> FindOrAddKey(const EvidenceKey& key);
+  // Returns 0 for a source that is a session of the store, or revoked.
+  absl::StatusOr<int64_t> FindOrAddImported(const PriorRecord& record);
   SqliteDatabase database_;
   // Statements must be destroyed before the database, so they stand after it.
   PriorStatements statements_;
@@ -300,20 +303,38 @@ absl::StatusOr<StoredKey> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key)
   return stored;
 }
 
+absl::StatusOr<int64_t> SqlitePriorStore::FindOrAddImported(const PriorRecord& record) {
+  int64_t source = 0;
+  absl::Status status =
+      statements_.import_source.ForEachRow([&](const SqliteRow& row) { source = row.Integer(0); },
+                                           record.source_id, record.build, record.last_seen_unix_s);
+  if (!status.ok()) return status;
+  return source;
+}
+
 template <typename Body>
 absl::Status SqlitePriorStore::ForEachImported(std::span<const PriorRecord> records,
                                                priors::ImportResult& result, Body apply) {
+  // A file has many records of each, and the database is asked once.
+  std::map<std::string_view, int64_t> sources;
+  std::map<EvidenceKey, StoredKey> keys;
   for (const PriorRecord& record : records) {
-    int64_t source = 0;
-    absl::Status status = statements_.import_source.ForEachRow(
-        [&](const SqliteRow& row) { source = row.Integer(0); }, record.source_id, record.build,
-        record.last_seen_unix_s);
-    if (!status.ok()) return status;
+    const auto [source, is_new_source] = sources.try_emplace(record.source_id);
+    if (is_new_source) {
+      const auto found = FindOrAddImported(record);
+      if (!found.ok()) return found.status();
+      source->second = *found;
+    }
     absl::StatusOr<bool> applied = false;
-    if (source != 0) {
-      const auto key = FindOrAddKey(record.key);
-      if (!key.ok()) return key.status();
-      applied = apply({source, *key, record.source_sequence, priors::InUnits(record.evidence)});
+    if (source->second != 0) {
+      const auto [key, is_new_key] = keys.try_emplace(record.key);
+      if (is_new_key) {
+        const auto found = FindOrAddKey(record.key);
+        if (!found.ok()) return found.status();
+        key->second = *found;
+      }
+      applied = apply(
+          {source->second, key->second, record.source_sequence, priors::InUnits(record.evidence)});
     }
     if (!applied.ok()) return applied.status();
     ++(*applied ? result.applied_count : result.unchanged_count);

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <system_error>
+#include <utility>
 
 #include "engine_client/telemetry/embedded/field_reader.h"
 #include "engine_client/telemetry/embedded/priors_sums.h"
@@ -24,7 +24,6 @@ constexpr size_t kMaxRecords = 200'000;
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
 std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
-  if (!json.is_object()) return "is not an object";
   FieldReader reader(json);
   reader.Name("project", record.project, true);
   reader.Name("scene", record.scene, true);
@@ -46,15 +45,21 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   return reader.error();
 }
 
+// Returns the first record that has the key of an earlier one.
 std::optional<size_t> FirstRepeated(const std::vector<PriorRecord>& records) {
-  const auto before = [](const PriorRecord* a, const PriorRecord* b) {
+  std::vector<const PriorRecord*> ordered;
+  ordered.reserve(records.size());
+  for (const PriorRecord& record : records) ordered.push_back(&record);
+  std::stable_sort(ordered.begin(), ordered.end(), [](const PriorRecord* a, const PriorRecord* b) {
     return KeyOf(*a) < KeyOf(*b);
-  };
-  std::set<const PriorRecord*, decltype(before)> seen(before);
-  for (size_t i = 0; i < records.size(); ++i) {
-    if (!seen.insert(&records[i]).second) return i;
+  });
+  size_t first = records.size();
+  for (size_t i = 1; i < ordered.size(); ++i) {
+    if (KeyOf(*ordered[i - 1]) == KeyOf(*ordered[i]))
+      first = std::min(first, static_cast<size_t>(ordered[i] - records.data()));
   }
-  return std::nullopt;
+  if (first == records.size()) return std::nullopt;
+  return first;
 }
 
 bool Holds(const Json& document, const char* key, const Json& expected) {
@@ -64,21 +69,34 @@ bool Holds(const Json& document, const char* key, const Json& expected) {
 
 std::string RecordName(size_t index) { return "priors record " + std::to_string(index); }
 
-Result<std::vector<PriorRecord>> RecordsOf(const Json& document) {
-  const auto array = document.find("records");
-  if (array == document.end() || !array->is_array())
-    return Broken("the priors have no array \"records\"");
-  if (array->size() > kMaxRecords) {
-    return Broken("the priors hold " + std::to_string(array->size()) +
-                  " records, more than 200000");
+// Reads records, which are added one by one as they are parsed.
+class RecordsReader {
+ public:
+  void Add(const Json& json) {
+    const size_t index = count_++;
+    if (error_ || count_ > kMaxRecords) return;
+    const auto error = ReadRecord(json, records_.emplace_back());
+    if (error) error_ = RecordName(index) + ": " + *error;
   }
-  std::vector<PriorRecord> records(array->size());
-  for (size_t i = 0; i < records.size(); ++i) {
-    if (auto error = ReadRecord((*array)[i], records[i]))
-      return Broken(RecordName(i) + ": " + *error);
+
+  // Returns all of them, once. `document` has what is beside them, and an empty array for them.
+  Result<std::vector<PriorRecord>> Take(const Json& document) {
+    const auto array = document.find("records");
+    if (array == document.end() || !array->is_array() || !array->empty())
+      return Broken("the priors have no array \"records\" of objects");
+    if (count_ > kMaxRecords)
+      return Broken("the priors hold " + std::to_string(count_) + " records, more than 200000");
+    if (error_) return Broken(*error_);
+    if (const std::optional<size_t> repeated = FirstRepeated(records_))
+      return Broken(RecordName(*repeated) + ": repeats the key and source of an earlier record");
+    return std::move(records_);
   }
-  return records;
-}
+
+ private:
+  std::vector<PriorRecord> records_;
+  size_t count_ = 0;
+  std::optional<std::string> error_;  // the first one
+};
 
 Json ToJson(const PriorRecord& record) {
   Json json = {{"project", record.project},
@@ -109,28 +127,36 @@ Status Unwritable(const std::filesystem::path& path) {
 
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
   if (text.size() > kMaxFileBytes) return Broken("the priors are over 64 MiB");
-  const Json document = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  RecordsReader records;
+  SumsReader sums;
+  std::string key;
+  // Of what a file has many of, only one at a time is in memory as JSON: it is read, then left out.
+  const auto keep = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    if (depth == 1 && event == Json::parse_event_t::key) key = parsed.get_ref<std::string&>();
+    if (depth != 2 || event != Json::parse_event_t::object_end) return true;
+    if (key == "records") records.Add(parsed);
+    if (key == "scenes") sums.Add(parsed);
+    return key != "records" && key != "scenes";
+  };
+  const Json document = Json::parse(text, keep, /*allow_exceptions=*/false);
   if (document.is_discarded()) return Broken("the priors are not a JSON document");
   if (!document.is_object() || !Holds(document, "format", kFormat))
     return Broken("the priors are not of format \"sweepstake-priors\"");
-  const bool of_sums = Holds(document, "version", kVersionOfSums);
-  if (!of_sums && !Holds(document, "version", kVersion))
-    return Broken("the priors are not of version 1 or 2, which this build reads");
-  auto records = of_sums ? SumsOf(document) : RecordsOf(document);
-  if (!records.ok()) return records;
-  if (const std::optional<size_t> repeated = FirstRepeated(*records)) {
-    return Broken(RecordName(*repeated) + ": repeats the key and source of an earlier record");
-  }
-  return records;
+  if (Holds(document, "version", kVersionOfSums)) return sums.Take(document);
+  if (Holds(document, "version", kVersion)) return records.Take(document);
+  return Broken("the priors are not of version 1 or 2, which this build reads");
 }
 
 std::string FormatPriors(std::span<const PriorRecord> records) {
   if (!records.empty() && std::all_of(records.begin(), records.end(), IsSum))
     return FormatSums(records);
-  Json array = Json::array();
-  for (const PriorRecord& record : records) array.push_back(ToJson(record));
-  const Json document = {{"format", kFormat}, {"version", kVersion}, {"records", std::move(array)}};
-  return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text = "{\"format\":\"sweepstake-priors\",\"version\":1,\"records\":[";
+  const char* separator = "\n";
+  for (const PriorRecord& record : records) {
+    text += std::exchange(separator, ",\n");
+    text += ToJson(record).dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+  return text + "]}\n";
 }
 
 Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -40,9 +41,19 @@ std::string Dump(const OrderedJson& json) {
   return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-std::string ChecksumOf(const Json& scenes) {
-  return Hex(math::Fnv1a(math::kFnv1aStart, scenes.dump()));
-}
+// The checksum of an array of scenes, which are added one by one.
+class Checksum {
+ public:
+  void Add(const Json& scene) {
+    hash_ = math::Fnv1a(math::Fnv1a(hash_, std::exchange(separator_, ",")), scene.dump());
+  }
+
+  std::string Text() const { return Hex(math::Fnv1a(hash_, *separator_ == '[' ? "[]" : "]")); }
+
+ private:
+  uint64_t hash_ = math::kFnv1aStart;
+  const char* separator_ = "[";
+};
 
 std::string NameOfSum(const std::string& build) {
   return kSumMark + Hex(math::Fnv1a(math::kFnv1aStart, build));
@@ -72,11 +83,11 @@ struct BuildLine {
 // The records of one scene on one class of machines.
 class SceneText {
  public:
-  explicit SceneText(std::span<const PriorRecord> records) : first_(records.front()) {
-    for (const PriorRecord& record : records) arms_.emplace(ArmOf(record), 0);
+  explicit SceneText(std::span<const PriorRecord* const> records) : first_(*records.front()) {
+    for (const PriorRecord* record : records) arms_.emplace(ArmOf(*record), 0);
     size_t next = 0;
     for (auto& [arm, index] : arms_) index = next++;
-    for (const PriorRecord& record : records) Add(record);
+    for (const PriorRecord* record : records) Add(*record);
   }
 
   std::string Text() const {
@@ -137,6 +148,7 @@ class SceneReader {
   }
 
   const std::optional<std::string>& error() const { return error_; }
+  const PriorRecord& common() const { return common_; }  // what its records have in common
 
  private:
   void ReadArm(const Json& arm) {
@@ -148,6 +160,8 @@ class SceneReader {
     const auto [stop, error] = std::from_chars(text.data() + mark + 1, end, read.second);
     if (error != std::errc() || stop != end || read.second == 0 || !text::IsName(read.first))
       SetError("an arm is not NAME/VERSION");
+    if (std::find(arms_.begin(), arms_.end() - 1, read) != arms_.end() - 1)
+      SetError("repeats an arm");
   }
 
   void ReadBuild(const std::string& build, const Json& line) {
@@ -195,29 +209,41 @@ class SceneReader {
 
 Status Damaged(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
+// Returns pointers to the records, in the order of what `key` makes of them.
+template <typename Key>
+std::vector<const PriorRecord*> OrderedBy(Key key, std::span<const PriorRecord> records) {
+  std::vector<const PriorRecord*> ordered;
+  ordered.reserve(records.size());
+  for (const PriorRecord& record : records) ordered.push_back(&record);
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [&](const PriorRecord* a, const PriorRecord* b) { return key(*a) < key(*b); });
+  return ordered;
+}
+
+// Of the same key.
+void AddTo(PriorRecord& sum, const PriorRecord& record) {
+  sum.alpha_increment += record.alpha_increment;
+  sum.beta_increment += record.beta_increment;
+  sum.window_count += record.window_count;
+  sum.bail_out_count += record.bail_out_count;
+  sum.last_seen_unix_s = std::max(sum.last_seen_unix_s, record.last_seen_unix_s);
+}
+
 }  // namespace
 
-std::vector<PriorRecord> SumByBuild(std::span<const PriorRecord> records) {
-  std::vector<PriorRecord> all(records.begin(), records.end());
-  std::erase_if(all, [](const PriorRecord& record) { return record.is_quarantined; });
-  for (PriorRecord& record : all) {
+std::vector<PriorRecord> SumByBuild(std::vector<PriorRecord> records) {
+  std::erase_if(records, [](const PriorRecord& record) { return record.is_quarantined; });
+  for (PriorRecord& record : records) {
     record.source_id = NameOfSum(record.build);
     record.source_sequence = 0;
   }
-  std::sort(all.begin(), all.end(),
-            [](const PriorRecord& a, const PriorRecord& b) { return KeyOf(a) < KeyOf(b); });
   std::vector<PriorRecord> sums;
-  for (PriorRecord& record : all) {
-    if (sums.empty() || KeyOf(sums.back()) != KeyOf(record)) {
-      sums.push_back(std::move(record));
-      continue;
+  for (const PriorRecord* record : OrderedBy(KeyOf, records)) {
+    if (sums.empty() || KeyOf(sums.back()) != KeyOf(*record)) {
+      sums.push_back(*record);
+    } else {
+      AddTo(sums.back(), *record);
     }
-    PriorRecord& sum = sums.back();
-    sum.alpha_increment += record.alpha_increment;
-    sum.beta_increment += record.beta_increment;
-    sum.window_count += record.window_count;
-    sum.bail_out_count += record.bail_out_count;
-    sum.last_seen_unix_s = std::max(sum.last_seen_unix_s, record.last_seen_unix_s);
   }
   for (PriorRecord& sum : sums) {
     sum.alpha_increment = Rounded(sum.alpha_increment);
@@ -230,38 +256,57 @@ std::vector<PriorRecord> SumByBuild(std::span<const PriorRecord> records) {
 bool IsSum(const PriorRecord& record) { return record.source_id.starts_with(kSumMark); }
 
 std::string FormatSums(std::span<const PriorRecord> sums) {
-  std::vector<PriorRecord> ordered(sums.begin(), sums.end());
-  std::stable_sort(ordered.begin(), ordered.end(), [](const PriorRecord& a, const PriorRecord& b) {
-    return SceneOf(a) < SceneOf(b);
-  });
+  const std::vector<const PriorRecord*> ordered = OrderedBy(SceneOf, sums);
+  Checksum checksum;
   std::string scenes;
   for (auto from = ordered.begin(); from != ordered.end();) {
-    const auto to = std::find_if(from, ordered.end(), [&](const PriorRecord& record) {
-      return SceneOf(record) != SceneOf(*from);
+    const auto to = std::find_if(from, ordered.end(), [&](const PriorRecord* record) {
+      return SceneOf(*record) != SceneOf(**from);
     });
-    scenes += (scenes.empty() ? "\n" : ",\n") + SceneText({from, to}).Text();
+    const std::string scene = SceneText({from, to}).Text();
+    checksum.Add(Json::parse(scene));
+    scenes += (scenes.empty() ? "\n" : ",\n") + scene;
     from = to;
   }
-  scenes = "[" + scenes + "]";
-  const std::string checksum = ChecksumOf(Json::parse(scenes));
-  return "{\"format\":\"sweepstake-priors\",\"version\":2,\"checksum\":\"" + checksum +
-         "\",\"scenes\":" + scenes + "}\n";
+  return "{\"format\":\"sweepstake-priors\",\"version\":2,\"checksum\":\"" + checksum.Text() +
+         "\",\"scenes\":[" + scenes + "]}\n";
 }
 
-Result<std::vector<PriorRecord>> SumsOf(const Json& document) {
-  const auto scenes = document.find("scenes");
-  if (scenes == document.end() || !scenes->is_array())
-    return Damaged("the priors have no array \"scenes\"");
-  if (document.value("checksum", Json()) != ChecksumOf(*scenes))
-    return Damaged("the priors are not what was written; their checksum is another one");
+struct SumsReader::State {
+  Checksum checksum;
   std::vector<PriorRecord> sums;
-  for (size_t i = 0; i < scenes->size(); ++i) {
-    const SceneReader reader((*scenes)[i], sums);
-    if (reader.error())
-      return Damaged("priors scene " + std::to_string(i) + ": " + *reader.error());
-    if (sums.size() > kMaxSums) return Damaged("the priors hold more than 1000000 sums");
+  std::set<std::tuple<std::string, std::string, std::string, uint32_t>> scenes;
+  size_t count = 0;
+  std::optional<std::string> error;  // the first one
+};
+
+SumsReader::SumsReader() : state_(std::make_unique<State>()) {}
+SumsReader::~SumsReader() = default;
+
+void SumsReader::Add(const Json& scene) {
+  State& state = *state_;
+  state.checksum.Add(scene);
+  const size_t index = state.count++;
+  if (state.error) return;
+  const SceneReader reader(scene, state.sums);
+  const auto name = SceneOf(reader.common());
+  if (reader.error()) {
+    state.error = "priors scene " + std::to_string(index) + ": " + *reader.error();
+  } else if (!state.scenes.emplace(name).second) {
+    state.error = "priors scene " + std::to_string(index) + ": repeats an earlier one";
+  } else if (state.sums.size() > kMaxSums) {
+    state.error = "the priors hold more than 1000000 sums";
   }
-  return sums;
+}
+
+Result<std::vector<PriorRecord>> SumsReader::Take(const Json& document) {
+  const auto scenes = document.find("scenes");
+  if (scenes == document.end() || !scenes->is_array() || !scenes->empty())
+    return Damaged("the priors have no array \"scenes\" of objects");
+  if (document.value("checksum", Json()) != state_->checksum.Text())
+    return Damaged("the priors are not what was written; their checksum is another one");
+  if (state_->error) return Damaged(*state_->error);
+  return std::move(state_->sums);
 }
 
 }  // namespace sweepstake

@@ -12,6 +12,7 @@
 // bail-outs, if any. The checksum is that of the scenes, whatever white space is between them.
 #pragma once
 
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
@@ -27,7 +28,7 @@ inline constexpr char kSumMark = '*';
 // Returns the sums, ordered by KeyOf. The source of each has a name by its build, and the windows
 // and visits for its sequence number, so that of two sums of a build the one that has more of them
 // counts.
-std::vector<PriorRecord> SumByBuild(std::span<const PriorRecord> records);
+std::vector<PriorRecord> SumByBuild(std::vector<PriorRecord> records);
 
 // Returns whether the record is such a sum: a store cannot know what of it it has already.
 bool IsSum(const PriorRecord& record);
@@ -35,7 +36,21 @@ bool IsSum(const PriorRecord& record);
 // REQUIRES: all are sums, no two of one key.
 std::string FormatSums(std::span<const PriorRecord> sums);
 
-// Reads "checksum" and "scenes" of a document. Errors: as ParsePriors has them.
-Result<std::vector<PriorRecord>> SumsOf(const nlohmann::json& document);
+// Reads the scenes of a document, which are added one by one as they are parsed.
+class SumsReader {
+ public:
+  SumsReader();
+  ~SumsReader();
+
+  void Add(const nlohmann::json& scene);
+
+  // Returns the sums of all scenes, once. `document` has what is beside them, and an empty array
+  // for them. Errors: as ParsePriors has them.
+  Result<std::vector<PriorRecord>> Take(const nlohmann::json& document);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace sweepstake

@@ -130,9 +130,34 @@ TEST(PriorsFile, RefusesWhatIsNoPriorsDocument) {
   EXPECT_NE(ComplaintAbout(std::string(1 << 20, '[')), "none");
 }
 
+TEST(PriorsFile, DoesNotDependOnWhatStandsFirst) {
+  const std::string record = DocumentWith("build", "\"1\"");
+  const std::string records = record.substr(record.find("\"records\""));
+  const std::string turned =
+      "{" + records.substr(0, records.rfind('}')) + R"(,"version":1,"format":"sweepstake-priors"})";
+  EXPECT_EQ(ComplaintAbout(turned), "none");
+  EXPECT_EQ(ParsePriors(turned)->size(), 1U);
+  EXPECT_THAT(ComplaintAbout(R"({"records":[{}],"version":1,"format":"other"})"),
+              HasSubstr("not of format"));
+}
+
+TEST(PriorsFile, TakesRecordsOnlyFromTheArrayOfThatName) {
+  const std::string record = DocumentWith("build", "\"1\"");
+  std::string nested = record;
+  nested.replace(nested.find("\"records\":["), 11, "\"other\":[");
+  EXPECT_THAT(ComplaintAbout(nested), HasSubstr("no array \"records\""));
+  std::string object = record;
+  object.replace(object.find("\"records\":["), 11, "\"records\":{\"a\":");
+  object.replace(object.rfind(']'), 1, "}");
+  EXPECT_THAT(ComplaintAbout(object), HasSubstr("no array \"records\""));
+}
+
 TEST(PriorsFile, RefusesEvidenceThatIsThereTwice) {
   EXPECT_THAT(ComplaintAbout(FormatPriors(std::vector{RecordOf("a"), RecordOf("a")})),
               HasSubstr("priors record 1: repeats"));
+  EXPECT_THAT(ComplaintAbout(FormatPriors(std::vector{RecordOf("b"), RecordOf("a"), RecordOf("c"),
+                                                      RecordOf("b"), RecordOf("a")})),
+              HasSubstr("priors record 3: repeats"));
 }
 
 TEST(PriorsFile, SurvivesEveryTruncation) {

@@ -147,7 +147,10 @@ TEST(PriorsSums, SayWhichSceneIsBroken) {
   EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {1, 2}), HasSubstr("evidence is not"));
   EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {-1, 2, 3}), HasSubstr("within 0 to 1e15"));
   EXPECT_THAT(ComplaintAboutSums(SumsWith([](json& scenes) { scenes.push_back(json(scenes[0])); })),
-              HasSubstr("repeats"));
+              HasSubstr("priors scene 1: repeats"));
+  EXPECT_THAT(ComplaintAboutSums(SumsWith(
+                  [](json& scenes) { scenes[0]["arms"].push_back(json(scenes[0]["arms"][0])); })),
+              HasSubstr("priors scene 0: repeats an arm"));
 }
 
 TEST(PriorsSums, OfAThousandScenesAndTwentyBuildsAreOfFiveMegabytesAtMost) {
