@@ -261,7 +261,7 @@ static void check_priors(const game* played) {
         SWP_RESOURCE_EXHAUSTED);
   CHECK_OK(swp_session_export_priors(played->session, priors, bytes, &bytes));
   CHECK(bytes > 100 && priors[0] == '{');
-  CHECK(has_text(priors, bytes, "\"build\": \"1.1\""));
+  CHECK(has_text(priors, bytes, "\"build\":\"1.1\""));
   CHECK_OK(swp_session_create(NULL, &session));
   CHECK_OK(swp_decider_options_init(&options));
   options.policy = "paper";
