@@ -22,6 +22,7 @@ class DaemonProcess {
   // The port of --http, or -1 if the daemon was started without.
   int http_port() const { return http_port_; }
   pid_t pid() const { return process_.pid(); }
+  bool ended() { return process_.ended(); }  // by itself
   // What the daemon has logged so far.
   std::string log() const { return process_.log(); }
   // Stops running without ending: connections stay open, nothing is read or answered any more.

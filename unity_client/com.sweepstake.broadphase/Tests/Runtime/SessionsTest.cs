@@ -107,7 +107,7 @@ namespace Sweepstake.Tests
                 PlayAndPoll(session, decider, scene, 1200);
                 priors = decider.ExportPriors();
             }
-            Assert.That(System.Text.Encoding.UTF8.GetString(priors), Does.Contain("\"build\": \"1.1\""));
+            Assert.That(System.Text.Encoding.UTF8.GetString(priors), Does.Contain("\"build\":\"1.1\""));
             using var next = new BroadPhaseSession();
             using var started = new EmbeddedDecider(next, new DeciderOptions { PriorsData = priors }, ownThread: false);
             Assert.That(started.Status.PriorSourceCount, Is.EqualTo(1));
