@@ -265,7 +265,7 @@ def measure_browsers(daemon, watchers, scenes, options):
 def import_records(daemon, records):
     """Lets a daemon learn what a file of priors says. Returns how long it took until they waited in quarantine, and until they counted."""
     path = daemon.data / "records.json"
-    path.write_text(json.dumps({"format": "sweepstake-priors", "version": 1, "records": records}), encoding="utf-8")
+    path.write_text(json.dumps({"format": "sweepstake-priors", "version": 1, "records": records}, separators=(",", ":")), encoding="utf-8")
     return (seconds_of(daemon.sweepstake("priors", "import", "--in", path)),
             seconds_of(daemon.sweepstake("priors", "promote", "--project", "load", "--yes")))
 
