@@ -241,10 +241,10 @@ TEST(PriorsCommand, AListHasWhatWaitsInQuarantineApart) {
   daemon.posteriors.pages->resize(1);
   PriorRecord record = SomeRecord(1);
   ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{record}).ok());
-  daemon.priors.parts->resize(1);
-  v1::PriorRecord& waiting = *daemon.priors.parts->at(0).add_records();
-  waiting = daemon.priors.imported->at(0);
-  waiting.set_is_quarantined(true);
+  v1::ExportPriorsResponse part;
+  *part.add_records() = daemon.priors.imported->at(0);
+  part.mutable_records(0)->set_is_quarantined(true);
+  daemon.priors.parts->push_back(part);
   const std::string command = "priors list --scene s --daemon " + daemon.address();
   EXPECT_THAT(RunCommand(command).out,
               AllOf(HasSubstr("Imports that wait, and count once they are promoted"),
