@@ -27,6 +27,7 @@ class DataDirectory {
   bool open_to_others() const { return open_to_others_; }
   std::filesystem::path database() const { return path_ / kDatabaseName; }
   std::filesystem::path resume_key() const { return path_ / "resume-key"; }
+  std::filesystem::path logins() const { return path_ / "logins"; }
   std::filesystem::path tokens() const { return path_ / kTokensName; }
 
  private:

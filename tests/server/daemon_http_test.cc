@@ -4,11 +4,14 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <mutex>
+#include <optional>
 #include <string>
 
+#include "server/auth/token_store.h"
 #include "server/daemon.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "tests/support/http_exchange.h"
@@ -156,6 +159,74 @@ TEST_F(DaemonHttpTest, MetricsAreThoseOfTheDaemon) {
             HasSubstr("sweepstake_store_healthy 1\n"), HasSubstr("sweepstake_store_damaged 0\n"),
             HasSubstr("sweepstake_store_last_backup_timestamp_seconds 0\n"),
             HasSubstr("sweepstake_open_streams 0\n")));
+}
+
+// Logs in, and returns the cookie.
+std::string CookieFor(const std::string& token, int port) {
+  const std::string body = "{\"token\":\"" + token + "\"}";
+  const std::string head =
+      test_support::Exchange(port,
+                             "POST /login HTTP/1.1\r\nHost: localhost\r\nX-Sweepstake: 1\r\n"
+                             "Connection: close\r\nContent-Length: " +
+                                 std::to_string(body.size()) + "\r\n\r\n" + body)
+          .head;
+  const size_t start = head.find("sweepstake=");
+  return start == std::string::npos ? "" : head.substr(start, head.find(';', start) - start);
+}
+
+std::string WhoAmI(const std::string& cookie, int port) {
+  return test_support::Exchange(port, "GET /api/whoami HTTP/1.1\r\nHost: localhost\r\nCookie: " +
+                                          cookie + "\r\nConnection: close\r\n\r\n")
+      .body;
+}
+
+class DaemonLoginTest : public DaemonHttpTest {
+ protected:
+  DaemonLoginTest() {
+    std::filesystem::create_directory(config_.data);
+    token_ = auth::TokenStore::Open(config_.data / "tokens.db")
+                 .value()
+                 .Create({.name = "ann",
+                          .role = auth::Role::kWatch,
+                          .projects = {},
+                          .expires_unix_s = std::nullopt,
+                          .made_by = "the test"},
+                         1)
+                 .value();
+  }
+  std::filesystem::path logins() const { return config_.data / "logins"; }
+
+  std::string token_;
+};
+
+TEST_F(DaemonLoginTest, ALoginOutlivesTheDaemon) {
+  auto daemon = Start();
+  const std::string cookie = CookieFor(token_, daemon->http_port());
+  ASSERT_THAT(WhoAmI(cookie, daemon->http_port()), HasSubstr(R"("loggedIn":true,"name":"ann")"));
+  EXPECT_EQ(std::filesystem::status(logins()).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  daemon.reset();
+  daemon = Start();
+  EXPECT_THAT(WhoAmI(cookie, daemon->http_port()), HasSubstr(R"("loggedIn":true,"name":"ann")"));
+  EXPECT_THAT(WhoAmI(cookie.substr(0, cookie.size() - 1), daemon->http_port()),
+              HasSubstr(R"("loggedIn":false)"));
+}
+
+TEST_F(DaemonLoginTest, ADamagedFileOfLoginsEndsThemAndNothingElse) {
+  auto daemon = Start();
+  const std::string cookie = CookieFor(token_, daemon->http_port());
+  for (const char* damaged :
+       {"", "[", "{}", "[1]", R"([{"cookie_sha256":1}])",
+        R"([{"cookie_sha256":"a","token_sha256":"b","sealed_token":"?","used_unix_s":1}])"}) {
+    daemon.reset();
+    std::ofstream(logins()) << damaged;
+    daemon = Start();
+    EXPECT_THAT(WhoAmI(cookie, daemon->http_port()), HasSubstr(R"("loggedIn":false)")) << damaged;
+  }
+  const std::string again = CookieFor(token_, daemon->http_port());
+  daemon.reset();
+  daemon = Start();
+  EXPECT_THAT(WhoAmI(again, daemon->http_port()), HasSubstr(R"("loggedIn":true)"));
 }
 
 }  // namespace

@@ -36,9 +36,9 @@ Page OnlyPage(const std::string& method) {
           .headers = {{"Allow", method}}};
 }
 
-int64_t NowS() {
+int64_t UnixNowS() {
   return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
+             std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
 
@@ -94,10 +94,21 @@ absl::Status UnknownMethod() {
 Api::Api(ApiOptions options, boost::asio::io_context& io)
     : options_(std::move(options)),
       methods_(options_.methods),
+      logins_(options_.logins),
       upstream_(options_.channel, options_.caller_key, io),
       topics_(io, upstream_, options_.events, *options_.event_counters) {}
 
+// Keeps the times of the last uses, too.
+Api::~Api() {
+  if (logins_.size() > 0) options_.keep_logins(logins_.All());
+}
+
 void Api::Handle(const std::shared_ptr<Exchange>& exchange) {
+  Route(exchange);
+  if (logins_.TakeChanged(UnixNowS())) options_.keep_logins(logins_.All());
+}
+
+void Api::Route(const std::shared_ptr<Exchange>& exchange) {
   const Request& request = exchange->request();
   const std::string_view path = request.path();
   const bool is_get = request.message.method() == boost::beast::http::verb::get;
@@ -160,7 +171,7 @@ absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {
     if (!LooksLikeToken(*token))
       return absl::InvalidArgumentError("no token looks like that in Authorization");
   } else if (const std::string cookie = CookieOf(request); !cookie.empty()) {
-    token = logins_.Find(cookie, NowS());
+    token = logins_.Find(cookie, UnixNowS());
   }
   const absl::Status allowed = token ? CheckWay(request) : absl::OkStatus();
   if (!allowed.ok()) return allowed;
@@ -179,7 +190,7 @@ Page Api::LogIn(const Request& request) {
   const auto holder = options_.identify(request.peer, token);
   if (!holder.ok()) return ErrorPage(holder.status());
   logins_.End(CookieOf(request));
-  return {.status = kNoContent, .headers = {SetCookie(request, logins_.Begin(token, NowS()))}};
+  return {.status = kNoContent, .headers = {SetCookie(request, logins_.Begin(token, UnixNowS()))}};
 }
 
 Page Api::LogOut(const Request& request) {

@@ -39,6 +39,10 @@ struct ApiOptions {
   std::string version;  // of the daemon
   // Whether tokens are taken from other machines, though this is plain text.
   bool takes_tokens_from_afar = false;
+  // Logins that go on from an earlier run of the daemon, and what is told all of them when they
+  // change, and at the end.
+  std::vector<Login> logins = {};
+  std::function<void(const std::vector<Login>& logins)> keep_logins = [](const auto&) {};
   EventLimits events = {};
   std::shared_ptr<EventCounters> event_counters = std::make_shared<EventCounters>();
 };
@@ -46,6 +50,7 @@ struct ApiOptions {
 class Api {
  public:
   Api(ApiOptions options, boost::asio::io_context& io);
+  ~Api();
 
   // Answers a request that Site::Options::api gets.
   void Handle(const std::shared_ptr<Exchange>& exchange);
@@ -53,6 +58,7 @@ class Api {
  private:
   using Token = std::optional<std::string>;
 
+  void Route(const std::shared_ptr<Exchange>& exchange);
   void Call(const std::shared_ptr<Exchange>& exchange, std::string_view name);
   void Watch(const std::shared_ptr<Exchange>& exchange, std::string_view name);
   Page LogIn(const Request& request);

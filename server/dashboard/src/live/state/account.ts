@@ -26,12 +26,17 @@ export const mayDo = (least: Role): ReadonlySignal<boolean> =>
   computed(() => ROLES.indexOf(held.value?.role ?? 'ingest') >= ROLES.indexOf(least));
 export const isOperator = mayDo('operator');
 
+// Whether this page was let in before, and is not any more.
+let wasLoggedIn = false;
+export const hasLostLogin = () => wasLoggedIn;
+
 export const needsLogin = computed(() => held.value?.asksForTokens === true && !held.value.loggedIn);
 
 export async function learnAccount(): Promise<void> {
   try {
     const response = await send('/api/whoami', { signal: AbortSignal.timeout(10_000) });
     held.value = { ...(await response.json() as Account) };
+    wasLoggedIn ||= held.value.loggedIn;
     failed.value = undefined;
   } catch (error) {
     failed.value = asApiError(error);

@@ -1,6 +1,6 @@
 // Lets the reader in with a token. The page does not keep it: the daemon gives a cookie that no script can read.
 import { useState } from 'preact/hooks';
-import { login } from '../state/account';
+import { hasLostLogin, login } from '../state/account';
 import { asApiError } from '../transport/calls';
 
 export function Login() {
@@ -23,6 +23,7 @@ export function Login() {
   return (
     <section class="login" aria-labelledby="login-heading">
       <h1 id="login-heading">Log in</h1>
+      {hasLostLogin() && <p role="status">Your login has ended: its token did, or somebody logged out. Log in again, and the page goes on where it was.</p>}
       <p>This daemon shows what it knows to those who have a token. Whoever runs it makes one:</p>
       <pre>sweepstaked token create NAME --role watch</pre>
       <form onSubmit={(event) => void submit(event)}>
