@@ -30,6 +30,8 @@ OTHERS = {
     "ReadRecordingResponse.": "the dashboard reads recordings",
     "PriorRecord.is_imported": "the dashboard tells imports from sessions",
     "PriorRecord.weight": "the dashboard shows what a source weighs",
+    "ExportDecisionsRequest.after_segment": "the dashboard reads what is new of a log",
+    "ExportDecisionsRequest.after_row": "the dashboard reads what is new of a log",
     "ExportPriorsRequest.with_weights": "the dashboard asks for weights; ours export to files",
     "GetPosteriorRequest.": "the call of programs that want one scene; ours list",
     "GetPosteriorResponse.": "the call of programs that want one scene; ours list",

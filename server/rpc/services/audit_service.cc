@@ -1,5 +1,6 @@
 #include "server/rpc/services/audit_service.h"
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -30,6 +31,12 @@ absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorReader& store,
   return page;
 }
 
+// The row of a session behind which an export begins; 0: with the first.
+struct LastRead {
+  uint32_t segment = 0;
+  uint64_t row = 0;
+};
+
 // The position of an export in the log.
 struct RowPlace {
   uint64_t after = 0;                   // the segments up to this id are done
@@ -41,13 +48,17 @@ using RowStream = PageStream<v1::ExportDecisionsResponse, RowPlace>;
 
 // Begins the next segment unless one is current. Returns false if there is none.
 absl::StatusOr<bool> EnterSegment(priors::PriorReader& store, const AuditFilter& filter,
-                                  RowPlace& place) {
-  if (place.segment) return true;
-  const auto segments = store.ListAudit(filter, place.after, 1);
-  if (!segments.ok()) return segments.status();
-  if (segments->empty()) return false;
-  place.segment = segments->front();
-  place.next_row = 1;
+                                  const LastRead& last_read, RowPlace& place) {
+  while (!place.segment) {
+    const auto segments = store.ListAudit(filter, place.after, 1);
+    if (!segments.ok()) return segments.status();
+    if (segments->empty()) return false;
+    const AuditSegment& next = segments->front();
+    place.after = next.id;
+    if (next.segment < last_read.segment) continue;
+    place.segment = next;
+    place.next_row = next.segment == last_read.segment ? last_read.row + 1 : 1;
+  }
   return true;
 }
 
@@ -68,12 +79,12 @@ size_t AddRows(std::vector<priors::AuditRow> rows, RowPlace& place,
 }
 
 absl::StatusOr<RowStream::Page> LoadRows(priors::PriorReader& store, const AuditFilter& filter,
-                                         const RowPlace& place) {
+                                         const LastRead& last_read, const RowPlace& place) {
   RowStream::Page page;
   page.next = place;
-  if (place.after == 0 && !place.segment) page.response.set_header(decision::AuditHeader());
+  if (place.after == 0) page.response.set_header(decision::AuditHeader());
   for (size_t bytes = 0; bytes < kAuditBytesPerMessage;) {
-    const auto entered = EnterSegment(store, filter, page.next);
+    const auto entered = EnterSegment(store, filter, last_read, page.next);
     if (!entered.ok()) return entered.status();
     page.last = !*entered;
     if (page.last) return page;
@@ -81,7 +92,6 @@ absl::StatusOr<RowStream::Page> LoadRows(priors::PriorReader& store, const Audit
                                 kAuditBytesPerMessage - bytes);
     if (!rows.ok()) return rows.status();
     if (rows->empty()) {
-      page.next.after = page.next.segment->id;
       page.next.segment.reset();
     } else {
       bytes += AddRows(*std::move(rows), page.next, page.response);
@@ -101,6 +111,18 @@ absl::StatusOr<AuditFilter> FilterOf(const absl::StatusOr<auth::Principal>& call
   refusals.TellEnd(peer, status);
   if (!status.ok()) return status;
   return filter;
+}
+
+absl::StatusOr<LastRead> LastReadOf(const v1::ExportDecisionsRequest& request) {
+  const LastRead place{request.after_segment(), request.after_row()};
+  const bool is_named = place.segment > 0 && place.row > 0;
+  if (is_named ? request.session_id().empty() : place.segment > 0 || place.row > 0)
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                   "after_segment and after_row are given together, with session_id");
+  constexpr auto kLastRow = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
+  if (place.row >= kLastRow)
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "after_row is no number of a row");
+  return place;
 }
 
 }  // namespace
@@ -127,9 +149,15 @@ grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecis
     return new RefusedCall<grpc::ServerWriteReactor<v1::ExportDecisionsResponse>>(
         ToGrpc(filter.status(), context_.counters));
   }
+  const auto last_read = LastReadOf(*request);
+  if (!last_read.ok()) {
+    return new RefusedCall<grpc::ServerWriteReactor<v1::ExportDecisionsResponse>>(
+        ToGrpc(last_read.status(), context_.counters));
+  }
   return RowStream::Start(context_, *call, *caller,
-                          [filter = *filter](priors::PriorReader& store, const RowPlace& place) {
-                            return LoadRows(store, filter, place);
+                          [filter = *filter, last_read = *last_read](priors::PriorReader& store,
+                                                                     const RowPlace& place) {
+                            return LoadRows(store, filter, last_read, place);
                           });
 }
 

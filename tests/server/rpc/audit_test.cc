@@ -1,6 +1,9 @@
 // The audit log of sessions over the stream: what is exported is derived again bit for bit.
 #include <spdlog/sinks/ringbuffer_sink.h>
 
+#include <limits>
+
+#include "absl/strings/str_split.h"
 #include "server/audit/rederive.h"
 #include "server/decision/policy/log_cost.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
@@ -10,6 +13,7 @@ namespace sweepstake::rpc {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 class AuditTest : public RpcTest {
  protected:
@@ -175,6 +179,59 @@ TEST_F(AuditTest, IsListedAndExportedBySessionProjectAndScene) {
   scenes.set_scene("desert");
   ASSERT_EQ(List(scenes).size(), 1u);
   EXPECT_EQ(List(scenes)[0].scene(), "desert");
+}
+
+// The lines of a CSV file behind its header. REQUIRES: no cell has a line break.
+std::vector<std::string> RowsIn(const std::string& csv) {
+  std::vector<std::string> lines = absl::StrSplit(csv, '\n', absl::SkipEmpty());
+  lines.erase(lines.begin());
+  return lines;
+}
+
+TEST_F(AuditTest, OfASessionIsExportedBehindARowThatIsKnown) {
+  v1::Hello hello = HelloMessage();
+  v1::ExportDecisionsRequest request;
+  {
+    TelemetryClient client(channel_);
+    Resume(hello, client.Open(hello));
+    Play(client, 1, 3);
+  }
+  RestartServer();
+  applied_ = 0;
+  TelemetryClient client(channel_);
+  request.set_session_id(client.Open(hello).session_id());
+  Play(client, 4, 6);
+  const std::vector<std::string> all = RowsIn(Export(request));
+  ASSERT_EQ(all.size(), 8u) << "of two segments, each with its setup";
+  const auto behind = [&](uint32_t segment, uint64_t row) {
+    request.set_after_segment(segment);
+    request.set_after_row(row);
+    return RowsIn(Export(request));
+  };
+  EXPECT_EQ(behind(1, 2), std::vector(all.begin() + 2, all.end()));
+  EXPECT_EQ(behind(1, 4), std::vector(all.begin() + 4, all.end())) << "the end of a segment";
+  EXPECT_EQ(behind(2, 3), std::vector(all.begin() + 7, all.end()));
+  EXPECT_THAT(behind(2, 4), IsEmpty());
+  EXPECT_THAT(behind(3, 1), IsEmpty()) << "no such segment yet";
+}
+
+TEST_F(AuditTest, WhatIsNoRowOfASessionIsRefused) {
+  const auto code = [&](const std::string& session, uint32_t segment, uint64_t row) {
+    v1::ExportDecisionsRequest request;
+    request.set_session_id(session);
+    request.set_after_segment(segment);
+    request.set_after_row(row);
+    grpc::ClientContext context;
+    const auto stub = v1::AuditService::NewStub(channel_);
+    const auto reader = stub->ExportDecisions(&context, request);
+    for (v1::ExportDecisionsResponse part; reader->Read(&part);) continue;
+    return reader->Finish().error_code();
+  };
+  EXPECT_EQ(code("", 1, 1), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(code("a", 1, 0), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(code("a", 0, 1), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(code("a", 1, std::numeric_limits<uint64_t>::max()), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(code("a", 1, 1), grpc::StatusCode::OK) << "of no session there are no rows";
 }
 
 TEST_F(AuditTest, OfManyRowsComesInManyMessages) {
