@@ -59,7 +59,7 @@ describe('the rows of a log', () => {
 
   it('say what the second decision of that log did', () => {
     expect(toldOfRow(rows[2]!, setup)).toMatchObject({ activeArm: 'BruteForce', candidate: 'KDTree', outcome: DecisionOutcome.SWITCHED, leader: 'KDTree' });
-    expect(explainedRow(rows[2]!, setup)[0]).toBe('The game was told to change from BruteForce to KDTree. It is believed to cost less.');
+    expect(explainedRow(rows[2]!, setup)[0]).toBe('The game was told to change from BruteForce to KDTree. It cost the least in this draw from what is believed of each arm.');
   });
 
   it('name the operator of an order, and what an administrator did', () => {

@@ -8,17 +8,20 @@ export interface Selection { sessionId?: string; project?: string; scene?: strin
 /** A row with the setup of its segment, if the log still has that. */
 export interface PlacedRow { row: AuditRow; setup?: Setup }
 
-/** Yields the rows that the daemon selects, oldest first. Throws ApiError. */
-export async function* auditRows(selection: Selection, signal?: AbortSignal): AsyncGenerator<PlacedRow> {
+const segmentOf = (row: AuditRow) => `${row.text('session')}.${row.text('segment')}`;
+
+/** Yields the rows that the daemon selects, oldest first; of a session, those behind `after`. Throws ApiError. */
+export async function* auditRows(selection: Selection, signal?: AbortSignal, after?: PlacedRow): AsyncGenerator<PlacedRow> {
   const reader = new RowReader();
-  let segment = '';
-  let setup: Setup | undefined;
-  for await (const { header, rows } of stream(AuditService.method.exportDecisions, selection, signal)) {
+  let segment = after ? segmentOf(after.row) : '';
+  let setup = after?.setup;
+  const place = after && { afterSegment: Number(after.row.text('segment')), afterRow: BigInt(after.row.text('row')) };
+  for await (const { header, rows } of stream(AuditService.method.exportDecisions, { ...selection, ...place }, signal)) {
     if (header) reader.header(header);
     for (const record of rows) {
       const row = reader.row(record);
       if (!row) continue;
-      const here = `${row.text('session')}.${row.text('segment')}`;
+      const here = segmentOf(row);
       if (here !== segment) setup = undefined;
       segment = here;
       if (row.text('kind') === 'setup') setup = setupOf(row);

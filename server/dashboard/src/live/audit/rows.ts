@@ -127,6 +127,16 @@ export function setupOf(row: AuditRow): Setup {
 /** When something was, by the daemon's wall clock at the segment's start and its steady clock since. */
 export const unixMsOf = (setup: Setup, timeNs: number) => setup.unixStartMs + (timeNs - setup.startNs) / NS_PER_MS;
 
+/** The same function, which computes each answer once: views ask for those of all rows whenever one is added. */
+export function once<Of extends object, Answer>(compute: (of: Of) => Answer): (of: Of) => Answer {
+  const known = new WeakMap<Of, { answer: Answer }>();
+  return (of) => {
+    const before = known.get(of) ?? { answer: compute(of) };
+    known.set(of, before);
+    return before.answer;
+  };
+}
+
 /** What the frames of a decision window cost, as the `runs` cell of a tick sums them. */
 export interface WindowMeans {
   frameCount: number;
@@ -145,7 +155,7 @@ const CHECKS = 15;
 const PEAK_BYTES = 17;
 
 /** Undefined: the window has no frames. */
-export function windowOf(row: AuditRow): WindowMeans | undefined {
+export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
   const run = items(row.text('runs'))[1]?.split(':').map(Number);
   const frameCount = run?.[FRAMES] ?? 0;
   if (!run || run.length <= PEAK_BYTES || frameCount === 0) return undefined;
@@ -156,21 +166,19 @@ export function windowOf(row: AuditRow): WindowMeans | undefined {
     checkCount: run[CHECKS]! / frameCount,
     nativeBytes: run[PEAK_BYTES]!,
   };
-}
+});
 
 /** One visit of the shadow lane. */
 export interface Visit { arm: number; detectionNs: number; buildNs: number; wasActive: boolean; wasCapped: boolean }
 
 /** Returns the visits that the lane reported since the row before. */
-export function visitsOf(row: AuditRow): Visit[] {
-  return items(row.text('shadow')).map((item) => {
-    const [, detectionNs = 0, buildNs = 0, , , arm = 0, , , flags = 0] = item.split(':').map(Number);
-    return { arm, detectionNs, buildNs, wasActive: (flags & 1) !== 0, wasCapped: (flags & 2) !== 0 };
-  });
-}
+export const visitsOf = once((row: AuditRow): readonly Visit[] => items(row.text('shadow')).map((item) => {
+  const [, detectionNs = 0, buildNs = 0, , , arm = 0, , , flags = 0] = item.split(':').map(Number);
+  return { arm, detectionNs, buildNs, wasActive: (flags & 1) !== 0, wasCapped: (flags & 2) !== 0 };
+}));
 
 /** Objects in the broad phase. Undefined: not measured. */
-export function objectCountOf(row: AuditRow): number | undefined {
+export const objectCountOf = once((row: AuditRow): number | undefined => {
   const count = row.text('descriptor').split(':')[0];
   return count ? Number(count) : undefined;
-}
+});

@@ -1,10 +1,10 @@
 // The life of a session in steps: the rows of its audit log, then what the daemon tells live.
-import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
+import { DecisionOutcome, type DecisionEvent, type FrameMeasurements } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
 import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
 import type { PlacedRow } from './log';
-import { type AuditRow, objectCountOf, type Setup, unixMsOf, type Visit, visitsOf, type WindowMeans, windowOf } from './rows';
+import { type AuditRow, objectCountOf, once, type Setup, unixMsOf, type Visit, visitsOf, type WindowMeans, windowOf } from './rows';
 
 export interface Step {
   timeMs: number; // by the daemon's clock
@@ -63,27 +63,28 @@ export interface Measured {
 const inMs = (values: Percentiles | undefined): Percentiles | undefined =>
   values && [values[0] / 1e6, values[1] / 1e6, values[2] / 1e6];
 
+const percentilesOf = once(({ frameTimeNs, detectionTimeNs, nativeBytes }: FrameMeasurements) => ({
+  frameMs: inMs(frameTimeNs && percentiles(bucketsOf(frameTimeNs))),
+  detectionMs: inMs(detectionTimeNs && percentiles(bucketsOf(detectionTimeNs))),
+  nativeBytes: nativeBytes && percentiles(bucketsOf(nativeBytes)),
+}));
+const UNKNOWN = { frameMs: undefined, detectionMs: undefined, nativeBytes: undefined };
+
 /** Returns what frames cost, by each step that says something of it. */
 export function measuredOf(steps: readonly Step[]): Measured[] {
-  return steps.filter(({ placed, event }) => event?.measurements || placed?.row.text('kind') === 'tick').map(({ timeMs, placed, event }) => {
-    const { frameTimeNs, detectionTimeNs, nativeBytes } = event?.measurements ?? {};
-    return {
-      timeMs,
-      frameMs: inMs(frameTimeNs && percentiles(bucketsOf(frameTimeNs))),
-      detectionMs: inMs(detectionTimeNs && percentiles(bucketsOf(detectionTimeNs))),
-      nativeBytes: nativeBytes && percentiles(bucketsOf(nativeBytes)),
-      window: placed && windowOf(placed.row),
-      objectCount: placed && objectCountOf(placed.row),
-    };
-  });
+  return steps.filter(({ kind, placed, event }) => event?.measurements || (placed && kind === 'tick')).map(({ timeMs, placed, event }) => ({
+    timeMs,
+    ...(event?.measurements ? percentilesOf(event.measurements) : UNKNOWN),
+    window: placed && windowOf(placed.row),
+    objectCount: placed && objectCountOf(placed.row),
+  }));
 }
 
-export interface ArmVisit extends Visit { timeMs: number; name: string }
-
-/** Returns the visits of the shadow lane that the log has. */
-export function laneVisits(steps: readonly Step[]): ArmVisit[] {
-  return steps.flatMap(({ timeMs, placed }) => (placed ? visitsOf(placed.row) : []).map((visit) =>
-    ({ ...visit, timeMs, name: placed?.setup?.arms[visit.arm] ?? `arm ${visit.arm}` })));
+/** Calls `tell` with each visit of the shadow lane that the log has, oldest first. */
+export function forEachVisit(steps: readonly Step[], tell: (arm: string, visit: Visit, timeMs: number) => void): void {
+  for (const { timeMs, placed } of steps) {
+    if (placed) for (const visit of visitsOf(placed.row)) tell(placed.setup?.arms[visit.arm] ?? `arm ${visit.arm}`, visit, timeMs);
+  }
 }
 
 /** Returns the arms in the session's order, as far as they are known. */

@@ -1,59 +1,91 @@
-// A session's log while a view shows it.
-import { useEffect, useState } from 'preact/hooks';
+// A session's log while a view shows it: read whole once, and then what is new of it, whenever the session has decided something.
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import type { DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
+import { usePaced } from '../charts/view_state';
 import { type ApiError, asApiError } from '../transport/calls';
-import { auditRows } from './log';
-import { type Step, stepOfRow } from './steps';
+import { auditRows, type PlacedRow } from './log';
+import { mergedSteps, type Step, stepOfRow } from './steps';
 
 /** The latest steps of a longer log stay. At the paper's interval that is some three hours. */
 export const MAX_STEPS = 5000;
 const SHOW_EVERY = 2000;
-/** A log that is not too long is read again so often while it is looked at. */
-const AGAIN_MS = 60_000;
+/** A decision is told at once, and its row is on disk a moment later. */
+const READ_AFTER_MS = 200;
+const AFTER_ERROR_MS = 3000;
 
-export interface SessionLog {
+interface Reading {
   steps: readonly Step[];
-  droppedCount: number; // older steps that were left out
-  isReading: boolean;
+  count: number; // with those that have been dropped
+  last?: PlacedRow;
+  isReading: boolean; // for the first time
   atMs: number; // when it was read, by the browser's clock
   error?: ApiError;
+}
+
+export interface SessionLog extends Pick<Reading, 'steps' | 'isReading' | 'atMs' | 'error'> {
+  droppedCount: number; // older steps that were left out
   again: () => void;
 }
 
-type Reading = Omit<SessionLog, 'again'>;
-const BEGIN: Reading = { steps: [], droppedCount: 0, isReading: true, atMs: 0 };
-
-async function read(sessionId: string, cancel: AbortSignal, show: (reading: Reading) => void): Promise<void> {
-  let steps: Step[] = [];
-  let count = 0;
-  const reading = (): Reading => ({ steps: steps.slice(-MAX_STEPS), droppedCount: Math.max(0, count - MAX_STEPS), isReading: true, atMs: Date.now() });
+/** Reads the rows behind the last one that was read; `show` gets them with those before. */
+async function readOn(sessionId: string, before: Reading, cancel: AbortSignal, show: (reading: Reading) => void): Promise<void> {
+  const steps = [...before.steps];
+  let { count, last } = before;
+  const reading = (more: Pick<Reading, 'isReading' | 'error'>): Reading =>
+    ({ steps: steps.slice(-MAX_STEPS), count, ...(last && { last }), atMs: Date.now(), ...more });
   try {
-    for await (const placed of auditRows({ sessionId }, cancel)) {
+    for await (const placed of auditRows({ sessionId }, cancel, last)) {
+      last = placed;
       const step = stepOfRow(placed);
       if (!step) continue;
       steps.push(step);
-      if (steps.length >= 2 * MAX_STEPS) steps = steps.slice(-MAX_STEPS);
-      if (++count % SHOW_EVERY === 0) show(reading());
+      if (steps.length >= 2 * MAX_STEPS) steps.splice(0, MAX_STEPS);
+      if (++count % SHOW_EVERY === 0) show(reading({ isReading: before.isReading }));
     }
-    show({ ...reading(), isReading: false });
+    show(reading({ isReading: false }));
   } catch (error) {
-    if (!cancel.aborted) show({ ...reading(), isReading: false, error: asApiError(error) });
+    if (!cancel.aborted) show(reading({ isReading: false, error: asApiError(error) }));
   }
 }
 
-/** Reads the log, and anew when it is asked to, or from time to time while it goes on; what was read before stays until then. */
-export function useSessionLog(sessionId: string, goesOn: boolean): SessionLog {
-  const [reading, setReading] = useState<Reading>(BEGIN);
+/** `told` is the session's latest decision, if the view wants what is new. REQUIRES: of one component always the same session. */
+export function useSessionLog(sessionId: string, told: DecisionEvent | undefined): SessionLog {
+  const [reading, setReading] = useState<Reading>({ steps: [], count: 0, isReading: true, atMs: 0 });
   const [turn, setTurn] = useState(0);
+  const latest = useRef(reading);
+  latest.current = reading;
+  const readFor = useRef(told); // what had been told when the log was read last
+  const isBusy = useRef(false);
+
   useEffect(() => {
     const cancel = new AbortController();
-    if (turn === 0) setReading(BEGIN);
-    void read(sessionId, cancel.signal, (next) => { if (turn === 0 || !next.isReading) setReading(next); });
+    readFor.current = told;
+    isBusy.current = true;
+    void readOn(sessionId, latest.current, cancel.signal, setReading).finally(() => { if (!cancel.signal.aborted) isBusy.current = false; });
     return () => cancel.abort();
-  }, [sessionId, turn]);
+  }, [turn]);
+
+  const hasNews = told !== undefined && told !== readFor.current;
   useEffect(() => {
-    if (!goesOn || reading.isReading || reading.droppedCount > 0) return undefined;
-    const timer = setInterval(() => { if (!document.hidden) setTurn((before) => before + 1); }, AGAIN_MS);
-    return () => clearInterval(timer);
-  }, [goesOn, reading]);
-  return { ...reading, again: () => setTurn((before) => before + 1) };
+    if (!hasNews) return undefined;
+    const waitMs = reading.error ? AFTER_ERROR_MS : READ_AFTER_MS;
+    const begin = () => {
+      if (document.hidden || isBusy.current) timer = setTimeout(begin, waitMs);
+      else setTurn((before) => before + 1);
+    };
+    let timer = setTimeout(begin, waitMs);
+    return () => clearTimeout(timer);
+  }, [hasNews, reading]);
+
+  const { steps, count, isReading, atMs, error } = reading;
+  return { steps, isReading, atMs, ...(error && { error }), droppedCount: count - steps.length, again: () => setTurn((before) => before + 1) };
+}
+
+const PACE_MS = 400; // what is computed of all steps costs much
+
+/** Returns what is known of a session: its log, and what it has told since; and whether the log is among it. */
+export function useSteps({ steps, isReading }: SessionLog, events: readonly DecisionEvent[] | undefined, rewardVersion: number): { steps: readonly Step[]; hasLog: boolean } {
+  const all = useMemo(() => ({ steps, events, isReading }), [steps, events, isReading]);
+  const paced = usePaced(all, PACE_MS);
+  return useMemo(() => ({ steps: mergedSteps(paced.steps, paced.events ?? [], rewardVersion), hasLog: !paced.isReading }), [paced, rewardVersion]);
 }

@@ -91,22 +91,23 @@ export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
   if (isSeen) drawn.current = structureOf(picture);
   const structure = drawn.current;
 
+  const create = () => {
+    plot.current?.destroy();
+    plot.current = host.current && width > 0 ? createPlot(host.current, () => latest.current, width, height) : null;
+  };
   useEffect(() => {
-    if (!host.current || width === 0) return undefined;
-    const created = createPlot(host.current, () => latest.current, width, height);
-    plot.current = created;
+    create();
     return () => {
-      created.destroy();
+      plot.current?.destroy();
       plot.current = null;
     };
   }, [structure, theme.value, width === 0]);
   useEffect(() => { if (width > 0) plot.current?.setSize({ width, height }); }, [width, height]);
   useEffect(() => { if (isSeen) plot.current?.setData(dataOf(picture)); }, [isSeen, picture.timesMs, picture.lines, picture.moments, picture.domain.fromMs, picture.domain.toMs]);
   useEffect(() => {
-    const draw = () => plot.current?.setData(dataOf(latest.current)); // paper shows all of them
-    addEventListener('beforeprint', draw);
-    return () => removeEventListener('beforeprint', draw);
-  }, []);
+    addEventListener('beforeprint', create); // paper shows what nobody has scrolled to
+    return () => removeEventListener('beforeprint', create);
+  }, [width, height]);
   useSignalEffect(() => {
     const at = crosshairMs.value;
     if (plot.current && !host.current?.matches(':hover')) showCrosshair(plot.current, at);

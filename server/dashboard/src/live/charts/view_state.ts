@@ -1,6 +1,6 @@
 // What the charts of a view share: the range of time and the pause, which are in the address, the crosshair, and which arms are hidden.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
-import { useRef } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { route, setQuery } from '../state/route';
 
 /** Times in milliseconds since 1970, by the daemon's clock. */
@@ -42,6 +42,21 @@ export function useFrozen<Value>(value: Value, isReady: boolean): Value {
   const held = useRef({ value, isReady });
   if (pausedMs.value === undefined || !held.current.isReady) held.current = { value, isReady };
   return held.current.value;
+}
+
+/** Returns the value, or where it changes more often than that, one that it had since: what costs much is not computed of each. */
+export function usePaced<Value>(value: Value, everyMs: number): Value {
+  const shown = useRef({ value, atMs: Number.NEGATIVE_INFINITY });
+  const [, drawAgain] = useState(0);
+  const waitMs = shown.current.atMs + everyMs - performance.now();
+  if (value !== shown.current.value && waitMs <= 0) shown.current = { value, atMs: performance.now() };
+  const isLate = value !== shown.current.value;
+  useEffect(() => {
+    if (!isLate) return undefined;
+    const timer = setTimeout(() => drawAgain((count) => count + 1), waitMs);
+    return () => clearTimeout(timer);
+  });
+  return shown.current.value;
 }
 
 /** Returns what is to be seen of what there is: the reader's range, or all of it. Never empty. */

@@ -57,7 +57,7 @@ export function KeySheet() {
         <div><dt><kbd>←</kbd><kbd>→</kbd></dt><dd>In a chart: move the crosshair, or from decision to decision; <kbd>Home</kbd> and <kbd>End</kbd> to the first and the last</dd></div>
         <div><dt><kbd>+</kbd><kbd>−</kbd><kbd>0</kbd></dt><dd>In a chart: zoom in, zoom out, show all</dd></div>
         <div><dt><kbd>Enter</kbd></dt><dd>Among switches: explain this decision</dd></div>
-        <div><dt><kbd>Esc</kbd></dt><dd>Close what is open</dd></div>
+        <div><dt><kbd>Esc</kbd></dt><dd>Close this list, or a question</dd></div>
       </dl>
       <p class="buttons"><button type="button" onClick={() => { isSheetOpen.value = false; }}>Close</button></p>
     </Modal>

@@ -1,9 +1,9 @@
 // Two scenes, classes of machines or sessions beside one another, on the same axes.
 import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
-import { share, significant } from '../../format';
-import { armsOf, measuredOf, mergedSteps, type Step } from '../audit/steps';
-import { type SessionLog, useSessionLog } from '../audit/use_log';
+import { share } from '../../format';
+import { armsOf, measuredOf, type Step } from '../audit/steps';
+import { type SessionLog, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
 import { Ridgeline, ridgeRange, type RidgeRow } from '../charts/ridgeline';
@@ -27,7 +27,7 @@ import { sessions } from '../state/sessions';
 import { isDegraded } from '../state/summaries';
 import { armNames, armRows, ridgeRows } from './scene/model';
 import { CostCharts } from './session/cost_charts';
-import { goesOn, LogState } from './session/log_state';
+import { LogState, toldIn } from './session/log_state';
 import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
 
 const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Only the first</button>;
@@ -61,7 +61,7 @@ function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, value
   return (
     <div>
       <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
-      <p><VerdictChip verdict={verdict} /> {leader && <><Arm name={leader} />, P(best) {significant(leaderProbability)}, loss {share(expectedLossRatio)}</>}</p>
+      <p><VerdictChip verdict={verdict} /> {leader && <><Arm name={leader} />, P(best) {leaderProbability.toFixed(3)}, loss {share(expectedLossRatio)}</>}</p>
       <ChartFrame id="beliefs" title="What is believed of each arm" names={names} table={table} empty={ridges.length === 0 && 'Nothing is learnt yet.'}>
         <Ridgeline title="What is believed of each arm" rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards} />
       </ChartFrame>
@@ -96,7 +96,7 @@ export function CompareScenes({ own, other }: { own: SceneState; other: string }
 interface SessionData {
   id: string;
   log: SessionLog;
-  steps: Step[];
+  steps: readonly Step[];
   arms: string[];
   columns: CostColumns;
   laterMs: number; // by which it is drawn earlier than it was
@@ -104,13 +104,11 @@ interface SessionData {
 
 function useSession(id: string): SessionData {
   const state = useComputed(() => sessions.value.get(id)).value;
-  const events = state?.decisions ?? [];
-  const log = useSessionLog(id, goesOn(state));
-  const latest = useMemo(() => {
-    const steps = mergedSteps(log.steps, events, log.steps.at(-1)?.told?.rewardVersion ?? 0);
-    return { id, log, steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)), laterMs: 0 };
-  }, [id, log.steps, log.error, log.atMs, events.at(-1), log.isReading]);
-  return useFrozen(latest, !log.isReading);
+  const log = useSessionLog(id, toldIn(state));
+  const { steps, hasLog } = useSteps(log, state?.decisions, log.steps.at(-1)?.told?.rewardVersion ?? 0);
+  const drawn = useMemo(() => ({ steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)) }), [steps]);
+  const latest = { id, log, ...drawn, laterMs: 0 };
+  return useFrozen(latest, hasLog);
 }
 
 const mostOf = (columns: readonly (readonly (number | null)[])[]) => Math.max(0, ...columns.flat().map((value) => value ?? 0));
@@ -160,8 +158,8 @@ export function CompareWith({ info }: { info: SessionInfo }) {
 export function CompareSessions({ ids: [first, second] }: { ids: readonly [string, string] }) {
   const [own, other] = [useSession(first), useSession(second)];
   const startMs = startOf(own, 0);
-  const laid = useMemo(() => laidTo(startMs, other), [startMs, other]);
-  const both = [own, laid];
+  const laid = useMemo(() => laidTo(startMs, other), [startMs, other.steps]);
+  const both = [own, { ...laid, log: other.log }];
   const lengthMs = Math.max(1000, ...both.map(({ steps }) => (steps.at(-1)?.timeMs ?? startMs) - startMs));
   const most = { frameMs: mostOf(both.flatMap(({ columns }) => columns.frame)), detectionMs: mostOf(both.flatMap(({ columns }) => columns.detection)) };
   return (

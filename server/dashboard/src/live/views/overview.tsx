@@ -18,7 +18,7 @@ import { route, sceneHref } from '../state/route';
 import { connectedSessions, sessions } from '../state/sessions';
 import { summaries, type SceneSummary } from '../state/summaries';
 import { Attention } from './attention';
-import { verdictWord } from './words';
+import { GLOSSARY, verdictWord } from './words';
 
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
 
@@ -68,12 +68,12 @@ function Figures() {
 function filtered(all: readonly SceneSummary[]): readonly SceneSummary[] {
   const { query } = route.value;
   const text = query.get('q') ?? '';
-  const verdict = query.get('verdict') ?? 'any';
+  const verdict = VERDICTS.map((each) => verdictWord(each).name).find((name) => name === query.get('verdict'));
   const project = query.get('project') ?? '';
   const isOnline = query.get('online') === 'yes';
   return all.filter((row) => {
     const { posterior } = row.state;
-    return (verdict === 'any' || verdictWord(row.verdict).name === verdict) && (project === '' || posterior.project === project)
+    return (verdict === undefined || verdictWord(row.verdict).name === verdict) && (project === '' || posterior.project === project)
       && (!isOnline || posterior.activeSessionCount > 0)
       && matches(text, [posterior.project, posterior.scene, posterior.machineClass, row.computed.leader]);
   });
@@ -154,6 +154,10 @@ export function Overview() {
       </section>
       <Projects all={all} />
       <p class="soft small">{counted(sessions.value.size, 'session', 'sessions')} known; verdicts are of the evidence of all sessions together, the leader’s P(best) is stable from {significant(STABLE_PROBABILITY, 1)} on.</p>
+      <details class="soft small">
+        <summary>Words of this page</summary>
+        <dl>{GLOSSARY.map(([name, meaning]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}>{meaning}</dd>])}</dl>
+      </details>
     </>
   );
 }

@@ -3,8 +3,8 @@ import { useComputed } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { counted, grouped } from '../../format';
-import { armsOf, isSwitch, laneVisits, measuredOf, mergedSteps, type Step } from '../audit/steps';
-import { type SessionLog, useSessionLog } from '../audit/use_log';
+import { armsOf, isSwitch, measuredOf, type Step } from '../audit/steps';
+import { type SessionLog, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import type { Moment } from '../charts/plot';
 import { BandsChart, BestChart } from '../charts/posterior_charts';
@@ -29,7 +29,7 @@ import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
 import { beliefRows, costColumns, laneSums, type LaneSum, priorAndPosterior, stepFor, stepQuery, switchMoments } from './session/model';
-import { goesOn, LogState } from './session/log_state';
+import { LogState, toldIn } from './session/log_state';
 import { Orders } from './session/orders';
 import { Recordings } from './session/recordings';
 import { Why } from './session/why';
@@ -95,7 +95,7 @@ const LANE_COLUMNS: readonly Column<LaneSum>[] = [
 ];
 
 function Lane({ steps }: { steps: readonly Step[] }) {
-  const sums = useMemo(() => laneSums(laneVisits(steps)), [steps]);
+  const sums = useMemo(() => laneSums(steps), [steps]);
   if (sums.length === 0) return <p class="soft">The shadow lane has not measured anything in this session, or is off.</p>;
   return <Table caption="Visits of the shadow lane" columns={LANE_COLUMNS} rows={sums} keyOf={({ arm }) => arm} sort="median" sortParameter="lane" />;
 }
@@ -169,8 +169,8 @@ function Boxes({ sessionId, isOver }: { sessionId: string; isOver: boolean }) {
 function Session({ sessionId, state: latest, log }: { sessionId: string; state: SessionState | undefined; log: SessionLog }) {
   const state = useFrozen(latest, latest !== undefined);
   const rewardVersion = rewardVersionOf(log.steps, state);
-  const all = useMemo(() => mergedSteps(log.steps, state?.decisions ?? [], rewardVersion), [log.steps, state?.decisions, rewardVersion]);
-  const steps = useFrozen(all, !log.isReading);
+  const known = useSteps(log, state?.decisions, rewardVersion);
+  const { steps } = useFrozen(known, known.hasLog);
   const names = armsOf(steps);
   const arms = useMemo(() => names, [names.join('\n')]);
   const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
@@ -204,7 +204,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
 
 function Opened({ sessionId }: { sessionId: string }) {
   const state = useComputed(() => sessions.value.get(sessionId)).value; // other sessions change too
-  const log = useSessionLog(sessionId, goesOn(state));
+  const log = useSessionLog(sessionId, toldIn(state));
   useEffect(() => {
     sessionInView.value = sessionId;
     return () => { sessionInView.value = ''; };

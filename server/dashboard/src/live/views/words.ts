@@ -7,6 +7,17 @@ import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_p
 /** A short name, a sentence that explains it, and a mark that tells it from others without colour. */
 export interface Word { name: string; meaning: string; mark: string }
 
+/** What somebody who comes to the page for the first time has to know. */
+export const GLOSSARY: readonly (readonly [string, string])[] = [
+  ['arm', 'One of the broad phases that a game can run, as SAP or KDTree.'],
+  ['detection time', 'What the broad phase takes of a frame.'],
+  ['window', 'The frames between two decisions, which are one measurement of the arm that ran.'],
+  ['shadow lane', 'A thread of the game that runs the other arms on copies of some frames, beside the frame thread.'],
+  ['P(best)', 'The probability that an arm is the cheapest one of its scene, as far as is known.'],
+  ['policy', 'What chooses: it draws a cost for each arm from what is believed of it, and takes the least (Thompson sampling).'],
+  ['prior', 'What a session begins with: what earlier sessions, builds and machines have taught.'],
+];
+
 const word = (name: string, mark: string, meaning: string): Word => ({ name, meaning, mark });
 const UNKNOWN = word('unknown', '?', 'The daemon is newer than this page and says something that the page does not know.');
 
@@ -27,7 +38,7 @@ const OUTCOMES: Readonly<Record<DecisionOutcome, Word>> = {
 
 const REASONS: Readonly<Record<SwitchReason, Word>> = {
   [SwitchReason.UNSPECIFIED]: word('no switch', '–', 'Nothing was switched.'),
-  [SwitchReason.POLICY]: word('policy', '→', 'It is believed to cost less.'),
+  [SwitchReason.POLICY]: word('policy', '→', 'It cost the least in this draw from what is believed of each arm.'),
   [SwitchReason.EXPLORATION]: word('exploration', '⌕', 'It was its turn to be measured.'),
   [SwitchReason.BAIL_OUT]: word('bail-out', '!', 'A frame took longer than the bail-out limit, and the arm was to blame.'),
   [SwitchReason.MANUAL]: word('manual', '✋', 'A person chose it.'),

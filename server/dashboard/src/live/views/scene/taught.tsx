@@ -4,7 +4,7 @@ import { useState } from 'preact/hooks';
 import { PriorsService } from '../../../gen/sweepstake/v1/priors_pb';
 import { ChartFrame } from '../../charts/frame';
 import { Ridgeline } from '../../charts/ridgeline';
-import { centralInterval, mean } from '../../numbers/beta';
+import { type Beta, centralInterval, mean } from '../../numbers/beta';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../../numbers/log_cost';
 import { Choice } from '../../parts/filter';
 import { Name } from '../../parts/name';
@@ -34,13 +34,18 @@ function ByMeasure({ evidence, name }: { evidence: Evidence; name: SceneName }) 
   const rows = measuredRows(evidence.sums.values(), name);
   const title = 'Measured in games, and in the shadow lane';
   const text = textOf(name);
+  const ends = (posterior: Beta) => {
+    const [low, high] = centralInterval(posterior, 0.95);
+    return name.rewardVersion === LOG_COST_REWARD_VERSION ? [high, low] : [low, high]; // the highest reward is the least cost
+  };
   const table = () => ({
     header: ['arm', 'measured', 'mean', '95 % from', 'to', 'alpha', 'beta'],
-    rows: rows.map(({ arm, measured, posterior }) => [arm, measured, text(mean(posterior)), ...centralInterval(posterior, 0.95).map(text), posterior.alpha, posterior.beta]),
+    rows: rows.map(({ arm, measured, posterior }) => [arm, measured, text(mean(posterior)), ...ends(posterior).map(text), posterior.alpha, posterior.beta]),
   });
   return (
     <ChartFrame id="measured" title={title} names={[name.project, name.scene]} table={table} empty={rows.length === 0 && 'Nothing is stored of this scene yet.'}
-      note="The lane runs off the frame thread and is off by 10 to 20 % for some arms; where both know an arm they should be near one another.">
+      note="Games run an arm when the policy chose it; the lane runs all arms on the same frames, off the frame thread, and is off by 10 to 20 % for some. Beliefs take from the lane
+        how arms compare and from games the level, the mean over the arms that both know: one may lie beside both of its measurements here.">
       <Ridgeline title={title} rows={rows} rewardVersion={name.rewardVersion} />
     </ChartFrame>
   );

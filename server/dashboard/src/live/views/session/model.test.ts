@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { rows, setup } from '../../audit/sample_log';
-import { armsOf, laneVisits, measuredOf, mergedSteps, type Step, stepOfRow } from '../../audit/steps';
+import { armsOf, forEachVisit, measuredOf, mergedSteps, type Step, stepOfRow } from '../../audit/steps';
 import { DecisionEventSchema, DecisionOutcome } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { middleOf } from '../../numbers/histogram';
 import { beliefRows, costColumns, laneSums, priorAndPosterior, stepFor, switchMoments } from './model';
@@ -45,9 +45,11 @@ describe('what frames cost', () => {
   });
 
   it('in the lane is told arm by arm', () => {
-    const sums = laneSums(laneVisits(steps));
+    const sums = laneSums(steps);
+    let visitCount = 0;
+    forEachVisit(steps, () => ++visitCount);
     expect(sums.map(({ arm }) => arm).sort()).toEqual([...arms].sort());
-    expect(sums.reduce((sum, { visitCount }) => sum + visitCount, 0)).toBe(laneVisits(steps).length);
+    expect(sums.reduce((sum, { visitCount }) => sum + visitCount, 0)).toBe(visitCount);
     for (const { medianNs, lastNs } of sums) expect(Math.min(medianNs, lastNs)).toBeGreaterThan(0);
   });
 });
@@ -61,6 +63,15 @@ describe('beliefs', () => {
     expect(last.map(({ arm }) => arm)).toEqual(arms);
     expect(last.find(({ arm }) => arm === 'KDTree')!.measured).toBe('live');
     expect(last.filter(({ measured }) => measured === 'lane').length).toBeGreaterThan(2);
+  });
+
+  it('end with the last posterior that is known, however much was told since', () => {
+    const logged = steps.at(-1)!;
+    const events = Array.from({ length: 2000 }, (_, i) => create(DecisionEventSchema, { decisionId: BigInt(logged.decisionId + 1 + i), activeArm: 'SAP',
+      unixMs: BigInt(Math.ceil(logged.timeMs) + 1 + i), bestProbability: arms.map((_, arm) => (i + arm) % 2) }));
+    const rowsOfAll = beliefRows(mergedSteps(steps, events, 3), arms.length);
+    expect(rowsOfAll.length).toBeLessThan(700);
+    expect(rowsOfAll.filter(({ beliefs }) => beliefs.some(Boolean)).at(-1)!.timeMs).toBe(logged.timeMs);
   });
 });
 

@@ -2,7 +2,7 @@
 import type { Measured as MeasuredBy, RidgeRow } from '../../charts/ridgeline';
 import type { Moment } from '../../charts/plot';
 import { armStyle } from '../../charts/arm_style';
-import { type ArmVisit, isSwitch, laneVisits, type Measured, type Step } from '../../audit/steps';
+import { forEachVisit, isSwitch, type Measured, type Step } from '../../audit/steps';
 import type { Beta } from '../../numbers/beta';
 import { keepExtremes } from '../../numbers/downsample';
 import { type Percentiles } from '../../numbers/histogram';
@@ -24,7 +24,11 @@ export function beliefRows(steps: readonly Step[], armCount: number): SeriesRow[
   const told = steps.filter((step) => step.told && bestOf(step).length === armCount);
   const timesMs = told.map(({ timeMs }) => timeMs);
   const columns = Array.from({ length: armCount }, (_, arm) => told.map((step) => bestOf(step)[arm] ?? null));
-  return keepExtremes(timesMs, columns, MAX_POINTS).map((i) => {
+  let lastKnown = told.length - 1; // what the bands end with
+  while (lastKnown >= 0 && posteriorsOf(told[lastKnown]!).length === 0) --lastKnown;
+  const kept = new Set(keepExtremes(timesMs, columns, MAX_POINTS));
+  if (lastKnown >= 0) kept.add(lastKnown);
+  return [...kept].sort((a, b) => a - b).map((i) => {
     const step = told[i]!;
     const posteriors = posteriorsOf(step);
     const best = bestOf(step);
@@ -48,7 +52,8 @@ export function priorAndPosterior(steps: readonly Step[], arms: readonly string[
   if (!last) return [];
   const priors = steps.find(({ placed }) => placed?.setup)?.placed?.setup?.priors ?? [];
   const live = new Set(steps.map(({ placed }) => placed?.row.text('increment_arm') ?? ''));
-  const lane = new Set(laneVisits(steps).map(({ name }) => name));
+  const lane = new Set<string>();
+  forEachVisit(steps, (arm) => lane.add(arm));
   return posteriorsOf(last).map((posterior, i) => {
     const arm = arms[i]!;
     const before = priors[i];
@@ -106,17 +111,21 @@ export function costColumns(all: readonly Measured[]): CostColumns {
 /** What the lane measured of an arm. */
 export interface LaneSum { arm: string; visitCount: number; cappedCount: number; medianNs: number; lastNs: number; buildNs: number; lastMs: number }
 
-const medianOf = (values: number[]) => values.sort((a, b) => a - b)[Math.floor((values.length - 1) / 2)] ?? 0;
+const medianOf = (values: readonly number[]) => Float64Array.from(values).sort()[Math.floor((values.length - 1) / 2)] ?? 0;
 
-export function laneSums(visits: readonly ArmVisit[]): LaneSum[] {
-  return [...new Set(visits.map(({ name }) => name))].map((arm) => {
-    const own = visits.filter(({ name }) => name === arm);
-    const last = own.at(-1)!;
-    return {
-      arm, visitCount: own.length, cappedCount: own.filter(({ wasCapped }) => wasCapped).length, medianNs: medianOf(own.map(({ detectionNs }) => detectionNs)),
-      lastNs: last.detectionNs, buildNs: medianOf(own.map(({ buildNs }) => buildNs)), lastMs: last.timeMs,
-    };
+export function laneSums(steps: readonly Step[]): LaneSum[] {
+  const arms = new Map<string, { detectionNs: number[]; buildNs: number[]; cappedCount: number; lastMs: number }>();
+  forEachVisit(steps, (arm, { detectionNs, buildNs, wasCapped }, timeMs) => {
+    if (!arms.has(arm)) arms.set(arm, { detectionNs: [], buildNs: [], cappedCount: 0, lastMs: 0 });
+    const own = arms.get(arm)!;
+    own.detectionNs.push(detectionNs);
+    own.buildNs.push(buildNs);
+    own.cappedCount += Number(wasCapped);
+    own.lastMs = timeMs;
   });
+  return [...arms].map(([arm, { detectionNs, buildNs, cappedCount, lastMs }]) => ({
+    arm, visitCount: detectionNs.length, cappedCount, medianNs: medianOf(detectionNs), lastNs: detectionNs.at(-1)!, buildNs: medianOf(buildNs), lastMs,
+  }));
 }
 
 /** Returns what the address of a session's page says of a step. */

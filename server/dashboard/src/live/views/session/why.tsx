@@ -1,8 +1,10 @@
 // "Why this arm?": one decision in words, and all that its audit row says.
+import { useEffect } from 'preact/hooks';
 import { kindWord } from '../words';
 import { explained, explainedRow } from '../../audit/explain';
 import type { Step } from '../../audit/steps';
 import { timeText } from '../../parts/clock';
+import { addShortcuts } from '../../parts/keys';
 import { Name } from '../../parts/name';
 import { visible } from '../../parts/visible';
 import { decisionsHref } from '../../state/route';
@@ -10,6 +12,7 @@ import { decisionsHref } from '../../state/route';
 interface WhyProps { step: Step; sessionId: string; onRead: () => void; onClose: () => void }
 
 export function Why({ step, sessionId, onRead, onClose }: WhyProps) {
+  useEffect(() => addShortcuts([{ keys: 'Escape', what: 'Close the explanation', run: onClose }]), []);
   const { placed, told, timeMs, decisionId } = step;
   const sentences = placed ? explainedRow(placed.row, placed.setup) : told ? explained(told) : [];
   return (
