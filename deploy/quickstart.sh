@@ -5,7 +5,8 @@
 #
 #   deploy/quickstart.sh              about a minute after the build
 #   deploy/quickstart.sh --fresh      forgets the priors of earlier runs first
-#   deploy/quickstart.sh --stay       a demo for the dashboard: plays seven scenes until Ctrl-C; prints the page's address
+#   deploy/quickstart.sh --stay       a demo for the dashboard: plays seven scenes, one of them in two builds and on two classes of
+#                                     machines, until Ctrl-C; prints the page's address
 #   deploy/quickstart.sh --bin DIR    takes sweepstaked and sweepstake from there and builds nothing
 #   deploy/quickstart.sh --data DIR   keeps priors, logs and the file of ports there; otherwise in build/quickstart/data
 set -euo pipefail
@@ -25,7 +26,7 @@ while [ $# -gt 0 ]; do
       shift
       ;;
     --help)
-      sed -n '2,10s/^# \{0,1\}//p' "$root/deploy/quickstart.sh"
+      sed -n '2,11s/^# \{0,1\}//p' "$root/deploy/quickstart.sh"
       exit 0
       ;;
     *)
@@ -99,18 +100,20 @@ trap 'exit 0' INT TERM
 flights=$data/flights
 mkdir -p "$flights"
 rm -f "$flights"/*.aabbs
-while read -r project scene objects; do
-  play "$project" "$scene" "$objects" --scene-name "$scene" --machine-class demo --fps 60 --duration 720h --allow-orders --allow-box-view \
+while read -r project scene objects build machines; do
+  play "$project" "$scene" "$objects" --scene-name "$scene" --build "$build" --machine-class "$machines" --fps 60 --duration 720h --allow-orders --allow-box-view \
     --flight-recorder 16 --frame-budget 25 --flight-folder "$flights" --allow-recording-download >>"$data/games.log" 2>&1 &
   games+=($!)
 done <<'SCENES'
-arena storms 1200
-arena waves 900
-arena hurricane 1000
-city day-and-night 1500
-city arrivals 800
-physics gather-and-scatter 1000
-physics rest-and-motion 600
+arena storms 1200 1.4 demo
+arena storms 1100 1.5 demo
+arena storms 900 1.5 demo-2
+arena waves 900 1.5 demo
+arena hurricane 1000 1.5 demo
+city day-and-night 1500 1.4 demo
+city arrivals 800 1.5 demo
+physics gather-and-scatter 1000 1.5 demo
+physics rest-and-motion 600 1.5 demo
 SCENES
 echo "== ${#games[@]} games play (log in $data/games.log) until Ctrl-C =="
 wait "$daemon" || true
