@@ -73,6 +73,12 @@ export const refusalOf = (page, method, request, headers = { 'X-Sweepstake': '1'
   page.evaluate(async ([name, body, more]) => (await fetch(`/api/sweepstake.v1.${name}`,
     { method: 'POST', headers: { 'Content-Type': 'application/json', ...more }, body: JSON.stringify(body) })).status, [method, request, headers]));
 
+// Times are measured always, and judged where the machine has nothing else to do: where JUDGE_TIMES is set.
+export function judge(what, ms, limit) {
+  console.log(`${what}: ${ms.toFixed(0)} ms`);
+  if (process.env.JUDGE_TIMES) assert.ok(ms <= limit, `${what}: ${ms} ms, more than ${limit}`);
+}
+
 export function assertNoTrouble(page, what) {
   assert.deepEqual(page.troubles, [], what);
 }

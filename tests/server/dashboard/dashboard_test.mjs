@@ -8,7 +8,7 @@ import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:f
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-import { assertAccessible, assertNoTrouble, AWAY, chromiumPath, expecting, launch, openPage, refusalOf, refused, rowsOf, useTheme } from './browser.mjs';
+import { assertAccessible, assertNoTrouble, AWAY, chromiumPath, expecting, judge, launch, openPage, refusalOf, refused, rowsOf, useTheme } from './browser.mjs';
 import { Game, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake, pictures] = process.argv.slice(2);
@@ -33,12 +33,6 @@ const cellsOf = async (page, scene) => {
   const cells = await rowOf(page, scene).locator('th, td').allInnerTexts();
   return Object.fromEntries(titles.map((title, i) => [title.replace(/ [▲▼]$/, '').trim(), (cells[i] ?? '').trim()]));
 };
-
-// Times are measured always, and judged where the machine has nothing else to do: where JUDGE_TIMES is set.
-function judge(what, ms, limit) {
-  console.log(`${what}: ${ms.toFixed(0)} ms`);
-  if (process.env.JUDGE_TIMES) assert.ok(ms <= limit, `${what}: ${ms} ms, more than ${limit}`);
-}
 
 // ---- Each check gets a page of its own, on which nothing may go wrong.
 
@@ -366,6 +360,7 @@ async function checkErrors(context, daemon) {
 async function checkLogin(context) {
   const daemon = daemonIn('tokens', ['--require-tokens']);
   const token = daemon.makeToken('reader', 'watch');
+  const boss = daemon.makeToken('boss', 'operator');
   await daemon.start();
   const page = await openPage(context, daemon.origin);
   await page.getByLabel('Token').fill('wrong');
@@ -375,18 +370,36 @@ async function checkLogin(context) {
     await page.getByRole('button', { name: 'Log in' }).click();
     await page.locator('.problem', { hasText: /./ }).waitFor();
   });
-  await page.getByLabel('Token').fill(token);
-  await page.getByRole('button', { name: 'Log in' }).click();
-  await isBadge(page, 'live');
+  const logIn = async (as) => {
+    await page.getByLabel('Token').fill(as);
+    await page.getByRole('button', { name: 'Log in' }).click();
+    await isBadge(page, 'live');
+  };
+  await logIn(token);
   const kept = await page.evaluate(() => JSON.stringify([document.cookie, { ...localStorage }, { ...sessionStorage }]));
   assert.ok(!kept.includes(token), 'scripts can read the token');
   assert.equal(await page.evaluate(() => document.cookie), '', 'scripts can read the cookie');
   const order = ['SessionsService/OrderSession', { sessionId: 'any', mode: 'MODE_AI' }];
   assert.equal(await refusalOf(page, ...order), 403, 'a token that may watch orders');
+  await page.evaluate(() => { globalThis.marker = 'the same page'; });
+  await expecting(page, AWAY, async () => {
+    await daemon.stop();
+    await isBadge(page, 'offline');
+    await daemon.start();
+    await isBadge(page, 'live');
+  });
+  assert.equal(await page.evaluate(() => globalThis.marker), 'the same page', 'the page was loaded anew');
+  assert.equal(await page.getByLabel('Token').count(), 0, 'a restart ended the login');
+  const logOut = async (name) => {
+    await page.getByRole('button', { name }).click();
+    await page.getByRole('button', { name: 'Log out' }).click();
+    await page.getByLabel('Token').waitFor();
+  };
+  await logOut('reader');
+  await logIn(boss);
+  assert.equal(await expecting(page, refused(404), () => refusalOf(page, ...order)), 404, 'there is no such session, and whom it would obey');
   assert.equal(await refusalOf(page, ...order, {}), 403, 'the header that other sites cannot set is missing');
-  await page.getByRole('button', { name: 'reader' }).click();
-  await page.getByRole('button', { name: 'Log out' }).click();
-  await page.getByLabel('Token').waitFor();
+  await logOut('boss');
   assertNoTrouble(page, 'login');
   await page.close();
   await daemon.stop();

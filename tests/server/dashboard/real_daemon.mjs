@@ -66,13 +66,18 @@ export class RealDaemon {
     await ended(this.child);
   }
 
-  // Calls an RPC over HTTP as the page does.
-  async call(method, request = {}) {
+  // Calls an RPC over HTTP as the page does; returns its responses.
+  async responses(method, request = {}) {
     const response = await fetch(`${this.origin}/api/sweepstake.v1.${method}`, { method: 'POST', body: JSON.stringify(request),
       headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' } });
     const text = await response.text();
     if (!response.ok) throw new Error(`${method}: ${response.status} ${text}`);
-    return JSON.parse(text);
+    return text.split('\n').filter(Boolean).map((line) => JSON.parse(line));
+  }
+
+  // The same of one that gives one response.
+  async call(method, request = {}) {
+    return (await this.responses(method, request))[0];
   }
 
   makeToken(name, role) {

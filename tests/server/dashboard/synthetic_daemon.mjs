@@ -8,6 +8,11 @@ const ARMS = ['BruteForce', 'Grid', 'SAP', 'AxisSweep', 'DBVT', 'Tracy', 'KDTree
 const OUTCOMES = ['KEPT', 'KEPT', 'KEPT', 'HELD_COOLDOWN', 'HELD_GATE', 'HELD_TIE', 'SWITCHED', 'HELD_SETTLING'];
 const TICK_MS = 250;
 const WINDOW_MS = 2000;
+// A log that the daemon wrote: its header, the row of a setup, and one of a decision, as cells.
+const LOG = readFileSync(new URL('../audit/logs/adaptive.csv', import.meta.url), 'utf8').split('\n');
+const TICK = LOG[3].split(',');
+const COLUMNS = Object.fromEntries(LOG[0].split(',').map((name, i) => [name, i]));
+const MAX_LOG_ROWS = 6000; // as a daemon's bounds leave of a session that plays without end
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 
 // A generator of numbers from 0 to 1, the same ones for a seed.
@@ -30,6 +35,7 @@ export class SyntheticDaemon {
     this.boot = '00000000000000b0';
     this.sequence = 0;
     this.watchers = new Set();
+    this.logs = new Map(); // by session
     this.decisionCount = 0;
     this.scenes = Array.from({ length: sceneCount }, (_, i) => this.newScene(i));
     this.sessions = Array.from({ length: sessionCount }, (_, i) => this.newSession(i));
@@ -82,6 +88,7 @@ export class SyntheticDaemon {
       verdict: 'VERDICT_AMBIGUOUS', arms: ARMS,
       standings: ARMS.map((_, i) => ({ liveWindowCount: String(i * 10), laneVisitCount: String(i * 20), effectiveWindowCount: 12.5, bestProbability: weights[i] / sum, costRatio: { median: 1.1, low: 0.9, high: 1.4 } })),
       measurements: { frameTimeNs: histogramOf(this.random, 190), detectionTimeNs: histogramOf(this.random, 165), nativeBytes: histogramOf(this.random, 150) } };
+    this.keep(session, [decision.decisionId, Date.now(), session.activeArm, candidate]);
     if (outcome === 'SWITCHED') {
       decision.reason = 'SWITCH_REASON_POLICY';
       session.activeArm = candidate;
@@ -127,18 +134,44 @@ export class SyntheticDaemon {
       alphaIncrement: 10 + j, betaIncrement: 3, windowCount: '12' })));
   }
 
+  keep({ sessionId }, decision) {
+    const log = this.logs.get(sessionId) ?? { decisions: [], droppedCount: 0 };
+    this.logs.set(sessionId, log);
+    log.decisions.push(decision);
+    if (log.decisions.length < 2 * MAX_LOG_ROWS) return;
+    log.decisions = log.decisions.slice(-MAX_LOG_ROWS);
+    log.droppedCount += MAX_LOG_ROWS;
+  }
+
+  // The rows of a session's log behind one; the first row is that of the setup, a decision's is the next one's.
+  log({ sessionId, afterRow = '0' }) {
+    const { unixStartMs } = this.sessions.find((each) => each.sessionId === sessionId);
+    const { decisions, droppedCount } = this.logs.get(sessionId) ?? { decisions: [], droppedCount: 0 };
+    const startNs = Number(/;start_ns=(\d+)/.exec(LOG[1])[1]);
+    const first = Math.max(Number(afterRow) - 1, droppedCount); // of the decisions
+    const rows = decisions.slice(first - droppedCount).map(([decisionId, unixMs, activeArm, candidate], i) => {
+      const known = { session: sessionId, row: first + i + 2, time_ns: startNs + 1e6 * (unixMs - Number(unixStartMs)), decision_id: decisionId, active_arm: activeArm, candidate };
+      const cells = [...TICK];
+      for (const [name, value] of Object.entries(known)) cells[COLUMNS[name]] = value;
+      return cells.join(',');
+    });
+    const setup = LOG[1].replace(/^[^,]*/, sessionId).replace(/unix_start_ms=\d+/, `unix_start_ms=${unixStartMs}`);
+    return `${JSON.stringify({ header: LOG[0], rows: afterRow === '0' ? [setup, ...rows] : rows })}\n`;
+  }
+
   file(path) {
     const name = readdirSync(this.folder, { recursive: true }).includes(path.slice(1)) ? path : '/index.html';
     return [TYPES[extname(name)], readFileSync(join(this.folder, name))];
   }
 
-  answer(request, response) {
+  async answer(request, response) {
     const { pathname } = new URL(request.url, 'http://daemon');
     const method = pathname.split('/').at(-1);
     const send = (type, body) => response.writeHead(200, { 'Content-Type': type }).end(body);
     if (pathname.startsWith('/events/')) return this.watch(method, response);
     if (method === 'whoami') return send('application/json', '{"version":"0","asksForTokens":false,"loggedIn":false,"name":"","role":"admin","projects":[]}');
     if (method === 'ExportPriors') return send('application/x-ndjson', `${JSON.stringify({ records: this.records() })}\n`);
+    if (method === 'ExportDecisions') return send('application/x-ndjson', this.log(JSON.parse((await request.toArray()).join(''))));
     if (pathname.startsWith('/api/')) return send('application/x-ndjson', '{}\n');
     if (pathname === '/metrics') return send('text/plain', `sweepstake_sessions ${this.sessions.length}\nsweepstake_decisions_total ${this.decisionCount}\n`);
     if (/^\/(livez|readyz)$/.test(pathname)) return send('text/plain', '[+]decision-loop ok\n[+]store ok\n[+]tls ok\nreadyz check passed\n');

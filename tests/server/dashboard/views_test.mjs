@@ -5,11 +5,13 @@ import assert from 'node:assert/strict';
 import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { assertAccessible, assertNoTrouble, expecting, openPage, refusalOf, refused, rowsOf, runInBrowser } from './browser.mjs';
+import { assertAccessible, assertNoTrouble, expecting, judge, openPage, refusalOf, refused, rowsOf, runInBrowser } from './browser.mjs';
 import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake] = process.argv.slice(2);
 const SCENE = '/scenes/arcade/arena?class=test&reward=3';
+
+const ALPHA = 31; // the column of the audit log; the cells of ticks have no commas
 
 const chart = (page, id) => page.locator(`figure[data-chart=${id}]`);
 const timeIn = (figure) => figure.locator('.legend time').innerText();
@@ -136,6 +138,25 @@ async function checkWhy(page, daemon, { sessionId }) {
   assert.ok(!query(page).has('decision'));
   await page.goto(`${daemon.origin}/sessions/${sessionId}?decision=999999999`);
   await page.getByText('is not among the rows that are shown').waitFor();
+}
+
+const numberIn = (text) => Number.parseInt(text.replaceAll(',', ''), 10);
+
+// The page has each row of the log a moment after the daemon has it, and never fewer.
+async function checkLog(page, daemon, { sessionId }) {
+  const stored = async () => (await daemon.responses('AuditService/ListAuditSegments', { sessionId })).flatMap(({ segments }) => segments).reduce((sum, { rowCount }) => sum + Number(rowCount), 0);
+  const shown = async () => numberIn(await page.locator('.row-count').innerText());
+  await page.goto(`${daemon.origin}/sessions/${sessionId}`);
+  await until('the log is there', async () => await page.locator('.row-count').count());
+  let worst = 0;
+  for (let i = 0; i < 10; ++i) {
+    const before = await shown();
+    const told = await until('the session has decided something', async () => { const now = await stored(); return now > before && now; });
+    const start = Date.now();
+    await until('the page has its row', async () => await shown() >= told);
+    worst = Math.max(worst, Date.now() - start);
+  }
+  judge('a row of the log is on the page of its session', worst, 1000);
 }
 
 // Percentiles are there as soon as a decision is told, with the budgets of 60 and 30 frames per second.
@@ -327,6 +348,15 @@ async function checkKick(page, daemon, { sessionId }) {
   await order(page, 'End session', 'End session');
   await until('the session has ended', async () => (await sessionsOf(daemon)).every((session) => session.sessionId !== sessionId));
   await page.locator('.chip', { hasText: 'kicked' }).waitFor();
+  // What is believed after its last decision is what its log says.
+  const lines = (await daemon.responses('AuditService/ExportDecisions', { sessionId })).flatMap(({ rows = [] }) => rows.map((row) => row.split(',')));
+  const [alpha, beta] = [ALPHA, ALPHA + 1].map((column) => lines.filter((cells) => cells[3] === 'tick' && cells[column]).at(-1)[column].split(' ').map(Number));
+  await page.getByRole('button', { name: 'Read again' }).click();
+  const figures = async () => {
+    const [file] = await Promise.all([page.waitForEvent('download'), chart(page, 'prior').getByRole('button', { name: /CSV/ }).click()]);
+    return readFileSync(await file.path(), 'utf8').trim().split('\r\n').slice(1).map((line) => line.split(','));
+  };
+  await until('the figures are those of the log', async () => JSON.stringify((await figures()).map((cells) => [Number(cells[2]), Number(cells[3])])) === JSON.stringify(alpha.map((each, i) => [each, beta[i]])), 20_000);
   assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0, 'what is over takes no orders');
 }
 
@@ -370,7 +400,7 @@ async function checkRoles(context, folder) {
   assert.ok(await page.getByRole('button', { name: 'Show boxes' }).isDisabled());
   assert.ok(await page.getByRole('button', { name: 'Ask for recordings' }).isDisabled());
   const sessionId = new URL(page.url()).pathname.split('/').at(-1);
-  for (const [method, request] of [['OrderSession', { mode: 'MODE_AI' }], ['KickSession', { mayReturn: true }], ['KickSession', {}]]) {
+  for (const [method, request] of [['OrderSession', { mode: 'MODE_AI' }], ['KickSession', { mayReturn: true }], ['KickSession', {}], ['WatchBoxes', {}], ['ReadRecording', {}]]) {
     assert.equal(await refusalOf(page, `SessionsService/${method}`, { sessionId, ...request }), 403, `the daemon refuses ${method}, which the page does not offer`);
   }
   assertNoTrouble(page, 'a reader');
@@ -396,7 +426,7 @@ async function checkAll(browser, folder) {
   const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view',
     '--flight-recorder', '8', '--frame-budget', '0.001', '--flight-folder', flights, '--allow-recording-download'] });
   const session = await liveSession(daemon);
-  for (const check of [checkTime, checkWhy, checkCosts, checkCompare, checkUnknown, checkBoxes, checkRecordings, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
+  for (const check of [checkTime, checkWhy, checkLog, checkCosts, checkCompare, checkUnknown, checkBoxes, checkRecordings, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
   await assertAccessible(page, 'decisions');
   assertNoTrouble(page, 'the views');
   await page.close();
