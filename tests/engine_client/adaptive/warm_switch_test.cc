@@ -265,7 +265,7 @@ TEST_F(WarmSwitchTest, HasNoLaneWithoutNeedOrASpareCore) {
 TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
   LoneExecutor executor;
   arm_count_ = 2;  // A visit of each is enough, and the lane may get little of a machine.
-  scene_ = BoxScene("brownian", 5000, 3);
+  scene_ = BoxScene("brownian", 1500, 3);
   Make({.executor = &executor, .shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
   const auto frame = [this](uint64_t frame_time_ns) {
     adaptive_->BeginFrame();
