@@ -14,12 +14,9 @@
 #include "server/daemon_site.h"
 #include "server/descriptor_limit.h"
 #include "server/priors/unix_time.h"
-#include "server/rpc/health_probe.h"
 #include "server/storage/postgres/shared_store.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/tls/loopback.h"
-#include "server/web/health_page.h"
-#include "server/web/metrics_page.h"
 
 namespace sweepstake::server {
 namespace fs = std::filesystem;
@@ -79,14 +76,6 @@ rpc::RpcOptions RpcOptionsOf(const Config& config) {
   return options;
 }
 
-// Returns whether the files of TLS can be why the daemon's own listener gives no answer. A restart
-// would not mend them; it would cost the streams that run, and the daemon would not start.
-bool TlsKeepsOut(const tls::Files& files) {
-  if (files.cert.empty()) return false;
-  const auto texts = tls::Read(files);
-  return !texts.ok() || tls::EarliestExpiryUnixS(texts->cert) <= priors::UnixNowS();
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config, rpc::Clock& clock) {
@@ -124,6 +113,9 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   auto key = ReadResumeKey(directory_.resume_key());
   if (key.ok() && shared_) key = storage::SharedResumeKey(*opened->store, *key);
   if (!key.ok()) return key.status();
+  if (shared_) {
+    if (absl::Status status = OpenOutbox(*opened->store); !status.ok()) return status;
+  }
   damage_ = std::move(opened->damage);
   if (!damage_.empty()) log_->error("{}", damage_);
   metrics_.SetDamaged(!damage_.empty());
@@ -151,6 +143,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   options.resume_secret = *std::move(key);
   options.daemon_version = SWEEPSTAKE_VERSION;
   options.shares_store = shared_;
+  if (shared_) options.keep_waiting = [this](auto updates) { KeepWaiting(std::move(updates)); };
   options.on_timer = [this](auto lateness) { metrics_.OnTimer(lateness); };
   auto server = rpc::RpcServer::Start(config_.listen, std::move(options), clock, *store_, *log_);
   if (!server.ok()) return server.status();
@@ -172,6 +165,28 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
                               : "TLS with client certificates",
              tokens_->empty() ? "without tokens" : "with tokens", StoreName());
   return absl::OkStatus();
+}
+
+absl::Status Daemon::OpenOutbox(priors::PriorStore& store) {
+  auto outbox = storage::Outbox::Open(directory_.outbox());
+  if (!outbox.ok()) return outbox.status();
+  outbox_ = std::make_unique<storage::Outbox>(*std::move(outbox));
+  const auto delivery = outbox_->DeliverTo(store);
+  if (!delivery.ok()) return delivery.status();
+  if (delivery->committed_count + delivery->refused_count > 0) {
+    log_->info("of what an earlier run kept in {}, {} updates are in {} now, {} were refused",
+               directory_.outbox().string(), delivery->committed_count, StoreName(),
+               delivery->refused_count);
+  }
+  return absl::OkStatus();
+}
+
+void Daemon::KeepWaiting(std::vector<priors::SourceUpdate> updates) {
+  store_->Submit([this, updates = std::move(updates)](priors::PriorStore& /*store*/) {
+    if (const absl::Status kept = outbox_->Replace(updates); !kept.ok())
+      log_->error("{} cannot be written, and what games teach is in memory alone: {}",
+                  directory_.outbox().string(), std::string(kept.message()));
+  });
 }
 
 std::string Daemon::StoreName() const {
@@ -296,8 +311,8 @@ void Daemon::ReportStore(const absl::Status& status) {
         "{}; nothing more is acknowledged. Put it back, or wait until the log tells of a copy",
         std::string(status.message()));
   } else if (shared_) {
-    log_->error("{} cannot be written: {}; what games teach is kept in memory until it can",
-                StoreName(), std::string(status.message()));
+    log_->error("{} cannot be written: {}; what games teach is kept here until it can", StoreName(),
+                std::string(status.message()));
   } else {
     log_->error("{} cannot be written: {}; make room on the disk, or raise database_mb ({} now)",
                 directory_.database().string(), std::string(status.message()),
@@ -351,51 +366,6 @@ absl::Status Daemon::OpenHttp() {
   return absl::OkStatus();
 }
 
-web::PageTable Daemon::HttpPages() {
-  const std::vector<web::HealthCheck> live = {{"decision-loop", [this] { return LoopProblem(); }}};
-  const std::vector<web::HealthCheck> ready = {
-      live.front(),
-      {"store", [this] { return StoreProblem(); }, damage_},
-      {"tls", [this] { return TlsProblem(); }},
-      {"shutdown", [this] { return ShutdownProblem(); }}};
-  web::PageTable pages;
-  pages["/livez"] = [live](std::string_view query) { return HealthPage("livez", live, query); };
-  pages["/readyz"] = [ready](std::string_view query) { return HealthPage("readyz", ready, query); };
-  pages["/metrics"] = [this](std::string_view /*query*/) {
-    return web::MetricsPage(metrics_.Collect(rpc_->counters(), *events_,
-                                             {.healthy = store_->healthy(),
-                                              .queued_commit_count = store_->queued_count(),
-                                              .queued_read_count = store_->queued_read_count(),
-                                              .database = directory_.database()}));
-  };
-  return pages;
-}
-
-std::optional<std::string> Daemon::LoopProblem() const {
-  if (rpc_->responsive()) return std::nullopt;
-  return "the thread that decides does not answer";
-}
-
-std::optional<std::string> Daemon::StoreProblem() const {
-  if (store_->can_write()) {
-    if (store_->can_read()) return std::nullopt;
-    return "a read of the prior store does not end; sessions begin without its evidence";
-  }
-  const std::lock_guard lock(mutex_);
-  return "the prior store cannot write; decisions go on in memory: " + store_problem_;
-}
-
-std::optional<std::string> Daemon::TlsProblem() const {
-  const std::lock_guard lock(mutex_);
-  if (tls_problem_.empty()) return std::nullopt;
-  return "connections that begin may fail: " + tls_problem_;
-}
-
-std::optional<std::string> Daemon::ShutdownProblem() const {
-  if (!draining_) return std::nullopt;
-  return "the daemon is draining";
-}
-
 void Daemon::Reload(const absl::StatusOr<Config>& config) {
   if (!config.ok()) {
     log_->error("the configuration stays as it is: {}", std::string(config.status().message()));
@@ -439,29 +409,6 @@ void Daemon::LimitStore(const Config& config) {
   }
 }
 
-bool Daemon::Alive(std::chrono::milliseconds patience) const {
-  std::optional<std::string> problem = LoopProblem();
-  if (!problem) problem = ListenerProblem(patience);
-  if (problem && !draining_) log_->error("not alive: {}", *problem);
-  return !problem;
-}
-
-std::optional<std::string> Daemon::ListenerProblem(std::chrono::milliseconds patience) const {
-  const std::string host = config_.listen.substr(0, config_.listen.rfind(':'));
-  const std::string address = absl::StrCat(host, ":", rpc_->port());
-  const auto health = rpc::ProbeHealth(address, config_.rpc.tls, patience);
-  if (health.ok()) return std::nullopt;
-  if (DescriptorsRanOut()) {
-    // The games that are connected are served, and a restart would cost them their streams.
-    log_->warn(
-        "no descriptors are free, and whoever connects waits until there are some: raise the limit "
-        "of open files (LimitNOFILE of systemd, ulimit -n), or lower --max-sessions");
-    return std::nullopt;
-  }
-  if (TlsKeepsOut(config_.rpc.tls)) return std::nullopt;
-  return absl::StrCat("the daemon's own listener gives no answer: ", health.status().message());
-}
-
 void Daemon::Drain(std::chrono::milliseconds patience) {
   if (draining_.exchange(true)) return;
   if (backups_ != nullptr) backups_->Stop();
@@ -482,8 +429,9 @@ void Daemon::ReportDrained() {
   log_->warn(
       "drained: all that was acknowledged is on disk, and what {} sessions have handed over since "
       "is not: games that are still there send it again; {} of the sessions have ended, and theirs "
-      "is lost",
-      held.session_count, held.ended_session_count);
+      "is {}",
+      held.session_count, held.ended_session_count,
+      shared_ ? "in " + directory_.outbox().string() : "lost");
 }
 
 Daemon::~Daemon() {

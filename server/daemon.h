@@ -22,6 +22,7 @@
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/folding/evidence_folding.h"
+#include "server/storage/outbox/outbox.h"
 #include "server/storage/store_thread.h"
 #include "server/tls/files_watch.h"
 #include "server/web/api/topic.h"
@@ -75,6 +76,10 @@ class Daemon {
   void LookAtSpace(priors::PriorStore& store);
   void ReportStore(const absl::Status& status);
   void SaveStore(priors::PriorStore& store, bool last);
+  // Commits what an earlier run could not.
+  absl::Status OpenOutbox(priors::PriorStore& store);
+  // Keeps in the outbox what the store cannot take now.
+  void KeepWaiting(std::vector<priors::SourceUpdate> updates);
   absl::Status OpenTokens();
   // Runs on the thread of the tokens.
   void ReportToken(const std::string& change);
@@ -110,6 +115,7 @@ class Daemon {
   std::atomic<uint64_t> database_bytes_;  // in force
   priors::AuditLimits audit_limits_;      // in force
   std::unique_ptr<auth::TokenRegistry> tokens_;
+  std::unique_ptr<storage::Outbox> outbox_;  // null unless shared_; used on the store's thread
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
   std::unique_ptr<tls::FilesWatch> tls_watch_;         // null without TLS

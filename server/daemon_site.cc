@@ -1,16 +1,36 @@
 #include "server/daemon_site.h"
 
+#include <spdlog/logger.h>
+
 #include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "server/daemon.h"
 #include "server/daemon_files.h"
 #include "server/dashboard/dashboard_assets.h"
+#include "server/descriptor_limit.h"
+#include "server/priors/unix_time.h"
 #include "server/rpc/common/role_table.h"
+#include "server/rpc/health_probe.h"
+#include "server/web/health_page.h"
+#include "server/web/metrics_page.h"
 
 namespace sweepstake::server {
+namespace {
+
+// Returns whether the files of TLS can be why the daemon's own listener gives no answer. A restart
+// would not mend them; it would cost the streams that run, and the daemon would not start.
+bool TlsKeepsOut(const tls::Files& files) {
+  if (files.cert.empty()) return false;
+  const auto texts = tls::Read(files);
+  return !texts.ok() || tls::EarliestExpiryUnixS(texts->cert) <= priors::UnixNowS();
+}
+
+}  // namespace
 
 web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   web::ApiOptions options;
@@ -53,6 +73,74 @@ web::MakeHandler MakeSite(web::ApiOptions api, std::set<std::string, std::less<>
                            .api = [served](const auto& exchange) { served->Handle(exchange); }});
     return [site](const auto& exchange) { site->Handle(exchange); };
   };
+}
+
+web::PageTable Daemon::HttpPages() {
+  const std::vector<web::HealthCheck> live = {{"decision-loop", [this] { return LoopProblem(); }}};
+  const std::vector<web::HealthCheck> ready = {
+      live.front(),
+      {"store", [this] { return StoreProblem(); }, damage_},
+      {"tls", [this] { return TlsProblem(); }},
+      {"shutdown", [this] { return ShutdownProblem(); }}};
+  web::PageTable pages;
+  pages["/livez"] = [live](std::string_view query) { return HealthPage("livez", live, query); };
+  pages["/readyz"] = [ready](std::string_view query) { return HealthPage("readyz", ready, query); };
+  pages["/metrics"] = [this](std::string_view /*query*/) {
+    return web::MetricsPage(metrics_.Collect(rpc_->counters(), *events_,
+                                             {.healthy = store_->healthy(),
+                                              .queued_commit_count = store_->queued_count(),
+                                              .queued_read_count = store_->queued_read_count(),
+                                              .database = directory_.database()}));
+  };
+  return pages;
+}
+
+std::optional<std::string> Daemon::LoopProblem() const {
+  if (rpc_->responsive()) return std::nullopt;
+  return "the thread that decides does not answer";
+}
+
+std::optional<std::string> Daemon::StoreProblem() const {
+  if (store_->can_write()) {
+    if (store_->can_read()) return std::nullopt;
+    return "a read of the prior store does not end; sessions begin without its evidence";
+  }
+  const std::lock_guard lock(mutex_);
+  return "the prior store cannot write; decisions go on in memory: " + store_problem_;
+}
+
+std::optional<std::string> Daemon::TlsProblem() const {
+  const std::lock_guard lock(mutex_);
+  if (tls_problem_.empty()) return std::nullopt;
+  return "connections that begin may fail: " + tls_problem_;
+}
+
+std::optional<std::string> Daemon::ShutdownProblem() const {
+  if (!draining_) return std::nullopt;
+  return "the daemon is draining";
+}
+
+bool Daemon::Alive(std::chrono::milliseconds patience) const {
+  std::optional<std::string> problem = LoopProblem();
+  if (!problem) problem = ListenerProblem(patience);
+  if (problem && !draining_) log_->error("not alive: {}", *problem);
+  return !problem;
+}
+
+std::optional<std::string> Daemon::ListenerProblem(std::chrono::milliseconds patience) const {
+  const std::string host = config_.listen.substr(0, config_.listen.rfind(':'));
+  const std::string address = absl::StrCat(host, ":", rpc_->port());
+  const auto health = rpc::ProbeHealth(address, config_.rpc.tls, patience);
+  if (health.ok()) return std::nullopt;
+  if (DescriptorsRanOut()) {
+    // The games that are connected are served, and a restart would cost them their streams.
+    log_->warn(
+        "no descriptors are free, and whoever connects waits until there are some: raise the limit "
+        "of open files (LimitNOFILE of systemd, ulimit -n), or lower --max-sessions");
+    return std::nullopt;
+  }
+  if (TlsKeepsOut(config_.rpc.tls)) return std::nullopt;
+  return absl::StrCat("the daemon's own listener gives no answer: ", health.status().message());
 }
 
 }  // namespace sweepstake::server

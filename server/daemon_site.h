@@ -1,4 +1,5 @@
-// What a daemon has at its HTTP address, wired to its services.
+// What a daemon has at its HTTP address, wired to its services. What daemon.h says of its health is
+// defined beside it.
 #pragma once
 
 #include <spdlog/logger.h>

@@ -38,6 +38,7 @@ constexpr int kSecond = 1'000;
 constexpr uint32_t kCallsPerStream = 3;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
+constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;  // more than sessions take to retry
 constexpr int64_t kMaxSilenceNs = 10 * kHealthIntervalNs;
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
 constexpr unsigned kCertificateIntervalS = 1;  // between two looks at the files of TLS
@@ -206,6 +207,7 @@ void RpcServer::WatchStore() {
     EndRefused();
     admin_.Retry();
     FollowOthers();
+    KeepWaiting();
   }
   loop_.PostAt(loop_.clock().NowNs() + kHealthIntervalNs, [this] { WatchStore(); });
 }
@@ -256,6 +258,20 @@ void RpcServer::ReportLostAuditRows() {
   next_loss_report_ns_ = now_ns + kLossReportIntervalNs;
 }
 
+void RpcServer::KeepWaiting() {
+  if (!options_.keep_waiting) return;
+  const int64_t now_ns = loop_.clock().NowNs();
+  const bool is_away = !context_.store.healthy();
+  if (is_away) away_at_ns_ = now_ns;
+  // One that is back gets what waits within the interval, and is still asked for the rest.
+  const bool is_due =
+      is_away ? now_ns >= keep_at_ns_ : is_kept_ && now_ns - away_at_ns_ >= kKeepIntervalNs;
+  if (!is_due) return;
+  is_kept_ = is_away;
+  keep_at_ns_ = now_ns + kKeepIntervalNs;
+  options_.keep_waiting(sessions_.Waiting());
+}
+
 void RpcServer::Drain(std::chrono::milliseconds patience) {
   if (server_ == nullptr || drained_) return;
   drained_ = true;
@@ -278,6 +294,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     server->Wait();
   }
   AwaitCommits(deadline);
+  if (options_.keep_waiting) RunOnLoop([this] { options_.keep_waiting(sessions_.Waiting()); });
 }
 
 HeldEvidence RpcServer::CountHeld() {

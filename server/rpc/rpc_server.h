@@ -93,6 +93,8 @@ class RpcServer {
   // A store that cannot write or read is not healthy.
   void UpdateHealth();
   void ReportLostAuditRows();
+  // While the store cannot be written: lets what waits for it be kept elsewhere.
+  void KeepWaiting();
   // Runs `task` on the loop and waits for it. Must not be called on the loop.
   void RunOnLoop(const std::function<void()>& task);
   // Waits for pending commits, including those of sessions without a client.
@@ -119,6 +121,9 @@ class RpcServer {
   uint64_t lost_by_store_ = 0;            // audit rows that are counted; used on the loop
   uint64_t reported_lost_rows_ = 0;       // used on the loop
   int64_t next_loss_report_ns_ = 0;       // used on the loop
+  int64_t away_at_ns_ = 0;                // when the store was away last; used on the loop
+  int64_t keep_at_ns_ = 0;                // while it is away; used on the loop
+  bool is_kept_ = false;                  // something may be kept; used on the loop
   std::shared_ptr<grpc::Channel> own_channel_;
   bool drained_ = false;  // used by Drain's caller
   // The loop is declared after everything that its tasks use, since its destructor runs the last

@@ -28,6 +28,7 @@ class DataDirectory {
   std::filesystem::path database() const { return path_ / kDatabaseName; }
   std::filesystem::path resume_key() const { return path_ / "resume-key"; }
   std::filesystem::path logins() const { return path_ / "logins"; }
+  std::filesystem::path outbox() const { return path_ / "outbox.db"; }
   std::filesystem::path tokens() const { return path_ / kTokensName; }
 
  private:

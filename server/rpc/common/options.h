@@ -9,9 +9,11 @@
 #include <random>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/auth/principal.h"
 #include "server/decision/options.h"
+#include "server/priors/prior_store.h"
 #include "server/rpc/common/adjustable.h"
 #include "server/tls/tls_files.h"
 #include "sweepstake/v1/errors.pb.h"
@@ -74,6 +76,10 @@ struct RpcOptions {
   // Whether other daemons write the store, too. Then a session that cannot be read now may have
   // gone on elsewhere, and is not begun anew: what its client sends again might count twice.
   bool shares_store = false;
+  // Called on the decision loop with all that waits for the store, as it is to be committed: every
+  // few seconds while that cannot be written, once after it could again, and at the end of Drain.
+  // May be empty.
+  std::function<void(std::vector<priors::SourceUpdate>)> keep_waiting = {};
 
   // The largest time scale that a Hello may ask for, 1 to kMaxTimeScale; a larger one is
   // INVALID_ARGUMENT. A session decides, commits and learns that many times as often.

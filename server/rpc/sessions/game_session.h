@@ -133,6 +133,9 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // Returns whether nothing waits for the disk. If something does, RetryCommit offers it again.
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }
+  void AppendWaiting(std::vector<priors::SourceUpdate>& updates) const {
+    ledger_->AppendWaiting(updates);
+  }
   bool committing() const { return ledger_->committing(); }
   // Returns whether another daemon goes on with the session: this one only forgets it.
   bool superseded() const { return ledger_->superseded(); }

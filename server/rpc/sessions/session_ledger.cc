@@ -84,16 +84,27 @@ void SessionLedger::CommitNext() {
   Offer();
 }
 
+priors::SourceUpdate SessionLedger::NextUpdate() const {
+  priors::SourceUpdate update{.progress = progress_,
+                              .unix_time_s = UnixTimeS(),
+                              .increments = {},
+                              .audit = audit_,
+                              .origin = origin_,
+                              .writer = writer_};
+  ++update.progress.commit_sequence;
+  for (const auto& [key, evidence] : waiting_) update.increments.push_back({key, evidence});
+  return update;
+}
+
+void SessionLedger::AppendWaiting(std::vector<priors::SourceUpdate>& updates) const {
+  if (offered_) updates.push_back(*offered_);
+  if (checkpointed_) updates.push_back(NextUpdate());
+}
+
 void SessionLedger::MakeOffer() {
-  ++progress_.commit_sequence;
-  offered_ = std::make_unique<priors::SourceUpdate>(priors::SourceUpdate{.progress = progress_,
-                                                                         .unix_time_s = UnixTimeS(),
-                                                                         .increments = {},
-                                                                         .audit = audit_,
-                                                                         .origin = origin_,
-                                                                         .writer = writer_});
+  offered_ = std::make_unique<priors::SourceUpdate>(NextUpdate());
+  progress_.commit_sequence = offered_->progress.commit_sequence;
   audit_.rows.clear();
-  for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
   waiting_.clear();
   checkpointed_ = false;
 }

@@ -73,6 +73,8 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   void Retry() { CommitNext(); }
 
   uint64_t durable_sequence() const { return durable_sequence_; }
+  // Appends what waits for the disk, as it is to be committed.
+  void AppendWaiting(std::vector<priors::SourceUpdate>& updates) const;
   // Returns whether there is evidence since the checkpoint.
   bool open() const { return !open_.empty(); }
   // Returns whether nothing waits for the disk.
@@ -84,6 +86,8 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
  private:
   bool HasRoomFor(std::string_view audit_row) const;
   void CommitNext();
+  // Returns the update of the latest checkpoint. REQUIRES: `checkpointed_`.
+  priors::SourceUpdate NextUpdate() const;
   void MakeOffer();
   void Offer();
   void DropOffer();

@@ -228,6 +228,12 @@ HeldEvidence SessionTable::CountHeld() const {
   return held;
 }
 
+std::vector<priors::SourceUpdate> SessionTable::Waiting() const {
+  std::vector<priors::SourceUpdate> updates;
+  for (const auto& [id, entry] : entries_) entry.session->AppendWaiting(updates);
+  return updates;
+}
+
 uint32_t SessionTable::ActiveCount(const priors::SceneKey& scene) const {
   const auto found = active_counts_.find(scene);
   return found == active_counts_.end() ? 0 : found->second;

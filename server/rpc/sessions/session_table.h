@@ -81,6 +81,8 @@ class SessionTable {
   // Returns whether the store has yet to answer for any session.
   bool committing() const;
   HeldEvidence CountHeld() const;
+  // Returns what the store does not have of any session, as it is to be committed.
+  std::vector<priors::SourceUpdate> Waiting() const;
 
   uint32_t ActiveCount(const priors::SceneKey& scene) const;
   size_t size() const { return entries_.size(); }

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "server/storage/outbox/outbox.h"
 #include "server/storage/postgres/postgres_prior_store.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/end_to_end/store_reader.h"
@@ -63,6 +64,7 @@ class Game {
 
   bool connected() const { return stream_ != nullptr; }
   const std::string& session_id() const { return hello_.session_id(); }
+  uint64_t sent_count() const { return sent_.size(); }
   uint64_t bail_out_count() const { return bail_out_count_; }
   // Compares what was sent with what the store has.
   void ExpectAllIn(priors::PriorReader& store) const;
@@ -282,6 +284,50 @@ TEST(SeveralDaemons, WithoutTheServerGamesPlayOnForHoursAndAllIsInOnceAfterwards
   Cluster cluster(7);
   for (int i = 0; i < 3; ++i) cluster.PlayWithoutServer();
   cluster.End();
+}
+
+// Nobody sends its evidence again.
+TEST(SeveralDaemons, WhatAGameTaughtOutlivesADaemonThatEndsWithoutTheServer) {
+  for (const bool is_killed : {false, true}) {
+    PostgresServer server;
+    const std::string url = server.NewDatabase();
+    const TemporaryDirectory data;
+    const auto begin = [&] {
+      return std::make_unique<DaemonProcess>(data.path(), "127.0.0.1:0",
+                                             std::vector<std::string>{"--store", url});
+    };
+    auto daemon = begin();
+    Game game("harbour");
+    game.MoveTo(daemon->address());
+    game.Send(true);
+    game.Await();
+    server.Kill();
+    game.SendHour();
+    const auto outbox = data.path() / "outbox.db";
+    const auto kept = [&] {
+      uint64_t messages = 0;
+      const std::vector<priors::SourceUpdate> updates =
+          storage::Outbox::Open(outbox).value().Load().value();
+      for (const priors::SourceUpdate& update : updates)
+        messages = std::max(messages, update.progress.message_sequence);
+      return messages;
+    };
+    if (is_killed) {
+      EXPECT_TRUE(rpc::Eventually([&] { return kept() == game.sent_count(); }));
+      daemon->Kill();
+    } else {
+      EXPECT_TRUE(rpc::Eventually([&] { return kept() > 1; })) << "it has had the hour";
+      EXPECT_EQ(daemon->Terminate(), 0);
+      EXPECT_EQ(kept(), game.sent_count());
+    }
+    server.Start();
+    daemon = begin();
+    EXPECT_EQ(kept(), 0u);
+    EXPECT_EQ(daemon->Terminate(), 0);
+    const auto store = storage::OpenPostgresPriorStore(url);
+    ASSERT_TRUE(store.ok()) << store.status();
+    game.ExpectAllIn(**store);
+  }
 }
 
 TEST(SeveralDaemons, WatchersOfOneDaemonAreShownWhatGamesOfAnotherTeach) {

@@ -1,0 +1,16 @@
+// An update of a source as text (JSON), and back: exactly, to the last bit of its numbers.
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/priors/prior_store.h"
+
+namespace sweepstake::storage {
+
+// REQUIRES: its texts are UTF-8; other bytes are lost.
+std::string UpdateText(const priors::SourceUpdate& update);
+// Error: DATA_LOSS (it is no such text).
+absl::StatusOr<priors::SourceUpdate> UpdateIn(const std::string& text);
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,117 @@
+// What waits for a store that is away is handed over to be kept, whole and each part once.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mutex>
+#include <vector>
+
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::IsEmpty;
+
+class WaitingTest : public RpcTest {
+ protected:
+  WaitingTest() {
+    options_.keep_waiting = [this](std::vector<priors::SourceUpdate> updates) {
+      const std::lock_guard lock(mutex_);
+      kept_ = std::move(updates);
+      ++kept_count_;
+    };
+  }
+  uint64_t kept_count() {
+    const std::lock_guard lock(mutex_);
+    return kept_count_;
+  }
+  std::vector<priors::SourceUpdate> kept() {
+    const std::lock_guard lock(mutex_);
+    return kept_;
+  }
+  // Lets the time pass that lies between two times of keeping, and waits for the second one.
+  void Keep() {
+    const uint64_t before = kept_count();
+    ASSERT_TRUE(Eventually([&] {
+      clock_.Advance(kSecondNs);
+      return kept_count() > before;
+    }));
+  }
+  // Commits past the server, as a daemon does at its start.
+  void Deliver(const std::vector<priors::SourceUpdate>& updates) {
+    thread_.Submit([&](priors::PriorStore& store) {
+      for (const priors::SourceUpdate& update : updates)
+        EXPECT_TRUE(store.Commit({&update, 1}).ok());
+    });
+    Flush();
+  }
+
+  std::mutex mutex_;
+  std::vector<priors::SourceUpdate> kept_;  // guarded by mutex_
+  uint64_t kept_count_ = 0;                 // guarded by mutex_
+};
+
+TEST_F(WaitingTest, OfAnHourWithoutTheStoreAllIsKeptAndCountsOnce) {
+  constexpr uint64_t kMinutes = 60;
+  v1::Hello hello = OneArmHello();
+  {
+    TelemetryClient client(channel_);
+    Resume(hello, LearnOneWindow(client, hello));
+    store_.Fail(true);
+    for (uint64_t message = 2; message <= 1 + kMinutes; ++message) {
+      client.Send(Frames(message, 30));
+      ASSERT_TRUE(Applied(message));
+      const uint64_t decisions = server_->counters().decision_count;
+      clock_.Advance(60 * kSecondNs);
+      ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count > decisions; }));
+    }
+    Keep();
+  }
+  const std::vector<priors::SourceUpdate> before_the_end = kept();
+  StopServer();
+  store_.Fail(false);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1u) << "the hour is not there yet";
+  Deliver(before_the_end);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1 + kMinutes);
+  Deliver(before_the_end);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1 + kMinutes) << "once";
+  StartServer();
+  TelemetryClient client(channel_);
+  EXPECT_EQ(client.Open(hello).acknowledged_sequence(), 1 + kMinutes);
+}
+
+TEST_F(WaitingTest, IsKeptAtTheEndWithWhatAnEndedSessionTaught) {
+  TelemetryClient client(channel_);
+  LearnOneWindow(client, OneArmHello());
+  store_.Fail(true);
+  client.Send(Frames(2, 30));
+  ASSERT_TRUE(Applied(2));
+  Tick();
+  ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count > 0; }));
+  client.Send(Goodbye());
+  client.HalfClose();
+  StopServer();
+  store_.Fail(false);
+  Deliver(kept());
+  EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
+}
+
+TEST_F(WaitingTest, IsNotKeptWhileTheStoreTakesAllAndIsForgottenOnceItDoesAgain) {
+  TelemetryClient client(channel_);
+  LearnOneWindow(client, OneArmHello());
+  for (int second = 0; second < 20; ++second) clock_.Advance(kSecondNs);
+  EXPECT_EQ(kept_count(), 0u);
+  store_.Fail(true);
+  client.Send(Frames(2, 30));
+  ASSERT_TRUE(Applied(2));
+  Tick();
+  Keep();
+  store_.Fail(false);
+  Tick();
+  client.AwaitAcknowledgement(2);
+  Keep();
+  EXPECT_THAT(kept(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
