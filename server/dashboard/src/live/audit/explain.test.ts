@@ -68,6 +68,10 @@ describe('the rows of a log', () => {
     expect(explainedRow(own.row('id,1,2,order,5,operator=ann,SAP,manual')!)).toEqual(['ann told the game to keep to SAP.']);
     expect(explainedRow(own.row('id,1,2,order,5,operator=ann,,ai')!)).toEqual(['ann let the daemon decide.']);
     expect(explainedRow(own.row('admin,1,2,admin,5,unix_ms=7;revoke token x;operator=ann')!)).toEqual(['ann: revoke token x.']);
+    const said = (setup: string) => explainedRow(own.row(`admin,1,2,admin,5,unix_ms=7;${setup};operator=ann`)!)[0];
+    expect(said('action=kick session=a may_return=0')).toBe('ann ended session a.');
+    expect(said('action=kick session=a may_return=1')).toBe('ann let session a connect anew.');
+    expect(said('action=import records=12 applied=3')).toBe('ann: import, records 12, applied 3.');
   });
 });
 

@@ -140,6 +140,18 @@ function orderText(row: AuditRow): string {
   return `${who} told the game to keep to ${row.text('arm') || 'the active arm'}.`;
 }
 
+// "action=kick session=a may_return=0" as people say it; what is not written so stays as it is.
+function actionText(row: AuditRow): string {
+  const setup = row.text('setup');
+  const who = operatorOf(setup);
+  const what = setup.replace(/^unix_ms=\d*;/, '').replace(/;operator=.*$/, '');
+  const [, action, rest = ''] = /^action=(\S+) ?(.*)$/.exec(what) ?? [];
+  if (!action) return `${who}: ${what}.`;
+  const kick = /^session=(\S+) may_return=(true|false|0|1)$/.exec(rest);
+  if (action === 'kick' && kick) return /true|1/.test(kick[2]!) ? `${who} let session ${kick[1]} connect anew.` : `${who} ended session ${kick[1]}.`;
+  return `${who}: ${action}${rest && `, ${rest.replace(/(^| )([a-z_]+)=/g, (_, before: string, name: string) => `${before && ', '}${name.replaceAll('_', ' ')} `)}`}.`;
+}
+
 /** Returns sentences for any row of the audit log. */
 export function explainedRow(row: AuditRow, setup?: Setup): string[] {
   const kind = row.text('kind');
@@ -153,7 +165,7 @@ export function explainedRow(row: AuditRow, setup?: Setup): string[] {
     }
     case 'mode': return [row.text('mode') === 'ai' ? 'The daemon decides.' : `The game keeps to ${row.text('arm')} by hand.`];
     case 'order': return [orderText(row)];
-    case 'admin': return [`${operatorOf(row.text('setup'))}: ${row.text('setup').replace(/^unix_ms=\d*;/, '').replace(/;operator=.*$/, '')}.`];
+    case 'admin': return [actionText(row)];
     case 'setup': return [`${meaning} Policy ${setup?.policy ?? ''}, arms ${setup?.arms.join(', ') ?? ''}.`];
     default: return [meaning];
   }

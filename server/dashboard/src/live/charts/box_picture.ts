@@ -1,4 +1,5 @@
-// Draws boxes as wire frames: those that overlap in another colour, with thicker lines and in front of the others.
+// Draws boxes as wire frames: those that overlap in another colour and in front of the others, and of each pair a line from middle to
+// middle, so that one sees which overlap which.
 import type { Boxes, Camera } from '../numbers/boxes';
 import { projection } from '../numbers/boxes';
 import { resolved } from './colours';
@@ -8,9 +9,9 @@ const EDGES = Array.from({ length: 8 }, (_, from) => [1, 2, 4].filter((bit) => (
 
 interface Size { readonly width: number; readonly height: number } // in CSS pixels
 
-function framesOf(boxes: Boxes, camera: Camera, { width, height }: Size): { plain: Path2D; overlapping: Path2D } {
+function framesOf(boxes: Boxes, camera: Camera, { width, height }: Size): { plain: Path2D; overlapping: Path2D; pairs: Path2D } {
   const project = projection(camera, boxes.low, boxes.high, width, height);
-  const paths = { plain: new Path2D(), overlapping: new Path2D() };
+  const paths = { plain: new Path2D(), overlapping: new Path2D(), pairs: new Path2D() };
   const pixels = Array.from({ length: 8 }, () => ({ x: 0, y: 0 }));
   for (let box = 0; box < boxes.count; ++box) {
     const at = (corner: number, axis: number) => boxes.corners[6 * box + axis + ((corner >> axis) & 1 ? 3 : 0)]!;
@@ -20,6 +21,14 @@ function framesOf(boxes: Boxes, camera: Camera, { width, height }: Size): { plai
       path.moveTo(pixels[from]!.x, pixels[from]!.y);
       path.lineTo(pixels[to]!.x, pixels[to]!.y);
     }
+  }
+  for (const pair of boxes.pairs) {
+    pair.forEach((box, i) => {
+      const middle = (axis: number) => (boxes.corners[6 * box + axis]! + boxes.corners[6 * box + axis + 3]!) / 2;
+      project(middle(0), middle(1), middle(2), pixels[i]!);
+    });
+    paths.pairs.moveTo(pixels[0]!.x, pixels[0]!.y);
+    paths.pairs.lineTo(pixels[1]!.x, pixels[1]!.y);
   }
   return paths;
 }
@@ -31,13 +40,14 @@ export function drawBoxes(canvas: HTMLCanvasElement, boxes: Boxes, camera: Camer
   const pen = canvas.getContext('2d');
   if (!pen) return;
   pen.scale(scale, scale);
-  const { plain, overlapping } = framesOf(boxes, camera, size);
+  const { plain, overlapping, pairs } = framesOf(boxes, camera, size);
   pen.globalAlpha = boxes.count > 1000 ? 0.35 : 0.7;
   pen.strokeStyle = resolved('var(--soft)');
   pen.lineWidth = 0.75;
   pen.stroke(plain);
-  pen.globalAlpha = 1;
   pen.strokeStyle = resolved('var(--bad)');
-  pen.lineWidth = 1.75;
   pen.stroke(overlapping);
+  pen.globalAlpha = 1;
+  pen.lineWidth = 2;
+  pen.stroke(pairs);
 }

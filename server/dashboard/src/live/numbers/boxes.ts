@@ -10,6 +10,8 @@ export interface Boxes {
   readonly corners: Float32Array;
   readonly count: number;
   readonly pairCount: number;
+  /** The places of the two boxes of each pair. */
+  readonly pairs: readonly (readonly [number, number])[];
   /** Per box 1 where it overlaps another one that is shown. */
   readonly overlaps: Uint8Array;
   readonly objectCount: number;
@@ -32,14 +34,13 @@ export function boxesOf(view: BoxView): Boxes {
     const axis = i % 3;
     return low[axis]! + (numbers.getUint16(2 * i, true) / STEPS) * (high[axis]! - low[axis]!);
   });
-  const pairs = new DataView(view.pairs.buffer, view.pairs.byteOffset, view.pairs.byteLength);
+  const places = new DataView(view.pairs.buffer, view.pairs.byteOffset, view.pairs.byteLength);
   const pairCount = isWhole ? Math.floor(view.pairs.length / PAIR_BYTES) : 0;
+  const pairs = Array.from({ length: pairCount }, (_, i) => [places.getUint16(PAIR_BYTES * i, true), places.getUint16(PAIR_BYTES * i + 2, true)] as const)
+    .filter((pair) => pair.every((place) => place < count));
   const overlaps = new Uint8Array(count);
-  for (let i = 0; i < 2 * pairCount; ++i) {
-    const place = pairs.getUint16(2 * i, true);
-    if (place < count) overlaps[place] = 1;
-  }
-  return { corners, count, pairCount, overlaps, objectCount, stride, frameIndex, low, high };
+  for (const place of pairs.flat()) overlaps[place] = 1;
+  return { corners, count, pairCount: pairs.length, pairs, overlaps, objectCount, stride, frameIndex, low, high };
 }
 
 /** Looks at the middle of what is shown. Angles in radians; a zoom of 1 shows all of it. */
