@@ -182,11 +182,15 @@ absl::Status Daemon::OpenOutbox(priors::PriorStore& store) {
 }
 
 void Daemon::KeepWaiting(std::vector<priors::SourceUpdate> updates) {
-  store_->Submit([this, updates = std::move(updates)](priors::PriorStore& /*store*/) {
-    if (const absl::Status kept = outbox_->Replace(updates); !kept.ok())
-      log_->error("{} cannot be written, and what games teach is in memory alone: {}",
-                  directory_.outbox().string(), std::string(kept.message()));
-  });
+  const auto told = [this](absl::string_view why) {
+    log_->error("{} is not written, and what games teach is in memory alone: {}",
+                directory_.outbox().string(), std::string(why));
+  };
+  const bool submitted =
+      store_->Submit([this, told, updates = std::move(updates)](priors::PriorStore& /*store*/) {
+        if (const absl::Status kept = outbox_->Replace(updates); !kept.ok()) told(kept.message());
+      });
+  if (!submitted) told("the store has too much to do");
 }
 
 std::string Daemon::StoreName() const {

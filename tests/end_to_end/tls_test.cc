@@ -62,6 +62,16 @@ std::string Play(const std::string& address, const std::optional<TlsOptions>& tl
   return game.stats().last_error;
 }
 
+// Plays until it can, for a minute.
+bool PlaysInTheEnd(const std::string& address, const std::optional<TlsOptions>& tls) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  std::string problem;
+  do {
+    problem = Play(address, tls);
+  } while (!problem.empty() && std::chrono::steady_clock::now() < deadline);
+  return problem.empty();
+}
+
 // Returns whether the daemon accepts a client whose newest version of TLS is `version`.
 bool AcceptsVersion(const std::string& address, int version) {
   SSL_CTX* context = SSL_CTX_new(TLS_client_method());
@@ -185,7 +195,8 @@ TEST_F(TlsTest, FilesThatBreakAreToldOnceAndNoRunningStreamIsLost) {
   authority_.Issue("IP:127.0.0.1", server_);
   reloads(1);
   EXPECT_EQ(Get(daemon.http_port(), "/readyz").body, "ok\n");
-  EXPECT_EQ(Play(daemon.address(), tls_), "");
+  // gRPC reads the files in its own time.
+  EXPECT_TRUE(PlaysInTheEnd(daemon.address(), tls_));
   EXPECT_EQ(running.stats().connection_count, 1u);
   const std::string log = daemon.log();
   const size_t told = log.find(server_.key.string() + " holds no private key");

@@ -107,9 +107,11 @@ async function checkHostileNames(page) {
   await link.waitFor();
 }
 
+const SHOWS_ALL = ['--allow-orders', '--allow-box-view'];
+
 // What a game sends is on the page within a second of the API having it.
 async function checkLive(page, daemon) {
-  const game = new Game(sweepstake, daemon, 'arcade', 'late');
+  const game = new Game(sweepstake, daemon, 'arcade', 'late', { more: SHOWS_ALL });
   const find = async () => (await daemon.call('PosteriorsService/ListPosteriors')).scenes?.find(({ scene, activeSessionCount }) => scene === 'late' && activeSessionCount === 1);
   await until('the API knows the new scene', find);
   const start = Date.now();
@@ -270,7 +272,7 @@ const ROWS = 'main tbody tr[data-key]';
 const CURVE = 'main td.curve svg'; // figures of a rate need two readings
 const FRAMES = 'figure[data-chart=frame-time] .u-over';
 const SHOWN = { overview: ROWS, scene: 'figure[data-chart=best] .u-over', scenes: '.beside > div:nth-child(2) figure[data-chart=beliefs] svg.picture',
-  session: FRAMES, sessions: `.beside > div:nth-child(2) ${FRAMES}`, why: 'section.why', decisions: ROWS, rows: ROWS, row: '.why', priors: ROWS, health: CURVE };
+  session: FRAMES, sessions: `.beside > div:nth-child(2) ${FRAMES}`, why: 'section.why', boxes: '.boxes canvas', question: FRAMES, decisions: ROWS, rows: ROWS, row: '.why', priors: ROWS, health: CURVE };
 
 async function viewsOf(daemon) {
   const { sessions = [] } = await daemon.call('SessionsService/ListSessions');
@@ -278,7 +280,7 @@ async function viewsOf(daemon) {
   const scene = '/scenes/arcade/late?class=test&reward=3';
   return { overview: '/', scene, scenes: `${scene}&with=${encodeURIComponent('arcade\narena\ntest\n3')}`, session: `/sessions/${session}`,
     sessions: `/sessions/${session}?with=${other}`,
-    why: `/sessions/${session}?decision=1`, decisions: '/decisions', rows: `/decisions?session=${session}`,
+    why: `/sessions/${session}?decision=1`, boxes: `/sessions/${session}?boxes=on`, question: `/sessions/${session}`, decisions: '/decisions', rows: `/decisions?session=${session}`,
     row: `/decisions?session=${session}&row=${session}.1.3`, priors: '/priors', health: '/health' };
 }
 
@@ -302,8 +304,10 @@ async function checkViews(browser, daemon) {
       await page.locator(SHOWN[name]).first().waitFor();
       for (const theme of ['light', 'dark']) {
         await useTheme(page, theme);
+        if (name === 'question') await page.getByRole('button', { name: 'Pin this arm', exact: true }).click();
         await drawWhole(page, join(pictures, `${name}-${size}-${theme}.png`));
         await assertAccessible(page, `${name}, ${size}, ${theme}`);
+        if (name === 'question') await page.keyboard.press('Escape');
       }
       assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}, ${size}: the page scrolls sideways`);
       assertNoTrouble(page, `${name}, ${size}`);
@@ -422,7 +426,7 @@ async function checkAll(browser) {
   await checkNumbers(page, daemon);
   await checkUpdates(context, daemon);
   const game = await checkLive(page, daemon);
-  const other = new Game(sweepstake, daemon, 'arcade', 'late', { more: ['--build', '1.4.0-rc2'] });
+  const other = new Game(sweepstake, daemon, 'arcade', 'late', { more: ['--build', '1.4.0-rc2', ...SHOWS_ALL] });
   await until('two sessions are connected', async () => (await daemon.call('SessionsService/ListSessions')).sessions?.length >= 2);
   await checkHostileNames(page);
   await checkHealth(page, daemon);
