@@ -90,6 +90,7 @@ TEST_F(WaitingTest, IsKeptAtTheEndWithWhatAnEndedSessionTaught) {
   ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count > 0; }));
   client.Send(Goodbye());
   client.HalfClose();
+  ASSERT_TRUE(Eventually([&] { return server_->CountHeld().ended_session_count == 1; }));
   StopServer();
   store_.Fail(false);
   Deliver(kept());

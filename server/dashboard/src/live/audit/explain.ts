@@ -147,8 +147,8 @@ function actionText(row: AuditRow): string {
   const what = setup.replace(/^unix_ms=\d*;/, '').replace(/;operator=.*$/, '');
   const [, action, rest = ''] = /^action=(\S+) ?(.*)$/.exec(what) ?? [];
   if (!action) return `${who}: ${what}.`;
-  const kick = /^session=(\S+) may_return=(true|false|0|1)$/.exec(rest);
-  if (action === 'kick' && kick) return /true|1/.test(kick[2]!) ? `${who} let session ${kick[1]} connect anew.` : `${who} ended session ${kick[1]}.`;
+  const kick = /^session=(\S+) may_return=([01])$/.exec(rest);
+  if (action === 'kick' && kick) return kick[2] === '1' ? `${who} let session ${kick[1]} connect anew.` : `${who} ended session ${kick[1]}.`;
   return `${who}: ${action}${rest && `, ${rest.replace(/(^| )([a-z_]+)=/g, (_, before: string, name: string) => `${before && ', '}${name.replaceAll('_', ' ')} `)}`}.`;
 }
 
