@@ -267,25 +267,25 @@ TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
   arm_count_ = 2;  // A visit of each is enough, and the lane may get little of a machine.
   scene_ = BoxScene("brownian", 1500, 3);
   Make({.executor = &executor, .shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
-  const auto frame = [this](uint64_t frame_time_ns) {
+  const auto frame = [this] {
     adaptive_->BeginFrame();
     adaptive_->FindPairs(scene_.boxes());
-    adaptive_->EndFrame({.frame_time_ns = frame_time_ns});
+    // So long that the lane need not let thousands go by before it copies more, and so short that
+    // the switch waits for it.
+    adaptive_->EndFrame({.frame_time_ns = kMs});
+    // The lane runs where nothing else does, and gets nowhere while all cores are busy.
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
   for (const uint32_t arm : {1U, 0U}) {
     adaptive_->mailbox().Post({.command_id = arm, .arm = arm});
-    while (adaptive_->active_arm() != arm) frame(1000);
+    while (adaptive_->active_arm() != arm) frame();
     // Runs frames until the lane has visited the backend that it got in exchange.
     const uint64_t sweep_count = adaptive_->shadow_stats().sweep_count;
-    while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) {
-      frame(16 * kMs);
-      // The lane runs where nothing else does, and gets nowhere while all cores are busy.
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) frame();
   }
   EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 2U);
   const int calls_before = executor.call_count;  // Brute force has parts in every frame.
-  frame(16 * kMs);
+  frame();
   EXPECT_GT(executor.call_count, calls_before);
   adaptive_.reset();
 }
