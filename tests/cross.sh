@@ -182,8 +182,10 @@ check_platform() {
   say "$platform"
   build_libraries "$platform" || return
   [[ $platform != windows ]] || quietly build/cross-wine.log wineboot -i || return
+  local precompiled=OFF
+  [[ $platform != windows ]] || precompiled=ON
   configure_and_build "$platform" all -DCMAKE_TOOLCHAIN_FILE="$root/tests/cross/$platform.cmake" \
-    -DCROSS_ROOT="$packages/$platform" || return
+    -DCROSS_ROOT="$packages/$platform" -DSWEEPSTAKE_PCH="$precompiled" || return
   local failed=0
   run_tests "$platform" || failed=1
   "compare_$platform" || failed=1

@@ -269,7 +269,13 @@ void RpcServer::KeepWaiting() {
   if (!is_due) return;
   is_kept_ = is_away;
   keep_at_ns_ = now_ns + kKeepIntervalNs;
-  options_.keep_waiting(sessions_.Waiting());
+  options_.keep_waiting(Waiting());
+}
+
+std::vector<priors::SourceUpdate> RpcServer::Waiting() const {
+  std::vector<priors::SourceUpdate> updates = sessions_.Waiting();
+  admin_.AppendWaiting(updates);
+  return updates;
 }
 
 void RpcServer::Drain(std::chrono::milliseconds patience) {
@@ -294,7 +300,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     server->Wait();
   }
   AwaitCommits(deadline);
-  if (options_.keep_waiting) RunOnLoop([this] { options_.keep_waiting(sessions_.Waiting()); });
+  if (options_.keep_waiting) RunOnLoop([this] { options_.keep_waiting(Waiting()); });
 }
 
 HeldEvidence RpcServer::CountHeld() {

@@ -95,6 +95,8 @@ class RpcServer {
   void ReportLostAuditRows();
   // While the store cannot be written: lets what waits for it be kept elsewhere.
   void KeepWaiting();
+  // Returns what waits for the store, as it is to be committed.
+  std::vector<priors::SourceUpdate> Waiting() const;
   // Runs `task` on the loop and waits for it. Must not be called on the loop.
   void RunOnLoop(const std::function<void()>& task);
   // Waits for pending commits, including those of sessions without a client.

@@ -60,7 +60,7 @@ export type Interval = [number, number];
 export const interval = ([low, high]: Interval) => `${percent(low)} to ${percent(high)}`;
 export const shareInterval = ([low, high]: Interval) => `${share(Math.max(low, 0))} to ${share(Math.max(high, 0))}`;
 export const probability = (p: number) => (p < 0.0001 ? '< 0.0001' : significant(p, 2));
-export const counted = (count: number, one: string, many: string) => `${count} ${count === 1 ? one : many}`;
+export const counted = (count: number, one: string, many: string) => `${grouped(count)} ${count === 1 ? one : many}`;
 
 export function mean(values: number[]): number {
   return values.reduce((sum, value) => sum + value, 0) / values.length;

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/audit/audit_log.h"
@@ -35,6 +36,10 @@ class AdminLog {
 
   // Offers the store again what it has failed to read or write.
   void Retry();
+  // Appends what waits for the disk, as it is to be committed.
+  void AppendWaiting(std::vector<priors::SourceUpdate>& updates) const {
+    if (ledger_ != nullptr) ledger_->AppendWaiting(updates);
+  }
   // Returns whether the store has yet to answer.
   bool committing() const { return loading_ || (ledger_ != nullptr && ledger_->committing()); }
 

@@ -42,23 +42,24 @@ absl::StatusOr<Outbox> Outbox::Open(const fs::path& path) {
   if (!version.ok()) return Explain(path, version.status());
   if (*version > kVersion) return Unreadable(path, "it is of a newer daemon");
   if (status = database->Execute(kTable); !status.ok()) return Explain(path, status);
-  return Outbox(*std::move(database));
+  return Outbox(path, *std::move(database));
 }
 
 absl::Status Outbox::Replace(std::span<const priors::SourceUpdate> updates) {
   SqliteTransaction transaction(database_);
-  if (!transaction.begun().ok()) return transaction.begun();
-  absl::Status status = database_.Execute("DELETE FROM waiting");
+  absl::Status status = transaction.begun();
+  if (status.ok()) status = database_.Execute("DELETE FROM waiting");
   auto insert = database_.Prepare("INSERT INTO waiting (body) VALUES (?1)");
   if (status.ok()) status = insert.status();
   for (size_t i = 0; i < updates.size() && status.ok(); ++i)
     status = insert->Run(UpdateText(updates[i]));
-  return status.ok() ? transaction.Commit() : status;
+  if (status.ok()) status = transaction.Commit();
+  return status.ok() ? status : Explain(path_, status);
 }
 
 absl::StatusOr<std::vector<priors::SourceUpdate>> Outbox::Load() {
   auto select = database_.Prepare("SELECT body FROM waiting ORDER BY place");
-  if (!select.ok()) return select.status();
+  if (!select.ok()) return Explain(path_, select.status());
   std::vector<priors::SourceUpdate> updates;
   absl::Status damage;
   absl::Status status = select->ForEachRow([&](const SqliteRow& row) {
@@ -69,8 +70,8 @@ absl::StatusOr<std::vector<priors::SourceUpdate>> Outbox::Load() {
       damage = update.status();
     }
   });
-  if (status.ok()) status = damage;
-  if (!status.ok()) return status;
+  if (!status.ok()) return Explain(path_, status);
+  if (!damage.ok()) return Unreadable(path_, damage.message());
   return updates;
 }
 

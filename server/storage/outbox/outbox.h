@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -41,8 +42,10 @@ class Outbox {
   absl::StatusOr<Delivery> DeliverTo(priors::PriorStore& store);
 
  private:
-  explicit Outbox(SqliteDatabase database) : database_(std::move(database)) {}
+  Outbox(std::filesystem::path path, SqliteDatabase database)
+      : path_(std::move(path)), database_(std::move(database)) {}
 
+  std::filesystem::path path_;
   SqliteDatabase database_;
 };
 

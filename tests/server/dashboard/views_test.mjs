@@ -159,6 +159,22 @@ async function checkLog(page, daemon, { sessionId }) {
   judge('a row of the log is on the page of its session', worst, 1000);
 }
 
+// One read of the log that fails moves nothing under the hand: what was read stays, and the log is asked again.
+async function checkLogAway(page) {
+  const rows = async () => numberIn(await page.locator('.row-count').innerText());
+  const place = async () => (await page.locator('figure[data-chart=detection]').boundingBox()).y + await page.evaluate(() => scrollY);
+  const before = { y: await place(), rows: await rows() };
+  await expecting(page, /ExportDecisions|Failed to load resource/, async () => {
+    await page.route('**/ExportDecisions', (route) => route.abort());
+    await page.getByText('the daemon cannot be reached, and is asked again').waitFor();
+    assert.ok(Math.abs(await place() - before.y) < 1, 'a chart was moved');
+    assert.equal(await page.getByText('cannot be shown').count(), 0);
+    await page.unroute('**/ExportDecisions');
+  });
+  await until('the log goes on', async () => await rows() > before.rows);
+  assert.equal(await page.getByText('is asked again').count(), 0);
+}
+
 // Percentiles are there as soon as a decision is told, with the budgets of 60 and 30 frames per second.
 async function checkCosts(page) {
   await until('percentiles of frames', async () => /p99\s*\d/.test(await chart(page, 'frame-time').locator('.legend').innerText()));
@@ -426,7 +442,7 @@ async function checkAll(browser, folder) {
   const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view',
     '--flight-recorder', '8', '--frame-budget', '0.001', '--flight-folder', flights, '--allow-recording-download'] });
   const session = await liveSession(daemon);
-  for (const check of [checkTime, checkWhy, checkLog, checkCosts, checkCompare, checkUnknown, checkBoxes, checkRecordings, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
+  for (const check of [checkTime, checkWhy, checkLog, checkLogAway, checkCosts, checkCompare, checkUnknown, checkBoxes, checkRecordings, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
   await assertAccessible(page, 'decisions');
   assertNoTrouble(page, 'the views');
   await page.close();

@@ -156,7 +156,10 @@ TEST_F(OutboxTest, WhatIsNoOutboxStaysAsItIs) {
     ASSERT_TRUE(database->Execute("INSERT INTO waiting (body) VALUES ('{}')").ok());
   }
   MemoryPriorStore store;
-  EXPECT_TRUE(absl::IsDataLoss(Open().DeliverTo(store).status()));
+  const absl::Status damaged = Open().DeliverTo(store).status();
+  EXPECT_TRUE(absl::IsDataLoss(damaged)) << damaged;
+  EXPECT_THAT(std::string(damaged.message()), HasSubstr(path().string()));
+  EXPECT_THAT(std::string(damaged.message()), HasSubstr("move it away"));
 }
 
 }  // namespace

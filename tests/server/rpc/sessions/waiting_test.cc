@@ -3,14 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <mutex>
+#include <string>
 #include <vector>
 
+#include "server/audit/audit_log.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {
 namespace {
 
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class WaitingTest : public RpcTest {
  protected:
@@ -95,6 +99,27 @@ TEST_F(WaitingTest, IsKeptAtTheEndWithWhatAnEndedSessionTaught) {
   store_.Fail(false);
   Deliver(kept());
   EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
+}
+
+TEST_F(WaitingTest, HoldsWhatAdministratorsDidMeanwhile) {
+  server_->RecordAction("action=token", "one from before");
+  ASSERT_TRUE(Eventually([&] {
+    bool is_stored = false;
+    thread_.Submit([&](priors::PriorStore& store) {
+      is_stored = store.LoadSource(std::string(decision::kAdminSession))->has_value();
+    });
+    Flush();
+    return is_stored;
+  }));
+  store_.Fail(true);
+  server_->RecordAction("action=token", "one from meanwhile");
+  Keep();
+  std::string rows;
+  for (const priors::SourceUpdate& update : kept()) {
+    for (const priors::AuditRow& row : update.audit.rows) rows += row.text;
+  }
+  EXPECT_THAT(rows, HasSubstr("one from meanwhile"));
+  EXPECT_THAT(rows, Not(HasSubstr("one from before")));
 }
 
 TEST_F(WaitingTest, IsNotKeptWhileTheStoreTakesAllAndIsForgottenOnceItDoesAgain) {

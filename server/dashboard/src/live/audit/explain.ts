@@ -1,4 +1,5 @@
 // "Why this arm?": a decision in sentences.
+import { actionText, operatorOf } from './admin_words';
 import type { AuditRow, Setup } from './rows';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../numbers/log_cost';
 import { verdictOfLeader } from '../numbers/verdict';
@@ -132,24 +133,10 @@ function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | u
 export const explained = (told: Told): string[] =>
   [whatHappened(told), whatWeighed(told), whatWasMeasured(told), whatIsBelieved(told)].filter((each): each is string => each !== undefined);
 
-const operatorOf = (text: string) => /(?:^|;)operator=(.*)$/.exec(text)?.[1] || 'an operator';
-
 function orderText(row: AuditRow): string {
   const who = operatorOf(row.text('setup'));
   if (row.text('mode') === 'ai') return `${who} let the daemon decide.`;
   return `${who} told the game to keep to ${row.text('arm') || 'the active arm'}.`;
-}
-
-// "action=kick session=a may_return=0" as people say it; what is not written so stays as it is.
-function actionText(row: AuditRow): string {
-  const setup = row.text('setup');
-  const who = operatorOf(setup);
-  const what = setup.replace(/^unix_ms=\d*;/, '').replace(/;operator=.*$/, '');
-  const [, action, rest = ''] = /^action=(\S+) ?(.*)$/.exec(what) ?? [];
-  if (!action) return `${who}: ${what}.`;
-  const kick = /^session=(\S+) may_return=([01])$/.exec(rest);
-  if (action === 'kick' && kick) return kick[2] === '1' ? `${who} let session ${kick[1]} connect anew.` : `${who} ended session ${kick[1]}.`;
-  return `${who}: ${action}${rest && `, ${rest.replace(/(^| )([a-z_]+)=/g, (_, before: string, name: string) => `${before && ', '}${name.replaceAll('_', ' ')} `)}`}.`;
 }
 
 /** Returns sentences for any row of the audit log. */

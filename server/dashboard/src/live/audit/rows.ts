@@ -89,6 +89,9 @@ export interface Setup {
 
 const NS_PER_MS = 1e6;
 
+/** Returns the parts of a setup's cell as they were written. */
+export const setupParts = (cell: string): string[] => splitEscaped(cell, ';', true);
+
 /** Returns the pairs of a setup's cell. */
 export function setupPairs(cell: string): Map<string, string> {
   return new Map(splitEscaped(cell, ';', false).map((pair): [string, string] => {

@@ -18,7 +18,7 @@ interface Reading {
   count: number; // with those that have been dropped
   last?: PlacedRow;
   isReading: boolean; // for the first time
-  atMs: number; // when it was read, by the browser's clock
+  atMs: number; // when it was read without an error, by the browser's clock
   error?: ApiError;
 }
 
@@ -32,7 +32,7 @@ async function readOn(sessionId: string, before: Reading, cancel: AbortSignal, s
   const steps = [...before.steps];
   let { count, last } = before;
   const reading = (more: Pick<Reading, 'isReading' | 'error'>): Reading =>
-    ({ steps: steps.slice(-MAX_STEPS), count, ...(last && { last }), atMs: Date.now(), ...more });
+    ({ steps: steps.slice(-MAX_STEPS), count, ...(last && { last }), atMs: more.error ? before.atMs : Date.now(), ...more });
   try {
     for await (const placed of auditRows({ sessionId }, cancel, last)) {
       last = placed;
@@ -65,9 +65,9 @@ export function useSessionLog(sessionId: string, told: DecisionEvent | undefined
     return () => cancel.abort();
   }, [turn]);
 
-  const hasNews = told !== undefined && told !== readFor.current;
+  const isWanted = reading.error !== undefined || (told !== undefined && told !== readFor.current);
   useEffect(() => {
-    if (!hasNews) return undefined;
+    if (!isWanted) return undefined;
     const waitMs = reading.error ? AFTER_ERROR_MS : READ_AFTER_MS;
     const begin = () => {
       if (document.hidden || isBusy.current) timer = setTimeout(begin, waitMs);
@@ -75,7 +75,7 @@ export function useSessionLog(sessionId: string, told: DecisionEvent | undefined
     };
     let timer = setTimeout(begin, waitMs);
     return () => clearTimeout(timer);
-  }, [hasNews, reading]);
+  }, [isWanted, reading]);
 
   const { steps, count, isReading, atMs, error } = reading;
   return { steps, isReading, atMs, ...(error && { error }), droppedCount: count - steps.length, again: () => setTurn((before) => before + 1) };

@@ -48,6 +48,7 @@ export function drawBoxes(canvas: HTMLCanvasElement, boxes: Boxes, camera: Camer
   pen.strokeStyle = resolved('var(--bad)');
   pen.stroke(overlapping);
   pen.globalAlpha = 1;
-  pen.lineWidth = 2;
+  pen.strokeStyle = resolved('var(--accent)');
+  pen.lineWidth = 1.5;
   pen.stroke(pairs);
 }

@@ -12,6 +12,14 @@ it('An axis reaches its levels, but for those that stand aside', () => {
   expect(valueRange(aside, null, null)).toEqual([0, 1]);
 });
 
+it('An axis by powers of ten ends at the next round values', () => {
+  const range = (min: number, max: number) => valueRange({ scale: 'log' }, min, max).map((value) => Number(value!.toPrecision(9)));
+  expect(range(78e3, 180e3)).toEqual([50e3, 200e3]);
+  expect(range(0.001, 50)).toEqual([0.001, 50]);
+  expect(range(1, 1), 'and does not end where it begins').toEqual([1, 2]);
+  expect(range(0, 0)).toEqual([1, 10]);
+});
+
 it('The times of axes are round, also where they are a little before', () => {
   const noonMs = new Date(2026, 10, 25, 12, 0, 0).getTime();
   expect([noonMs, noonMs - 0.2, noonMs + 0.2].map((ms) => axisTime(ms, 60_000))).toEqual(['12:00', '12:00', '12:00']);

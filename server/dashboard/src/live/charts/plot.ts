@@ -64,12 +64,22 @@ export function axisTime(ms: number, stepMs: number): string {
   return stepMs >= 60 * SECOND ? minutes : `${minutes}:${two(date.getSeconds())}`;
 }
 
+/** Returns the next of 1, 2 and 5 times a power of ten that is not less or, downwards, not more. */
+function roundValue(value: number, isUp: boolean): number {
+  const power = 10 ** Math.floor(Math.log10(value) + 1e-9);
+  const steps = [1, 2, 5, 10].map((step) => step * power);
+  return (isUp ? steps.find((step) => step >= value * (1 - 1e-9)) : steps.filter((step) => step <= value * (1 + 1e-9)).at(-1)) ?? power;
+}
+
 /** Returns from where to where the axis of values goes, of lines from `min` to `max`; null: none has a value. */
 export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale' | 'levels' | 'values'>, min: number | null, max: number | null): uPlot.Range.MinMax {
   if (scale === 'unit') return [0, 1];
   const all = [min, max, ...(values ?? [])].filter((value): value is number => typeof value === 'number' && Number.isFinite(value));
   const most = Math.max(...all, 0);
-  if (scale === 'log') return uPlot.rangeLog(Math.min(...all.filter((value) => value > 0), most || 1), most || 10, 10, false);
+  if (scale === 'log') {
+    const least = Math.min(...all.filter((value) => value > 0), most || 1);
+    return [roundValue(least, false), roundValue(Math.max(most || 10, least * 1.01), true)];
+  }
   const shown = levels.filter(({ isAside }) => !isAside).map(({ value }) => value);
   return [0, Math.max(most * 1.08, Math.max(0, ...shown) * 1.15) || 1];
 }

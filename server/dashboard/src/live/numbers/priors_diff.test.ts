@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { buildChanges, byWeight, costRatios, LANE, pooled, type Taught } from './priors_diff';
+import { buildChanges, byWeight, costRatios, LANE, pooled, type SceneChange, type Taught } from './priors_diff';
 
 type More = Partial<Taught['example']> & { bailOutCount?: number };
 const taught = (build: string, arm: string, alpha: number, beta: number, { bailOutCount = 0, ...more }: More = {}): Taught => ({
@@ -32,15 +32,16 @@ describe('changes from build to build', () => {
     ];
     const near = (value: unknown) => (typeof value === 'number' ? expect.closeTo(value, 8) : value);
     const changes = buildChanges(EVIDENCE, '1.1', '1.2').sort((a, b) => a.scene.localeCompare(b.scene));
-    expect(changes.map(({ project, leaderChanged }) => [project, leaderChanged])).toEqual([['arcade', true], ['arcade', true]]);
+    expect(changes.map(({ scene, leader }) => [scene, leader])).toEqual([['arena', 'other'], ['cave', 'in one']]);
+    expect(changes.reverse().sort(byWeight).map(({ scene }) => scene)).toEqual(['arena', 'cave']);
     expect(changes.map(({ scene, machineClass, arms }) => ({ scene, machineClass, arms: arms.map(({ arm, before, after }) => [arm, before?.median, after?.median]) })))
       .toEqual(expected.map(({ arms, ...rest }) => ({ ...rest, arms: arms.map((arm) => arm.map(near)) })));
   });
   it('come first where another arm is the cheapest one, then where costs differ most', () => {
     const ratio = (median: number) => ({ median, low: median, high: median });
-    const scene = (name: string, leaderChanged: boolean, after: number) =>
-      ({ project: 'arcade', scene: name, machineClass: '', leaderChanged, arms: [{ arm: 'SAP', before: ratio(1), after: ratio(after) }, { arm: 'Grid', after: ratio(9) }] });
-    expect([scene('a', false, 1.1), scene('b', false, 0.5), scene('c', true, 1), scene('d', false, 1.1)].sort(byWeight).map((each) => each.scene)).toEqual(['c', 'b', 'a', 'd']);
+    const scene = (name: string, leader: SceneChange['leader'], after: number) =>
+      ({ project: 'arcade', scene: name, machineClass: '', leader, arms: [{ arm: 'SAP', before: ratio(1), after: ratio(after) }, { arm: 'Grid', after: ratio(9) }] });
+    expect([scene('a', 'same', 1.1), scene('e', 'in one', 1), scene('b', 'same', 0.5), scene('c', 'other', 1), scene('d', 'same', 1.1)].sort(byWeight).map((each) => each.scene)).toEqual(['c', 'b', 'a', 'd', 'e']);
   });
   it('are none between a build and itself, or where nothing is known', () => {
     expect(buildChanges(EVIDENCE, '1.1', '1.1')).toEqual([]);

@@ -32,7 +32,7 @@ export interface SceneChange {
   readonly scene: string;
   readonly machineClass: string;
   readonly arms: readonly ArmChange[]; // ordered by name
-  readonly leaderChanged: boolean; // no arm is the cheapest one in both
+  readonly leader: 'same' | 'other' | 'in one'; // whether an arm is the cheapest one in both builds; one of them may know nothing
 }
 
 const NOTHING: Sum = { alpha: 0, beta: 0 };
@@ -74,7 +74,7 @@ export function costRatios(arms: ReadonlyMap<string, ArmEvidence>): Ratios {
 }
 
 interface SceneArms {
-  place: Omit<SceneChange, 'arms' | 'leaderChanged'>;
+  place: Omit<SceneChange, 'arms' | 'leader'>;
   arms: Map<string, ArmEvidence & { version: number }>; // each in its newest version
 }
 
@@ -116,7 +116,8 @@ function changeOf(place: SceneArms['place'], before: Ratios, after: Ratios): Sce
   const arms = [...new Set([...before.keys(), ...after.keys()])].sort().map((arm): ArmChange => ({
     arm, ...(before.has(arm) && { before: before.get(arm)! }), ...(after.has(arm) && { after: after.get(arm)! }),
   }));
-  return { ...place, arms, leaderChanged: !arms.some((arm) => arm.before?.median === 1 && arm.after?.median === 1) };
+  const leader = before.size === 0 || after.size === 0 ? 'in one' : arms.some((arm) => arm.before?.median === 1 && arm.after?.median === 1) ? 'same' : 'other';
+  return { ...place, arms, leader };
 }
 
 const NO_RATIOS: Ratios = new Map();
@@ -126,9 +127,11 @@ const ratiosIn = (scenes: ReadonlyMap<string, SceneArms>, key: string) => (scene
 const sizeOf = ({ arms }: SceneChange) =>
   Math.max(0, ...arms.map(({ before, after }) => (before && after ? Math.abs(Math.log(after.median / before.median)) : 0)));
 
-/** Orders scenes so that those come first where another arm is the cheapest one, and then those where costs differ most. */
+const LEADER_ORDER: readonly SceneChange['leader'][] = ['other', 'same', 'in one'];
+
+/** Orders scenes so that those come first where another arm is the cheapest one, then those where costs differ most, and last those of one build. */
 export const byWeight = (a: SceneChange, b: SceneChange) =>
-  Number(b.leaderChanged) - Number(a.leaderChanged) || sizeOf(b) - sizeOf(a) || a.scene.localeCompare(b.scene);
+  LEADER_ORDER.indexOf(a.leader) - LEADER_ORDER.indexOf(b.leader) || sizeOf(b) - sizeOf(a) || a.scene.localeCompare(b.scene);
 
 /** Returns the scenes in which an arm is a change from the one build to the other, with all their arms. */
 export function buildChanges(taught: Iterable<Taught>, before: string, after: string): SceneChange[] {

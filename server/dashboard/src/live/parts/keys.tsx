@@ -50,14 +50,14 @@ export function KeySheet() {
   return (
     <Modal title="Keyboard" onClose={() => { isSheetOpen.value = false; }}>
       <dl class="keys">
-        {active.value.map(({ keys, what }) => (
+        {active.value.filter(({ keys }) => keys !== 'Escape').map(({ keys, what }) => (
           <div key={keys}><dt>{keys.split(' ').map((key) => <kbd key={key}>{key}</kbd>)}</dt><dd>{what}</dd></div>
         ))}
         <div><dt><kbd>↑</kbd><kbd>↓</kbd></dt><dd>From row to row in a table</dd></div>
         <div><dt><kbd>←</kbd><kbd>→</kbd></dt><dd>In a chart: move the crosshair, or from decision to decision; <kbd>Home</kbd> and <kbd>End</kbd> to the first and the last</dd></div>
         <div><dt><kbd>+</kbd><kbd>−</kbd><kbd>0</kbd></dt><dd>In a chart: zoom in, zoom out, show all</dd></div>
         <div><dt><kbd>Enter</kbd></dt><dd>Among switches: explain this decision</dd></div>
-        <div><dt><kbd>Esc</kbd></dt><dd>Close this list, or a question</dd></div>
+        <div><dt><kbd>Esc</kbd></dt><dd>Close this list, a question, or an explanation</dd></div>
       </dl>
       <p class="buttons"><button type="button" onClick={() => { isSheetOpen.value = false; }}>Close</button></p>
     </Modal>

@@ -26,7 +26,7 @@ import { scenes, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
 import { isDegraded } from '../state/summaries';
 import { armNames, armRows, ridgeRows } from './scene/model';
-import { CostCharts } from './session/cost_charts';
+import { CostCharts, type Ends } from './session/cost_charts';
 import { LogState, toldIn } from './session/log_state';
 import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
 
@@ -111,7 +111,10 @@ function useSession(id: string): SessionData {
   return useFrozen(latest, hasLog);
 }
 
-const mostOf = (columns: readonly (readonly (number | null)[])[]) => Math.max(0, ...columns.flat().map((value) => value ?? 0));
+function endsOf(columns: readonly (readonly (number | null)[])[]): [number, number] {
+  const values = columns.flat().filter((value): value is number => value !== null && value > 0);
+  return [Math.min(...values), Math.max(0, ...values)];
+}
 
 // When it began: of a long log the page has only the end.
 const startOf = ({ steps }: SessionData, otherwiseMs: number) =>
@@ -124,7 +127,7 @@ const laidTo = (startMs: number, data: SessionData): SessionData => {
   return { ...data, steps, columns: costColumns(measuredOf(steps)), laterMs };
 };
 
-function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain, most }: { data: SessionData; domain: Range; most: { frameMs: number; detectionMs: number } }) {
+function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain, ends }: { data: SessionData; domain: Range; ends: Ends }) {
   const moments = useMemo(() => switchMoments(steps, arms), [steps]);
   const openOwn = ({ decisionId, timeMs }: Step) => navigate(`${sessionHref(id)}?${new URLSearchParams(stepQuery({ decisionId, timeMs: timeMs + laterMs }))}`);
   return (
@@ -135,7 +138,7 @@ function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain,
         table={() => ({ header: ['time', 'active arm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs + laterMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
         <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openOwn} />
       </ChartFrame>
-      <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} most={most} laterMs={laterMs} />
+      <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} ends={ends} laterMs={laterMs} />
     </div>
   );
 }
@@ -161,13 +164,13 @@ export function CompareSessions({ ids: [first, second] }: { ids: readonly [strin
   const laid = useMemo(() => laidTo(startMs, other), [startMs, other.steps]);
   const both = [own, { ...laid, log: other.log }];
   const lengthMs = Math.max(1000, ...both.map(({ steps }) => (steps.at(-1)?.timeMs ?? startMs) - startMs));
-  const most = { frameMs: mostOf(both.flatMap(({ columns }) => columns.frame)), detectionMs: mostOf(both.flatMap(({ columns }) => columns.detection)) };
+  const ends = { frameMs: endsOf(both.flatMap(({ columns }) => columns.frame)), detectionMs: endsOf(both.flatMap(({ columns }) => columns.detection)) };
   return (
     <>
       <header class="title"><h1>Beside one another</h1><span><Alone /><CopyLink /></span></header>
       <TimeTools />
       <p class="soft">The second session is drawn as if it had begun when the first one did: times are the first one’s.</p>
-      <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} domain={range.value ?? { fromMs: startMs, toMs: startMs + lengthMs }} most={most} />)}</div>
+      <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} domain={range.value ?? { fromMs: startMs, toMs: startMs + lengthMs }} ends={ends} />)}</div>
     </>
   );
 }

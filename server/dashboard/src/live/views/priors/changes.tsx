@@ -27,11 +27,7 @@ function changeWord(change: ArmChange): string {
   return change.after.median > change.before.median ? 'dearer' : 'cheaper';
 }
 
-function leaderWord({ arms, leaderChanged }: SceneChange): string {
-  if (!leaderChanged) return 'the same';
-  const isInBoth = arms.some(({ before }) => before !== undefined) && arms.some(({ after }) => after !== undefined);
-  return isInBoth ? 'another' : 'in one build only';
-}
+const LEADER_WORDS: Readonly<Record<SceneChange['leader'], string>> = { same: 'the same', other: 'another', 'in one': 'in one build only' };
 
 const COLUMNS: readonly Column<Row>[] = [
   { id: 'scene', title: 'Scene', sort: ({ scene }) => `${scene.project}\n${scene.scene}\n${scene.machineClass}`, csv: ({ scene }) => scene.scene,
@@ -41,8 +37,8 @@ const COLUMNS: readonly Column<Row>[] = [
   { id: 'after', title: 'Cost after', hint: 'The same in the second build', sort: ({ after }) => after?.median, cell: ({ after }) => ratioText(after) },
   { id: 'change', title: 'Change', isText: true, hint: 'Of more than 5 %, relative to the cheapest arm', sort: changeWord,
     cell: (row) => <Chip tone={isChange(row) ? 'warn' : 'plain'}>{changeWord(row)}</Chip> },
-  { id: 'leader', title: 'Cheapest arm', isText: true, hint: 'Whether an arm is the cheapest one in both', sort: ({ scene }) => leaderWord(scene),
-    cell: ({ scene }) => (leaderWord(scene) === 'another' ? <Chip tone="bad" sign="≠">another</Chip> : leaderWord(scene)) },
+  { id: 'leader', title: 'Cheapest arm', isText: true, hint: 'Whether an arm is the cheapest one in both', sort: ({ scene }) => LEADER_WORDS[scene.leader],
+    cell: ({ scene: { leader } }) => (leader === 'other' ? <Chip tone="bad" sign="≠">another</Chip> : LEADER_WORDS[leader]) },
   { id: 'class', title: 'Machines', isText: true, sort: ({ scene }) => scene.machineClass, cell: ({ scene }) => <Name text={scene.machineClass} /> },
   { id: 'project', title: 'Project', isText: true, sort: ({ scene }) => scene.project, cell: ({ scene }) => <Name text={scene.project} /> },
 ];
@@ -66,7 +62,7 @@ function Pictures({ changes, before, after }: { changes: readonly SceneChange[];
   return (
     <>
       <div class="beside">{shown.map((change) => <Picture key={[change.project, change.scene, change.machineClass].join('\n')} change={change} before={before} after={after} />)}</div>
-      {changes.length > shown.length && <p class="soft small">Drawn are {MAX_PICTURES} of {changes.length} scenes: those where another arm is the cheapest one, then those that differ most.</p>}
+      {changes.length > shown.length && <p class="soft small">Drawn are {MAX_PICTURES} of {changes.length} scenes: those where another arm is the cheapest one, then those that differ most, last those of one build.</p>}
     </>
   );
 }

@@ -117,7 +117,7 @@ function Leaders({ changes }: { changes: LeaderChanges | undefined }) {
   const hidden = Number(sceneCount) - scenes.length;
   return (
     <>
-      <p>Another arm would lead in {many(sceneCount, 'scene')}:</p>
+      <p>Another arm, or none, would lead in {many(sceneCount, 'scene')}:</p>
       <ul>
         {scenes.map(({ project, scene, machineClass, rewardVersion, arm, nextArm }) => (
           <li key={[project, scene, machineClass, rewardVersion].join('\n')}>

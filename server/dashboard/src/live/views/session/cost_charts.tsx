@@ -2,7 +2,7 @@
 import { useMemo } from 'preact/hooks';
 import { bytes, compact, significant } from '../../../format';
 import { ChartFrame } from '../../charts/frame';
-import type { Level, Line, Moment } from '../../charts/plot';
+import type { Level, Line, Moment, Scale } from '../../charts/plot';
 import { TimeChart } from '../../charts/time_chart';
 import type { Range } from '../../charts/view_state';
 import type { CostColumns } from './model';
@@ -31,9 +31,10 @@ interface CostChartProps {
   format: (value: number) => string;
   height?: number;
   values?: readonly [number, number];
+  scale?: Scale;
 }
 
-function CostChart({ id, title, note, timesMs, laterMs, lines, levels, moments, domain, names, format, height = 180, values }: CostChartProps) {
+function CostChart({ id, title, note, timesMs, laterMs, lines, levels, moments, domain, names, format, height = 180, values, scale = 'zero' }: CostChartProps) {
   const hasValues = lines.some((line) => line.values.some((value) => value !== null));
   const table = () => ({
     header: ['time', ...lines.map(({ label }) => label)],
@@ -41,7 +42,7 @@ function CostChart({ id, title, note, timesMs, laterMs, lines, levels, moments, 
   });
   return (
     <ChartFrame id={id} title={title} note={note} names={names} table={table} empty={!hasValues && 'Nothing was measured yet.'}>
-      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(levels && { levels })} {...(values && { values })} moments={moments} scale="zero" domain={domain}
+      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(levels && { levels })} {...(values && { values })} moments={moments} scale={scale} domain={domain}
         format={format} height={height} />
     </ChartFrame>
   );
@@ -53,16 +54,19 @@ const percentileLines = (columns: readonly (number | null)[][], first: string): 
 const single = (label: string, values: (number | null)[]): Line[] => [{ label, values, colour: 'var(--accent)' }];
 const ms = (value: number) => `${significant(value)} ms`;
 
+/** The least and the most that charts show. */
+export interface Ends { frameMs: readonly [number, number]; detectionMs: readonly [number, number] }
+
 export interface CostChartsProps {
   columns: CostColumns;
   moments: readonly Moment[];
   domain: Range;
   names: readonly string[];
-  most?: { frameMs: number; detectionMs: number }; // of charts beside others: their axes reach so far
+  ends?: Ends; // of charts beside others: their axes reach so far
   laterMs?: number; // by which the session is drawn earlier than it was; its tables have the times as they were
 }
 
-export function CostCharts({ columns, moments, domain, names, most, laterMs = 0 }: CostChartsProps) {
+export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 }: CostChartsProps) {
   const { timesMs } = columns;
   const lines = useMemo(() => ({
     frame: percentileLines(columns.frame, 'window mean'), detection: percentileLines(columns.detection, 'window mean'),
@@ -71,10 +75,10 @@ export function CostCharts({ columns, moments, domain, names, most, laterMs = 0 
   const common = { timesMs, moments, domain, names, laterMs };
   return (
     <>
-      <CostChart {...common} id="frame-time" title="Frame time" lines={lines.frame} levels={BUDGETS} format={ms} {...(most && { values: [0, most.frameMs] as const })}
+      <CostChart {...common} id="frame-time" title="Frame time" lines={lines.frame} levels={BUDGETS} format={ms} {...(ends && { values: ends.frameMs })}
         note="Percentiles are of the frames since the page was opened; the mean of each window is from the audit log. 60 and 30 fps: budgets of 16.7 and 33.3 ms." />
-      <CostChart {...common} id="detection" title="Detection time" lines={lines.detection} levels={BUDGETS_ASIDE} format={ms}
-        {...(most && { values: [0, most.detectionMs] as const })} note="What the broad phase takes of a frame, with a frame’s budgets where it comes near them." />
+      <CostChart {...common} id="detection" title="Detection time" lines={lines.detection} levels={BUDGETS_ASIDE} format={ms} scale="log"
+        {...(ends && { values: ends.detectionMs })} note="What the broad phase takes of a frame, by powers of ten, with a frame’s budgets where it comes near them." />
       <div class="beside">
         <CostChart {...common} id="memory" title="Memory" lines={lines.bytes} format={bytes} height={140} />
         <CostChart {...common} id="checks" title="AABB checks per frame" lines={lines.checks} format={compact} height={140} />
