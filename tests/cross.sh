@@ -5,7 +5,7 @@
 #   tests/cross.sh                  Linux aarch64 (run by qemu) and Windows x86-64 (run by wine)
 #   tests/cross.sh windows          only that one; the other name is aarch64
 #   tests/cross.sh --quick          without the exhaustive tests of the broad phases; of a program that qemu takes long for,
-#                                   the first of its shards
+#                                   the first of its shards; sources are compiled together, so that no missing include shows
 #   tests/cross.sh --jobs 4         so many compilers and tests at a time (default: one per processor)
 #
 # Installs what is missing (Debian 12, root or sudo) and keeps everything else under build/cross-*: the libraries of the
@@ -182,8 +182,8 @@ check_platform() {
   say "$platform"
   build_libraries "$platform" || return
   [[ $platform != windows ]] || quietly build/cross-wine.log wineboot -i || return
-  local precompiled=OFF
-  [[ $platform != windows ]] || precompiled=ON
+  local precompiled=ON
+  [[ $platform != aarch64 || -n $quick ]] || precompiled=OFF  # a missing include shows
   configure_and_build "$platform" all -DCMAKE_TOOLCHAIN_FILE="$root/tests/cross/$platform.cmake" \
     -DCROSS_ROOT="$packages/$platform" -DSWEEPSTAKE_PCH="$precompiled" || return
   local failed=0
