@@ -115,6 +115,8 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   if (!key.ok()) return key.status();
   if (shared_) {
     if (absl::Status status = OpenOutbox(*opened->store); !status.ok()) return status;
+  } else if (absl::Status status = storage::CheckDelivered(directory_.outbox()); !status.ok()) {
+    log_->warn("{}", std::string(status.message()));
   }
   damage_ = std::move(opened->damage);
   if (!damage_.empty()) log_->error("{}", damage_);

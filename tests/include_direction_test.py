@@ -5,7 +5,7 @@
     adaptive <- bullet
     server/text, server/decision/math <- everything else, since they are pure
     server/decision <- server/baselines <- server/audit <- telemetry, cli, rpc; server/decision <- priors/pooling <- the same
-    server/decision <- priors <- storage, watch, rpc <- daemon <- main
+    server/decision, priors/pooling <- priors <- storage, watch, rpc <- daemon <- main
     storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
     net, auth <- rpc, web, which do not know one another, <- daemon; dashboard <- web
 
@@ -52,7 +52,7 @@ ALLOWED = {
     "server/baselines": DECISION,
     "server/laboratory": DECISION | {"server/baselines"},
     "server/audit": DECISION | {"server/baselines"},
-    "server/priors": DECISION | {"server/audit"},
+    "server/priors": DECISION | {"server/audit", "server/priors/pooling"},
     "server/priors/pooling": DECISION,
     "server/storage": DECISION | {"server/audit", "server/priors", "server/priors/pooling"},
     "server/tls": set(),

@@ -28,6 +28,8 @@ void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 // Adds what works on files to the subcommand `priors`.
 void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code);
+// Adds what says and shows of which builds builds were made to the subcommand `priors`.
+void AddPriorsBuildsCommands(CLI::App& priors, Terminal& terminal, int& exit_code);
 void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddReportCommand(CLI::App& app, Terminal& terminal, int& exit_code);

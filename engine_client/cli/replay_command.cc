@@ -196,7 +196,9 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command
       .add_option(
           "--priors", request.priors,
-          "right: what another seed's game has learnt; wrong: that with the ranking reversed")
+          "What a store serves after another game, of the same scene (right), with the ranking "
+          "reversed "
+          "(wrong), on another class of machines (class), or of the other traces' scenes (scenes)")
       ->check(OneOf(kReplayPriorsNames))
       ->capture_default_str();
   command.add_option("--threads", request.thread_count, "Games played at a time")

@@ -22,6 +22,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "server/priors/audit_rows.h"
+#include "server/priors/pooling/build_lineage.h"
 
 namespace sweepstake::priors {
 
@@ -336,6 +337,18 @@ class PriorReader {
                                                        const ExportPlace& after,
                                                        uint32_t limit) = 0;
 
+  // Returns what was told of the build, of its ancestors up to kMaxGenerations back, and of all
+  // that were made from one of these: at most kMaxFamilyRows rows, ordered by name. An empty name
+  // has no family.
+  virtual absl::StatusOr<std::vector<Build>> LoadFamily(const std::string& project,
+                                                        const std::string& build) = 0;
+
+  // Returns up to `limit` builds behind `after` of the projects that the filter matches, whose
+  // scene is not looked at. REQUIRES: limit > 0.
+  virtual absl::StatusOr<std::vector<Build>> ListBuilds(const SceneFilter& filter,
+                                                        const BuildPlace& after,
+                                                        uint32_t limit) = 0;
+
   // Returns up to `limit` segments of the audit log with ids above `after`, ordered by id.
   virtual absl::StatusOr<std::vector<AuditSegment>> ListAudit(const AuditFilter& filter,
                                                               uint64_t after, uint32_t limit) = 0;
@@ -397,6 +410,11 @@ class PriorStore : public PriorReader {
   // Import had had them. With `preview` nothing changes.
   virtual absl::StatusOr<PromoteResult> Promote(const SourceFilter& filter,
                                                 const Preview& preview) = 0;
+
+  // Keeps what the builds were made from, in place of what was told of them before; all or none.
+  // Errors: INVALID_ARGUMENT (a name is none, or there are more than kMaxParents),
+  // RESOURCE_EXHAUSTED (a project would have more than kMaxBuilds).
+  virtual absl::Status DescribeBuilds(std::span<const Build> builds) = 0;
 
   // Removes exactly the evidence of the sources, in quarantine and out of it, and bars them from
   // later commits and imports; an unknown id is barred, too, unless a project is named. What was

@@ -14,6 +14,7 @@ class DataDirectory {
  public:
   static constexpr const char* kDatabaseName = "priors.db";
   static constexpr const char* kTokensName = "tokens.db";
+  static constexpr const char* kOutboxName = "outbox.db";
 
   // Creates the directory, but not its parents, if it is missing. Only the owner can read it and
   // its files; a directory that exists keeps its mode, its files do not. Errors: UNAVAILABLE
@@ -28,7 +29,7 @@ class DataDirectory {
   std::filesystem::path database() const { return path_ / kDatabaseName; }
   std::filesystem::path resume_key() const { return path_ / "resume-key"; }
   std::filesystem::path logins() const { return path_ / "logins"; }
-  std::filesystem::path outbox() const { return path_ / "outbox.db"; }
+  std::filesystem::path outbox() const { return path_ / kOutboxName; }
   std::filesystem::path tokens() const { return path_ / kTokensName; }
 
  private:

@@ -60,6 +60,11 @@ class SqlitePriorReader final : public priors::PriorReader {
   absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
                                                        const priors::ExportPlace& after,
                                                        uint32_t limit) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
+                                                        const std::string& build) override;
+  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
+                                                        const priors::BuildPlace& after,
+                                                        uint32_t limit) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {

@@ -76,6 +76,16 @@ class SqlitePriorStore final : public priors::PriorStore {
                                                 const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
+  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
+                                                        const std::string& build) override {
+    return reader_->LoadFamily(project, build);
+  }
+  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const SceneFilter& filter,
+                                                        const priors::BuildPlace& after,
+                                                        uint32_t limit) override {
+    return reader_->ListBuilds(filter, after, limit);
+  }
   absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s, uint32_t row_count);
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
@@ -425,6 +435,11 @@ absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::Sour
     return result.ok() ? KeepUnless(preview) : result.status();
   });
   return status.ok() || (result.ok() && preview) ? result : status;
+}
+
+absl::Status SqlitePriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
+  if (absl::Status status = CheckBuilds(builds); !status.ok()) return status;
+  return InTransaction([&] { return storage::DescribeBuilds(statements_, builds); });
 }
 
 absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s,

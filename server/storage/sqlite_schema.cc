@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 // Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
 // sides, because `alpha >= 0` alone would accept +Inf.
-constexpr std::array<const char*, 10> kMigrations = {R"sql(
+constexpr std::array<const char*, 11> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -215,6 +215,21 @@ constexpr std::array<const char*, 10> kMigrations = {R"sql(
   ) STRICT, WITHOUT ROWID;
 
   CREATE INDEX quarantined_evidence_by_source ON quarantined_evidence (source_id);
+)sql",
+                                                     R"sql(
+  CREATE TABLE build_parent (
+    id INTEGER PRIMARY KEY,
+    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
+    build TEXT NOT NULL CHECK (length(CAST(build AS BLOB)) BETWEEN 1 AND 128),
+    parent TEXT NOT NULL CHECK (length(CAST(parent AS BLOB)) BETWEEN 0 AND 128),
+    unix_made_s INTEGER NOT NULL CHECK (unix_made_s BETWEEN 0 AND 9223372036854775807),
+    hash INTEGER NOT NULL,
+    content_hash INTEGER GENERATED ALWAYS AS (
+      row_hash(project, build, parent, unix_made_s)) VIRTUAL,
+    UNIQUE (project, build, parent)
+  ) STRICT;
+
+  CREATE INDEX build_parent_by_parent ON build_parent (project, parent);
 )sql"};
 
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {

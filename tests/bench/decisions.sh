@@ -10,14 +10,15 @@ usage() {
 Usage: tests/bench/decisions.sh [--program PATH] [--traces FOLDER] [--ablation] [tuning|held-out|LIST.txt] [-- OPTION…]
 
 Traces the scenes of data/tuning_scenes.txt, data/held_out_scenes.txt (the default: the final figures) or LIST.txt into FOLDER where
-they are not there yet, lets the policies play them in virtual time without priors, with those of the same class and with
-wrong ones, times a decision, and prints every goal with what was reached, the cells behind it and how each policy did.
+they are not there yet, lets the policies play them in virtual time without priors, with what a store
+serves after a game of the same scene, with that reversed, after one on another class of machines and, as of a new scene, after
+games of the other traces, times a decision, and prints every goal with what was reached, the cells behind it and how each policy did.
 What follows -- goes to \`sweepstake replay\`, as --seeds 200 or --no-shadow; --json prints one JSON document.
   --ablation        every policy that there is, not only AI Decides and the paper's
   --program PATH    the program \`sweepstake\` (default: build/release/bin/sweepstake)
   --traces FOLDER   (default: build/traces/tuning, held-out or LIST)
 Ends with 1 when a goal was missed, with 2 when something is missing. Tracing takes some 5 minutes and wants the machine for
-itself; the rest takes some twenty seconds on two cores, a minute with --ablation.
+itself; the rest takes some minute on two cores, two with --ablation.
 END
 }
 
@@ -67,5 +68,7 @@ replay() {
 replay none "$policies"
 replay right "$judged"
 replay wrong "$judged"
+replay class "$judged"
+replay scenes "$judged"
 "$tick_bench" --json "$judged" >"$documents/time.json"
-"$here/judge.py" decisions --cells "$scenes" "${json[@]}" "$documents"/{none,right,wrong,time}.json
+"$here/judge.py" decisions --cells "$scenes" "${json[@]}" "$documents"/{none,right,wrong,class,scenes,time}.json

@@ -88,8 +88,8 @@ class DecisionsOfOneCell(unittest.TestCase):
 
     def test_the_script_replays_with_each_kind_of_priors_and_times_a_decision(self):
         self.assertEqual(sorted({row["priors"] for document in self.documents if document["command"] == "replay"
-                                 for row in document["rows"]}), ["none", "right", "wrong"])
-        self.assertEqual(len(self.documents), 4)
+                                 for row in document["rows"]}), ["class", "none", "right", "scenes", "wrong"])
+        self.assertEqual(len(self.documents), 6)
 
     def test_a_key_under_another_name_is_an_error(self):
         code, err = self.judge(self.documents)

@@ -47,19 +47,19 @@ size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, Diagnose
 Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const PriorsPlace& here) {
   Diagnosed found{.key = key, .reasons = {}};
   const decision::SourceRelation relation{
-      .same_build = key.build == here.build,
+      .build_weight = decision::BuildFamily(here.build).WeightOf(key.build),
       .same_machine_class = key.machine_class == here.machine_class};
   if (!relation.same_machine_class)
     found.reasons.push_back("measured on " + OrUnknown(key.machine_class) + ", this is " +
                             OrUnknown(here.machine_class));
-  if (!relation.same_build) found.reasons.push_back("of build " + OrUnknown(key.build));
+  if (key.build != here.build) found.reasons.push_back("of build " + OrUnknown(key.build));
   const size_t same = CountSameArms(group, here, found);
   if (group.last_seen_unix_s > 0 && here.unix_now_s > group.last_seen_unix_s) {
     const uint64_t days = (here.unix_now_s - group.last_seen_unix_s) / kDayS;
     if (days > kOldDays) found.reasons.push_back(std::to_string(days) + " days old");
   }
   found.weight = decision::PowerPriorWeight(relation, same > 0) /
-                 decision::PowerPriorWeight({true, true}, true);
+                 decision::PowerPriorWeight({decision::kSameBuildWeight, true}, true);
   if (key.reward_version != here.reward_version) {
     found.reasons.insert(found.reasons.begin(),
                          "its reward is version " + std::to_string(key.reward_version) +

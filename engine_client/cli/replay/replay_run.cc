@@ -48,6 +48,7 @@ class Game {
   void Flush();
   void TickUntil(int64_t now_ns);
   void Accept(const decision::Decision& decision, int64_t now_ns);
+  void NoteTaught(const decision::Decision& decision);
   void Meter(const decision::Frame& frame);
   void EndTrial(const decision::Frame& frame);
   void ReportTrialEnd();
@@ -99,6 +100,7 @@ Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
     lane_.emplace(scene, setup.shadow, setup.lane_errors, setup.seed);
   }
   result_.active_ns.resize(scene.arm_count());
+  result_.taught.resize(scene.arm_count());
   result_.first_active_ns.resize(scene.arm_count());
   result_.timeline.initial_arm = arm_;
   batch_.reserve(kBatchFrames);
@@ -219,6 +221,7 @@ void Game::TickUntil(int64_t now_ns) {
 
 void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
   if (setup_.keep_timeline) result_.timeline.decisions.push_back(decision.record);
+  NoteTaught(decision);
   if (!decision.command) return;
   if (decision.command->arm == arm_) {
     session_.ObserveRefusal(decision.command->command_id);
@@ -229,6 +232,20 @@ void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
   // A switch after a bail-out does not wait for a warm-up.
   pending_->warm = lane_ && decision.command->reason != decision::SwitchReason::kBailOut;
   if (pending_->warm) pending_->ready_ns = lane_->WarmUp(decision.command->arm, place(now_ns));
+}
+
+void Game::NoteTaught(const decision::Decision& decision) {
+  const auto add = [](const decision::Increment& increment, decision::EvidenceSum& sum) {
+    sum.alpha += increment.alpha;
+    sum.beta += increment.beta;
+  };
+  if (decision.increment) {
+    decision::ArmEvidence& arm = result_.taught[decision.increment->arm];
+    add(*decision.increment, arm.live);
+    arm.bail_out_count += decision.increment->bail_out_count;
+  }
+  for (const decision::Increment& increment : decision.lane_increments)
+    add(increment, result_.taught[increment.arm].lane);
 }
 
 void Game::Meter(const decision::Frame& frame) {

@@ -25,6 +25,7 @@
 #include "engine_client/cli/replay/replay_reliability.h"
 #include "engine_client/cli/replay/replay_scene.h"
 #include "server/decision/session/decision_session.h"
+#include "server/priors/pooling/scene_prior.h"
 
 namespace sweepstake::cli {
 
@@ -66,6 +67,7 @@ struct ReplayResult {
   uint64_t bail_out_count = 0;               // frames over the limit
   std::vector<std::optional<int64_t>> first_active_ns;  // per arm, outside of the exploration
   std::vector<decision::BetaPosterior> posteriors;      // at the end
+  std::vector<decision::ArmEvidence> taught;            // what a store has of the game, per arm
   std::array<uint64_t, 5> verdict_counts{};             // of ticks, by Verdict
   Reliability reliability;                              // of what the ticks say
   uint64_t decision_count = 0;

@@ -156,6 +156,13 @@ void ReplayScene::TakeDescriptors(const CostTrace& trace) {
   }
 }
 
+ReplayScene ReplayScene::WithArmRatios(std::span<const double> ratios) const {
+  ReplayScene scene = *this;
+  for (size_t i = 0; i < scene.detection_ns_.size(); ++i)
+    scene.detection_ns_[i] *= ratios[i % ratios.size()];
+  return scene;
+}
+
 double ReplayScene::mean_object_count() const {
   const uint64_t sum = std::accumulate(object_count_.begin(), object_count_.end(), uint64_t{0});
   return static_cast<double>(sum) / trace_frame_count_;

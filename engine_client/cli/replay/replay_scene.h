@@ -41,6 +41,9 @@ class ReplayScene {
   // can have). REQUIRES: a valid trace, as ReadCosts returns it.
   static Result<ReplayScene> Create(const CostTrace& trace, const GameOptions& options);
 
+  // Returns the same game on a machine where each arm takes so many times as long.
+  ReplayScene WithArmRatios(std::span<const double> ratios) const;
+
   const GameOptions& options() const { return options_; }
   const std::vector<std::string>& arms() const { return arms_; }
   uint32_t arm_count() const { return static_cast<uint32_t>(arms_.size()); }

@@ -9,37 +9,19 @@
 namespace sweepstake::cli {
 namespace {
 
-// This is the seed of the run whose posteriors become the priors of other runs.
+// This is the seed of the games whose evidence becomes the priors of others.
 constexpr uint64_t kPriorsSeed = 1'000'000'007;
-
-// Returns the arms from the best to the worst.
-std::vector<uint32_t> Ranking(std::span<const decision::BetaPosterior> posteriors) {
-  std::vector<uint32_t> arms(posteriors.size());
-  std::iota(arms.begin(), arms.end(), 0U);
-  std::stable_sort(arms.begin(), arms.end(), [&](uint32_t a, uint32_t b) {
-    return posteriors[a].mean() > posteriors[b].mean();
-  });
-  return arms;
-}
-
-std::vector<decision::BetaPosterior> Reversed(
-    const std::vector<decision::BetaPosterior>& posteriors) {
-  const std::vector<uint32_t> ranking = Ranking(posteriors);
-  std::vector<decision::BetaPosterior> reversed(posteriors.size());
-  for (size_t i = 0; i < ranking.size(); ++i) {
-    reversed[ranking[i]] = posteriors[ranking[ranking.size() - 1 - i]];
-  }
-  return reversed;
-}
 
 // Plays the games of one seed on one scene.
 class SeedGames {
  public:
-  SeedGames(const ReplayScene& scene, const StudyOptions& options, uint64_t seed)
-      : scene_(scene),
+  SeedGames(std::span<const StudyScene> scenes, size_t scene, const StudyOptions& options,
+            uint64_t seed)
+      : scenes_(scenes),
+        scene_(scenes[scene].scene),
         options_(options),
         seed_(seed),
-        fixed_(scene, seed),
+        fixed_(scene_, seed),
         totals_(fixed_.TotalsFrom(0)),
         best_ns_(*std::min_element(totals_.begin(), totals_.end())),
         oracle_(fixed_.Oracle(options.decision.decision_interval_ns,
@@ -109,9 +91,13 @@ class SeedGames {
   }
 
   std::vector<decision::BetaPosterior> Priors(const std::string& policy) const {
-    if (options_.priors == ReplayPriors::kNone) return {};
-    auto learnt = Replay(scene_, SetupOf(policy, seed_ + kPriorsSeed)).posteriors;
-    return options_.priors == ReplayPriors::kRight ? learnt : Reversed(learnt);
+    std::vector<const ReplayScene*> others;
+    for (const StudyScene& other : scenes_) {
+      if (&other.scene != &scene_) others.push_back(&other.scene);
+    }
+    const uint64_t seed = seed_ + kPriorsSeed;
+    return ServedPriors(options_.priors, policy, scene_, others, seed,
+                        [&](const auto& scene) { return Replay(scene, SetupOf(policy, seed)); });
   }
 
   StudyGame Policy(const std::string& policy) const {
@@ -143,6 +129,7 @@ class SeedGames {
     return Judged(total_ns, game);
   }
 
+  const std::span<const StudyScene> scenes_;
   const ReplayScene& scene_;
   const StudyOptions& options_;
   const uint64_t seed_;
@@ -235,7 +222,7 @@ std::vector<StudyRow> RunStudy(std::span<const StudyScene> scenes, const StudyOp
       [&](uint64_t job) {
         const size_t scene = job / options.seed_count;
         const uint64_t seed = job % options.seed_count;
-        const SeedGames games(scenes[scene].scene, options, seed + 1);
+        const SeedGames games(scenes, scene, options, seed + 1);
         for (size_t player = 0; player < player_count; ++player) {
           rows[scene * player_count + player].games[seed] = games.Play(options.players[player]);
         }

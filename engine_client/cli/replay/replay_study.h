@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "engine_client/cli/io/statistics.h"
+#include "engine_client/cli/replay/replay_priors.h"
 #include "engine_client/cli/replay/replay_run.h"
 #include "engine_client/cli/replay/replay_scene.h"
 
@@ -26,13 +27,6 @@ struct ReplayPlayer {
   Kind kind = Kind::kPolicy;
   uint32_t arm = 0;  // for kFixed
 };
-
-enum class ReplayPriors {
-  kNone,
-  kRight,  // what the policy learnt on the same trace with another seed
-  kWrong,  // kRight with the arms' ranking reversed
-};
-inline constexpr std::array<std::string_view, 3> kReplayPriorsNames = {"none", "right", "wrong"};
 
 struct StudyOptions {
   std::vector<ReplayPlayer> players;

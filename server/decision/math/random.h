@@ -26,7 +26,8 @@ enum class RandomPurpose : uint32_t {
   kExplorationOrder = 1,
   kChoice = 2,
   kReplayLane = 3,
-  kReplayLoad = 4
+  kReplayLoad = 4,
+  kReplayClass = 5
 };
 
 class RandomStream {

@@ -10,8 +10,6 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kSameBuildWeight = 0.5;
-constexpr double kOtherBuildWeight = 0.25;
 constexpr double kOtherMachineClassFactor = 0.2;
 constexpr double kOtherBackendVersionFactor = 0.04;
 
@@ -178,8 +176,7 @@ class MedianPolish {
 }  // namespace
 
 double PowerPriorWeight(const SourceRelation& relation, bool same_backend_version) {
-  const double weight = relation.same_build ? kSameBuildWeight : kOtherBuildWeight;
-  return weight * (relation.same_machine_class ? 1 : kOtherMachineClassFactor) *
+  return relation.build_weight * (relation.same_machine_class ? 1 : kOtherMachineClassFactor) *
          (same_backend_version ? 1 : kOtherBackendVersionFactor);
 }
 

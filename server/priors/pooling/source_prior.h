@@ -13,13 +13,14 @@
 #include <span>
 #include <vector>
 
+#include "server/priors/pooling/build_family.h"
 #include "server/priors/pooling/scene_prior.h"
 
 namespace sweepstake::decision {
 
 // What a source and a session have in common.
 struct SourceRelation {
-  bool same_build = false;
+  double build_weight = kOtherBuildWeight;  // BuildFamily::WeightOf
   bool same_machine_class = false;
 };
 

@@ -36,9 +36,10 @@ absl::StatusOr<double> SourceWeights::Of(const priors::PriorRecord& record) {
   if (key.reward_version != decision::kLogCostRewardVersion) return is_newest ? 1 : 0;
   const auto source = (*scene)->sources.find(record.source_id);
   if (source == (*scene)->sources.end() || !IsLooked(source->second, key)) return 0;
-  const bool same_build = source->second.build == (*scene)->newest_build;
-  return decision::PowerPriorWeight({.same_build = same_build, .same_machine_class = true},
-                                    is_newest);
+  return decision::PowerPriorWeight(
+      {.build_weight = (*scene)->family->WeightOf(source->second.build),
+       .same_machine_class = true},
+      is_newest);
 }
 
 absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::SceneKey& key) {
@@ -48,10 +49,11 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
   auto sources = store_.LoadSources(key);
   if (!sources.ok()) return sources.status();
   uint64_t last_seen_unix_s = 0;
+  std::string newest_build;
   for (priors::SceneSource& source : *sources) {
     if (source.evidence.key != key) continue;  // of another class
     // Of several that were seen last, the one that came last.
-    if (source.last_seen_unix_s >= last_seen_unix_s) scene.newest_build = source.build;
+    if (source.last_seen_unix_s >= last_seen_unix_s) newest_build = source.build;
     last_seen_unix_s = std::max(last_seen_unix_s, source.last_seen_unix_s);
     for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {
       uint32_t& newest = scene.newest_versions[arm.name];
@@ -59,6 +61,9 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
     }
     scene.sources.emplace(source.id, std::move(source));
   }
+  const auto family = store_.LoadFamily(key.project, newest_build);
+  if (!family.ok()) return family.status();
+  scene.family.emplace(newest_build, *family);
   return &scene;
 }
 

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "server/priors/pooling/build_family.h"
 #include "server/priors/prior_store.h"
 
 namespace sweepstake::rpc {
@@ -21,14 +23,14 @@ class SourceWeights {
   // that is known there. It is the weight that session_start.cc gives; 0 for what no such session
   // looks at: what waits in quarantine, or is not among the sources that LoadSources chooses of the
   // arm. Where rewards do not tell costs, the sums of all sources count, which is 1. Errors: those
-  // of PriorReader::LoadSources.
+  // of PriorReader::LoadSources and LoadFamily.
   absl::StatusOr<double> Of(const priors::PriorRecord& record);
 
  private:
   struct Scene {
     std::map<std::string, priors::SceneSource> sources;  // those of its class, by id
     std::map<std::string, uint32_t> newest_versions;     // by arm
-    std::string newest_build;
+    std::optional<decision::BuildFamily> family;         // of the newest build
   };
 
   absl::StatusOr<const Scene*> Find(const priors::SceneKey& key);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/leader_preview.h"
 #include "server/rpc/common/message_validation.h"
@@ -30,6 +31,7 @@ struct TransferPlace {
   priors::ExportPlace after;
 };
 using ExportStream = PageStream<v1::ExportPriorsResponse, TransferPlace>;
+using BuildStream = PageStream<v1::ListBuildsResponse, priors::BuildPlace>;
 
 absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
                                                const priors::SceneFilter& filter,
@@ -59,6 +61,38 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
   page.next = ends ? TransferPlace{.in_quarantine = true, .after = {}}
                    : TransferPlace{place.in_quarantine, stored->next};
   return page;
+}
+
+absl::StatusOr<BuildStream::Page> LoadBuilds(priors::PriorReader& store,
+                                             const priors::SceneFilter& filter,
+                                             const priors::BuildPlace& after) {
+  const auto builds = store.ListBuilds(filter, after, kRecordsPerMessage);
+  if (!builds.ok()) return builds.status();
+  BuildStream::Page page;
+  for (const priors::Build& build : *builds) ToProto(build, *page.response.add_builds());
+  page.empty = builds->empty();
+  page.last = builds->size() < kRecordsPerMessage;
+  if (!builds->empty()) page.next = {builds->back().project, builds->back().name};
+  return page;
+}
+
+// Returns the builds of a request.
+absl::StatusOr<std::vector<priors::Build>> BuildsOf(const v1::DescribeBuildsRequest& request,
+                                                    const auth::Principal& caller) {
+  if (request.builds_size() > static_cast<int>(kRecordsPerMessage)) {
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                   absl::StrCat("a request may hold ", kRecordsPerMessage, " builds"));
+  }
+  std::vector<priors::Build> builds;
+  for (const v1::Build& build : request.builds()) {
+    if (const absl::Status status = CheckBuild(build); !status.ok()) {
+      return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                     absl::StrCat("build ", builds.size(), ": ", status.message()));
+    }
+    if (absl::Status allowed = CheckProject(caller, build.project()); !allowed.ok()) return allowed;
+    builds.push_back(FromProto(build));
+  }
+  return builds;
 }
 
 // The store was asked to let evidence count, and has said whether it does.
@@ -394,6 +428,54 @@ grpc::ServerUnaryReactor* PriorsService::PromotePriors(grpc::CallbackServerConte
     if (!submitted)
       end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
   });
+}
+
+grpc::ServerUnaryReactor* PriorsService::DescribeBuilds(grpc::CallbackServerContext* call,
+                                                        const v1::DescribeBuildsRequest* request,
+                                                        v1::DescribeBuildsResponse* /*response*/) {
+  constexpr Rpc kRpc = RpcOf("PriorsService/DescribeBuilds");
+  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
+    auto builds = BuildsOf(*request, caller);
+    if (!builds.ok()) return end(builds.status());
+    const bool submitted =
+        context_.store.Submit([this, end, builds = *std::move(builds),
+                               who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
+          const absl::Status status = store.DescribeBuilds(builds);
+          context_.loop.PostLater([this, end, status, who, builds] {
+            if (absl::IsResourceExhausted(status))
+              return end(Refused(v1::ERROR_REASON_TOO_MANY_BUILDS, status.message()));
+            if (!status.ok()) return end(StoreFailed(status));
+            for (const priors::Build& build : builds) {
+              admin_.Record(absl::StrCat("action=describe-build project=", build.project,
+                                         " build=", build.name,
+                                         " parents=", absl::StrJoin(build.parents, ", ")),
+                            who);
+            }
+            end(absl::OkStatus());
+          });
+        });
+    if (!submitted)
+      end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
+  });
+}
+
+grpc::ServerWriteReactor<v1::ListBuildsResponse>* PriorsService::ListBuilds(
+    grpc::CallbackServerContext* call, const v1::ListBuildsRequest* request) {
+  priors::SceneFilter filter{request->project(), ""};
+  const auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ListBuilds"));
+  absl::Status allowed = caller.status();
+  if (allowed.ok()) {
+    allowed = Narrow(*caller, filter);
+    context_.access.refusals().TellEnd(CallerOf(*call), allowed);
+  }
+  if (!allowed.ok()) {
+    return new RefusedCall<grpc::ServerWriteReactor<v1::ListBuildsResponse>>(
+        ToGrpc(allowed, context_.counters));
+  }
+  return BuildStream::Start(context_, *call, *caller,
+                            [filter](priors::PriorReader& store, const priors::BuildPlace& after) {
+                              return LoadBuilds(store, filter, after);
+                            });
 }
 
 void PriorsService::OnChanged(const std::string& action, const std::string& what,

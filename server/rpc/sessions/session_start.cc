@@ -97,14 +97,16 @@ std::vector<decision::EvidenceSum> OwnEvidence(const v1::Hello& hello,
   return PooledFor(hello, own);
 }
 
-decision::SourceRelation RelationOf(const v1::Hello& hello, const priors::SceneSource& source) {
-  return {.same_build = source.build == hello.build(),
+decision::SourceRelation RelationOf(const v1::Hello& hello, const decision::BuildFamily& family,
+                                    const priors::SceneSource& source) {
+  return {.build_weight = family.WeightOf(source.build),
           .same_machine_class = source.evidence.key.machine_class == hello.machine_class()};
 }
 
 decision::SourceEvidence SourceEvidenceFor(const v1::Hello& hello,
+                                           const decision::BuildFamily& family,
                                            const priors::SceneSource& source) {
-  const decision::SourceRelation relation = RelationOf(hello, source);
+  const decision::SourceRelation relation = RelationOf(hello, family, source);
   std::vector<Arm> arms;
   decision::SourceEvidence result;
   for (const v1::Arm& wanted : hello.arms()) {
@@ -119,13 +121,13 @@ decision::SourceEvidence SourceEvidenceFor(const v1::Hello& hello,
 }
 
 // Returns how many sources of each build and class of machines count how much, the heaviest first.
-std::vector<std::string> Describe(const v1::Hello& hello,
+std::vector<std::string> Describe(const v1::Hello& hello, const decision::BuildFamily& family,
                                   const std::vector<priors::SceneSource>& sources) {
   constexpr size_t kMaxLines = 8;
   using Group = std::tuple<double, std::string, std::string>;  // weight, build, class
   std::map<Group, size_t, std::greater<>> counts;
   for (const priors::SceneSource& source : sources) {
-    const double weight = decision::PowerPriorWeight(RelationOf(hello, source), true);
+    const double weight = decision::PowerPriorWeight(RelationOf(hello, family, source), true);
     ++counts[{weight, source.build, source.evidence.key.machine_class}];
   }
   std::vector<std::string> lines;
@@ -146,13 +148,16 @@ std::vector<std::string> Describe(const v1::Hello& hello,
 absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello, StoredStart& start) {
   const auto stored = store.LoadSources(FromProto(hello));
   if (!stored.ok()) return stored.status();
+  const auto relatives = store.LoadFamily(hello.project(), hello.build());
+  if (!relatives.ok()) return relatives.status();
+  const decision::BuildFamily family(hello.build(), *relatives);
   std::vector<decision::SourceEvidence> sources;
   for (const priors::SceneSource& source : *stored) {
     if (source.id == hello.session_id() && start.source) continue;  // is the session's own
-    sources.push_back(SourceEvidenceFor(hello, source));
+    sources.push_back(SourceEvidenceFor(hello, family, source));
   }
   start.prior_source_count = stored->size();
-  start.prior_sources = Describe(hello, *stored);
+  start.prior_sources = Describe(hello, family, *stored);
   start.priors = decision::CombineSources(sources, start.priors);
   return absl::OkStatus();
 }

@@ -405,4 +405,52 @@ absl::StatusOr<std::vector<AuditRow>> MemoryPriorStore::LoadAudit(uint64_t segme
   return audit_.Load(segment_id, first_row, limit, max_bytes);
 }
 
+absl::Status MemoryPriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
+  absl::Status status = CheckBuilds(builds);
+  auto described = builds_;
+  std::map<std::string, uint64_t> counts;
+  for (const priors::Build& build : builds) described[{build.project, build.name}] = build;
+  for (const auto& [key, build] : described) ++counts[key.first];
+  for (const auto& [project, count] : counts) {
+    if (status.ok()) status = BuildBound(project, count);
+  }
+  if (status.ok()) builds_ = std::move(described);
+  return status;
+}
+
+absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::LoadFamily(const std::string& project,
+                                                                        const std::string& build) {
+  std::set<std::string> known = {build};  // it and its ancestors
+  std::set<std::string> latest = known;
+  for (uint32_t generation = 0; generation < priors::kMaxGenerations; ++generation) {
+    std::set<std::string> parents;
+    for (const std::string& name : latest) {
+      const auto found = builds_.find({project, name});
+      if (found == builds_.end()) continue;
+      parents.insert(found->second.parents.begin(), found->second.parents.end());
+    }
+    known.insert(parents.begin(), parents.end());
+    latest = std::move(parents);
+  }
+  std::vector<priors::Build> family;
+  for (const auto& [key, one] : builds_) {
+    const auto is_known = [&](const std::string& name) { return known.contains(name); };
+    const bool belongs =
+        is_known(one.name) || std::any_of(one.parents.begin(), one.parents.end(), is_known);
+    if (key.first == project && belongs) family.push_back(one);
+  }
+  return family;
+}
+
+absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::ListBuilds(
+    const SceneFilter& filter, const priors::BuildPlace& after, uint32_t limit) {
+  std::vector<priors::Build> builds;
+  auto place = builds_.upper_bound({after.project, after.name});
+  for (; place != builds_.end() && builds.size() < limit; ++place) {
+    if (SceneFilter{filter.project, "", filter.projects}.Matches(place->first.first, ""))
+      builds.push_back(place->second);
+  }
+  return builds;
+}
+
 }  // namespace sweepstake::storage

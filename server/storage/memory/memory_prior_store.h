@@ -43,6 +43,12 @@ class MemoryPriorStore : public priors::PriorStore {
                                                 const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
+  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
+                                                        const std::string& build) override;
+  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
+                                                        const priors::BuildPlace& after,
+                                                        uint32_t limit) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;
@@ -103,6 +109,7 @@ class MemoryPriorStore : public priors::PriorStore {
   std::map<std::string, Source> sources_;
   EntriesByKey evidence_;
   EntriesByKey quarantine_;
+  std::map<std::pair<std::string, std::string>, priors::Build> builds_;  // by project and name
   MemoryAuditLog audit_;
   uint64_t lost_audit_row_count_ = 0;
 };

@@ -89,4 +89,17 @@ absl::StatusOr<Outbox::Delivery> Outbox::DeliverTo(priors::PriorStore& store) {
   return delivery;
 }
 
+absl::Status CheckDelivered(const fs::path& path) {
+  std::error_code unknown;
+  if (!fs::exists(path, unknown)) return absl::OkStatus();
+  auto outbox = Outbox::Open(path);
+  if (!outbox.ok()) return outbox.status();
+  const auto updates = outbox->Load();
+  if (!updates.ok() || updates->empty()) return updates.status();
+  return absl::FailedPreconditionError(absl::StrCat(
+      path.string(), " has ", updates->size(),
+      " updates that the shared store lacks: start the daemon with `store` once more, which "
+      "delivers them, or move the file away"));
+}
+
 }  // namespace sweepstake::storage

@@ -49,4 +49,8 @@ class Outbox {
   SqliteDatabase database_;
 };
 
+// For those who do without the shared store from now on. Errors: FAILED_PRECONDITION (there is an
+// outbox with something in it), and those of Open and Load.
+absl::Status CheckDelivered(const std::filesystem::path& path);
+
 }  // namespace sweepstake::storage

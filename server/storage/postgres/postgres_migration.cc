@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "server/storage/data_directory.h"
+#include "server/storage/outbox/outbox.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/postgres/postgres_schema.h"
 #include "server/storage/sqlite_database.h"
@@ -96,6 +97,14 @@ const std::vector<Table>& Tables() {
         {"window_count", Kind::kCount},
         {"bail_out_count", Kind::kCount}}},
       {"scene_source", 2, false, {{"source_id"}, {"scene_id"}}},
+      {"build_parent",
+       1,
+       true,
+       {{"id"},
+        {"project", Kind::kText},
+        {"build", Kind::kText},
+        {"parent", Kind::kText},
+        {"unix_made_s"}}},
       {"audit_segment",
        1,
        false,
@@ -130,6 +139,7 @@ constexpr const char* kSetNumbers = R"sql(
     SELECT setval('source_number', (SELECT max(id) FROM source)),
            setval(pg_get_serial_sequence('scene', 'id'), (SELECT max(id) FROM scene)),
            setval(pg_get_serial_sequence('evidence_key', 'id'), (SELECT max(id) FROM evidence_key)),
+           setval(pg_get_serial_sequence('build_parent', 'id'), (SELECT max(id) FROM build_parent)),
            setval(pg_get_serial_sequence('audit_segment', 'id'),
                   (SELECT max(id) FROM audit_segment)),
            setval(pg_get_serial_sequence('audit_row', 'id'), (SELECT max(id) FROM audit_row)))sql";
@@ -403,13 +413,14 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
                                                 const OnMigrated& on_migrated) {
   auto data = DataDirectory::Open(directory);  // no daemon learns meanwhile
   if (!data.ok()) return data.status();
+  if (absl::Status delivered = CheckDelivered(data->outbox()); !delivered.ok()) return delivered;
   const Workplace workplace(directory);
   std::error_code error;
   fs::create_directory(workplace.path(), error);
   const fs::path copy = workplace.path() / "copy.db";
   auto contents = BackUpStore(directory, copy);
   if (!contents.ok()) return contents;
-  auto file = SqliteDatabase::Open(copy.string(), SqliteDatabase::OpenMode::kReadOnly);
+  auto file = OpenPriorDatabase(copy);  // which brings an older schema up to this one
   if (!file.ok()) return file.status();
   PostgresConnection connection(url);
   absl::Status status = Prepare(connection);
@@ -420,8 +431,9 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
 
 absl::StatusOr<StoreContents> MigrateFromPostgres(const std::string& url, const fs::path& directory,
                                                   const OnMigrated& on_migrated) {
+  absl::Status status = CheckDelivered(directory / DataDirectory::kOutboxName);
   PostgresConnection connection(url);
-  absl::Status status = Prepare(connection);
+  if (status.ok()) status = Prepare(connection);
   if (!status.ok()) return status;
   const Workplace workplace(directory);
   const fs::path copy = workplace.path() / "copy.db";

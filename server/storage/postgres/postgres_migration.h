@@ -19,14 +19,14 @@ namespace sweepstake::storage {
 // Is told when a tenth more of a table's rows, or all, are there.
 using OnMigrated = std::function<void(const std::string& table, uint64_t rows, uint64_t of)>;
 
-// Errors: those of BackUpStore, DataDirectory::Open and OpenPostgresPriorStore, ALREADY_EXISTS (the
-// store in PostgreSQL has sources).
+// Errors: those of BackUpStore, DataDirectory::Open, CheckDelivered and OpenPostgresPriorStore,
+// ALREADY_EXISTS (the store in PostgreSQL has sources).
 absl::StatusOr<StoreContents> MigrateToPostgres(const std::filesystem::path& directory,
                                                 const std::string& url,
                                                 const OnMigrated& on_migrated);
 
-// Errors: those of RestoreStore and OpenPostgresPriorStore, ALREADY_EXISTS (the directory has a
-// database).
+// Errors: those of RestoreStore, CheckDelivered and OpenPostgresPriorStore, ALREADY_EXISTS (the
+// directory has a database).
 absl::StatusOr<StoreContents> MigrateFromPostgres(const std::string& url,
                                                   const std::filesystem::path& directory,
                                                   const OnMigrated& on_migrated);

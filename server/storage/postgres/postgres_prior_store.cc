@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/audit/audit_log.h"
 #include "server/storage/postgres/postgres_audit_log.h"
+#include "server/storage/postgres/postgres_builds.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/postgres/postgres_evidence.h"
 #include "server/storage/postgres/postgres_quarantine.h"
@@ -118,6 +119,16 @@ class PostgresPriorStore final : public priors::PriorStore {
                                                 const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
+  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
+                                                        const std::string& build) override {
+    return reader_.LoadFamily(project, build);
+  }
+  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const SceneFilter& filter,
+                                                        const priors::BuildPlace& after,
+                                                        uint32_t limit) override {
+    return reader_.ListBuilds(filter, after, limit);
+  }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -294,6 +305,11 @@ absl::Status PostgresPriorStore::AddIncrements(std::span<const SourceUpdate* con
     }
   }
   return evidence_.Apply(changes);
+}
+
+absl::Status PostgresPriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
+  if (absl::Status status = CheckBuilds(builds); !status.ok()) return status;
+  return InTransaction([&] { return storage::DescribeBuilds(connection_, builds); });
 }
 
 absl::StatusOr<priors::ImportResult> PostgresPriorStore::Import(

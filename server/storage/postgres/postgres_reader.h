@@ -11,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/priors/prior_store.h"
+#include "server/storage/postgres/postgres_builds.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/read_thread.h"
 
@@ -38,6 +39,15 @@ class PostgresReader : public priors::PriorReader {
   absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
                                                        const priors::ExportPlace& after,
                                                        uint32_t limit) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
+                                                        const std::string& build) override {
+    return storage::LoadFamily(connection_, project, build);
+  }
+  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
+                                                        const priors::BuildPlace& after,
+                                                        uint32_t limit) override {
+    return storage::ListBuilds(connection_, filter, after, limit);
+  }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;

@@ -21,7 +21,7 @@ constexpr const char* kLock = "SELECT pg_advisory_xact_lock(7743300015)";
 //
 // A commit changes many rows of a page. Where the page is less than half full it has room for all
 // their new versions, and no index is written; the next commit takes the room of the old ones.
-constexpr std::array<const char*, 1> kSteps = {R"sql(
+constexpr std::array<const char*, 2> kSteps = {R"sql(
   CREATE TABLE store (id text NOT NULL, resume_key bytea);
   INSERT INTO store VALUES (gen_random_uuid()::text);
   CREATE SEQUENCE source_number;
@@ -125,6 +125,17 @@ constexpr std::array<const char*, 1> kSteps = {R"sql(
     unix_start_s bigint NOT NULL,
     byte_count bigint NOT NULL
   );
+)sql",
+                                               R"sql(
+  CREATE TABLE build_parent (
+    id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+    project text COLLATE "C" NOT NULL CHECK (octet_length(project) BETWEEN 1 AND 128),
+    build text COLLATE "C" NOT NULL CHECK (octet_length(build) BETWEEN 1 AND 128),
+    parent text COLLATE "C" NOT NULL CHECK (octet_length(parent) <= 128),
+    unix_made_s bigint NOT NULL CHECK (unix_made_s >= 0),
+    UNIQUE (project, build, parent)
+  );
+  CREATE INDEX build_parent_of_parent ON build_parent (project, parent);
 )sql"};
 
 absl::Status MakeTables(PostgresConnection& connection) {

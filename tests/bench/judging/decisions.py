@@ -7,6 +7,7 @@ from judging.common import InputError, limit_of, meets, or_dash, percent, table
 
 UNIT_NS = {"ms": 1e6, "s": 1e9, "m": 60e9, "h": 3600e9}
 CATEGORIES = ("stationary", "changing", "resonant")
+PRIORS = ("right", "wrong", "class", "scenes")
 
 
 def duration_ns(text):
@@ -79,9 +80,9 @@ class Replays:
         return rows[0]["p99_ms"]
 
 
-def figure_of(goal, cell, policy, replays):
+def figure_of(goal, cell, policy, replays, priors="priors"):
     """What the policy reached in the cell; None: the goal does not judge it."""
-    rows = [replays.row(cell, policy, priors) for priors in goal["priors"]]
+    rows = [replays.row(cell, policy, each) for each in goal[priors]]
     if goal.get("category", cell["category"]) != cell["category"] or rows[0]["headroom"] < goal.get("min_headroom", -math.inf):
         return None
     values = [row[goal["figure"]] for row in rows]
@@ -98,18 +99,20 @@ def judged_cells(goal, cells, policy, replays):
 
 
 def against_peer(goal, cells, policy, replays):
-    own, peer = ([figure_of(goal, cell, each, replays) for cell in cells] for each in (policy, goal["peer"]))
+    own = [figure_of(goal, cell, policy, replays) for cell in cells]
+    peer = [figure_of(goal, cell, goal.get("peer", policy), replays, "peer_priors" if "peer_priors" in goal else "priors") for cell in cells]
     own, peer = (sum(value for value in values if value is not None) for values in (own, peer))
     if not any(cell["category"] == goal.get("category", cell["category"]) for cell in cells):
         return None
-    return peer / own if own > 0 else math.inf
+    nothing_lost = own <= 0 or ("peer_priors" in goal and peer <= 0)
+    return math.inf if nothing_lost else peer / own
 
 
 def judge_goal(goal, cells, policy, replays):
     behind = []
     if "decision_arms" in goal:
         reached = replays.decision(policy, goal["decision_arms"])
-    elif "peer" in goal:
+    elif "peer" in goal or "peer_priors" in goal:
         reached = against_peer(goal, cells, policy, replays)
     else:
         behind = judged_cells(goal, cells, policy, replays)
@@ -144,14 +147,14 @@ def cells_text(cells, policy, replays):
     rows = []
     for cell in cells:
         row = replays.row(cell, policy, "none")
-        prior, wrong_prior, paper = (replays.row(cell, each, priors)["regret_best_fixed"]
-                                     for each, priors in ((policy, "right"), (policy, "wrong"), ("paper", "none")))
+        after = [percent(replays.row(cell, policy, priors)["regret_best_fixed"]) for priors in PRIORS]
+        paper = replays.row(cell, "paper", "none")["regret_best_fixed"]
         rows.append([cell["cell"], cell["category"], percent(abs(replays.controls[cell["cell"]])), percent(row["headroom"]),
                      percent(row["regret_best_fixed"]), percent(row["ci95"][0]) + " to " + percent(row["ci95"][1]),
-                     or_dash(row["regret_after_start"], percent), percent(prior), percent(wrong_prior),
+                     or_dash(row["regret_after_start"], percent), *after,
                      or_dash(row["headroom_captured"], lambda ratio: f"{100 * ratio:.0f}%"), f"{row['switches']:.1f}",
                      f"{row['active_share']:.2f}", or_dash(row["bail_outs"], "{:.2f}".format), percent(paper)])
-    return table(["cell", "category", "floor", "headroom", "regret", "ci95", "after_start", "prior", "wrong_prior", "captured",
+    return table(["cell", "category", "floor", "headroom", "regret", "ci95", "after_start", *PRIORS, "captured",
                   "switches", "share", "bail_outs", "paper"], rows)
 
 
@@ -179,7 +182,7 @@ def decisions_text(goals, cells, policy, replays):
     return (f"Policy {policy}, {replays.seeds} seeds in each of {len(cells)} cells; regret is frame time against the best "
             f"fixed arm's.\n\n{goals_text(goals)}\n{cells_text(cells, policy, replays)}\n"
             "floor: the same arm measured twice. headroom: of the best sequence of arms that pays for\n"
-            "its switches; captured: how much of it was reached. prior: with what another seed's game\nhad learnt.\n\n"
+            "its switches; captured: how much of it was reached. right, wrong, class, scenes: with what a\nstore serves after other games (`sweepstake replay --priors`).\n\n"
             + policies_text(cells, replays))
 
 
@@ -188,6 +191,6 @@ def decisions_json(goals, cells, policy, replays):
             "goals": [goal | {"reached": None if goal["reached"] == math.inf else goal["reached"]} for goal in goals],
             "cells": [{"cell": cell["cell"], "category": cell["category"], "pass_ns": cell["pass_ns"],
                        "control_regret": replays.controls[cell["cell"]],
-                       "regret_right_prior": replays.row(cell, policy, "right")["regret_best_fixed"],
-                       "regret_wrong_prior": replays.row(cell, policy, "wrong")["regret_best_fixed"]} for cell in cells],
+                       **{f"regret_{priors}_prior": replays.row(cell, policy, priors)["regret_best_fixed"] for priors in PRIORS}}
+                      for cell in cells],
             "rows": [replays.row(cell, each, "none") for cell in cells for each in replays.policies]}

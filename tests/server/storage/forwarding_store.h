@@ -55,6 +55,18 @@ class ForwardingStore : public priors::PriorStore {
                                                        uint32_t limit) override {
     return store_->ExportQuarantined(filter, after, limit);
   }
+  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
+                                                        const std::string& build) override {
+    return store_->LoadFamily(project, build);
+  }
+  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
+                                                        const priors::BuildPlace& after,
+                                                        uint32_t limit) override {
+    return store_->ListBuilds(filter, after, limit);
+  }
+  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override {
+    return store_->DescribeBuilds(builds);
+  }
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override {
     return store_->Import(records);

@@ -138,6 +138,18 @@ TEST_F(OutboxTest, KeepsAllUntilAllIsDelivered) {
   EXPECT_EQ(scene->arms[0].live.window_count, 2u) << "each once";
 }
 
+TEST_F(OutboxTest, WhoDoesWithoutTheSharedStoreIsToldWhatItLacks) {
+  EXPECT_TRUE(CheckDelivered(path()).ok());
+  EXPECT_FALSE(std::filesystem::exists(path()));
+  const std::vector updates = {Update("one", 1, {Key("Grid")})};
+  ASSERT_TRUE(Open().Replace(updates).ok());
+  const absl::Status waits = CheckDelivered(path());
+  EXPECT_TRUE(absl::IsFailedPrecondition(waits)) << waits;
+  EXPECT_THAT(std::string(waits.message()), HasSubstr("1 updates that the shared store lacks"));
+  ASSERT_TRUE(Open().Replace({}).ok());
+  EXPECT_TRUE(CheckDelivered(path()).ok());
+}
+
 TEST_F(OutboxTest, WhatIsNoOutboxStaysAsItIs) {
   std::ofstream(path()) << "no database, but long enough to be told from an empty one";
   const absl::Status status = Outbox::Open(path()).status();

@@ -115,7 +115,7 @@ TEST_P(OlderSchemaTest, IsNotChangedWhereItCannotBeKept) {
   EXPECT_EQ(*database.QueryInteger("PRAGMA user_version"), GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 10));
+INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 11));
 
 }  // namespace
 }  // namespace sweepstake::storage

@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <initializer_list>
+#include <iterator>
 #include <thread>
 #include <vector>
 
@@ -79,8 +81,14 @@ void PostgresServer::Start() {
   Abort("the server does not answer: " + process_->log());
 }
 
+// Those that serve connections find out about the first one's end when they get to it, which may
+// be after another commit.
 void PostgresServer::Kill() {
+  const std::string first = std::to_string(process_->pid());
+  std::ifstream list("/proc/" + first + "/task/" + first + "/children");
+  const std::vector<pid_t> others{std::istream_iterator<pid_t>(list), {}};
   process_->Kill();
+  for (const pid_t other : others) kill(other, SIGKILL);
   process_.reset();
 }
 

@@ -148,8 +148,7 @@ TEST_F(AccessTest, AnotherProjectIsDeniedWhetherItIsThereOrNot) {
     request.set_project(project);
     request.set_scene("harbour");
     v1::GetPosteriorResponse response;
-    const auto context = Mine();
-    const grpc::Status status = posteriors()->GetPosterior(context.get(), request, &response);
+    const grpc::Status status = posteriors()->GetPosterior(Mine().get(), request, &response);
     EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
     EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_NOT_ALLOWED);
     answers.insert(WithoutName(status.error_message(), project));
@@ -160,10 +159,8 @@ TEST_F(AccessTest, AnotherProjectIsDeniedWhetherItIsThereOrNot) {
     answers.insert(WithoutName(refusal.error_message(), project));
     v1::WatchPosteriorsRequest watch;
     watch.set_project(project);
-    const auto watch_context = Mine();
     answers.insert(WithoutName(
-        posteriors()->WatchPosteriors(watch_context.get(), watch)->Finish().error_message(),
-        project));
+        posteriors()->WatchPosteriors(Mine().get(), watch)->Finish().error_message(), project));
   }
   EXPECT_EQ(answers.size(), 1u) << ::testing::PrintToString(answers);
 }
@@ -174,8 +171,7 @@ TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
   const auto sessions = v1::SessionsService::NewStub(channel_);
   const auto ask = [&](auto request, auto call) {
     request.set_project("theirs");
-    const auto context = Mine();
-    return call(context.get(), request);
+    return call(Mine().get(), request);
   };
   const std::function<grpc::Status()> calls[] = {
       [&] { return List("mine-token", "theirs"); },
@@ -205,6 +201,18 @@ TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
         return ask(v1::ExportPriorsRequest(), [&](auto* context, const auto& request) {
           return priors->ExportPriors(context, request)->Finish();
         });
+      },
+      [&] {
+        return ask(v1::ListBuildsRequest(), [&](auto* context, const auto& request) {
+          return priors->ListBuilds(context, request)->Finish();
+        });
+      },
+      [&] {
+        v1::DescribeBuildsRequest request;
+        request.add_builds()->set_project("theirs");
+        request.mutable_builds(0)->set_name("1.0");
+        v1::DescribeBuildsResponse response;
+        return priors->DescribeBuilds(Mine().get(), request, &response);
       },
       [&] { return Import({"theirs"}); },
       [&] {

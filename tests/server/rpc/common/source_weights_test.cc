@@ -50,6 +50,19 @@ TEST_F(SourceWeightsTest, TheBuildThatWasSeenLastCountsTwiceWhatOthersDo) {
   EXPECT_EQ(WeightOf(other_class), 0.5) << "in a session on its own class";
 }
 
+TEST_F(SourceWeightsTest, AParentOfTheBuildThatWasSeenLastCountsMoreThanAStranger) {
+  const PriorRecord newest = RecordOf("a", "1.1", 70);
+  const PriorRecord parent = RecordOf("b", "1.0", 60);
+  const PriorRecord stranger = RecordOf("c", "0.9", 50);
+  Import({newest, parent, stranger});
+  const std::vector<priors::Build> builds = {
+      {.project = "game", .name = "1.1", .parents = {"1.0"}}};
+  ASSERT_TRUE(store_.DescribeBuilds(builds).ok());
+  EXPECT_EQ(WeightOf(newest), 0.5);
+  EXPECT_EQ(WeightOf(parent), 0.4);
+  EXPECT_EQ(WeightOf(stranger), 0.125);
+}
+
 TEST_F(SourceWeightsTest, AnOldBackendCountsALittleUnlessItsSourceHasTheNewOne) {
   const PriorRecord old_version = RecordOf("a", "1.0", 60, 1);
   const PriorRecord both_old = RecordOf("b", "1.0", 60, 1);

@@ -93,6 +93,28 @@ TEST_F(SourceStartTest, AnotherBuildClassOrVersionCountsLess) {
   EXPECT_LT(machine_class, version);
 }
 
+// The nearer the build, the more it counts; the audit log says how much.
+TEST_F(SourceStartTest, ANearBuildCountsMoreThanOneFarAway) {
+  PutSource("source", 100, 200, [](auto& record) { record.build = "1.0"; });
+  const auto deviation_where = [&](const std::vector<std::vector<std::string>>& lineage) {
+    std::vector<priors::Build> builds;
+    for (const auto& names : lineage)
+      builds.push_back(
+          {.project = "game", .name = names[0], .parents = {names.begin() + 1, names.end()}});
+    thread_.Submit(
+        [&](priors::PriorStore& store) { EXPECT_TRUE(store.DescribeBuilds(builds).ok()); });
+    Flush();
+    return Begin().deviation;
+  };
+  const double unknown = Begin().deviation;
+  const double parent = deviation_where({{"1.1", "1.0"}});
+  const double grandparent = deviation_where({{"1.1", "1.0.5"}, {"1.0.5", "1.0"}});
+  const double stranger = deviation_where({{"1.1", "1.0.5"}, {"1.0.5"}});
+  EXPECT_LT(parent, grandparent);
+  EXPECT_LT(grandparent, unknown);
+  EXPECT_LT(unknown, stranger);
+}
+
 // Nine honest sources of ten; the tenth says the opposite a million times.
 TEST_F(SourceStartTest, ALoudSourceDoesNotOutshoutTheOthers) {
   for (int i = 0; i < 9; ++i) PutSource("honest " + std::to_string(i), 100, 200);

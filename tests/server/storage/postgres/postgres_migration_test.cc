@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "server/storage/data_directory.h"
+#include "server/storage/outbox/outbox.h"
+#include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/server/storage/postgres/temporary_postgres_store.h"
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::storage {
@@ -53,6 +56,11 @@ void Fill(const fs::path& directory) {
                                            Record("waiting", 2, Key("SAP", "quay"), 2)},
                                10)
                   .ok());
+  ASSERT_TRUE((*store)
+                  ->DescribeBuilds(std::vector<priors::Build>{
+                      {.project = "game", .name = "1.0 \"é\"", .parents = {"0.9", "a \\"}},
+                      {.project = "game", .name = "0.9", .parents = {}, .unix_made_s = 5}})
+                  .ok());
   ASSERT_TRUE((*store)->Revoke({.id = "s3"}, false).ok());
   ASSERT_TRUE((*store)->Revoke({.id = "barred"}, false).ok());
 }
@@ -66,6 +74,7 @@ struct Seen {
   std::vector<priors::AuditRow> rows;
   std::vector<priors::Evidence> sums;
   std::vector<uint64_t> source_counts;
+  std::vector<priors::Build> builds;
 
   friend bool operator==(const Seen&, const Seen&) = default;
 };
@@ -78,7 +87,8 @@ Seen See(PriorStore& store) {
             .segments = *store.ListAudit({}, 0, 100),
             .rows = {},
             .sums = {},
-            .source_counts = {}};
+            .source_counts = {},
+            .builds = *store.ListBuilds({}, {}, 100)};
   for (const auto& segment : seen.segments) {
     const auto rows = *store.LoadAudit(segment.id, 1, 100, 1 << 20);
     seen.rows.insert(seen.rows.end(), rows.begin(), rows.end());
@@ -119,6 +129,7 @@ TEST_F(PostgresMigration, AStoreIsTheSameInPostgresAndBackAgain) {
   const Seen before = SeeIn(from_);
   ASSERT_FALSE(before.records.empty());
   ASSERT_EQ(before.waiting.size(), 2u);
+  ASSERT_EQ(before.builds.size(), 2u);
   EXPECT_EQ(before.folded_record_count, 2u);
   Told told;
   const auto there = MigrateToPostgres(from_, url_, TellTo(told));
@@ -133,6 +144,22 @@ TEST_F(PostgresMigration, AStoreIsTheSameInPostgresAndBackAgain) {
   EXPECT_EQ(back->record_count, there->record_count);
   EXPECT_EQ(back->damaged_row_count, 0);
   EXPECT_FALSE(fs::exists(to_.string() + ".migration"));
+}
+
+TEST_F(PostgresMigration, OfAnOlderFileNothingIsMissing) {
+  const fs::path older = directory_.path() / "older";
+  ASSERT_TRUE(DataDirectory::Open(older).ok());
+  {
+    auto database =
+        *SqliteDatabase::Open(DatabaseIn(older).string(), SqliteDatabase::OpenMode::kCreate);
+    for (int version = 1; version <= 6; ++version) {
+      const std::string sql = test_support::FileText(std::string(SWEEPSTAKE_SCHEMAS_DIR) + "/" +
+                                                     std::to_string(version) + ".sql");
+      ASSERT_TRUE(database.Execute(sql).ok());
+    }
+  }
+  ASSERT_TRUE(MigrateToPostgres(older, url_, kNobody).ok());
+  EXPECT_EQ(OpenStore(url_)->Export({}, {}, 1000)->records.size(), 6u);
 }
 
 TEST_F(PostgresMigration, SessionsGoOnAndRevokedSourcesStayAway) {
@@ -155,6 +182,18 @@ TEST_F(PostgresMigration, SessionsGoOnAndRevokedSourcesStayAway) {
   EXPECT_EQ(store->Revoke({.build = "0.9"}, false)->record_count, 2u) << "what was folded of it";
   EXPECT_EQ(store->Export({}, {}, 1)->folded_record_count, 0u);
   EXPECT_EQ(store->Promote({}, false)->record_count, 2u);
+}
+
+TEST_F(PostgresMigration, IsRefusedWhileSomethingWaitsForASharedStore) {
+  for (const fs::path& directory : {from_, to_}) {
+    ASSERT_TRUE(DataDirectory::Open(directory).ok());
+    ASSERT_TRUE(Outbox::Open(directory / DataDirectory::kOutboxName)
+                    ->Replace(std::vector{Update("late", 1, {Key("Grid")})})
+                    .ok());
+  }
+  EXPECT_TRUE(absl::IsFailedPrecondition(MigrateToPostgres(from_, url_, kNobody).status()));
+  EXPECT_TRUE(absl::IsFailedPrecondition(MigrateFromPostgres(url_, to_, kNobody).status()));
+  EXPECT_FALSE(fs::exists(DatabaseIn(to_)));
 }
 
 TEST_F(PostgresMigration, WhatIsThereAlreadyIsNotTouched) {

@@ -21,6 +21,7 @@ it('says who did what', () => {
   expect(said('action=order-answer answer=ORDER_SUPERSEDED session=a mode=MODE_AI arm=')).toBe('It did not come to what ann asked, that the daemon decides in session a: ORDER_SUPERSEDED.');
   expect(said('action=import records=12 applied=3 promoted=no')).toBe('ann imported 12 records, 3 of them new or newer, which wait in quarantine.');
   expect(said('action=read-recording session=a recording=4')).toBe('ann read recording 4 of session a.');
+  expect(said('action=describe-build project=arcade build=1.3 parents=1.2, fix')).toBe('ann said that build 1.3 of arcade was made from 1.2, fix.');
   expect(said('action=token', 'token x was made by root: watch of all projects')).toBe('Token x was made by root: watch of all projects.');
 });
 

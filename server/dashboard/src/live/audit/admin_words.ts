@@ -32,6 +32,7 @@ const SENTENCES: Readonly<Record<string, [pattern: RegExp, say: (match: RegExpEx
   'import': [/^records=(\d+) applied=(\d+) promoted=(yes|no)$/, ([, records, applied, promoted], who) =>
     `${who} imported ${counted(records, 'record')}, ${applied} of them new or newer, which ${promoted === 'yes' ? 'count at once' : 'wait in quarantine'}.`],
   'read-recording': [/^session=(\S+) recording=(\d+)$/, ([, session, recording], who) => `${who} read recording ${recording} of session ${session}.`],
+  'describe-build': [/^project=(.*) build=(.*) parents=(.*)$/s, ([, project, build, parents], who) => `${who} said that build ${build} of ${project} was made from ${parents || 'none'}.`],
   'token': [/^$/, (_, who) => `${who.charAt(0).toUpperCase()}${who.slice(1)}.`], // who made it is part of that
 };
 

@@ -1,6 +1,6 @@
 // What the daemon has learnt and from whom, for as long as its view is open. The records of an export are summed as they come, so that
 // many sources take little memory.
-import type { ExportPriorsResponse, PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
+import type { Build, ExportPriorsResponse, PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
 
 export const MAX_SOURCES = 20_000;
 const MAX_SUMS = 50_000;
@@ -41,6 +41,7 @@ export interface SourceSum extends Teacher {
 export interface BuildSum extends Teacher {
   key: string;
   sourceIds: Set<string>;
+  parents: readonly string[];  // builds that it was made from, as somebody has said
 }
 
 export interface Evidence {
@@ -88,10 +89,11 @@ function count(counts: Counts, { windowCount, bailOutCount }: PriorRecord): void
 }
 
 const buildKeyOf = ({ project, build }: PriorRecord) => `${project}\n${build}`;
+const buildSum = (key: string, record: PriorRecord): BuildSum => ({ key, sourceIds: new Set(), parents: [], ...teacher(record) });
 
 function addWaiting(evidence: Evidence, record: PriorRecord): void {
   const key = buildKeyOf(record);
-  const build = entry(evidence.waiting, key, MAX_SOURCES, () => ({ key, sourceIds: new Set<string>(), ...teacher(record) }));
+  const build = entry(evidence.waiting, key, MAX_SOURCES, () => buildSum(key, record));
   evidence.isCut ||= !build;
   if (!build) return;
   build.sourceIds.add(record.sourceId);
@@ -111,7 +113,7 @@ function add(evidence: Evidence, record: PriorRecord): void {
   const source = entry(evidence.sources, sourceId, MAX_SOURCES, () => ({ sourceId, isImported, weight: 0, ...teacher(record) }));
   if (source) source.weight = Math.max(source.weight, record.weight);
   const buildKey = buildKeyOf(record);
-  const build = source && entry(evidence.builds, buildKey, MAX_SOURCES, () => ({ key: buildKey, sourceIds: new Set<string>(), ...teacher(record) }));
+  const build = source && entry(evidence.builds, buildKey, MAX_SOURCES, () => buildSum(buildKey, record));
   build?.sourceIds.add(sourceId);
   for (const each of [source, build]) if (each) learn(each, record);
   for (const each of [sum, source, build]) {
@@ -130,6 +132,14 @@ export function addPart(evidence: Evidence, { records, foldedRecordCount, folded
   evidence.waitingCount += waiting.length;
   evidence.foldedRecordCount += Number(foldedRecordCount);
   evidence.foldedWindowCount += Number(foldedWindowCount);
+}
+
+// Of a build that taught nothing it is not kept.
+export function describe(evidence: Evidence, { project, name, parents }: Build): void {
+  for (const builds of [evidence.builds, evidence.waiting]) {
+    const build = builds.get(`${project}\n${name}`);
+    if (build) build.parents = parents;
+  }
 }
 
 // The file that `sweepstake priors import` and a game read.

@@ -10,7 +10,7 @@ import { Choice, Filter } from '../parts/filter';
 import { Name } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
 import { fileName, visible } from '../parts/visible';
-import { addPart, noEvidence, priorsFile, type Evidence } from '../state/evidence';
+import { addPart, describe, noEvidence, priorsFile, type Evidence } from '../state/evidence';
 import { route } from '../state/route';
 import { scenes } from '../state/scenes';
 import { asApiError, stream, type ApiError } from '../transport/calls';
@@ -32,6 +32,7 @@ async function read(project: string, cancel: AbortSignal, show: (answer: Answer)
     for await (const part of stream(PriorsService.method.exportPriors, { project, withWeights: true }, cancel)) {
       addPart(evidence, part);
     }
+    for await (const { builds } of stream(PriorsService.method.listBuilds, { project }, cancel)) builds.forEach((build) => describe(evidence, build));
     show({ evidence, isWhole: true, atMs: Date.now() });
   } catch (error) {
     if (!cancel.aborted) show({ evidence, isWhole: false, atMs: Date.now(), error: asApiError(error) });

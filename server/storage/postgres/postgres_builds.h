@@ -1,0 +1,27 @@
+// What builds were made from, in PostgreSQL: as PriorStore says.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "server/priors/prior_store.h"
+#include "server/storage/postgres/postgres_connection.h"
+
+namespace sweepstake::storage {
+
+// Within a transaction, of checked builds.
+absl::Status DescribeBuilds(PostgresConnection& connection, std::span<const priors::Build> builds);
+
+// These read one state of the store each, and connect if need be.
+absl::StatusOr<std::vector<priors::Build>> LoadFamily(PostgresConnection& connection,
+                                                      const std::string& project,
+                                                      const std::string& build);
+absl::StatusOr<std::vector<priors::Build>> ListBuilds(PostgresConnection& connection,
+                                                      const priors::SceneFilter& filter,
+                                                      const priors::BuildPlace& after,
+                                                      uint32_t limit);
+
+}  // namespace sweepstake::storage
