@@ -92,7 +92,7 @@ async function checkPromote(page, daemon, commands) {
   const after = commands.exported().records;
   assert.deepEqual([after.length, after.filter(waits).length], [before.length, 0]);
   await page.goto(`${daemon.origin}/decisions?session=admin`);
-  await page.getByText(/: promote[,.]/).first().waitFor();
+  await page.getByText(/ promoted [0-9]/).first().waitFor();
 }
 
 // The most that each source's records count in a new session, as the API tells it.
