@@ -196,9 +196,9 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command
       .add_option(
           "--priors", request.priors,
-          "What a store serves after another game, of the same scene (right), with the ranking "
-          "reversed "
-          "(wrong), on another class of machines (class), or of the other traces' scenes (scenes)")
+          "What a store serves after another game: of the same scene (right), with the ranking "
+          "reversed (wrong), on another class of machines (class), or after games of all other "
+          "traces (scenes; nothing where there is but one)")
       ->check(OneOf(kReplayPriorsNames))
       ->capture_default_str();
   command.add_option("--threads", request.thread_count, "Games played at a time")

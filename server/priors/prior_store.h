@@ -338,8 +338,8 @@ class PriorReader {
                                                        uint32_t limit) = 0;
 
   // Returns what was told of the build, of its ancestors up to kMaxGenerations back, and of all
-  // that were made from one of these: at most kMaxFamilyRows rows, ordered by name. An empty name
-  // has no family.
+  // that were made from one of these: at most kMaxFamilyRows rows, it and its ancestors first,
+  // each of both by name. An empty name has no family.
   virtual absl::StatusOr<std::vector<Build>> LoadFamily(const std::string& project,
                                                         const std::string& build) = 0;
 

@@ -373,7 +373,7 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         SELECT project, build, parent, unix_made_s FROM build_parent
         WHERE project = ?1 AND ?2 <> '' AND hash = content_hash
           AND (build IN (SELECT name FROM up) OR parent IN (SELECT name FROM up))
-        ORDER BY build, parent LIMIT ?4)sql"},
+        ORDER BY build IN (SELECT name FROM up) DESC, build, parent LIMIT ?4)sql"},
     {&PriorReadStatements::list_builds, R"sql(
         SELECT project, build, parent, unix_made_s FROM build_parent
         WHERE hash = content_hash

@@ -1,8 +1,8 @@
 #include "engine_client/cli/replay/replay_priors.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "server/decision/math/portable_math.h"
 #include "server/decision/math/random.h"
 #include "server/laboratory/ablations.h"
 #include "server/priors/pooling/source_prior.h"
@@ -33,7 +33,7 @@ std::vector<double> ClassRatios(uint32_t arm_count, uint64_t seed) {
   std::vector<double> ratios;
   for (uint32_t arm = 0; arm < arm_count; ++arm) {
     decision::RandomStream stream(seed, decision::RandomPurpose::kReplayClass, 0, arm);
-    ratios.push_back(std::exp(kClassDeviation * decision::DrawNormal(stream)));
+    ratios.push_back(math::Exp(kClassDeviation * decision::DrawNormal(stream)));
   }
   return ratios;
 }

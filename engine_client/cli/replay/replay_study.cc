@@ -18,6 +18,7 @@ class SeedGames {
   SeedGames(std::span<const StudyScene> scenes, size_t scene, const StudyOptions& options,
             uint64_t seed)
       : scenes_(scenes),
+        name_(scenes[scene].name),
         scene_(scenes[scene].scene),
         options_(options),
         seed_(seed),
@@ -93,7 +94,7 @@ class SeedGames {
   std::vector<decision::BetaPosterior> Priors(const std::string& policy) const {
     std::vector<const ReplayScene*> others;
     for (const StudyScene& other : scenes_) {
-      if (&other.scene != &scene_) others.push_back(&other.scene);
+      if (other.name != name_) others.push_back(&other.scene);  // a trace may be there twice
     }
     const uint64_t seed = seed_ + kPriorsSeed;
     return ServedPriors(options_.priors, policy, scene_, others, seed,
@@ -130,6 +131,7 @@ class SeedGames {
   }
 
   const std::span<const StudyScene> scenes_;
+  const std::string& name_;
   const ReplayScene& scene_;
   const StudyOptions& options_;
   const uint64_t seed_;

@@ -316,25 +316,36 @@ absl::Status CheckPromotion(priors::PriorStore& store, const priors::SourceFilte
   return absl::OkStatus();
 }
 
+// Serves pages of what the filter matches and the caller may see, read by load(store, filter,
+// place).
+template <typename Stream, typename Load>
+auto ServePages(ServiceContext& context, grpc::CallbackServerContext& call, Rpc rpc,
+                priors::SceneFilter filter, Load load)
+    -> grpc::ServerWriteReactor<decltype(Stream::Page::response)>* {
+  const auto caller = context.access.Authorize(call, rpc);
+  absl::Status allowed = caller.status();
+  if (allowed.ok()) {
+    allowed = Narrow(*caller, filter);
+    context.access.refusals().TellEnd(CallerOf(call), allowed);
+  }
+  if (!allowed.ok()) {
+    return new RefusedCall<grpc::ServerWriteReactor<decltype(Stream::Page::response)>>(
+        ToGrpc(allowed, context.counters));
+  }
+  return Stream::Start(context, call, *caller,
+                       [filter, load](priors::PriorReader& store, const auto& place) {
+                         return load(store, filter, place);
+                       });
+}
+
 }  // namespace
 
 grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
     grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) {
-  priors::SceneFilter filter{request->project(), request->scene()};
-  const auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ExportPriors"));
-  absl::Status allowed = caller.status();
-  if (allowed.ok()) {
-    allowed = Narrow(*caller, filter);
-    context_.access.refusals().TellEnd(CallerOf(*call), allowed);
-  }
-  if (!allowed.ok()) {
-    return new RefusedCall<grpc::ServerWriteReactor<v1::ExportPriorsResponse>>(
-        ToGrpc(allowed, context_.counters));
-  }
-  return ExportStream::Start(
-      context_, *call, *caller,
-      [filter, quarantined_only = request->quarantined_only(),
-       with_weights = request->with_weights()](priors::PriorReader& store, TransferPlace place) {
+  return ServePages<ExportStream>(
+      context_, *call, RpcOf("PriorsService/ExportPriors"), {request->project(), request->scene()},
+      [quarantined_only = request->quarantined_only(), with_weights = request->with_weights()](
+          priors::PriorReader& store, const priors::SceneFilter& filter, TransferPlace place) {
         place.in_quarantine = place.in_quarantine || quarantined_only;
         return LoadRecords(store, filter, place, with_weights);
       });
@@ -461,21 +472,8 @@ grpc::ServerUnaryReactor* PriorsService::DescribeBuilds(grpc::CallbackServerCont
 
 grpc::ServerWriteReactor<v1::ListBuildsResponse>* PriorsService::ListBuilds(
     grpc::CallbackServerContext* call, const v1::ListBuildsRequest* request) {
-  priors::SceneFilter filter{request->project(), ""};
-  const auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ListBuilds"));
-  absl::Status allowed = caller.status();
-  if (allowed.ok()) {
-    allowed = Narrow(*caller, filter);
-    context_.access.refusals().TellEnd(CallerOf(*call), allowed);
-  }
-  if (!allowed.ok()) {
-    return new RefusedCall<grpc::ServerWriteReactor<v1::ListBuildsResponse>>(
-        ToGrpc(allowed, context_.counters));
-  }
-  return BuildStream::Start(context_, *call, *caller,
-                            [filter](priors::PriorReader& store, const priors::BuildPlace& after) {
-                              return LoadBuilds(store, filter, after);
-                            });
+  return ServePages<BuildStream>(context_, *call, RpcOf("PriorsService/ListBuilds"),
+                                 {request->project(), ""}, LoadBuilds);
 }
 
 void PriorsService::OnChanged(const std::string& action, const std::string& what,

@@ -33,6 +33,21 @@ void Add(Evidence& sum, const Evidence& part) {
   sum.bail_out_count = std::min(sum.bail_out_count, kMaxCount);
 }
 
+// Of a build with several parents there are as many rows.
+std::vector<priors::Build> FirstRows(std::vector<priors::Build> builds, size_t limit) {
+  size_t rows = 0;
+  for (size_t i = 0; i < builds.size(); ++i) {
+    const size_t left = limit - rows;
+    if (left == 0) {
+      builds.resize(i);
+    } else if (builds[i].parents.size() > left) {
+      builds[i].parents.resize(left);
+    }
+    if (left > 0) rows += priors::ParentColumn(builds[i]).size();
+  }
+  return builds;
+}
+
 }  // namespace
 
 absl::Status MemoryPriorStore::Commit(std::span<const priors::SourceUpdate> updates) {
@@ -433,13 +448,18 @@ absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::LoadFamily(const st
     latest = std::move(parents);
   }
   std::vector<priors::Build> family;
+  std::vector<priors::Build> descendants;
+  const auto is_known = [&](const std::string& name) { return known.contains(name); };
   for (const auto& [key, one] : builds_) {
-    const auto is_known = [&](const std::string& name) { return known.contains(name); };
-    const bool belongs =
-        is_known(one.name) || std::any_of(one.parents.begin(), one.parents.end(), is_known);
-    if (key.first == project && belongs) family.push_back(one);
+    if (key.first != project) continue;
+    if (is_known(one.name)) {
+      family.push_back(one);
+    } else if (std::any_of(one.parents.begin(), one.parents.end(), is_known)) {
+      descendants.push_back(one);
+    }
   }
-  return family;
+  family.insert(family.end(), descendants.begin(), descendants.end());
+  return FirstRows(std::move(family), priors::kMaxFamilyRows);
 }
 
 absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::ListBuilds(

@@ -7,10 +7,13 @@
 namespace sweepstake::storage {
 namespace {
 
+// Of two who describe a build at the same time the later one counts, and both count builds; held
+// until the transaction's end.
+constexpr const char* kLockBuilds = "SELECT pg_advisory_xact_lock(7743300016)";
 constexpr const char* kForgetBuild = "DELETE FROM build_parent WHERE project = $1 AND build = $2";
 constexpr const char* kAddParent = R"sql(
     INSERT INTO build_parent (project, build, parent, unix_made_s)
-    VALUES ($1, $2, $3, $4::bigint) ON CONFLICT DO NOTHING)sql";
+    VALUES ($1, $2, $3, $4::bigint))sql";
 constexpr const char* kCountBuilds =
     "SELECT count(DISTINCT build) FROM build_parent WHERE project = $1";
 // No build is made from '', which is in the place of the parent of one that has none.
@@ -24,7 +27,7 @@ constexpr const char* kLoadFamily = R"sql(
     SELECT project, build, parent, unix_made_s FROM build_parent
     WHERE project = $1 AND $2 <> ''
       AND (build IN (SELECT name FROM up) OR parent IN (SELECT name FROM up))
-    ORDER BY build, parent LIMIT $4::bigint)sql";
+    ORDER BY (build IN (SELECT name FROM up)) DESC, build, parent LIMIT $4::bigint)sql";
 constexpr const char* kListBuilds = R"sql(
     SELECT project, build, parent, unix_made_s FROM build_parent
     WHERE (project, build) IN (SELECT DISTINCT project, build FROM build_parent
@@ -54,7 +57,7 @@ absl::StatusOr<std::vector<priors::Build>> Load(PostgresConnection& connection, 
 }  // namespace
 
 absl::Status DescribeBuilds(PostgresConnection& connection, std::span<const priors::Build> builds) {
-  absl::Status status;
+  absl::Status status = connection.Run(kLockBuilds);
   std::set<std::string> projects;
   for (const priors::Build& build : builds) {
     projects.insert(build.project);

@@ -39,7 +39,7 @@ TEST_P(BuildConformance, AFamilyIsABuildItsAncestorsAndWhatWasMadeOfThese) {
                         Build("4", {"3"}), Build("5", {"4"}), Build("stranger", {"elsewhere"}),
                         Build("3", {"1"}, "other game")})
                   .ok());
-  EXPECT_THAT(Family("3"), ::testing::ElementsAre("1", "2", "3", "4", "fix", "sister"));
+  EXPECT_THAT(Family("3"), ::testing::ElementsAre("1", "2", "3", "fix", "4", "sister"));
   EXPECT_THAT(Family("elsewhere"), ::testing::ElementsAre("stranger"))
       << "of which nothing was said";
   EXPECT_THAT(Family("nowhere"), ::testing::IsEmpty());
@@ -54,6 +54,22 @@ TEST_P(BuildConformance, AFamilyHasABoundAlsoWhereItGoesRound) {
   EXPECT_THAT(names, ::testing::Contains("2"));
   EXPECT_THAT(names, ::testing::Not(::testing::Contains("1"))) << "the ninth before it";
   EXPECT_THAT(Family("0"), ::testing::Contains("19"));
+}
+
+TEST_P(BuildConformance, OfALargeFamilyTheAncestorsAreThere) {
+  std::vector<priors::Build> builds = {Build("trunk", {"root"}), Build("root", {})};
+  for (uint32_t i = 0; i < priors::kMaxFamilyRows; ++i)
+    builds.push_back(Build("a" + std::to_string(i), {"other", "trunk"}));
+  builds.push_back(Build("zzz", {"trunk"}));
+  ASSERT_TRUE(Describe(builds).ok());
+  const auto family = *store_->LoadFamily("game", "zzz");
+  ASSERT_GE(family.size(), 3u);
+  EXPECT_EQ(family[0], Build("root", {}));
+  EXPECT_EQ(family[1], Build("trunk", {"root"}));
+  EXPECT_EQ(family[2], Build("zzz", {"trunk"}));
+  size_t rows = 0;
+  for (const priors::Build& one : family) rows += priors::ParentColumn(one).size();
+  EXPECT_EQ(rows, priors::kMaxFamilyRows);
 }
 
 TEST_P(BuildConformance, AreListedByPagesAndByProject) {

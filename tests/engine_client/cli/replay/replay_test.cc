@@ -2,12 +2,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <numeric>
+#include <stdexcept>
 
 #include "engine_client/cli/replay/replay_fixed.h"
 #include "engine_client/cli/replay/replay_plan.h"
+#include "engine_client/cli/replay/replay_priors.h"
 #include "engine_client/cli/replay/replay_run.h"
+#include "server/decision/policy/log_cost.h"
 #include "tests/engine_client/cli/replay/replay_fixtures.h"
 
 namespace sweepstake::cli {
@@ -393,6 +397,60 @@ TEST(RunStudy, WrongPriorsAreTheRightOnesWithTheArmsRankingReversed) {
   const double wrong = Study(TwiceAsSlow(), options)[0].regret_best_fixed;
   EXPECT_LT(right, none);
   EXPECT_LT(none, wrong);
+}
+
+// What a game has taught in 50 visits of each arm, of which this one is the cheaper.
+ReplayResult TaughtThat(uint32_t arm) {
+  ReplayResult result;
+  result.taught.resize(2);
+  for (uint32_t each : {0U, 1U}) {
+    const double reward = decision::RewardOf(each == arm ? std::log(100.0) : std::log(200.0));
+    const decision::Increment visit = decision::LogCostIncrement(each, reward, 0.02 * 0.02);
+    result.taught[each].lane = {50 * visit.alpha, 50 * visit.beta};
+  }
+  return result;
+}
+
+TEST(ServedPriors, OfANewSceneAreWhatTheOthersHaveInCommon) {
+  const ReplayScene own = SceneOf(TwiceAsSlow());
+  const ReplayScene other = SceneOf(TwoRegimes());
+  const ReplayScene* const others[] = {&other};
+  const auto priors =
+      ServedPriors(ReplayPriors::kScenes, "adaptive", own, others, 1, [&](const auto& scene) {
+        EXPECT_EQ(&scene, &other) << "nobody has played it";
+        return TaughtThat(1);
+      });
+  ASSERT_EQ(priors.size(), 2U);
+  EXPECT_GT(priors[1].mean(), priors[0].mean());
+  const auto never = [](const ReplayScene&) -> ReplayResult { throw std::logic_error("taught"); };
+  EXPECT_TRUE(ServedPriors(ReplayPriors::kScenes, "adaptive", own, {}, 1, never).empty());
+  EXPECT_TRUE(ServedPriors(ReplayPriors::kNone, "adaptive", own, others, 1, never).empty());
+}
+
+TEST(ServedPriors, OfAnotherClassOfMachinesAreOfOtherCostsAndCountLess) {
+  const ReplayScene own = SceneOf(TwiceAsSlow());
+  const auto widths = [&](ReplayPriors kind, double& ratio) {
+    const auto priors = ServedPriors(kind, "adaptive", own, {}, 1, [&](const auto& scene) {
+      ratio = scene.detection_ns(0, 1) / scene.detection_ns(0, 0);
+      return TaughtThat(0);
+    });
+    return decision::BeliefOf(priors.at(0)).variance;
+  };
+  double same = 0;
+  double other = 0;
+  EXPECT_LT(widths(ReplayPriors::kRight, same), widths(ReplayPriors::kClass, other));
+  EXPECT_DOUBLE_EQ(same, 2);
+  EXPECT_GT(std::abs(std::log(other / 2)), 0.01);
+  EXPECT_LT(std::abs(std::log(other / 2)), 1);
+}
+
+TEST(RunStudy, ATraceThatIsThereTwiceTeachesItselfNothing) {
+  StudyOptions options = StudyOf({"adaptive"}, {"AxisSweep", "KDTree"});
+  const StudyScene twice[] = {{"a", SceneOf(TwiceAsSlow())}, {"a", SceneOf(TwiceAsSlow())}};
+  const auto play = [&] { return RunStudy(twice, options, [](uint64_t, uint64_t) {})[0].games; };
+  const auto none = play();
+  options.priors = ReplayPriors::kScenes;
+  EXPECT_EQ(play(), none);
 }
 
 }  // namespace

@@ -89,6 +89,8 @@ TEST_F(ApiTokensTest, ARevokedTokensLoginIsNobodys) {
   EXPECT_EQ(Get("/api/whoami", cookie).body,
             R"({"version":"0.1.0","asksForTokens":true,"loggedIn":false,"name":"",)"
             R"("role":"","projects":[]})");
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(Get("/api/whoami", cookie).status, 200) << "the login has ended, and guesses nothing";
 }
 
 TEST_F(ApiTokensTest, WhatIsNoLoginIsRefused) {
