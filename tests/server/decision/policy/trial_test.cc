@@ -46,6 +46,7 @@ class TrialGame {
   std::vector<double> cost_us;
   std::vector<double> lane_cost_us;
   bool ends_trials = true;
+  int disturbed_trial_count = 0;  // trials whose first frame takes five times as long
   int ended_trial_count = 0;
   int over_limit_frame_count = 0;  // over 1.2 times the longest of the arm before
   std::vector<int> frame_counts = std::vector<int>(cost_us.size());
@@ -71,6 +72,10 @@ class TrialGame {
   void RunFrame() {
     Frame& frame = client.frame;
     frame.detection_time_ns = static_cast<uint64_t>(1e3 * Noisy(cost_us[client.arm], 0.01));
+    if (arm_before_ && disturbed_trial_count > 0) {
+      --disturbed_trial_count;
+      frame.detection_time_ns *= 5;
+    }
     frame.frame_time_ns = frame.detection_time_ns;
     ++frame_counts[client.arm];
     client.RunFrame();
@@ -139,13 +144,21 @@ TEST(Trial, WhileLearningOneFrameOfATrialAtMostIsOverItsLimit) {
   const std::vector<double> lane_costs_us = {11'000, 8'000, 9'000, 10'000};
   TrialGame game(costs_us, lane_costs_us);
   game.RunTicks(300);
-  EXPECT_EQ(game.ended_trial_count, 2) << "an arm is not tried over and over";
+  EXPECT_EQ(game.ended_trial_count, 4) << "an arm is tried twice, not over and over";
   EXPECT_EQ(game.over_limit_frame_count, game.ended_trial_count);
   EXPECT_EQ(game.client.arm, 3u);
   TrialGame patient(costs_us, lane_costs_us);
   patient.ends_trials = false;
   patient.RunTicks(300);
   EXPECT_GT(patient.over_limit_frame_count, 100);
+}
+
+TEST(Trial, WhatInterruptsOneKeepsNoGameFromTheBestArm) {
+  TrialGame game({20'000, 10'000}, {22'000, 11'000});
+  game.disturbed_trial_count = 1;
+  game.RunTicks(20);
+  EXPECT_EQ(game.ended_trial_count, 1);
+  EXPECT_EQ(game.client.arm, 1u);
 }
 
 TEST(Trial, AnEndIsALowerBoundAndNoBan) {
