@@ -60,6 +60,7 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
       observed_(setup.arms.size(), false),
       bans_(setup.arms.size()),
       was_live_(setup.arms.size(), false),
+      trial_ended_(setup.arms.size(), false),
       first_visits_(setup.arms.size()),
       posteriors_(setup.arms.size()),
       switch_cost_s_(kFirstCostShare * Seconds(setup.options.settling_ns)) {
@@ -223,10 +224,12 @@ void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
   switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
 }
 
-// The arm has had no window, so that it is tried again as a trial, if at all.
+// The arm has had no window, so that it is tried again as a trial, if at all. A first end is no
+// evidence: two frames of a good arm may be what else the machine was at.
 void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
   AdvanceTo(now_ns);
-  filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
+  if (trial_ended_[end.arm]) filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
+  trial_ended_[end.arm] = true;
   observed_[end.arm] = true;
   UpdatePosteriors();
 }

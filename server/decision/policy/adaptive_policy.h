@@ -20,9 +20,10 @@
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
-// - An arm's first live window is a trial: a frame of it that takes a fifth longer than the longest
-//   one before sends the client back at once (SwitchCommand), and is a lower bound of the arm's
-//   cost, as is a visit of the lane that a cap has ended. It bans the arm no more than that cost.
+// - An arm's first live window is a trial: two frames of it in a row that take a fifth longer than
+//   the longest one before send the client back at once (SwitchCommand). A first such end may be
+//   what else the machine was at; from the second on it is a lower bound of the arm's cost, as is a
+//   visit of the lane that a cap has ended. It bans the arm no more than that cost.
 // - Each regime of the scene has beliefs of its own, which return with it; where regimes change
 //   faster than choices take effect, a mixture of them decides (regime_beliefs.h).
 //
@@ -116,6 +117,7 @@ class AdaptivePolicy : public Policy {
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<Ban> bans_;
   std::vector<bool> was_live_;  // arms with a live window in this session
+  std::vector<bool> trial_ended_;
   // What DropContradictedPriors compares: the cheapest arm by the priors, while they are held, and
   // the log-cost of the lane's first visit to each arm with a prior.
   std::optional<uint32_t> expected_arm_;

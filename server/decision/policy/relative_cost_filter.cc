@@ -63,8 +63,7 @@ RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponent
       drift_(kFirstDrift),
       level_drift_(kFirstLevelDrift),
       lane_drift_(kFirstLaneDrift),
-      last_visit_(arm_count),
-      was_bounded_(arm_count, false) {
+      last_visit_(arm_count) {
   mean_[load()] = 0;
   AddVariance(costs(), kLevelVariance, kUnknownVariance);
   AddVariance(first_biases_, kLaneVariance, kLaneBiasVariance);
@@ -155,25 +154,19 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   KeepLoadPositive();
 }
 
-// The first bound counts as an outlier does: two frames of a good arm may be what else the machine
-// was at. From the second one on the lane's visits stay true, so that what they did not tell of the
-// arm is its bias; frames say nothing about the noise of a window.
+// The lane's visits stay true, so that what they did not tell of the arm is its bias; a frame says
+// nothing about the noise of a window.
 void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   if (innovation <= 0) return;
-  double noise = Square(innovation);
-  if (was_bounded_[arm]) {
-    noise = live_noise_;
-    covariance_(arm, arm) += Square(innovation);
-    if (has_lane()) {
-      covariance_(bias(arm), bias(arm)) += Square(innovation);
-      covariance_(arm, bias(arm)) -= Square(innovation);
-      covariance_(bias(arm), arm) -= Square(innovation);
-    }
+  covariance_(arm, arm) += Square(innovation);
+  if (has_lane()) {
+    covariance_(bias(arm), bias(arm)) += Square(innovation);
+    covariance_(arm, bias(arm)) -= Square(innovation);
+    covariance_(bias(arm), arm) -= Square(innovation);
   }
-  was_bounded_[arm] = true;
   const Eigen::VectorXd column = covariance_.col(arm) + covariance_.col(load());
-  Update(column, innovation, column[arm] + column[load()] + noise);
+  Update(column, innovation, column[arm] + column[load()] + live_noise_);
 }
 
 // Observes that there is no load, where the belief has come to one below.

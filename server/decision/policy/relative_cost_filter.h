@@ -51,7 +51,7 @@ class RelativeCostFilter {
   // Every arm's cost may have changed.
   void Widen(double variance);
   void ObserveLive(uint32_t arm, double log_cost);
-  // The arm, of which the lane alone has told, costs live at least so much, as two frames say.
+  // The arm, of which the lane alone has told, costs live at least so much.
   void ObserveBound(uint32_t arm, double log_cost);
   // Successive visits with the same `sweep` share that sweep's offset.
   void ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost);
@@ -112,8 +112,6 @@ class RelativeCostFilter {
   double last_live_ = 0;
   double last_reference_ = 0;
   std::vector<std::optional<double>> last_visit_;
-
-  std::vector<bool> was_bounded_;  // arms that ObserveBound was called for
 
   std::optional<uint32_t> live_arm_;
   std::optional<uint64_t> sweep_;
