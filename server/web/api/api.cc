@@ -207,8 +207,10 @@ Page Api::WhoAmI(const Request& request) {
   const auto holder = identifies ? options_.identify(request.peer, *token)
                                  : absl::StatusOr<auth::Principal>(absl::UnauthenticatedError(""));
   if (!holder.ok() && !absl::IsUnauthenticated(holder.status())) return ErrorPage(holder.status());
-  // Of a token that is one no more; each use of the login would count as a guess.
-  if (!holder.ok() && token->has_value()) logins_.End(CookieOf(request));
+  // A login whose token is one no more: each use of it would count as a guess.
+  const std::string cookie = CookieOf(request);
+  if (!holder.ok() && token->has_value() && logins_.Find(cookie, UnixNowS()) == *token)
+    logins_.End(cookie);
   ordered_json answer = {{"version", options_.version}, {"asksForTokens", asks}};
   answer["loggedIn"] = asks && holder.ok();
   answer["name"] = holder.ok() ? holder->name : "";

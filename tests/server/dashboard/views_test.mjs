@@ -2,6 +2,7 @@
 //
 //   node views_test.mjs SWEEPSTAKED SWEEPSTAKE
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
@@ -325,6 +326,8 @@ async function checkRecordings(page, daemon, { sessionId }, folder) {
   assert.match(file.suggestedFilename(), /\.aabbs$/);
   const bytes = readFileSync(await file.path());
   assert.ok(files().some((name) => bytes.equals(readFileSync(join(folder, name)))), 'the file is the game’s');
+  const replayed = JSON.parse(execFileSync(sweepstake, ['replay', '--recording', await file.path(), '--json'], { encoding: 'utf8' }));
+  assert.ok(replayed.frames > 0 && replayed.arms.length > 0, 'and one command replays it');
 }
 
 async function order(page, button, confirm) {

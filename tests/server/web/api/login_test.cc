@@ -93,6 +93,12 @@ TEST_F(ApiTokensTest, ARevokedTokensLoginIsNobodys) {
     EXPECT_EQ(Get("/api/whoami", cookie).status, 200) << "the login has ended, and guesses nothing";
 }
 
+TEST_F(ApiTokensTest, AGuessBesideALoginDoesNotEndIt) {
+  const std::string cookie = LogIn("ann-token");
+  EXPECT_EQ(Get("/api/whoami", cookie + Bearer("guess")).status, 200);
+  EXPECT_EQ(Call(kList, "{}", cookie).status, 200);
+}
+
 TEST_F(ApiTokensTest, WhatIsNoLoginIsRefused) {
   for (const std::string& body : {std::string(""), std::string("{"), std::string("[]"),
                                   std::string("\"ann-token\""), std::string(R"({"token":7})"),

@@ -65,7 +65,7 @@ export function useSessionLog(sessionId: string, told: DecisionEvent | undefined
     return () => cancel.abort();
   }, [turn]);
 
-  const isWanted = reading.error !== undefined || (told !== undefined && told !== readFor.current);
+  const isWanted = reading.error?.mayPass || (told !== undefined && told !== readFor.current);
   useEffect(() => {
     if (!isWanted) return undefined;
     const waitMs = reading.error ? AFTER_ERROR_MS : READ_AFTER_MS;

@@ -15,6 +15,11 @@ export class ApiError extends Error {
   get needsLogin(): boolean {
     return this.code === 'UNAUTHENTICATED';
   }
+
+  /** Whether the same question may have an answer later. */
+  get mayPass(): boolean {
+    return !['INVALID_ARGUMENT', 'NOT_FOUND', 'PERMISSION_DENIED', 'UNAUTHENTICATED'].includes(this.code);
+  }
 }
 
 interface ErrorBody {

@@ -28,14 +28,16 @@ interface Answer {
 // Reads all evidence of a project, or of all of them. What breaks off is shown as far as it came.
 async function read(project: string, cancel: AbortSignal, show: (answer: Answer) => void): Promise<void> {
   const evidence = noEvidence();
+  let isWhole = false;
   try {
     for await (const part of stream(PriorsService.method.exportPriors, { project, withWeights: true }, cancel)) {
       addPart(evidence, part);
     }
+    isWhole = true; // without what builds were made from
     for await (const { builds } of stream(PriorsService.method.listBuilds, { project }, cancel)) builds.forEach((build) => describe(evidence, build));
-    show({ evidence, isWhole: true, atMs: Date.now() });
+    show({ evidence, isWhole, atMs: Date.now() });
   } catch (error) {
-    if (!cancel.aborted) show({ evidence, isWhole: false, atMs: Date.now(), error: asApiError(error) });
+    if (!cancel.aborted) show({ evidence, isWhole, atMs: Date.now(), error: asApiError(error) });
   }
 }
 
