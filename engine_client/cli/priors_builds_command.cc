@@ -16,12 +16,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int64_t kMaxUnixMadeS = 253'402'300'799;  // the end of the year 9999, as daemons have it
+
 struct BuildsOptions {
   DaemonOptions daemon;
   std::string project;
   std::string build;
   std::vector<std::string> parents;
   int64_t unix_made_s = 0;
+  bool forget = false;
   bool json = false;
 };
 
@@ -43,7 +46,7 @@ Result<std::vector<v1::Build>> ListBuilds(const DaemonOptions& daemon, const std
   return builds;
 }
 
-Status DescribeBuild(const DaemonOptions& daemon, const v1::Build& build) {
+Status DescribeBuild(const DaemonOptions& daemon, const v1::Build& build, bool forget) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
@@ -51,6 +54,7 @@ Status DescribeBuild(const DaemonOptions& daemon, const v1::Build& build) {
   SetDeadline(context, kTransferPatience);
   v1::DescribeBuildsRequest request;
   *request.add_builds() = build;
+  request.set_forget(forget);
   v1::DescribeBuildsResponse response;
   return ToStatus(stub->DescribeBuilds(&context, request, &response), daemon);
 }
@@ -74,14 +78,16 @@ int RunDescribe(const BuildsOptions& options, Terminal& terminal) {
   build.set_name(options.build);
   build.mutable_parents()->Assign(options.parents.begin(), options.parents.end());
   build.set_unix_made_s(options.unix_made_s);
-  const Status status = DescribeBuild(options.daemon, build);
+  const Status status = DescribeBuild(options.daemon, build, options.forget);
   if (!status.ok()) return FailAnswer(terminal, status);
-  Json document = {{"command", "priors describe"}};
+  Json document = {{"command", "priors describe"}, {"forgotten", options.forget}};
   document.update(BuildJson(build));
   const std::string parents = ParentsText(build);
+  const std::string said = options.forget    ? " is forgotten"
+                           : parents.empty() ? " was made from none"
+                                             : " was made from " + parents;
   PrintResult(terminal, options.json, document,
-              "build " + build.name() + " of " + build.project() +
-                  (parents.empty() ? " was made from none" : " was made from " + parents) + "\n");
+              "build " + build.name() + " of " + build.project() + said + "\n");
   return kDone;
 }
 
@@ -116,18 +122,24 @@ void AddPriorsBuildsCommands(CLI::App& priors, Terminal& terminal, int& exit_cod
       "--parent 1.2\n"
       "  sweepstake priors describe --daemon 127.0.0.1:7433 --project arcade --build 1.4 \\\n"
       "    --parent 1.3 --parent 1.2-hotfix --made $(git show -s --format=%ct)\n"
+      "  sweepstake priors describe --daemon 127.0.0.1:7433 --project arcade --build 1.O --forget\n"
       "What the same build taught counts with weight 0.5, a parent or a child of it with 0.4, and\n"
       "with each step between two builds with 0.8 of that; what is of another branch with 0.125.\n"
-      "Of a build that nothing was said of, all others count with 0.25.\n",
+      "For a build that none is known to be related to, all others count with 0.25.\n",
       exit_code,
       [](CLI::App& command, BuildsOptions& options) {
         Declare(command, options);
         command.add_option("--project", options.project, "The game's project")->required();
         command.add_option("--build", options.build, "The build, as its games say it")->required();
         command.add_option("--parent", options.parents, "What it was made from, up to 8 builds");
-        command.add_option("--made", options.unix_made_s, "When it was made (default: unknown)")
-            ->check(NotNegative())
-            ->type_name("UNIX_S");
+        CLI::Option* const made =
+            command
+                .add_option("--made", options.unix_made_s, "When it was made (default: unknown)")
+                ->check(CLI::Range(int64_t{0}, kMaxUnixMadeS))
+                ->type_name("UNIX_S");
+        command.add_flag("--forget", options.forget, "Forget what was said of it")
+            ->excludes("--parent")
+            ->excludes(made);
       },
       [&terminal](const BuildsOptions& options) { return RunDescribe(options, terminal); });
   AddCommand<BuildsOptions>(

@@ -337,11 +337,9 @@ class PriorReader {
                                                        const ExportPlace& after,
                                                        uint32_t limit) = 0;
 
-  // Returns what was told of the build, of its ancestors up to kMaxGenerations back, and of all
-  // that were made from one of these: at most kMaxFamilyRows rows, it and its ancestors first,
-  // each of both by name. An empty name has no family.
-  virtual absl::StatusOr<std::vector<Build>> LoadFamily(const std::string& project,
-                                                        const std::string& build) = 0;
+  // Returns what was told of these builds of the project, in any order; the others are missing.
+  virtual absl::StatusOr<std::vector<Build>> LoadBuilds(const std::string& project,
+                                                        std::span<const std::string> names) = 0;
 
   // Returns up to `limit` builds behind `after` of the projects that the filter matches, whose
   // scene is not looked at. REQUIRES: limit > 0.
@@ -415,6 +413,8 @@ class PriorStore : public PriorReader {
   // Errors: INVALID_ARGUMENT (a name is none, or there are more than kMaxParents),
   // RESOURCE_EXHAUSTED (a project would have more than kMaxBuilds).
   virtual absl::Status DescribeBuilds(std::span<const Build> builds) = 0;
+  // Forgets what was told of these builds. What names them as a parent stays as it is.
+  virtual absl::Status ForgetBuilds(std::span<const BuildPlace> builds) = 0;
 
   // Removes exactly the evidence of the sources, in quarantine and out of it, and bars them from
   // later commits and imports; an unknown id is barred, too, unless a project is named. What was

@@ -83,7 +83,7 @@ absl::string_view WrongBuild(const priors::Build& build) {
     if (parent == build.name) return "a build is not its own parent";
     if (i > 0 && !(build.parents[i - 1] < parent)) return "parents must ascend, each once";
   }
-  if (build.unix_made_s > kMaxCount) return "unix_made_s must be below 2^63";
+  if (build.unix_made_s > priors::kMaxUnixMadeS) return "unix_made_s must be before the year 10000";
   return {};
 }
 
@@ -123,7 +123,8 @@ absl::Status CheckBuilds(std::span<const priors::Build> builds) {
 absl::Status BuildBound(const std::string& project, uint64_t count) {
   if (count <= priors::kMaxBuilds) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrCat("project ", project, " would have ", count,
-                                                   " builds, more than ", priors::kMaxBuilds));
+                                                   " builds, more than ", priors::kMaxBuilds,
+                                                   "; forget some that are not played any more"));
 }
 
 absl::Status QuarantineBound(uint64_t count, uint64_t max_records) {

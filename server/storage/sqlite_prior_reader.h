@@ -60,8 +60,8 @@ class SqlitePriorReader final : public priors::PriorReader {
   absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
                                                        const priors::ExportPlace& after,
                                                        uint32_t limit) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
-                                                        const std::string& build) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
+      const std::string& project, std::span<const std::string> names) override;
   absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
                                                         const priors::BuildPlace& after,
                                                         uint32_t limit) override;

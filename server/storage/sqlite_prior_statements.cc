@@ -363,22 +363,16 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         FROM quarantined_evidence q CROSS JOIN source s ON s.id = source_id
         WHERE key_id = ?1 AND source_id > ?2
         ORDER BY source_id LIMIT ?3)sql"},
-    // No build is made from '', which is in the place of the parent of one that has none.
-    {&PriorReadStatements::family, R"sql(
-        WITH RECURSIVE up(name, generation) AS (
-          SELECT ?2, 0
-          UNION
-          SELECT parent, generation + 1 FROM up JOIN build_parent ON project = ?1 AND build = name
-          WHERE parent <> '' AND generation < ?3)
+    {&PriorReadStatements::build, R"sql(
         SELECT project, build, parent, unix_made_s FROM build_parent
-        WHERE project = ?1 AND ?2 <> '' AND hash = content_hash
-          AND (build IN (SELECT name FROM up) OR parent IN (SELECT name FROM up))
-        ORDER BY build IN (SELECT name FROM up) DESC, build, parent LIMIT ?4)sql"},
+        WHERE project = ?1 AND build = ?2 AND hash = content_hash
+        ORDER BY parent)sql"},
     {&PriorReadStatements::list_builds, R"sql(
         SELECT project, build, parent, unix_made_s FROM build_parent
         WHERE hash = content_hash
           AND (project, build) IN (SELECT DISTINCT project, build FROM build_parent
                                    WHERE (project, build) > (?2, ?3) AND (?1 = '' OR project = ?1)
+                                     AND hash = content_hash
                                      AND (?4 = '' OR instr(?4, char(10) || project || char(10)))
                                    ORDER BY 1, 2 LIMIT ?5)
         ORDER BY 1, 2, 3)sql"},

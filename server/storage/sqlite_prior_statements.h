@@ -24,8 +24,7 @@ struct PriorReadStatements {
   SqliteStatement find_key, scene_classes, scene_keys, latest_sources, token_of_source,
       evidence_of_source, load_source, source_evidence, list_scenes, count_scenes,
       other_keys_of_name, count_projects, find_scene, scene_arms, scene_ages, next_key,
-      key_evidence, folded_evidence, next_quarantined_key, quarantined_evidence, family,
-      list_builds;
+      key_evidence, folded_evidence, next_quarantined_key, quarantined_evidence, build, list_builds;
 };
 
 }  // namespace sweepstake::storage

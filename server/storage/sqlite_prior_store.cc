@@ -77,9 +77,10 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
   absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
-                                                        const std::string& build) override {
-    return reader_->LoadFamily(project, build);
+  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
+      const std::string& project, std::span<const std::string> names) override {
+    return reader_->LoadBuilds(project, names);
   }
   absl::StatusOr<std::vector<priors::Build>> ListBuilds(const SceneFilter& filter,
                                                         const priors::BuildPlace& after,
@@ -440,6 +441,10 @@ absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::Sour
 absl::Status SqlitePriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
   if (absl::Status status = CheckBuilds(builds); !status.ok()) return status;
   return InTransaction([&] { return storage::DescribeBuilds(statements_, builds); });
+}
+
+absl::Status SqlitePriorStore::ForgetBuilds(std::span<const priors::BuildPlace> builds) {
+  return InTransaction([&] { return storage::ForgetBuilds(statements_, builds); });
 }
 
 absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s,

@@ -228,8 +228,6 @@ constexpr std::array<const char*, 11> kMigrations = {R"sql(
       row_hash(project, build, parent, unix_made_s)) VIRTUAL,
     UNIQUE (project, build, parent)
   ) STRICT;
-
-  CREATE INDEX build_parent_by_parent ON build_parent (project, parent);
 )sql"};
 
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {

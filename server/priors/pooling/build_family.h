@@ -15,13 +15,13 @@ namespace sweepstake::decision {
 inline constexpr double kSameBuildWeight = 0.5;
 inline constexpr double kStepFactor = 0.8;           // for each step
 inline constexpr double kOtherBranchWeight = 0.125;  // and the least of what is related
-inline constexpr double kOtherBuildWeight = 0.25;    // where nobody has told
+inline constexpr double kOtherBuildWeight = 0.25;    // where nothing is known to be related
 
 class BuildFamily {
  public:
-  // Of a build of which nothing was told.
+  // Of a build that nothing is known to be related to.
   explicit BuildFamily(std::string build) : BuildFamily(std::move(build), {}) {}
-  // `family` is what PriorReader::LoadFamily has of the build.
+  // `family` is what was told of the build, of the others and of what both were made from.
   BuildFamily(std::string build, std::span<const priors::Build> family);
 
   // Returns how much of what the other build taught counts.

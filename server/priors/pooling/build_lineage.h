@@ -15,15 +15,14 @@ struct Build {
   std::string project;
   std::string name;                  // as its games say it
   std::vector<std::string> parents;  // builds of the project, ascending; empty: from none
-  uint64_t unix_made_s = 0;          // below 2^63; 0 if unknown
+  uint64_t unix_made_s = 0;          // at most kMaxUnixMadeS; 0 if unknown
 
   friend bool operator==(const Build&, const Build&) = default;
 };
 
 inline constexpr size_t kMaxParents = 8;
-inline constexpr uint64_t kMaxBuilds = 10'000;   // of a project
-inline constexpr uint32_t kMaxGenerations = 8;   // so far back ancestors are looked for
-inline constexpr uint32_t kMaxFamilyRows = 512;  // a row is a build and a parent
+inline constexpr uint64_t kMaxBuilds = 10'000;              // of a project
+inline constexpr uint64_t kMaxUnixMadeS = 253'402'300'799;  // the end of the year 9999
 
 // A place in the builds, which are ordered by project and name. By default before all.
 struct BuildPlace {

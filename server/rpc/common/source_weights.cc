@@ -25,6 +25,29 @@ bool IsLooked(const priors::SceneSource& source, const priors::EvidenceKey& key)
 
 }  // namespace
 
+absl::StatusOr<decision::BuildFamily> LoadFamily(priors::PriorReader& store,
+                                                 const std::string& project,
+                                                 const std::string& build,
+                                                 std::set<std::string> others) {
+  std::vector<priors::Build> family;
+  std::set<std::string>& names = others;
+  names.insert(build);
+  names.erase("");
+  std::vector<std::string> next(names.begin(), names.end());
+  for (int generation = 0; generation < kMaxGenerations && !next.empty(); ++generation) {
+    const auto builds = store.LoadBuilds(project, next);
+    if (!builds.ok()) return builds.status();
+    family.insert(family.end(), builds->begin(), builds->end());
+    next.clear();
+    for (const priors::Build& one : *builds) {
+      for (const std::string& parent : one.parents) {
+        if (names.size() < kMaxRelatives && names.insert(parent).second) next.push_back(parent);
+      }
+    }
+  }
+  return decision::BuildFamily(build, family);
+}
+
 absl::StatusOr<double> SourceWeights::Of(const priors::PriorRecord& record) {
   if (record.is_quarantined) return 0;
   const priors::EvidenceKey& key = record.key;
@@ -50,6 +73,7 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
   if (!sources.ok()) return sources.status();
   uint64_t last_seen_unix_s = 0;
   std::string newest_build;
+  std::set<std::string> builds;
   for (priors::SceneSource& source : *sources) {
     if (source.evidence.key != key) continue;  // of another class
     // Of several that were seen last, the one that came last.
@@ -59,11 +83,12 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
       uint32_t& newest = scene.newest_versions[arm.name];
       newest = std::max(newest, arm.backend_version);
     }
+    builds.insert(source.build);
     scene.sources.emplace(source.id, std::move(source));
   }
-  const auto family = store_.LoadFamily(key.project, newest_build);
+  auto family = LoadFamily(store_, key.project, newest_build, std::move(builds));
   if (!family.ok()) return family.status();
-  scene.family.emplace(newest_build, *family);
+  scene.family = *std::move(family);
   return &scene;
 }
 

@@ -1,9 +1,10 @@
-// How much each source of stored evidence counts in sessions to come, for people who look at the
-// sources. It reads the store, a scene once, and is used on the store's thread.
+// How much each source of stored evidence counts in sessions to come. It reads the store, and is
+// used on one of its threads.
 #pragma once
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,20 @@
 
 namespace sweepstake::rpc {
 
+// So far back the ancestors of builds are looked for: what is further apart counts no more than
+// what is not related.
+inline constexpr int kMaxGenerations = 6;
+// Of so many builds at most; the nearest generations come first.
+inline constexpr size_t kMaxRelatives = 256;
+
+// Returns how much what the `others` taught counts for the build, all of the project. A name may be
+// empty, of which nothing was told. Errors: those of PriorReader::LoadBuilds.
+absl::StatusOr<decision::BuildFamily> LoadFamily(priors::PriorReader& store,
+                                                 const std::string& project,
+                                                 const std::string& build,
+                                                 std::set<std::string> others);
+
+// For people who look at the sources; a scene is read once.
 class SourceWeights {
  public:
   // `store` is borrowed.
@@ -23,7 +38,7 @@ class SourceWeights {
   // that is known there. It is the weight that session_start.cc gives; 0 for what no such session
   // looks at: what waits in quarantine, or is not among the sources that LoadSources chooses of the
   // arm. Where rewards do not tell costs, the sums of all sources count, which is 1. Errors: those
-  // of PriorReader::LoadSources and LoadFamily.
+  // of PriorReader::LoadSources and LoadBuilds.
   absl::StatusOr<double> Of(const priors::PriorRecord& record);
 
  private:

@@ -1,5 +1,6 @@
 #include "server/rpc/services/priors_service.h"
 
+#include <google/protobuf/util/json_util.h>
 #include <spdlog/logger.h>
 
 #include <string>
@@ -7,7 +8,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/leader_preview.h"
 #include "server/rpc/common/message_validation.h"
@@ -76,12 +76,15 @@ absl::StatusOr<BuildStream::Page> LoadBuilds(priors::PriorReader& store,
   return page;
 }
 
+// What a request says is one row of the audit log.
+constexpr int kMaxDescribedBuilds = 16;
+
 // Returns the builds of a request.
 absl::StatusOr<std::vector<priors::Build>> BuildsOf(const v1::DescribeBuildsRequest& request,
                                                     const auth::Principal& caller) {
-  if (request.builds_size() > static_cast<int>(kRecordsPerMessage)) {
+  if (request.builds_size() > kMaxDescribedBuilds) {
     return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                   absl::StrCat("a request may hold ", kRecordsPerMessage, " builds"));
+                   absl::StrCat("a request may hold ", kMaxDescribedBuilds, " builds"));
   }
   std::vector<priors::Build> builds;
   for (const v1::Build& build : request.builds()) {
@@ -93,6 +96,19 @@ absl::StatusOr<std::vector<priors::Build>> BuildsOf(const v1::DescribeBuildsRequ
     builds.push_back(FromProto(build));
   }
   return builds;
+}
+
+std::vector<priors::BuildPlace> PlacesOf(const std::vector<priors::Build>& builds) {
+  std::vector<priors::BuildPlace> places;
+  for (const priors::Build& build : builds) places.push_back({build.project, build.name});
+  return places;
+}
+
+// As JSON no name in it looks like another field.
+std::string JsonOf(const v1::DescribeBuildsRequest& request) {
+  std::string text;
+  const auto status = google::protobuf::util::MessageToJsonString(request, &text);
+  return status.ok() ? text : std::string(status.message());
 }
 
 // The store was asked to let evidence count, and has said whether it does.
@@ -448,20 +464,16 @@ grpc::ServerUnaryReactor* PriorsService::DescribeBuilds(grpc::CallbackServerCont
   return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
     auto builds = BuildsOf(*request, caller);
     if (!builds.ok()) return end(builds.status());
-    const bool submitted =
-        context_.store.Submit([this, end, builds = *std::move(builds),
-                               who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
-          const absl::Status status = store.DescribeBuilds(builds);
-          context_.loop.PostLater([this, end, status, who, builds] {
+    const bool submitted = context_.store.Submit(
+        [this, end, builds = *std::move(builds), forget = request->forget(),
+         said = JsonOf(*request), who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
+          const absl::Status status =
+              forget ? store.ForgetBuilds(PlacesOf(builds)) : store.DescribeBuilds(builds);
+          context_.loop.PostLater([this, end, status, said, who] {
             if (absl::IsResourceExhausted(status))
               return end(Refused(v1::ERROR_REASON_TOO_MANY_BUILDS, status.message()));
             if (!status.ok()) return end(StoreFailed(status));
-            for (const priors::Build& build : builds) {
-              admin_.Record(absl::StrCat("action=describe-build project=", build.project,
-                                         " build=", build.name,
-                                         " parents=", absl::StrJoin(build.parents, ", ")),
-                            who);
-            }
+            admin_.Record(absl::StrCat("action=describe-builds ", said), who);
             end(absl::OkStatus());
           });
         });

@@ -8,6 +8,7 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <set>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -21,6 +22,7 @@
 #include "server/priors/pooling/source_prior.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/common/source_weights.h"
 #include "server/rpc/sessions/scene_quota.h"
 
 namespace sweepstake::rpc {
@@ -148,16 +150,17 @@ std::vector<std::string> Describe(const v1::Hello& hello, const decision::BuildF
 absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello, StoredStart& start) {
   const auto stored = store.LoadSources(FromProto(hello));
   if (!stored.ok()) return stored.status();
-  const auto relatives = store.LoadFamily(hello.project(), hello.build());
-  if (!relatives.ok()) return relatives.status();
-  const decision::BuildFamily family(hello.build(), *relatives);
+  std::set<std::string> builds;
+  for (const priors::SceneSource& source : *stored) builds.insert(source.build);
+  const auto family = LoadFamily(store, hello.project(), hello.build(), std::move(builds));
+  if (!family.ok()) return family.status();
   std::vector<decision::SourceEvidence> sources;
   for (const priors::SceneSource& source : *stored) {
     if (source.id == hello.session_id() && start.source) continue;  // is the session's own
-    sources.push_back(SourceEvidenceFor(hello, family, source));
+    sources.push_back(SourceEvidenceFor(hello, *family, source));
   }
   start.prior_source_count = stored->size();
-  start.prior_sources = Describe(hello, family, *stored);
+  start.prior_sources = Describe(hello, *family, *stored);
   start.priors = decision::CombineSources(sources, start.priors);
   return absl::OkStatus();
 }

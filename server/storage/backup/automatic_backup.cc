@@ -125,8 +125,9 @@ std::string DescribeDamagedRows(const fs::path& path) {
   if (!count.ok() || *count == 0) return {};
   return absl::StrCat(
       *count, " rows of ", path.string(),
-      " are not what was written: their scenes have no priors, and their sessions are "
-      "not resumed; look at the disk, and restore a backup");
+      " are not what was written: scenes have no priors where it is their evidence, sessions are "
+      "not resumed, and builds count as if nothing had been said of them; look at the disk, and "
+      "restore a backup");
 }
 
 // What can be done where there is no database to go on with.

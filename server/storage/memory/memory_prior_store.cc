@@ -33,21 +33,6 @@ void Add(Evidence& sum, const Evidence& part) {
   sum.bail_out_count = std::min(sum.bail_out_count, kMaxCount);
 }
 
-// Of a build with several parents there are as many rows.
-std::vector<priors::Build> FirstRows(std::vector<priors::Build> builds, size_t limit) {
-  size_t rows = 0;
-  for (size_t i = 0; i < builds.size(); ++i) {
-    const size_t left = limit - rows;
-    if (left == 0) {
-      builds.resize(i);
-    } else if (builds[i].parents.size() > left) {
-      builds[i].parents.resize(left);
-    }
-    if (left > 0) rows += priors::ParentColumn(builds[i]).size();
-  }
-  return builds;
-}
-
 }  // namespace
 
 absl::Status MemoryPriorStore::Commit(std::span<const priors::SourceUpdate> updates) {
@@ -433,33 +418,19 @@ absl::Status MemoryPriorStore::DescribeBuilds(std::span<const priors::Build> bui
   return status;
 }
 
-absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::LoadFamily(const std::string& project,
-                                                                        const std::string& build) {
-  std::set<std::string> known = {build};  // it and its ancestors
-  std::set<std::string> latest = known;
-  for (uint32_t generation = 0; generation < priors::kMaxGenerations; ++generation) {
-    std::set<std::string> parents;
-    for (const std::string& name : latest) {
-      const auto found = builds_.find({project, name});
-      if (found == builds_.end()) continue;
-      parents.insert(found->second.parents.begin(), found->second.parents.end());
-    }
-    known.insert(parents.begin(), parents.end());
-    latest = std::move(parents);
+absl::Status MemoryPriorStore::ForgetBuilds(std::span<const priors::BuildPlace> builds) {
+  for (const priors::BuildPlace& build : builds) builds_.erase({build.project, build.name});
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::LoadBuilds(
+    const std::string& project, std::span<const std::string> names) {
+  std::vector<priors::Build> builds;
+  for (const std::string& name : names) {
+    const auto found = builds_.find({project, name});
+    if (found != builds_.end()) builds.push_back(found->second);
   }
-  std::vector<priors::Build> family;
-  std::vector<priors::Build> descendants;
-  const auto is_known = [&](const std::string& name) { return known.contains(name); };
-  for (const auto& [key, one] : builds_) {
-    if (key.first != project) continue;
-    if (is_known(one.name)) {
-      family.push_back(one);
-    } else if (std::any_of(one.parents.begin(), one.parents.end(), is_known)) {
-      descendants.push_back(one);
-    }
-  }
-  family.insert(family.end(), descendants.begin(), descendants.end());
-  return FirstRows(std::move(family), priors::kMaxFamilyRows);
+  return builds;
 }
 
 absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::ListBuilds(

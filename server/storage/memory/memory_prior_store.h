@@ -44,8 +44,9 @@ class MemoryPriorStore : public priors::PriorStore {
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
   absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
-                                                        const std::string& build) override;
+  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
+      const std::string& project, std::span<const std::string> names) override;
   absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
                                                         const priors::BuildPlace& after,
                                                         uint32_t limit) override;

@@ -16,18 +16,10 @@ constexpr const char* kAddParent = R"sql(
     VALUES ($1, $2, $3, $4::bigint))sql";
 constexpr const char* kCountBuilds =
     "SELECT count(DISTINCT build) FROM build_parent WHERE project = $1";
-// No build is made from '', which is in the place of the parent of one that has none.
-constexpr const char* kLoadFamily = R"sql(
-    WITH RECURSIVE up(name, generation) AS (
-      SELECT $2::text COLLATE "C", 0
-      UNION
-      SELECT p.parent, generation + 1
-      FROM up JOIN build_parent p ON p.project = $1 AND p.build = up.name
-      WHERE p.parent <> '' AND generation < $3::bigint)
+constexpr const char* kLoadBuilds = R"sql(
     SELECT project, build, parent, unix_made_s FROM build_parent
-    WHERE project = $1 AND $2 <> ''
-      AND (build IN (SELECT name FROM up) OR parent IN (SELECT name FROM up))
-    ORDER BY (build IN (SELECT name FROM up)) DESC, build, parent LIMIT $4::bigint)sql";
+    WHERE project = $1 AND build = ANY ($2::text[])
+    ORDER BY build, parent)sql";
 constexpr const char* kListBuilds = R"sql(
     SELECT project, build, parent, unix_made_s FROM build_parent
     WHERE (project, build) IN (SELECT DISTINCT project, build FROM build_parent
@@ -77,11 +69,21 @@ absl::Status DescribeBuilds(PostgresConnection& connection, std::span<const prio
   return status;
 }
 
-absl::StatusOr<std::vector<priors::Build>> LoadFamily(PostgresConnection& connection,
+absl::Status ForgetBuilds(PostgresConnection& connection,
+                          std::span<const priors::BuildPlace> builds) {
+  absl::Status status = connection.Run(kLockBuilds);
+  for (const priors::BuildPlace& build : builds) {
+    if (status.ok()) status = connection.Run(kForgetBuild, build.project, build.name);
+  }
+  return status;
+}
+
+absl::StatusOr<std::vector<priors::Build>> LoadBuilds(PostgresConnection& connection,
                                                       const std::string& project,
-                                                      const std::string& build) {
-  return Load(connection, kLoadFamily, project, build, priors::kMaxGenerations,
-              priors::kMaxFamilyRows);
+                                                      std::span<const std::string> names) {
+  PostgresArray wanted;
+  for (const std::string& name : names) wanted.Add(name);
+  return Load(connection, kLoadBuilds, project, wanted);
 }
 
 absl::StatusOr<std::vector<priors::Build>> ListBuilds(PostgresConnection& connection,

@@ -14,11 +14,13 @@ namespace sweepstake::storage {
 
 // Within a transaction, of checked builds.
 absl::Status DescribeBuilds(PostgresConnection& connection, std::span<const priors::Build> builds);
+absl::Status ForgetBuilds(PostgresConnection& connection,
+                          std::span<const priors::BuildPlace> builds);
 
 // These read one state of the store each, and connect if need be.
-absl::StatusOr<std::vector<priors::Build>> LoadFamily(PostgresConnection& connection,
+absl::StatusOr<std::vector<priors::Build>> LoadBuilds(PostgresConnection& connection,
                                                       const std::string& project,
-                                                      const std::string& build);
+                                                      std::span<const std::string> names);
 absl::StatusOr<std::vector<priors::Build>> ListBuilds(PostgresConnection& connection,
                                                       const priors::SceneFilter& filter,
                                                       const priors::BuildPlace& after,

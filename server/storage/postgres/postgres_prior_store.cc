@@ -120,9 +120,10 @@ class PostgresPriorStore final : public priors::PriorStore {
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
   absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
-                                                        const std::string& build) override {
-    return reader_.LoadFamily(project, build);
+  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override;
+  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
+      const std::string& project, std::span<const std::string> names) override {
+    return reader_.LoadBuilds(project, names);
   }
   absl::StatusOr<std::vector<priors::Build>> ListBuilds(const SceneFilter& filter,
                                                         const priors::BuildPlace& after,
@@ -310,6 +311,10 @@ absl::Status PostgresPriorStore::AddIncrements(std::span<const SourceUpdate* con
 absl::Status PostgresPriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
   if (absl::Status status = CheckBuilds(builds); !status.ok()) return status;
   return InTransaction([&] { return storage::DescribeBuilds(connection_, builds); });
+}
+
+absl::Status PostgresPriorStore::ForgetBuilds(std::span<const priors::BuildPlace> builds) {
+  return InTransaction([&] { return storage::ForgetBuilds(connection_, builds); });
 }
 
 absl::StatusOr<priors::ImportResult> PostgresPriorStore::Import(

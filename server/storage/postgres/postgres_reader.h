@@ -39,9 +39,9 @@ class PostgresReader : public priors::PriorReader {
   absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
                                                        const priors::ExportPlace& after,
                                                        uint32_t limit) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadFamily(const std::string& project,
-                                                        const std::string& build) override {
-    return storage::LoadFamily(connection_, project, build);
+  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
+      const std::string& project, std::span<const std::string> names) override {
+    return storage::LoadBuilds(connection_, project, names);
   }
   absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
                                                         const priors::BuildPlace& after,

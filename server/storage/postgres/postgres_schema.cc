@@ -135,7 +135,6 @@ constexpr std::array<const char*, 2> kSteps = {R"sql(
     unix_made_s bigint NOT NULL CHECK (unix_made_s >= 0),
     UNIQUE (project, build, parent)
   );
-  CREATE INDEX build_parent_of_parent ON build_parent (project, parent);
 )sql"};
 
 absl::Status MakeTables(PostgresConnection& connection) {

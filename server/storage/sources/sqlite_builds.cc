@@ -39,13 +39,22 @@ absl::Status DescribeBuilds(PriorStatements& statements, std::span<const priors:
   return status;
 }
 
-absl::StatusOr<std::vector<priors::Build>> SqlitePriorReader::LoadFamily(const std::string& project,
-                                                                         const std::string& build) {
+absl::Status ForgetBuilds(PriorStatements& statements, std::span<const priors::BuildPlace> builds) {
+  absl::Status status;
+  for (const priors::BuildPlace& build : builds) {
+    if (status.ok()) status = statements.forget_build.Run(build.project, build.name);
+  }
+  return status;
+}
+
+absl::StatusOr<std::vector<priors::Build>> SqlitePriorReader::LoadBuilds(
+    const std::string& project, std::span<const std::string> names) {
   std::vector<priors::Build> builds;
-  absl::Status status = statements_.family.ForEachRow(
-      [&](const SqliteRow& row) { priors::AppendRow(RowOf(row), builds); }, project, build,
-      priors::kMaxGenerations, priors::kMaxFamilyRows);
-  if (!status.ok()) return status;
+  for (const std::string& name : names) {
+    absl::Status status = statements_.build.ForEachRow(
+        [&](const SqliteRow& row) { priors::AppendRow(RowOf(row), builds); }, project, name);
+    if (!status.ok()) return status;
+  }
   return builds;
 }
 

@@ -51,7 +51,8 @@ absl::StatusOr<std::vector<QuarantinedRow>> QuarantinedOf(PriorStatements& state
                                                           int64_t source,
                                                           const std::string& project);
 
-// Does what PriorStore::DescribeBuilds says of checked builds.
+// These do what PriorStore says of checked builds.
 absl::Status DescribeBuilds(PriorStatements& statements, std::span<const priors::Build> builds);
+absl::Status ForgetBuilds(PriorStatements& statements, std::span<const priors::BuildPlace> builds);
 
 }  // namespace sweepstake::storage

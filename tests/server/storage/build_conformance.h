@@ -18,11 +18,6 @@ class BuildConformance : public PriorStoreConformance {
   absl::Status Describe(const std::vector<priors::Build>& builds) {
     return store_->DescribeBuilds(builds);
   }
-  std::vector<std::string> Family(const std::string& build) {
-    std::vector<std::string> names;
-    for (const priors::Build& one : *store_->LoadFamily("game", build)) names.push_back(one.name);
-    return names;
-  }
 };
 
 TEST_P(BuildConformance, OfABuildItHasWhatWasSaidLast) {
@@ -33,43 +28,26 @@ TEST_P(BuildConformance, OfABuildItHasWhatWasSaidLast) {
   EXPECT_THAT(*store_->ListBuilds({}, {}, 10), ::testing::ElementsAre(Build("1", {}), again));
 }
 
-TEST_P(BuildConformance, AFamilyIsABuildItsAncestorsAndWhatWasMadeOfThese) {
-  ASSERT_TRUE(Describe({Build("1", {}), Build("2", {"1"}), Build("3", {"2", "fix"}),
-                        Build("fix", {"1"}), Build("sister", {"2"}), Build("niece", {"sister"}),
-                        Build("4", {"3"}), Build("5", {"4"}), Build("stranger", {"elsewhere"}),
-                        Build("3", {"1"}, "other game")})
-                  .ok());
-  EXPECT_THAT(Family("3"), ::testing::ElementsAre("1", "2", "3", "fix", "4", "sister"));
-  EXPECT_THAT(Family("elsewhere"), ::testing::ElementsAre("stranger"))
-      << "of which nothing was said";
-  EXPECT_THAT(Family("nowhere"), ::testing::IsEmpty());
-  EXPECT_THAT(Family(""), ::testing::IsEmpty()) << "of no known build is none made";
+TEST_P(BuildConformance, ItHasThoseThatAreAskedFor) {
+  const priors::Build merged = Build("3", {"1", "fix"});
+  ASSERT_TRUE(
+      Describe({Build("1", {}), Build("2", {"1"}), merged, Build("3", {"2"}, "other game")}).ok());
+  const auto load = [&](const std::vector<std::string>& names) {
+    return *store_->LoadBuilds("game", names);
+  };
+  EXPECT_THAT(load({"3", "1", "nowhere", "fix"}),
+              ::testing::UnorderedElementsAre(merged, Build("1", {})));
+  EXPECT_THAT(load({"nowhere", ""}), ::testing::IsEmpty());
+  EXPECT_THAT(load({}), ::testing::IsEmpty());
 }
 
-TEST_P(BuildConformance, AFamilyHasABoundAlsoWhereItGoesRound) {
-  std::vector<priors::Build> builds = {Build("0", {"19"})};
-  for (int i = 1; i < 20; ++i) builds.push_back(Build(std::to_string(i), {std::to_string(i - 1)}));
-  ASSERT_TRUE(Describe(builds).ok());
-  const auto names = Family("10");
-  EXPECT_THAT(names, ::testing::Contains("2"));
-  EXPECT_THAT(names, ::testing::Not(::testing::Contains("1"))) << "the ninth before it";
-  EXPECT_THAT(Family("0"), ::testing::Contains("19"));
-}
-
-TEST_P(BuildConformance, OfALargeFamilyTheAncestorsAreThere) {
-  std::vector<priors::Build> builds = {Build("trunk", {"root"}), Build("root", {})};
-  for (uint32_t i = 0; i < priors::kMaxFamilyRows; ++i)
-    builds.push_back(Build("a" + std::to_string(i), {"other", "trunk"}));
-  builds.push_back(Build("zzz", {"trunk"}));
-  ASSERT_TRUE(Describe(builds).ok());
-  const auto family = *store_->LoadFamily("game", "zzz");
-  ASSERT_GE(family.size(), 3u);
-  EXPECT_EQ(family[0], Build("root", {}));
-  EXPECT_EQ(family[1], Build("trunk", {"root"}));
-  EXPECT_EQ(family[2], Build("zzz", {"trunk"}));
-  size_t rows = 0;
-  for (const priors::Build& one : family) rows += priors::ParentColumn(one).size();
-  EXPECT_EQ(rows, priors::kMaxFamilyRows);
+TEST_P(BuildConformance, WhatIsForgottenIsAsIfNothingHadBeenSaid) {
+  ASSERT_TRUE(
+      Describe({Build("1.O", {"1"}), Build("2", {"1.O"}), Build("1.O", {}, "other game")}).ok());
+  const std::vector<priors::BuildPlace> forgotten = {{"game", "1.O"}, {"game", "nowhere"}};
+  ASSERT_TRUE(store_->ForgetBuilds(forgotten).ok());
+  EXPECT_THAT(*store_->ListBuilds({}, {}, 10),
+              ::testing::ElementsAre(Build("2", {"1.O"}), Build("1.O", {}, "other game")));
 }
 
 TEST_P(BuildConformance, AreListedByPagesAndByProject) {
@@ -93,13 +71,16 @@ TEST_P(BuildConformance, AreListedByPagesAndByProject) {
 
 TEST_P(BuildConformance, WhatIsNoBuildChangesNothing) {
   ASSERT_TRUE(Describe({Build("1", {})}).ok());
+  priors::Build too_late = Build("3", {});
+  too_late.unix_made_s = priors::kMaxUnixMadeS + 1;
   const std::vector<priors::Build> wrong[] = {
       {Build("2", {"1"}), Build("", {})},
       {Build("2", {"1"}), Build("3", {"3"})},
       {Build("2", {"1"}), Build("3", {"b", "a"})},
       {Build("2", {"1"}), Build("3", {"a\n"})},
       {Build("2", {"1"}), Build("3", {"1", "2", "3a", "4", "5", "6", "7", "8", "9"})},
-      {Build("2", {"1"}), Build("3", {}, "")}};
+      {Build("2", {"1"}), Build("3", {}, "")},
+      {Build("2", {"1"}), too_late}};
   for (const auto& builds : wrong) EXPECT_TRUE(absl::IsInvalidArgument(Describe(builds)));
   EXPECT_THAT(*store_->ListBuilds({}, {}, 10), ::testing::ElementsAre(Build("1", {})));
 }

@@ -27,11 +27,13 @@ class BuildsTest : public RpcTest {
     build.mutable_parents()->Assign(parents.begin(), parents.end());
     return build;
   }
-  grpc::Status Describe(const std::vector<v1::Build>& builds, const std::string& name = "all") {
+  grpc::Status Describe(const std::vector<v1::Build>& builds, const std::string& name = "all",
+                        bool forget = false) {
     grpc::ClientContext context;
     context.AddMetadata("authorization", "Bearer " + name + "-token");
     v1::DescribeBuildsRequest request;
     request.mutable_builds()->Assign(builds.begin(), builds.end());
+    request.set_forget(forget);
     v1::DescribeBuildsResponse response;
     return v1::PriorsService::NewStub(channel_)->DescribeBuilds(&context, request, &response);
   }
@@ -69,13 +71,24 @@ TEST_F(BuildsTest, AreListedAsWasSaidOfThemEachParentOnce) {
 }
 
 TEST_F(BuildsTest, MoreThanAMessageHoldsComeInSeveral) {
-  std::vector<v1::Build> builds;
-  for (int i = 0; i < 200; ++i) builds.push_back(Build("a" + std::to_string(i), {}));
-  ASSERT_TRUE(Describe(builds).ok());
+  std::vector<v1::Build> builds(16);
+  for (int i = 0; i < 208; ++i) {
+    builds[static_cast<size_t>(i % 16)] = Build("a" + std::to_string(i), {});
+    if (i % 16 < 15) continue;
+    ASSERT_TRUE(Describe(builds).ok());
+  }
   ASSERT_TRUE(Describe({Build("b", {"a1"})}).ok());
   const auto listed = Listed();
-  ASSERT_EQ(listed.size(), 201u);
+  ASSERT_EQ(listed.size(), 209u);
   EXPECT_EQ(listed.back(), "game b: a1");
+}
+
+TEST_F(BuildsTest, WhatIsForgottenIsNotListed) {
+  ASSERT_TRUE(Describe({Build("1.1", {"1.0"}), Build("1.O", {})}).ok());
+  ASSERT_TRUE(Describe({Build("1.O", {})}, "all", /*forget=*/true).ok());
+  EXPECT_THAT(Listed(), ElementsAre("game 1.1: 1.0"));
+  EXPECT_EQ(ReasonOf(Describe({Build("1.1", {})}, "reader", /*forget=*/true)),
+            v1::ERROR_REASON_NOT_ALLOWED);
 }
 
 TEST_F(BuildsTest, OnlyAnOperatorOfTheProjectSaysIt) {
@@ -86,11 +99,14 @@ TEST_F(BuildsTest, OnlyAnOperatorOfTheProjectSaysIt) {
 }
 
 TEST_F(BuildsTest, WhatIsNoBuildIsNamedAndChangesNothing) {
+  v1::Build far = Build("1.1", {});
+  far.set_unix_made_s(1'760'000'000'000);  // in milliseconds
   const std::pair<v1::Build, const char*> cases[] = {
       {Build("", {}), "name"},
       {Build("1.1", {}, ""), "project"},
       {Build("1.1", {std::string(129, 'a')}), "parents"},
       {Build("1.1", {"1.1"}), "its own parent"},
+      {far, "before the year 10000"},
       {Build("1.1", {"1", "2", "3", "4", "5", "6", "7", "8", "9"}), "at most 8"}};
   for (const auto& [build, said] : cases) {
     const grpc::Status status = Describe({Build("1.0", {}), build});
@@ -98,7 +114,7 @@ TEST_F(BuildsTest, WhatIsNoBuildIsNamedAndChangesNothing) {
     EXPECT_THAT(status.error_message(), HasSubstr("build 1"));
     EXPECT_THAT(status.error_message(), HasSubstr(said));
   }
-  EXPECT_EQ(ReasonOf(Describe(std::vector<v1::Build>(201, Build("1.0", {})))),
+  EXPECT_EQ(ReasonOf(Describe(std::vector<v1::Build>(17, Build("1.0", {})))),
             v1::ERROR_REASON_INVALID_MESSAGE);
   EXPECT_THAT(Listed(), IsEmpty());
 }

@@ -1,4 +1,5 @@
 // What a session begins with where many sources know its scene.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -113,6 +114,28 @@ TEST_F(SourceStartTest, ANearBuildCountsMoreThanOneFarAway) {
   EXPECT_LT(parent, grandparent);
   EXPECT_LT(grandparent, unknown);
   EXPECT_LT(unknown, stranger);
+}
+
+// Somebody changes the scene, and with it which arm is the cheapest: the latest sources are heard,
+// of which those of the new build count the more.
+TEST_F(SourceStartTest, WhatABuildTaughtBeforeTheSceneWasChangedFades) {
+  for (int i = 0; i < 100; ++i) {
+    PutSource("old " + std::to_string(i), 100, 300, [](auto& record) { record.build = "1.0"; });
+  }
+  const std::vector<priors::Build> builds = {
+      {.project = "game", .name = "1.1", .parents = {"1.0"}}};
+  thread_.Submit(
+      [&](priors::PriorStore& store) { EXPECT_TRUE(store.DescribeBuilds(builds).ok()); });
+  Flush();
+  EXPECT_NEAR(Begin().ratio, 3, 0.1);
+  int sessions = 0;
+  double widest = 0;
+  for (Start start = Begin(); start.ratio > 1 && sessions < 50; start = Begin()) {
+    widest = std::max(widest, start.deviation);
+    PutSource("new " + std::to_string(++sessions), 100, 33);
+  }
+  EXPECT_EQ(sessions, 15) << "15 at 0.5 outweigh 17 at 0.4";
+  EXPECT_GT(widest, 0.5) << "while they disagree a session is not sure";
 }
 
 // Nine honest sources of ten; the tenth says the opposite a million times.

@@ -53,33 +53,34 @@ namespace Sweepstake.Protocol.V1 {
             "dBgDIAEoBBITCgtzY2VuZV9jb3VudBgEIAEoBBI0Cg5sZWFkZXJfY2hhbmdl",
             "cxgFIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVhZGVyQ2hhbmdlcyJMCgVCdWls",
             "ZBIPCgdwcm9qZWN0GAEgASgJEgwKBG5hbWUYAiABKAkSDwoHcGFyZW50cxgD",
-            "IAMoCRITCgt1bml4X21hZGVfcxgEIAEoAyI9ChVEZXNjcmliZUJ1aWxkc1Jl",
-            "cXVlc3QSJAoGYnVpbGRzGAEgAygLMhQuc3dlZXBzdGFrZS52MS5CdWlsZCIY",
-            "ChZEZXNjcmliZUJ1aWxkc1Jlc3BvbnNlIiQKEUxpc3RCdWlsZHNSZXF1ZXN0",
-            "Eg8KB3Byb2plY3QYASABKAkiOgoSTGlzdEJ1aWxkc1Jlc3BvbnNlEiQKBmJ1",
-            "aWxkcxgBIAMoCzIULnN3ZWVwc3Rha2UudjEuQnVpbGQiiAMKC1ByaW9yUmVj",
-            "b3JkEg8KB3Byb2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSEwoLbWVhc3Vy",
-            "ZWRfYnkYAyABKAkSCwoDYXJtGAQgASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgF",
-            "IAEoDRIVCg1tYWNoaW5lX2NsYXNzGAYgASgJEhYKDnJld2FyZF92ZXJzaW9u",
-            "GAcgASgNEhEKCXNvdXJjZV9pZBgIIAEoCRIXCg9zb3VyY2Vfc2VxdWVuY2UY",
-            "CSABKAQSFwoPYWxwaGFfaW5jcmVtZW50GAogASgBEhYKDmJldGFfaW5jcmVt",
-            "ZW50GAsgASgBEhQKDHdpbmRvd19jb3VudBgMIAEoBBIWCg5iYWlsX291dF9j",
-            "b3VudBgNIAEoBBINCgVidWlsZBgOIAEoCRIYChB1bml4X2xhc3Rfc2Vlbl9z",
-            "GA8gASgDEhMKC2lzX2ltcG9ydGVkGBAgASgIEhYKDmlzX3F1YXJhbnRpbmVk",
-            "GBEgASgIEg4KBndlaWdodBgSIAEoATKuBAoNUHJpb3JzU2VydmljZRJZCgxF",
-            "eHBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1JlcXVl",
-            "c3QaIy5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3BvbnNlMAESWQoM",
-            "SW1wb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXF1",
-            "ZXN0GiMuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNwb25zZSgBElcK",
-            "DFJldm9rZVByaW9ycxIiLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVx",
-            "dWVzdBojLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVzcG9uc2USWgoN",
-            "UHJvbW90ZVByaW9ycxIjLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1Jl",
-            "cXVlc3QaJC5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXNwb25zZRJd",
-            "Cg5EZXNjcmliZUJ1aWxkcxIkLnN3ZWVwc3Rha2UudjEuRGVzY3JpYmVCdWls",
-            "ZHNSZXF1ZXN0GiUuc3dlZXBzdGFrZS52MS5EZXNjcmliZUJ1aWxkc1Jlc3Bv",
-            "bnNlElMKCkxpc3RCdWlsZHMSIC5zd2VlcHN0YWtlLnYxLkxpc3RCdWlsZHNS",
-            "ZXF1ZXN0GiEuc3dlZXBzdGFrZS52MS5MaXN0QnVpbGRzUmVzcG9uc2UwAUIZ",
-            "qgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "IAMoCRITCgt1bml4X21hZGVfcxgEIAEoAyJNChVEZXNjcmliZUJ1aWxkc1Jl",
+            "cXVlc3QSJAoGYnVpbGRzGAEgAygLMhQuc3dlZXBzdGFrZS52MS5CdWlsZBIO",
+            "CgZmb3JnZXQYAiABKAgiGAoWRGVzY3JpYmVCdWlsZHNSZXNwb25zZSIkChFM",
+            "aXN0QnVpbGRzUmVxdWVzdBIPCgdwcm9qZWN0GAEgASgJIjoKEkxpc3RCdWls",
+            "ZHNSZXNwb25zZRIkCgZidWlsZHMYASADKAsyFC5zd2VlcHN0YWtlLnYxLkJ1",
+            "aWxkIogDCgtQcmlvclJlY29yZBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5l",
+            "GAIgASgJEhMKC21lYXN1cmVkX2J5GAMgASgJEgsKA2FybRgEIAEoCRIXCg9i",
+            "YWNrZW5kX3ZlcnNpb24YBSABKA0SFQoNbWFjaGluZV9jbGFzcxgGIAEoCRIW",
+            "Cg5yZXdhcmRfdmVyc2lvbhgHIAEoDRIRCglzb3VyY2VfaWQYCCABKAkSFwoP",
+            "c291cmNlX3NlcXVlbmNlGAkgASgEEhcKD2FscGhhX2luY3JlbWVudBgKIAEo",
+            "ARIWCg5iZXRhX2luY3JlbWVudBgLIAEoARIUCgx3aW5kb3dfY291bnQYDCAB",
+            "KAQSFgoOYmFpbF9vdXRfY291bnQYDSABKAQSDQoFYnVpbGQYDiABKAkSGAoQ",
+            "dW5peF9sYXN0X3NlZW5fcxgPIAEoAxITCgtpc19pbXBvcnRlZBgQIAEoCBIW",
+            "Cg5pc19xdWFyYW50aW5lZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAEyrgQKDVBy",
+            "aW9yc1NlcnZpY2USWQoMRXhwb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5F",
+            "eHBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlv",
+            "cnNSZXNwb25zZTABElkKDEltcG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEu",
+            "SW1wb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJp",
+            "b3JzUmVzcG9uc2UoARJXCgxSZXZva2VQcmlvcnMSIi5zd2VlcHN0YWtlLnYx",
+            "LlJldm9rZVByaW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLlJldm9rZVBy",
+            "aW9yc1Jlc3BvbnNlEloKDVByb21vdGVQcmlvcnMSIy5zd2VlcHN0YWtlLnYx",
+            "LlByb21vdGVQcmlvcnNSZXF1ZXN0GiQuc3dlZXBzdGFrZS52MS5Qcm9tb3Rl",
+            "UHJpb3JzUmVzcG9uc2USXQoORGVzY3JpYmVCdWlsZHMSJC5zd2VlcHN0YWtl",
+            "LnYxLkRlc2NyaWJlQnVpbGRzUmVxdWVzdBolLnN3ZWVwc3Rha2UudjEuRGVz",
+            "Y3JpYmVCdWlsZHNSZXNwb25zZRJTCgpMaXN0QnVpbGRzEiAuc3dlZXBzdGFr",
+            "ZS52MS5MaXN0QnVpbGRzUmVxdWVzdBohLnN3ZWVwc3Rha2UudjEuTGlzdEJ1",
+            "aWxkc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnBy",
+            "b3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
@@ -95,7 +96,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsRequest), global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsResponse), global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "SceneCount", "LeaderChanges" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Build), global::Sweepstake.Protocol.V1.Build.Parser, new[]{ "Project", "Name", "Parents", "UnixMadeS" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DescribeBuildsRequest), global::Sweepstake.Protocol.V1.DescribeBuildsRequest.Parser, new[]{ "Builds" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DescribeBuildsRequest), global::Sweepstake.Protocol.V1.DescribeBuildsRequest.Parser, new[]{ "Builds", "Forget" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DescribeBuildsResponse), global::Sweepstake.Protocol.V1.DescribeBuildsResponse.Parser, null, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListBuildsRequest), global::Sweepstake.Protocol.V1.ListBuildsRequest.Parser, new[]{ "Project" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListBuildsResponse), global::Sweepstake.Protocol.V1.ListBuildsResponse.Parser, new[]{ "Builds" }, null, null, null, null),
@@ -3533,7 +3534,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixMadeSFieldNumber = 4;
     private long unixMadeS_;
     /// <summary>
-    /// When it was made, since 1970. Absent: unknown.
+    /// When it was made, since 1970, before the year 10000. Absent: unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3786,6 +3787,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public DescribeBuildsRequest(DescribeBuildsRequest other) : this() {
       builds_ = other.builds_.Clone();
+      forget_ = other.forget_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -3801,12 +3803,27 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(10, global::Sweepstake.Protocol.V1.Build.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build> builds_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build>();
     /// <summary>
-    /// Up to 200. Absent: none.
+    /// Up to 16. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build> Builds {
       get { return builds_; }
+    }
+
+    /// <summary>Field number for the "forget" field.</summary>
+    public const int ForgetFieldNumber = 2;
+    private bool forget_;
+    /// <summary>
+    /// True: what was said of them is forgotten, and only their project and name count. Absent: it is what their fields say.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Forget {
+      get { return forget_; }
+      set {
+        forget_ = value;
+      }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -3825,6 +3842,7 @@ namespace Sweepstake.Protocol.V1 {
         return true;
       }
       if(!builds_.Equals(other.builds_)) return false;
+      if (Forget != other.Forget) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -3833,6 +3851,7 @@ namespace Sweepstake.Protocol.V1 {
     public override int GetHashCode() {
       int hash = 1;
       hash ^= builds_.GetHashCode();
+      if (Forget != false) hash ^= Forget.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -3852,6 +3871,10 @@ namespace Sweepstake.Protocol.V1 {
       output.WriteRawMessage(this);
     #else
       builds_.WriteTo(output, _repeated_builds_codec);
+      if (Forget != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Forget);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3863,6 +3886,10 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
       builds_.WriteTo(ref output, _repeated_builds_codec);
+      if (Forget != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Forget);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -3874,6 +3901,9 @@ namespace Sweepstake.Protocol.V1 {
     public int CalculateSize() {
       int size = 0;
       size += builds_.CalculateSize(_repeated_builds_codec);
+      if (Forget != false) {
+        size += 1 + 1;
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -3887,6 +3917,9 @@ namespace Sweepstake.Protocol.V1 {
         return;
       }
       builds_.Add(other.builds_);
+      if (other.Forget != false) {
+        Forget = other.Forget;
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -3910,6 +3943,10 @@ namespace Sweepstake.Protocol.V1 {
             builds_.AddEntriesFrom(input, _repeated_builds_codec);
             break;
           }
+          case 16: {
+            Forget = input.ReadBool();
+            break;
+          }
         }
       }
     #endif
@@ -3931,6 +3968,10 @@ namespace Sweepstake.Protocol.V1 {
             break;
           case 10: {
             builds_.AddEntriesFrom(ref input, _repeated_builds_codec);
+            break;
+          }
+          case 16: {
+            Forget = input.ReadBool();
             break;
           }
         }
