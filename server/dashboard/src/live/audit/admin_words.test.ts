@@ -43,4 +43,6 @@ it('does not take a name for who did it', () => {
 it('leaves what it does not know as it is', () => {
   expect(said('action=dance steps=3')).toBe('ann: action=dance steps=3.');
   expect(said('revoke token x')).toBe('ann: revoke token x.');
+  expect(said('action=describe-builds {"builds":7}')).toBe('ann: action=describe-builds {"builds":7}.');
+  expect(said('action=describe-builds {"builds":}')).toBe('ann: action=describe-builds {"builds":}.');
 });

@@ -20,8 +20,8 @@ function sourcesWords([, sources, records, project, source, build, token, from, 
 }
 
 /** What was said of builds is a DescribeBuildsRequest as JSON. */
-function buildsWords(text: string | undefined): string {
-  const { builds = [], forget } = JSON.parse(text ?? '') as { builds?: { project: string; name: string; parents?: string[] }[]; forget?: boolean };
+function buildsWords(text: string): string {
+  const { builds = [], forget } = JSON.parse(text) as { builds?: { project: string; name: string; parents?: string[] }[]; forget?: boolean };
   return builds.map(({ project, name, parents = [] }) => `build ${name} of ${project} ${forget ? 'is to be forgotten' : `was made from ${parents.join(' and ') || 'none'}`}`).join(', and ');
 }
 
@@ -38,7 +38,7 @@ const SENTENCES: Readonly<Record<string, [pattern: RegExp, say: (match: RegExpEx
   'import': [/^records=(\d+) applied=(\d+) promoted=(yes|no)$/, ([, records, applied, promoted], who) =>
     `${who} imported ${counted(records, 'record')}, ${applied} of them new or newer, which ${promoted === 'yes' ? 'count at once' : 'wait in quarantine'}.`],
   'read-recording': [/^session=(\S+) recording=(\d+)$/, ([, session, recording], who) => `${who} read recording ${recording} of session ${session}.`],
-  'describe-builds': [/^(\{.*\})$/s, ([, builds], who) => `${who} said that ${buildsWords(builds)}.`],
+  'describe-builds': [/^(\{.*\})$/s, ([, builds], who) => `${who} said that ${buildsWords(builds!)}.`],
   'token': [/^$/, (_, who) => `${who.charAt(0).toUpperCase()}${who.slice(1)}.`], // who made it is part of that
 };
 
@@ -50,5 +50,8 @@ export function actionText(row: AuditRow): string {
   const [, action = '', rest = ''] = /^action=(\S+) ?(.*)$/s.exec(what) ?? [];
   const [pattern, say] = SENTENCES[action] ?? [];
   const match = pattern?.exec(rest);
-  return match ? say!(match, who) : `${who}: ${what}.`;
+  try {
+    if (match) return say!(match, who);
+  } catch { /* it is not the JSON that it looks like */ }
+  return `${who}: ${what}.`;
 }
