@@ -9,14 +9,13 @@
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
+#include "server/priors/pooling/build_lineage.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr int64_t kMaxUnixMadeS = 253'402'300'799;  // the end of the year 9999, as daemons have it
 
 struct BuildsOptions {
   DaemonOptions daemon;
@@ -135,7 +134,7 @@ void AddPriorsBuildsCommands(CLI::App& priors, Terminal& terminal, int& exit_cod
         CLI::Option* const made =
             command
                 .add_option("--made", options.unix_made_s, "When it was made (default: unknown)")
-                ->check(CLI::Range(int64_t{0}, kMaxUnixMadeS))
+                ->check(CLI::Range(int64_t{0}, priors::kMaxUnixMadeS))
                 ->type_name("UNIX_S");
         command.add_flag("--forget", options.forget, "Forget what was said of it")
             ->excludes("--parent")

@@ -83,7 +83,8 @@ absl::string_view WrongBuild(const priors::Build& build) {
     if (parent == build.name) return "a build is not its own parent";
     if (i > 0 && !(build.parents[i - 1] < parent)) return "parents must ascend, each once";
   }
-  if (build.unix_made_s > priors::kMaxUnixMadeS) return "unix_made_s must be before the year 10000";
+  if (build.unix_made_s > uint64_t{priors::kMaxUnixMadeS})
+    return "unix_made_s must be before the year 10000";
   return {};
 }
 

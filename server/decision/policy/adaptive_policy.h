@@ -116,8 +116,8 @@ class AdaptivePolicy : public Policy {
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<Ban> bans_;
-  std::vector<bool> was_live_;  // arms with a live window in this session
-  std::vector<bool> trial_ended_;
+  std::vector<bool> was_live_;     // arms with a live window in this session
+  std::vector<bool> trial_ended_;  // arms of which a trial has ended early
   // What DropContradictedPriors compares: the cheapest arm by the priors, while they are held, and
   // the log-cost of the lane's first visit to each arm with a prior.
   std::optional<uint32_t> expected_arm_;

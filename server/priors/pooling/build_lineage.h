@@ -21,8 +21,8 @@ struct Build {
 };
 
 inline constexpr size_t kMaxParents = 8;
-inline constexpr uint64_t kMaxBuilds = 10'000;              // of a project
-inline constexpr uint64_t kMaxUnixMadeS = 253'402'300'799;  // the end of the year 9999
+inline constexpr uint64_t kMaxBuilds = 10'000;             // of a project
+inline constexpr int64_t kMaxUnixMadeS = 253'402'300'799;  // the end of the year 9999
 
 // A place in the builds, which are ordered by project and name. By default before all.
 struct BuildPlace {

@@ -272,7 +272,7 @@ absl::Status CheckBuild(const v1::Build& build) {
     if (parent == build.name()) return Invalid("a build is not its own parent");
   }
   if (build.unix_made_s() < 0) return Invalid("unix_made_s must not be negative");
-  if (build.unix_made_s() > static_cast<int64_t>(priors::kMaxUnixMadeS))
+  if (build.unix_made_s() > priors::kMaxUnixMadeS)
     return Invalid("unix_made_s, in seconds, must be before the year 10000");
   return absl::OkStatus();
 }

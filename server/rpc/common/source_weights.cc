@@ -30,7 +30,7 @@ absl::StatusOr<decision::BuildFamily> LoadFamily(priors::PriorReader& store,
                                                  const std::string& build,
                                                  std::set<std::string> others) {
   std::vector<priors::Build> family;
-  std::set<std::string>& names = others;
+  std::set<std::string> names = std::move(others);
   names.insert(build);
   names.erase("");
   std::vector<std::string> next(names.begin(), names.end());

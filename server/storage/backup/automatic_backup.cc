@@ -126,8 +126,8 @@ std::string DescribeDamagedRows(const fs::path& path) {
   return absl::StrCat(
       *count, " rows of ", path.string(),
       " are not what was written: scenes have no priors where it is their evidence, sessions are "
-      "not resumed, and builds count as if nothing had been said of them; look at the disk, and "
-      "restore a backup");
+      "not resumed, and what they say of builds is not known; look at the disk, and restore a "
+      "backup");
 }
 
 // What can be done where there is no database to go on with.

@@ -14,11 +14,14 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "engine_client/telemetry/error_reason.h"
+#include "server/audit/audit_log.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/store_thread.h"
+#include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/rpc/holding_store.h"
 #include "tests/server/rpc/log_text.h"
@@ -258,6 +261,19 @@ class RpcTest : public ::testing::Test {
     Tick();
     client.AwaitAcknowledgement(1);
     return welcome;
+  }
+  // Returns what administrators did, as the log has it for the holder of the token "NAME-token".
+  std::vector<std::string> AdminRows(const std::string& name = "all") {
+    grpc::ClientContext context;
+    context.AddMetadata("authorization", "Bearer " + name + "-token");
+    v1::ExportDecisionsRequest request;
+    request.set_session_id(std::string(decision::kAdminSession));
+    const auto reader = v1::AuditService::NewStub(channel_)->ExportDecisions(&context, request);
+    std::vector<std::string> rows;
+    for (v1::ExportDecisionsResponse part; reader->Read(&part);)
+      rows.insert(rows.end(), part.rows().begin(), part.rows().end());
+    EXPECT_TRUE(reader->Finish().ok());
+    return rows;
   }
   // Makes one decision tick; the caller waits for what follows from it.
   void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }

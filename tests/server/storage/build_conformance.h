@@ -72,7 +72,7 @@ TEST_P(BuildConformance, AreListedByPagesAndByProject) {
 TEST_P(BuildConformance, WhatIsNoBuildChangesNothing) {
   ASSERT_TRUE(Describe({Build("1", {})}).ok());
   priors::Build too_late = Build("3", {});
-  too_late.unix_made_s = priors::kMaxUnixMadeS + 1;
+  too_late.unix_made_s = uint64_t{priors::kMaxUnixMadeS} + 1;
   const std::vector<priors::Build> wrong[] = {
       {Build("2", {"1"}), Build("", {})},
       {Build("2", {"1"}), Build("3", {"3"})},

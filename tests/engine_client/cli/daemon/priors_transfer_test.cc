@@ -248,11 +248,21 @@ TEST(PriorsCommand, SaysWhatABuildWasMadeFrom) {
   EXPECT_EQ(asked.builds(0).name(), "1.3");
   EXPECT_THAT(asked.builds(0).parents(), ::testing::ElementsAre("1.2", "fix"));
   EXPECT_EQ(asked.builds(0).unix_made_s(), 70);
+  EXPECT_FALSE(asked.forget());
   EXPECT_EQ(nlohmann::json::parse(RunCommand(command + " --json").out)["parents"][1], "fix");
   daemon.priors.describe_status = grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "not you");
   const CommandRun refused = RunCommand(command);
   EXPECT_NE(refused.exit_code, 0);
   EXPECT_THAT(refused.err, HasSubstr("not you"));
+}
+
+TEST(PriorsCommand, ForgetsWhatWasSaidOfABuild) {
+  FakeDaemonServices daemon;
+  const std::string command =
+      "priors describe --project p --build 1.O --forget --daemon " + daemon.address();
+  EXPECT_EQ(RunCommand(command).out, "build 1.O of p is forgotten\n");
+  EXPECT_TRUE(daemon.priors.describe_request.get().forget());
+  EXPECT_NE(RunCommand(command + " --parent 1").exit_code, 0);
 }
 
 TEST(PriorsCommand, ShowsWhatWasSaidOfBuilds) {

@@ -83,6 +83,19 @@ TEST_F(BuildsTest, MoreThanAMessageHoldsComeInSeveral) {
   EXPECT_EQ(listed.back(), "game b: a1");
 }
 
+TEST_F(BuildsTest, WhatARequestSaysIsOneRowOfTheLog) {
+  ASSERT_TRUE(Describe({Build("1.1", {"1.0", "a, b"}), Build("1.0", {})}).ok());
+  ASSERT_TRUE(Eventually([&] { return !AdminRows().empty(); }));
+  ASSERT_TRUE(Describe({Build("1.1", {})}, "all", /*forget=*/true).ok());
+  ASSERT_TRUE(Eventually([&] { return AdminRows().size() > 1; }));
+  const std::vector<std::string> rows = AdminRows();
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_THAT(rows[0], HasSubstr("action=describe-builds {"));
+  EXPECT_THAT(rows[0], HasSubstr("a\\, b"));
+  EXPECT_THAT(rows[0], HasSubstr("1.0"));
+  EXPECT_THAT(rows[1], HasSubstr("forget"));
+}
+
 TEST_F(BuildsTest, WhatIsForgottenIsNotListed) {
   ASSERT_TRUE(Describe({Build("1.1", {"1.0"}), Build("1.O", {})}).ok());
   ASSERT_TRUE(Describe({Build("1.O", {})}, "all", /*forget=*/true).ok());

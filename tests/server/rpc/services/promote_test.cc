@@ -1,6 +1,4 @@
 // What an import brings waits in quarantine until somebody who may lets it count.
-#include "server/audit/audit_log.h"
-#include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -69,18 +67,6 @@ class PromoteTest : public RpcTest {
       records.insert(records.end(), part.records().begin(), part.records().end());
     EXPECT_TRUE(reader->Finish().ok());
     return records;
-  }
-  std::vector<std::string> AdminRows() {
-    v1::ExportDecisionsRequest request;
-    request.set_session_id(std::string(decision::kAdminSession));
-    const auto context = As("all");
-    const auto reader =
-        v1::AuditService::NewStub(channel_)->ExportDecisions(context.get(), request);
-    std::vector<std::string> rows;
-    for (v1::ExportDecisionsResponse part; reader->Read(&part);)
-      rows.insert(rows.end(), part.rows().begin(), part.rows().end());
-    EXPECT_TRUE(reader->Finish().ok());
-    return rows;
   }
   // The alpha that a new session begins with.
   double AlphaOfASession() {

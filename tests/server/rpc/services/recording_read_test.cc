@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "server/audit/rederive.h"
-#include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -65,18 +64,6 @@ class RecordingReadTest : public RpcTest {
     request.mutable_recording_part()->set_request_id(request_id);
     request.mutable_recording_part()->set_data(data);
     return request;
-  }
-  std::vector<std::string> AdminRows() {
-    grpc::ClientContext context;
-    context.AddMetadata("authorization", "Bearer all-token");
-    v1::ExportDecisionsRequest request;
-    request.set_session_id(std::string(decision::kAdminSession));
-    const auto reader = v1::AuditService::NewStub(channel_)->ExportDecisions(&context, request);
-    std::vector<std::string> rows;
-    v1::ExportDecisionsResponse page;
-    while (reader->Read(&page)) rows.insert(rows.end(), page.rows().begin(), page.rows().end());
-    EXPECT_TRUE(reader->Finish().ok());
-    return rows;
   }
 
   ScriptedTokens tokens_;

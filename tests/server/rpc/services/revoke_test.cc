@@ -1,6 +1,4 @@
 // Evidence is taken out again: of which sources, by whom, and that nothing of it is left.
-#include "server/audit/audit_log.h"
-#include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -47,18 +45,6 @@ class RevokeTest : public RpcTest {
     const grpc::Status status = Revoke(request);
     EXPECT_TRUE(status.ok()) << status.error_message();
     return revoked_;
-  }
-  std::vector<std::string> AdminRows() {
-    grpc::ClientContext context;
-    context.AddMetadata("authorization", "Bearer all-token");
-    v1::ExportDecisionsRequest request;
-    request.set_session_id(std::string(decision::kAdminSession));
-    const auto reader = v1::AuditService::NewStub(channel_)->ExportDecisions(&context, request);
-    std::vector<std::string> rows;
-    for (v1::ExportDecisionsResponse part; reader->Read(&part);)
-      rows.insert(rows.end(), part.rows().begin(), part.rows().end());
-    EXPECT_TRUE(reader->Finish().ok());
-    return rows;
   }
 
   ScriptedTokens tokens_;

@@ -4,7 +4,6 @@
 #include <thread>
 
 #include "server/audit/rederive.h"
-#include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
@@ -56,19 +55,7 @@ class AdminLogTest : public RpcTest {
     writer->WritesDone();
     EXPECT_TRUE(writer->Finish().ok());
   }
-  // Returns the log of the session kAdminSession as `name` may see it.
-  std::vector<std::string> Log(const std::string& name = "ann") {
-    const auto context = As(name);
-    v1::ExportDecisionsRequest request;
-    request.set_session_id(std::string(decision::kAdminSession));
-    const auto reader =
-        v1::AuditService::NewStub(channel_)->ExportDecisions(context.get(), request);
-    std::vector<std::string> rows;
-    for (v1::ExportDecisionsResponse part; reader->Read(&part);)
-      rows.insert(rows.end(), part.rows().begin(), part.rows().end());
-    EXPECT_TRUE(reader->Finish().ok());
-    return rows;
-  }
+  std::vector<std::string> Log(const std::string& name = "ann") { return AdminRows(name); }
   [[nodiscard]] bool LogHas(size_t rows) {
     return Eventually([&] { return Log().size() == rows; });
   }
