@@ -52,39 +52,60 @@ int RunList(const PriorsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-std::string DescribeFolded(const ExportResult& result) {
-  if (result.folded_record_count == 0) return "";
-  return std::to_string(result.folded_record_count) + " more of old sessions, with " +
-         std::to_string(result.folded_window_count) +
+std::string DescribeFolded(const FoldedCounts& folded) {
+  if (folded.records == 0) return "";
+  return std::to_string(folded.records) + " more of old sessions, with " +
+         std::to_string(folded.windows) +
          " windows, were left out: the daemon has folded them together (fold_days)\n";
 }
 
+// A file that is to be written.
+struct ExportText {
+  std::string text = {};
+  uint64_t count = 0;  // of the records or sums in it
+  FoldedCounts folded = {};
+};
+
+Result<ExportText> TextOfSums(const PriorsOptions& options) {
+  SumsWriter sums;
+  const auto folded = StreamPriors(options.daemon, options.project, options.scene, Exported::kAll,
+                                   [&](PriorRecord record) { sums.Add(std::move(record)); });
+  if (!folded.ok()) return folded.status();
+  ExportText file = {.folded = *folded};
+  file.text = sums.Finish(file.count);
+  return file;
+}
+
+Result<ExportText> TextOfRecords(const PriorsOptions& options) {
+  const auto result = ExportPriors(options.daemon, options.project, options.scene);
+  if (!result.ok()) return result.status();
+  return ExportText{FormatPriors(result->records), result->records.size(), result->folded};
+}
+
 int RunExport(const PriorsOptions& options, Terminal& terminal) {
-  auto result = ExportPriors(options.daemon, options.project, options.scene);
-  if (!result.ok()) return FailAnswer(terminal, result.status());
-  const size_t count = result->records.size();
+  const auto file = options.sums ? TextOfSums(options) : TextOfRecords(options);
+  if (!file.ok()) return FailAnswer(terminal, file.status());
   const bool selects = !options.project.empty() || !options.scene.empty();
-  if (selects && count == 0) {
+  if (selects && file->count == 0) {
     return FailAnswer(terminal, Status(StatusCode::kNotFound,
                                        "the daemon has no such records, and " + options.file +
                                            " is left as it was; `sweepstake priors list` shows "
                                            "which it has"));
   }
-  const std::vector<PriorRecord> records =
-      options.sums ? SumByBuild(std::move(result->records)) : std::move(result->records);
-  const Status written = WritePriorsFile(records, options.file);
+  const Status written = WritePriorsText(file->text, options.file);
   if (!written.ok()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
   }
   const Json document = {{"command", "priors export"},
                          {"file", options.file},
-                         {"records", records.size()},
+                         {"records", file->count},
                          {"sums", options.sums},
-                         {"folded_records", result->folded_record_count},
-                         {"folded_windows", result->folded_window_count}};
+                         {"folded_records", file->folded.records},
+                         {"folded_windows", file->folded.windows}};
   PrintResult(terminal, options.json, document,
-              options.file + ": " + std::to_string(records.size()) +
-                  (options.sums ? " sums of builds\n" : " records\n") + DescribeFolded(*result));
+              options.file + ": " + std::to_string(file->count) +
+                  (options.sums ? " sums of builds\n" : " records\n") +
+                  DescribeFolded(file->folded));
   return kDone;
 }
 

@@ -1,6 +1,7 @@
 // Reads a daemon's evidence, and adds to it, through the PriorsService.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,12 +12,16 @@
 
 namespace sweepstake::cli {
 
+// Records of old sessions that the daemon has folded together and leaves out of an export, and the
+// decision windows behind them.
+struct FoldedCounts {
+  uint64_t records = 0;
+  uint64_t windows = 0;
+};
+
 struct ExportResult {
   std::vector<PriorRecord> records;
-  // Records of old sessions that the daemon has folded together and leaves out, and the decision
-  // windows behind them.
-  uint64_t folded_record_count = 0;
-  uint64_t folded_window_count = 0;
+  FoldedCounts folded;
 };
 
 struct ImportResult {
@@ -34,6 +39,11 @@ enum class Exported : uint8_t { kAll, kQuarantined };
 // An empty `project` or `scene` selects all. Error: kUnavailable (no daemon answered).
 Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string& project,
                                   const std::string& scene, Exported what = Exported::kAll);
+// Hands over the records one by one as they come: scene by scene, what waits behind all that
+// counts.
+Result<FoldedCounts> StreamPriors(const DaemonOptions& daemon, const std::string& project,
+                                  const std::string& scene, Exported what,
+                                  const std::function<void(PriorRecord)>& on_record);
 // Adds all records or, on an error, none: to the quarantine, or with `promote` so that they count.
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon, std::span<const PriorRecord> records,
                                   bool promote = false);

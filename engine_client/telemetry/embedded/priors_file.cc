@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 constexpr std::string_view kFormat = "sweepstake-priors";
 constexpr int kVersion = 1;
 constexpr int kVersionOfSums = 2;
-constexpr uintmax_t kMaxFileBytes = uintmax_t{64} << 20;
+constexpr uintmax_t kMaxFileBytes = uintmax_t{128} << 20;
 constexpr size_t kMaxRecords = 200'000;
 
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
@@ -126,7 +126,7 @@ Status Unwritable(const std::filesystem::path& path) {
 }  // namespace
 
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
-  if (text.size() > kMaxFileBytes) return Broken("the priors are over 64 MiB");
+  if (text.size() > kMaxFileBytes) return Broken("the priors are over 128 MiB");
   RecordsReader records;
   SumsReader sums;
   std::string key;
@@ -165,7 +165,7 @@ Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& pat
     return Status(StatusCode::kNotFound, "there is no priors file " + path.string());
   }
   const uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || bytes > kMaxFileBytes) return Broken(path.string() + ": over 64 MiB or unreadable");
+  if (error || bytes > kMaxFileBytes) return Broken(path.string() + ": over 128 MiB or unreadable");
   std::string text(static_cast<size_t>(bytes), '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -178,6 +178,10 @@ Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& pat
 }
 
 Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path) {
+  return WritePriorsText(FormatPriors(records), path);
+}
+
+Status WritePriorsText(std::string_view text, const std::filesystem::path& path) {
   std::error_code error;
   // A device or a pipe must not be replaced by a file.
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
@@ -186,7 +190,7 @@ Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesyst
   std::filesystem::path partial = path;
   partial += ".partial";
   std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file << FormatPriors(records);
+  file << text;
   file.close();
   if (file) std::filesystem::rename(partial, path, error);
   if (file && !error) return {};

@@ -10,7 +10,7 @@
 // Sums of builds (priors_sums.h) make a version 2, a smaller one, of which ParsePriors returns the
 // sums as records.
 //
-// Bounds: 64 MiB, 200,000 records or 1,000,000 sums, names of 128 bytes. Errors are one line and
+// Bounds: 128 MiB, 200,000 records or 1,000,000 sums, names of 128 bytes. Errors are one line and
 // name the record, or the scene of sums, by its position from 0: kNotFound (no such file),
 // kDataLoss (broken content), kUnavailable (cannot be written).
 #pragma once
@@ -66,5 +66,7 @@ std::string FormatPriors(std::span<const PriorRecord> records);
 Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path);
 // Writes the file, which appears whole or not at all.
 Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path);
+// Likewise, of what FormatPriors or SumsWriter returned.
+Status WritePriorsText(std::string_view text, const std::filesystem::path& path);
 
 }  // namespace sweepstake

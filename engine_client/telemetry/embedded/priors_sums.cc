@@ -229,6 +229,33 @@ void AddTo(PriorRecord& sum, const PriorRecord& record) {
   sum.last_seen_unix_s = std::max(sum.last_seen_unix_s, record.last_seen_unix_s);
 }
 
+// The document of scenes that are added one after the other.
+class Document {
+ public:
+  // REQUIRES: all are sums, no two of one key, and all of a scene on a class of machines.
+  void Add(std::span<const PriorRecord> sums) {
+    const std::vector<const PriorRecord*> ordered = OrderedBy(SceneOf, sums);
+    for (auto from = ordered.begin(); from != ordered.end();) {
+      const auto to = std::find_if(from, ordered.end(), [&](const PriorRecord* record) {
+        return SceneOf(*record) != SceneOf(**from);
+      });
+      const std::string scene = SceneText({from, to}).Text();
+      checksum_.Add(Json::parse(scene));
+      scenes_ += (scenes_.empty() ? "\n" : ",\n") + scene;
+      from = to;
+    }
+  }
+
+  std::string Text() const {
+    return "{\"format\":\"sweepstake-priors\",\"version\":2,\"checksum\":\"" + checksum_.Text() +
+           "\",\"scenes\":[" + scenes_ + "]}\n";
+  }
+
+ private:
+  Checksum checksum_;
+  std::string scenes_;
+};
+
 }  // namespace
 
 std::vector<PriorRecord> SumByBuild(std::vector<PriorRecord> records) {
@@ -256,20 +283,39 @@ std::vector<PriorRecord> SumByBuild(std::vector<PriorRecord> records) {
 bool IsSum(const PriorRecord& record) { return record.source_id.starts_with(kSumMark); }
 
 std::string FormatSums(std::span<const PriorRecord> sums) {
-  const std::vector<const PriorRecord*> ordered = OrderedBy(SceneOf, sums);
-  Checksum checksum;
-  std::string scenes;
-  for (auto from = ordered.begin(); from != ordered.end();) {
-    const auto to = std::find_if(from, ordered.end(), [&](const PriorRecord* record) {
-      return SceneOf(*record) != SceneOf(**from);
-    });
-    const std::string scene = SceneText({from, to}).Text();
-    checksum.Add(Json::parse(scene));
-    scenes += (scenes.empty() ? "\n" : ",\n") + scene;
-    from = to;
+  Document document;
+  document.Add(sums);
+  return document.Text();
+}
+
+struct SumsWriter::State {
+  void EndScene() {
+    const std::vector<PriorRecord> sums = SumByBuild(std::exchange(records, {}));
+    document.Add(sums);
+    sum_count += sums.size();
   }
-  return "{\"format\":\"sweepstake-priors\",\"version\":2,\"checksum\":\"" + checksum.Text() +
-         "\",\"scenes\":[" + scenes + "]}\n";
+
+  Document document;
+  std::vector<PriorRecord> records;  // of the latest scene
+  uint64_t sum_count = 0;
+};
+
+SumsWriter::SumsWriter() : state_(std::make_unique<State>()) {}
+SumsWriter::~SumsWriter() = default;
+
+void SumsWriter::Add(PriorRecord record) {
+  if (record.is_quarantined) return;
+  std::vector<PriorRecord>& records = state_->records;
+  const bool begins = !records.empty() && (records.back().scene != record.scene ||
+                                           records.back().project != record.project);
+  if (begins) state_->EndScene();
+  records.push_back(std::move(record));
+}
+
+std::string SumsWriter::Finish(uint64_t& sum_count) {
+  state_->EndScene();
+  sum_count = state_->sum_count;
+  return state_->document.Text();
 }
 
 struct SumsReader::State {

@@ -36,6 +36,25 @@ bool IsSum(const PriorRecord& record);
 // REQUIRES: all are sums, no two of one key.
 std::string FormatSums(std::span<const PriorRecord> sums);
 
+// Makes the document of records that come scene by scene, as a daemon exports them, and holds those
+// of one scene at a time.
+class SumsWriter {
+ public:
+  SumsWriter();
+  ~SumsWriter();
+
+  // REQUIRES: those of a scene of a project, but for what waits in quarantine, come one after the
+  // other.
+  void Add(PriorRecord record);
+
+  // Returns the document, once. `sum_count` is the number of sums in it.
+  std::string Finish(uint64_t& sum_count);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 // Reads the scenes of a document, which are added one by one as they are parsed.
 class SumsReader {
  public:

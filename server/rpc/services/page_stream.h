@@ -1,7 +1,7 @@
-// A response stream that is read from the store page by page, as fast as the client reads. Every
-// streaming export uses it. One that makes no progress for RpcOptions::watcher_patience_ns, or is
-// not done within transfer_patience_ns, ends with DEADLINE_EXCEEDED; how many there may be at a
-// time is AccessControl's.
+// A response stream that is read from the store page by page, as fast as the client reads, one page
+// ahead of what is written. Every streaming export uses it. One that makes no progress for
+// RpcOptions::watcher_patience_ns, or is not done within transfer_patience_ns, ends with
+// DEADLINE_EXCEEDED; how many there may be at a time is AccessControl's.
 //
 // It is used on the decision loop; gRPC's callbacks run elsewhere and only post to the loop. It
 // owns itself until gRPC is done with it; results of the store find it through a weak pointer.
@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "absl/status/statusor.h"
@@ -51,10 +52,9 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   }
 
   void OnWriteDone(bool ok) override {
-    context_.loop.Post(
-        [this, ok] { ok ? LoadNext() : End(absl::CancelledError("the connection was lost")); });
+    context_.loop.Post([this, ok] { OnWritten(ok); });
   }
-  // A pending write fails, and a page that is being read is not written, so both end soon.
+  // A pending write fails, and so does that of a page that is being read, so both end soon.
   void OnCancel() override {}
   void OnDone() override {
     context_.loop.Post([this] { self_.reset(); });
@@ -85,32 +85,49 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     LoadNext();
   }
 
+  // At most one page is being read, or waits to be written.
   void LoadNext() {
-    last_progress_ns_ = context_.loop.clock().NowNs();
-    if (page_.last) return End(absl::OkStatus());
-    if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
-      return End(still);
     const bool submitted =
         context_.store.Read([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
                              place = page_.next](priors::PriorReader& store) {
           loop.Post([weak, page = load(store, place)]() mutable {
+            if (!page.ok()) page = StoreFailed(page.status());
             if (const auto self = weak.lock()) self->OnPage(std::move(page));
           });
         });
     if (!submitted) {
-      End(Refused(v1::ERROR_REASON_STORE_BUSY,
-                  "the prior store has too much to do; ask again later"));
+      OnPage(Refused(v1::ERROR_REASON_STORE_BUSY,
+                     "the prior store has too much to do; ask again later"));
     }
   }
 
   void OnPage(absl::StatusOr<Page> page) {
-    if (!page.ok()) return End(StoreFailed(page.status()));
-    page_ = *std::move(page);
+    ahead_ = std::move(page);
+    if (!writes_ && !ended_) WriteNext();
+  }
+
+  void WriteNext() {
+    if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
+      return End(still);
+    auto next = *std::exchange(ahead_, std::nullopt);
+    if (!next.ok()) return End(next.status());
+    page_ = *std::move(next);
     if (page_.empty) return End(absl::OkStatus());
+    writes_ = true;
     this->StartWrite(&page_.response);
+    if (!page_.last) LoadNext();
+  }
+
+  void OnWritten(bool ok) {
+    last_progress_ns_ = context_.loop.clock().NowNs();
+    writes_ = false;
+    if (!ok) return End(absl::CancelledError("the connection was lost"));
+    if (page_.last) return End(absl::OkStatus());
+    if (ahead_) WriteNext();
   }
 
   void End(const absl::Status& status) {
+    ended_ = true;
     context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
     context_.access.refusals().TellEnd(CallerOf(call_), status);
     this->Finish(ToGrpc(status, context_.counters));
@@ -120,8 +137,11 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   grpc::CallbackServerContext& call_;
   const auth::Principal caller_;
   const Load load_;
-  std::shared_ptr<PageStream> self_;  // keeps this object alive until OnDone
-  Page page_;                         // the latest page
+  std::shared_ptr<PageStream> self_;           // keeps this object alive until OnDone
+  Page page_;                                  // what is written, or was last
+  std::optional<absl::StatusOr<Page>> ahead_;  // the one behind it
+  bool writes_ = false;
+  bool ended_ = false;
   AccessControl::Share transfer_;
   int64_t last_progress_ns_ = 0;
   int64_t deadline_ns_ = Clock::kNever;

@@ -163,6 +163,68 @@ TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
   context.TryCancel();
 }
 
+// Has a page of records that is larger than what gRPC sends to a client that does not read, and
+// comes to the next page when it is released.
+class LongExport final : public storage::MemoryPriorStore {
+ public:
+  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& /*filter*/,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override {
+    if (after.source_number == 0)
+      return priors::ExportPage{.records = {limit, LongRecord()}, .next = {{}, 1}};
+    asked.set_value();
+    release.get_future().wait();
+    return priors::ExportPage{};
+  }
+
+  std::promise<void> asked;
+  std::promise<void> release;
+
+ private:
+  static priors::PriorRecord LongRecord() {
+    const std::string name(128, 'x');
+    priors::PriorRecord record;
+    record.key = {name, name, "", name, 1, name, 1};
+    record.source_id = record.build = name;
+    record.source_sequence = 1;
+    return record;
+  }
+};
+
+class WithLongExport {
+ protected:
+  LongExport reader_;
+};
+
+class PageAheadTest : public WithLongExport, public RpcTest {
+ protected:
+  PageAheadTest()
+      : RpcTest(std::make_unique<storage::MemoryPriorStore>(),
+                std::make_unique<LateReads>(reader_)) {}
+};
+
+TEST_F(PageAheadTest, APageIsReadWhileTheOneBeforeIsWritten) {
+  grpc::ClientContext context;
+  const auto records = v1::PriorsService::NewStub(channel_)->ExportPriors(&context, {});
+  reader_.asked.get_future().wait();
+  v1::ExportPriorsResponse page;
+  EXPECT_TRUE(records->Read(&page));
+  reader_.release.set_value();
+  EXPECT_FALSE(records->Read(&page));
+  EXPECT_TRUE(records->Finish().ok());
+}
+
+TEST_F(PageAheadTest, APageThatComesWhenItsClientIsGoneIsDropped) {
+  grpc::ClientContext context;
+  const auto records = v1::PriorsService::NewStub(channel_)->ExportPriors(&context, {});
+  reader_.asked.get_future().wait();
+  context.TryCancel();
+  EXPECT_EQ(records->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  reader_.release.set_value();
+  Flush();
+  EXPECT_FALSE(TelemetryClient(channel_).Open(HelloMessage()).session_id().empty());
+}
+
 // Otherwise the hub would add increments to sums that have them already.
 TEST(HubLoopTest, TheSumsOfASceneDoNotOvertakeTheNewsOfCommits) {
   ManualClock clock;

@@ -87,6 +87,34 @@ TEST(PriorsSums, AreWithoutWhatWaitsInQuarantine) {
   EXPECT_TRUE(SumByBuild(std::vector{waiting}).empty());
 }
 
+TEST(PriorsSums, AreThoseOfTheWholeWhereRecordsComeSceneByScene) {
+  std::vector<PriorRecord> records;
+  for (const char* project : {"a", "b"}) {
+    for (const char* scene : {"", "2"}) {
+      for (const char* machine_class : {"laptop", "desktop"}) {
+        for (const char* source : {"one", "two"}) {
+          PriorRecord& record = records.emplace_back(RecordOf(source, source, "SAP"));
+          record.project = project;
+          record.scene += scene;
+          record.machine_class = machine_class;
+        }
+      }
+    }
+  }
+  PriorRecord waiting = records.front();
+  waiting.is_quarantined = true;
+  SumsWriter writer;
+  for (const PriorRecord& record : records) writer.Add(record);
+  writer.Add(waiting);
+  uint64_t count = 0;
+  EXPECT_EQ(writer.Finish(count), FormatPriors(SumByBuild(records)));
+  EXPECT_EQ(count, records.size());
+  const auto nothing = ParsePriors(SumsWriter().Finish(count));
+  ASSERT_TRUE(nothing.ok()) << nothing.status().message();
+  EXPECT_TRUE(nothing->empty());
+  EXPECT_EQ(count, 0U);
+}
+
 TEST(PriorsSums, AreReadBackAsTheyWereWritten) {
   const std::vector<PriorRecord> sums = SomeSums();
   const std::string text = FormatPriors(sums);
