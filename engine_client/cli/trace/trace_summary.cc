@@ -131,8 +131,8 @@ TraceSummary SummarizeTrace(const CostTrace& trace) {
   SummarizeControl(trace, summary);
   const double best_ns = summary.arms[summary.best_arm].ms_mean / kMsPerNs * trace.frame_count;
   // Rounding could make these values negative.
-  summary.window_headroom = std::max(0.0, best_ns / SummarizeWindows(trace, summary) - 1);
-  summary.frame_headroom = std::max(0.0, best_ns / FrameOracleNs(trace) - 1);
+  summary.window_headroom = std::max(0.0, 1 - SummarizeWindows(trace, summary) / best_ns);
+  summary.frame_headroom = std::max(0.0, 1 - FrameOracleNs(trace) / best_ns);
   return summary;
 }
 

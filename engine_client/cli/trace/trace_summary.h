@@ -35,8 +35,8 @@ struct TraceSummary {
   double control_ratio = 1;
   double control_low = 1;
   double control_high = 1;
-  // Total time of the best fixed arm ÷ that of the oracle, minus 1: the oracle takes the cheapest
-  // arm of every frame, or of every window.
+  // 1 − total time of the oracle ÷ that of the best fixed arm: the oracle takes the cheapest arm of
+  // every frame, or of every window.
   double frame_headroom = 0;
   double window_headroom = 0;
 

@@ -55,6 +55,19 @@ TEST(TraceOutput, TheTableNamesTheBestFixedArmAndTheControl) {
   EXPECT_THAT(text.str(), HasSubstr("a second SAP takes 1.0000 of the first one's time"));
 }
 
+TEST(TraceOutput, FitsATerminalWithTheLongestNameAndShare) {
+  SyntheticTrace synthetic;
+  synthetic.arms = {"BruteForce", "KDTree"};
+  synthetic.detection_ns = [](uint32_t frame, uint32_t arm) {
+    return frame % 2 == arm ? uint64_t{1'000'000} : uint64_t{3'000'000};
+  };
+  const CostTrace trace = MakeTrace(synthetic);
+  std::stringstream text;
+  PrintTrace(trace, SummarizeTrace(trace), "x.costs", text);
+  EXPECT_THAT(text.str(), HasSubstr("would save 50.0 % of it"));
+  for (std::string line; std::getline(text, line);) EXPECT_LE(line.size(), 80U) << line;
+}
+
 TEST(TraceOutput, WarnsOfAControlThatIsTooFarOffAndOfNoOther) {
   CostTrace trace = OneAndTwoMs();
   std::ostringstream fair;

@@ -230,8 +230,8 @@ TEST(TraceSummary, NamesTheBestFixedArmAndWhatTheOracleWouldSave) {
   EXPECT_DOUBLE_EQ(summary.arms[1].best_ratio, 0.5);
   EXPECT_DOUBLE_EQ(summary.arms[1].held_ratio, 1.0 / 40);
   EXPECT_DOUBLE_EQ(summary.arms[1].build_ms, 50);
-  EXPECT_DOUBLE_EQ(summary.window_headroom, 20.0 / 15 - 1);
-  EXPECT_DOUBLE_EQ(summary.frame_headroom, 20.0 / 15 - 1);
+  EXPECT_DOUBLE_EQ(summary.window_headroom, 1 - 15.0 / 20);
+  EXPECT_DOUBLE_EQ(summary.frame_headroom, 1 - 15.0 / 20);
   EXPECT_EQ(summary.object_count_min, 10U);
   EXPECT_EQ(summary.object_count_max, 49U);
   EXPECT_DOUBLE_EQ(summary.pair_count_mean, 19.5);
