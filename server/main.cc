@@ -15,6 +15,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -210,6 +211,13 @@ int Probe(const Config& config) {
   return kDone;
 }
 
+// Threads of gRPC may still be ending the connection: they must not do so while exit() ends the
+// libraries that they use.
+[[noreturn]] void EndBesideThreads(int code) {
+  std::cout.flush();
+  std::_Exit(code);
+}
+
 // Returns the given commands, each behind the one that it belongs to; the first is the program.
 std::vector<const CLI::App*> GivenCommands(const CLI::App& app) {
   std::vector<const CLI::App*> given = {&app};
@@ -331,7 +339,7 @@ int main(int argc, char** argv) {
     std::cout << PrintConfig(*config);
     return kDone;
   }
-  if (app.got_subcommand("probe")) return Probe(*config);
+  if (app.got_subcommand("probe")) EndBesideThreads(Probe(*config));
   if (app.got_subcommand("token")) {
     const absl::Status status = line.token.Run(config->data, std::cout, std::cerr);
     return status.ok() ? kDone : Fail(kCheckFailed, std::string(status.message()));
