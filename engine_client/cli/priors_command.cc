@@ -87,10 +87,11 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
   if (!file.ok()) return FailAnswer(terminal, file.status());
   const bool selects = !options.project.empty() || !options.scene.empty();
   if (selects && file->count == 0) {
-    return FailAnswer(terminal, Status(StatusCode::kNotFound,
-                                       "the daemon has no such records, and " + options.file +
-                                           " is left as it was; `sweepstake priors list` shows "
-                                           "which it has"));
+    const std::string none = options.sums ? "no such records that count" : "no such records";
+    return FailAnswer(
+        terminal, Status(StatusCode::kNotFound,
+                         "the daemon has " + none + ", and " + options.file +
+                             " is left as it was; `sweepstake priors list` shows which it has"));
   }
   const Status written = WritePriorsText(file->text, options.file);
   if (!written.ok()) {

@@ -90,6 +90,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     const bool submitted =
         context_.store.Read([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
                              place = page_.next](priors::PriorReader& store) {
+          if (weak.expired()) return;  // it ended while the page before was written
           loop.Post([weak, page = load(store, place)]() mutable {
             if (!page.ok()) page = StoreFailed(page.status());
             if (const auto self = weak.lock()) self->OnPage(std::move(page));
