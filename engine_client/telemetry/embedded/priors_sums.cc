@@ -304,7 +304,6 @@ SumsWriter::SumsWriter() : state_(std::make_unique<State>()) {}
 SumsWriter::~SumsWriter() = default;
 
 void SumsWriter::Add(PriorRecord record) {
-  if (record.is_quarantined) return;
   std::vector<PriorRecord>& records = state_->records;
   const bool begins = !records.empty() && (records.back().scene != record.scene ||
                                            records.back().project != record.project);

@@ -121,17 +121,23 @@ class LateReads final : public storage::ReadConnection {
   priors::PriorReader& reader_;
 };
 
-class WithLateReader {
+// Made before the store and its threads.
+template <typename Reader>
+class WithReader {
  protected:
-  LateReader reader_;
+  Reader reader_;
 };
 
-class LatePageTest : public WithLateReader, public RpcTest {
+// What reads the store, but for commits, reads another one.
+template <typename Reader>
+class OtherReaderTest : public WithReader<Reader>, public RpcTest {
  protected:
-  LatePageTest()
+  OtherReaderTest()
       : RpcTest(std::make_unique<storage::MemoryPriorStore>(),
-                std::make_unique<LateReads>(reader_)) {}
+                std::make_unique<LateReads>(this->reader_)) {}
 };
+
+using LatePageTest = OtherReaderTest<LateReader>;
 
 TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
   const auto old = OneWindowOf("a");
@@ -163,15 +169,15 @@ TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
   context.TryCancel();
 }
 
-// Has a page of records that is larger than what gRPC sends to a client that does not read, and
-// comes to the next page when it is released.
+// Has a page of records that is far larger than what gRPC takes for a client that does not read,
+// and comes to the next page when it is released.
 class LongExport final : public storage::MemoryPriorStore {
  public:
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& /*filter*/,
                                             const priors::ExportPlace& after,
                                             uint32_t limit) override {
     if (after.source_number == 0)
-      return priors::ExportPage{.records = {limit, LongRecord()}, .next = {{}, 1}};
+      return priors::ExportPage{.records = {size_t{10} * limit, LongRecord()}, .next = {{}, 1}};
     asked.set_value();
     release.get_future().wait();
     return priors::ExportPage{};
@@ -191,22 +197,22 @@ class LongExport final : public storage::MemoryPriorStore {
   }
 };
 
-class WithLongExport {
+class PageAheadTest : public OtherReaderTest<LongExport> {
  protected:
-  LongExport reader_;
-};
+  // Begins an export that nobody reads from, whose next page is asked for.
+  std::unique_ptr<grpc::ClientReader<v1::ExportPriorsResponse>> Begin() {
+    auto records = v1::PriorsService::NewStub(SmallWindowChannel())->ExportPriors(&context_, {});
+    const auto asked = reader_.asked.get_future();
+    EXPECT_TRUE(Eventually(
+        [&] { return asked.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }));
+    return records;
+  }
 
-class PageAheadTest : public WithLongExport, public RpcTest {
- protected:
-  PageAheadTest()
-      : RpcTest(std::make_unique<storage::MemoryPriorStore>(),
-                std::make_unique<LateReads>(reader_)) {}
+  grpc::ClientContext context_;
 };
 
 TEST_F(PageAheadTest, APageIsReadWhileTheOneBeforeIsWritten) {
-  grpc::ClientContext context;
-  const auto records = v1::PriorsService::NewStub(channel_)->ExportPriors(&context, {});
-  reader_.asked.get_future().wait();
+  const auto records = Begin();
   v1::ExportPriorsResponse page;
   EXPECT_TRUE(records->Read(&page));
   reader_.release.set_value();
@@ -215,10 +221,8 @@ TEST_F(PageAheadTest, APageIsReadWhileTheOneBeforeIsWritten) {
 }
 
 TEST_F(PageAheadTest, APageThatComesWhenItsClientIsGoneIsDropped) {
-  grpc::ClientContext context;
-  const auto records = v1::PriorsService::NewStub(channel_)->ExportPriors(&context, {});
-  reader_.asked.get_future().wait();
-  context.TryCancel();
+  const auto records = Begin();
+  context_.TryCancel();
   EXPECT_EQ(records->Finish().error_code(), grpc::StatusCode::CANCELLED);
   reader_.release.set_value();
   // It is read behind the page, by the same thread.

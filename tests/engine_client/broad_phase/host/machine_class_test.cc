@@ -29,9 +29,11 @@ TEST(MachineClass, NamesProcessorThreadsInstructionSetAndMemory) {
 
 TEST(MachineClass, IsAnotherOneWithLesserInstructions) {
   const std::string target(SimdTarget());
+  const std::string least(SimdTargets().back());
+  if (least == target) GTEST_SKIP() << "this machine has " << target << " alone";
   const std::string name = MachineClass();
-  ASSERT_TRUE(UseSimdTarget("scalar").ok());
-  EXPECT_THAT(MachineClass(), testing::HasSubstr("-scalar-"));
+  ASSERT_TRUE(UseSimdTarget(least).ok());
+  EXPECT_THAT(MachineClass(), testing::HasSubstr("-" + least + "-"));
   ASSERT_TRUE(UseSimdTarget(target).ok());
   EXPECT_EQ(MachineClass(), name);
 }

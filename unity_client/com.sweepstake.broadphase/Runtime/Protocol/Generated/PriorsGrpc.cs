@@ -155,7 +155,7 @@ namespace Sweepstake.Protocol.V1 {
       }
 
       /// <summary>
-      /// All matching evidence, in a stable order; what waits in quarantine comes last.
+      /// All matching evidence, scene by scene, in a stable order; what waits in quarantine comes last.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -168,7 +168,7 @@ namespace Sweepstake.Protocol.V1 {
         return ExportPriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// All matching evidence, in a stable order; what waits in quarantine comes last.
+      /// All matching evidence, scene by scene, in a stable order; what waits in quarantine comes last.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
