@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "server/audit/audit_log.h"
 #include "server/storage/sqlite_prior_store.h"
+#include "tests/server/audit/audit_csv.h"
 
 namespace sweepstake::test_support {
 namespace {
@@ -38,16 +38,9 @@ std::vector<priors::SceneEvidence> ReadScenes(const std::filesystem::path& data)
 }
 
 std::string ReadAuditLog(const std::filesystem::path& data) {
-  const auto store = OpenStore(data);
-  std::string csv = decision::AuditHeader() + "\n";
-  const auto segments = store->ListAudit({}, 0, 1000);
-  if (!segments.ok()) Die(segments.status().ToString());
-  for (const priors::AuditSegment& segment : *segments) {
-    const auto rows = store->LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
-    if (!rows.ok()) Die(rows.status().ToString());
-    for (const priors::AuditRow& row : *rows) csv += row.text + "\n";
-  }
-  return csv;
+  auto csv = AuditCsv(*OpenStore(data));
+  if (!csv.ok()) Die(csv.status().ToString());
+  return *std::move(csv);
 }
 
 priors::Evidence TotalEvidence(const priors::SourceState& source) {

@@ -16,7 +16,7 @@ priors::SourceState ReadSource(const std::filesystem::path& data, const std::str
 // All scenes of the store; fails the test when they cannot be read.
 std::vector<priors::SceneEvidence> ReadScenes(const std::filesystem::path& data);
 
-// The audit log of all sessions in the store, as CSV.
+// The audit log of all sessions in the store, as AuditCsv has it.
 std::string ReadAuditLog(const std::filesystem::path& data);
 
 // Evidence of a source, summed over arms.

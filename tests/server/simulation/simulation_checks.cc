@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
-#include "server/audit/audit_log.h"
 #include "server/audit/rederive.h"
 #include "server/storage/backup/sqlite_backup.h"
+#include "tests/server/audit/audit_csv.h"
 #include "tests/server/simulation/simulation.h"
 
 namespace sweepstake::simulation {
@@ -111,22 +111,9 @@ void Simulation::CheckSession(const std::string& id, const SentSession& sent,
 }
 
 void Simulation::CheckAudit(priors::PriorStore& store) {
-  const auto segments = store.ListAudit({}, 0, 10'000);
-  if (!segments.ok()) return Complain("no audit log: " + segments.status().ToString());
-  std::string csv = decision::AuditHeader() + "\n";
-  for (const priors::AuditSegment& segment : *segments) {
-    const auto rows = store.LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
-    if (!rows.ok()) return Complain("no audit rows: " + rows.status().ToString());
-    uint64_t next = 1;
-    for (const priors::AuditRow& row : *rows) {
-      // As the audit service marks rows that the disk has refused.
-      if (row.number != next)
-        csv += decision::MissingRow(segment.session_id, segment.segment, next) + "\n";
-      next = row.number + 1;
-      csv += row.text + "\n";
-    }
-  }
-  const decision::AuditReport report = decision::Rederive(csv);
+  const auto csv = test_support::AuditCsv(store);
+  if (!csv.ok()) return Complain("no audit log: " + csv.status().ToString());
+  const decision::AuditReport report = decision::Rederive(*csv);
   if (report.difference) Complain("a decision differs: " + report.difference->Text());
   tally_.derived_decisions = report.decision_count;
 }
