@@ -343,17 +343,21 @@ TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {
   const ProgramRun listed = RunProgram("audit list --json --daemon " + daemon.address());
   ASSERT_EQ(listed.exit_code, 0) << listed.err;
   const json segments = json::parse(listed.out)["segments"];
-  ASSERT_EQ(segments.size(), 1U);
-  EXPECT_EQ(segments[0]["session_id"], json::parse(game.out)["session_id"]);
-  EXPECT_EQ(segments[0]["project"], "p");
+  // A game before it, which learnt nothing, may have begun a log.
+  ASSERT_FALSE(segments.empty());
+  const json& last = segments.back();
+  EXPECT_EQ(last["session_id"], json::parse(game.out)["session_id"]);
+  EXPECT_EQ(last["project"], "p");
   EXPECT_THAT(RunProgram("audit list --scene s --daemon " + daemon.address()).out,
-              HasSubstr(segments[0]["session_id"].get<std::string>()));
+              HasSubstr(last["session_id"].get<std::string>()));
+  uint64_t row_count = 0;
+  for (const json& segment : segments) row_count += segment["rows"].get<uint64_t>();
 
   const std::string file = (data.path() / "decisions.csv").string();
   const ProgramRun exported =
       RunProgram("audit export --project p --out " + file + " --daemon " + daemon.address());
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
-  EXPECT_EQ(exported.out, file + ": " + segments[0]["rows"].dump() + " rows\n");
+  EXPECT_EQ(exported.out, file + ": " + std::to_string(row_count) + " rows\n");
   EXPECT_EQ(exported.err, "");
   const ProgramRun nothing =
       RunProgram("audit export --project q --out " + file + "-none --daemon " + daemon.address());
@@ -361,7 +365,8 @@ TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {
   EXPECT_THAT(nothing.err, HasSubstr("the daemon has no such decisions"));
   const ProgramRun replayed = RunProgram("replay --log " + file);
   EXPECT_EQ(replayed.exit_code, 0);
-  EXPECT_THAT(replayed.out, HasSubstr("in 1 segment re-derived, all equal"));
+  EXPECT_THAT(replayed.out, HasSubstr("in " + std::to_string(segments.size()) + " segment"));
+  EXPECT_THAT(replayed.out, HasSubstr("re-derived, all equal"));
 
   std::ofstream(file, std::ios::app) << "one more line\n";
   const ProgramRun edited = RunProgram("replay --log " + file);
