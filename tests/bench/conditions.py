@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Judges AI Decides in replays under conditions: what the lane gets wrong, other work, flips, extreme scenes, tails.
+"""Judges AI Decides in replays under conditions: what the lane gets wrong, other work, flips, extreme scenes, new ones, tails.
 
 ROW is one of data/conditions.toml: which scenes are played under which conditions, beside which policies. The scenes of LIST
 are traced where their traces are not there yet, `sweepstake replay` plays them, and every goal that data/goals.toml has for
@@ -77,7 +77,7 @@ def replayed(program, games, traces, policies, words):
     return [dict(zip(policies, rows[at:at + len(policies)])) for at in range(0, len(rows), len(policies))]
 
 
-def cell_of(condition, game, rows, policy, peers):
+def cell_of(condition, game, rows, policy, peers, cold):
     own = rows[policy]
     cell = {"condition": condition, "cell": game["cell"], "category": game["category"], "flip_s": game["flip_s"],
             "headroom": own["headroom"], "regret": own["regret_best_fixed"], "ci95": own["ci95"],
@@ -85,6 +85,9 @@ def cell_of(condition, game, rows, policy, peers):
     for peer in peers:
         cell["regret_" + peer] = rows[peer]["regret_best_fixed"]
         cell["excess_" + peer] = cell["regret"] - cell["regret_" + peer]
+    if cold:
+        for figure in ("first_right", "regret_first_10_s"):
+            cell |= {figure: own[figure], figure + "_cold": cold[policy][figure]}
     return cell
 
 
@@ -97,8 +100,9 @@ def play(row, scenes, traces, plan, options, progress):
     cells, begin_s = [], time.monotonic()
     for number, name in enumerate(row["conditions"]):
         words = ["--seeds", options.seeds, "--run", options.run, *condition_words(plan["condition"][name], lane_model)]
-        results = replayed(options.program, games, traces, policies, words)
-        cells += [cell_of(name, game, rows, options.policy, row["peers"]) for game, rows in zip(games, results)]
+        results = replayed(options.program, games, traces, policies, [*words, "--priors", row.get("priors", "none")])
+        cold = replayed(options.program, games, traces, policies, words) if "priors" in row else [None] * len(games)
+        cells += [cell_of(name, game, rows, options.policy, row["peers"], other) for game, rows, other in zip(games, results, cold)]
         spent_s = time.monotonic() - begin_s
         left_s = spent_s / (number + 1) * (len(row["conditions"]) - number - 1)
         progress(f"{name}: condition {number + 1} of {len(row['conditions'])}, {len(games)} games of {len(policies)} policies, "
@@ -120,7 +124,7 @@ def run(options):
     row = plan["row"][options.row]
     scenes_path = options.list or DATA / row.get("list", "tuning_scenes.txt")
     raw = "-raw" if "repeats" in row else ""
-    traces = options.traces or ROOT / "build/traces" / (scenes_path.stem.removesuffix("_scenes") + raw)
+    traces = options.traces or ROOT / "build/traces" / (scenes_path.stem.removesuffix("_scenes").replace("_", "-") + raw)
     trace(scenes_path, traces, row, options)
     cells = play(row, read_scenes(scenes_path), traces, plan, options, lambda line: print(line, file=sys.stderr, flush=True))
     return {"command": "conditions", "row": options.row, "list": scenes_path.name, "policy": options.policy,

@@ -63,6 +63,8 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
                {"dominant", ArmName(report, row.scene, row.dominant_arm)},
                {"seeds", row.games.size()},
                {"first_best_s", OrNull(row.first_best_s)},
+               {"first_right", OrNull(row.first_right)},
+               {"regret_first_10_s", OrNull(row.opening_regret)},
                {"shadow_share", row.shadow_share},
                {"verdicts", VerdictsJson(row.verdict_shares)},
                {"regret_detection", row.ms.regret_ratio()},

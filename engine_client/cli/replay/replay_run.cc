@@ -194,6 +194,10 @@ void Game::Account(const decision::Frame& frame) {
     result_.start_up_frame_count = game_frame_;
   }
   if (!starting_up_) result_.after_start_up_ns += frame.frame_time_ns;
+  if (now_ns_ < kOpeningNs) {
+    result_.opening_frame_count = game_frame_ + 1;
+    result_.opening_ns += frame.frame_time_ns;
+  }
   result_.total_ns += frame.frame_time_ns;
   result_.active_ns[arm_] += frame.frame_time_ns;
 }
@@ -212,7 +216,10 @@ void Game::Flush() {
 void Game::TickUntil(int64_t now_ns) {
   while (session_.next_tick_ns() <= now_ns) {
     const int64_t due_ns = session_.next_tick_ns();
-    Accept(session_.Tick(due_ns), due_ns);
+    const decision::Decision decision = session_.Tick(due_ns);
+    if (!result_.first_choice)
+      result_.first_choice = decision.command ? decision.command->arm : arm_;
+    Accept(decision, due_ns);
     ++result_.verdict_counts[static_cast<size_t>(session_.diagnosis().verdict)];
     Judge(session_.diagnosis());
     NoteArm();

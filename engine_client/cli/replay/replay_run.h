@@ -61,15 +61,19 @@ struct ReplayResult {
   // The start-up ends with the live exploration, but not before kStartUpNs.
   uint32_t start_up_frame_count = 0;
   uint64_t after_start_up_ns = 0;            // sum over the frames after it
+  uint32_t opening_frame_count = 0;          // frames that begin before kOpeningNs
+  uint64_t opening_ns = 0;                   // sum over them
   decision::ObservationSummary observation;  // active time and switches after the exploration
   std::array<uint64_t, 5> switch_counts{};   // executed in the whole run, by SwitchReason
   std::vector<uint64_t> active_ns;           // frame time per arm in the whole run; sum: total_ns
   uint64_t bail_out_count = 0;               // frames over the limit
   std::vector<std::optional<int64_t>> first_active_ns;  // per arm, outside of the exploration
-  std::vector<decision::BetaPosterior> posteriors;      // at the end
-  std::vector<decision::ArmEvidence> taught;            // what a store has of the game, per arm
-  std::array<uint64_t, 5> verdict_counts{};             // of ticks, by Verdict
-  Reliability reliability;                              // of what the ticks say
+  // What the first tick chose: the arm that it commanded, or the active one. Absent without a tick.
+  std::optional<uint32_t> first_choice;
+  std::vector<decision::BetaPosterior> posteriors;  // at the end
+  std::vector<decision::ArmEvidence> taught;        // what a store has of the game, per arm
+  std::array<uint64_t, 5> verdict_counts{};         // of ticks, by Verdict
+  Reliability reliability;                          // of what the ticks say
   uint64_t decision_count = 0;
   uint64_t shadow_visit_count = 0;
   uint64_t shadow_ns = 0;  // time that the lane worked
@@ -81,6 +85,7 @@ struct ReplayResult {
 };
 
 inline constexpr int64_t kStartUpNs = 60'000'000'000;
+inline constexpr int64_t kOpeningNs = 10'000'000'000;
 
 // Plays the game. REQUIRES: setup.options are valid; there are as many priors as arms, or none.
 ReplayResult Replay(const ReplayScene& scene, const ReplaySetup& setup);

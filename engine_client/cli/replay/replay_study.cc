@@ -5,6 +5,7 @@
 
 #include "engine_client/cli/io/parallel.h"
 #include "engine_client/cli/replay/replay_fixed.h"
+#include "server/decision/policy/diagnosis.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -81,6 +82,14 @@ class SeedGames {
     return game;
   }
 
+  double OpeningRegret(const ReplayResult& result) const {
+    const std::vector<double> after = fixed_.TotalsFrom(result.opening_frame_count);
+    double best_ns = totals_[0] - after[0];
+    for (size_t arm = 1; arm < after.size(); ++arm)
+      best_ns = std::min(best_ns, totals_[arm] - after[arm]);
+    return static_cast<double>(result.opening_ns) / best_ns - 1;
+  }
+
   ReplaySetup SetupOf(const std::string& policy, uint64_t seed) const {
     ReplaySetup setup{
         .options = options_.decision, .seed = seed, .shadow_lane = options_.shadow_lane};
@@ -127,6 +136,8 @@ class SeedGames {
     if (const auto first_ns = result.first_active_ns[static_cast<size_t>(best)]) {
       game.first_best_s = static_cast<double>(*first_ns) * 1e-9;
     }
+    if (result.first_choice) game.first_loss = totals_[*result.first_choice] / best_ns_ - 1;
+    game.opening_regret = OpeningRegret(result);
     return Judged(total_ns, game);
   }
 
@@ -174,6 +185,8 @@ void Summarize(StudyRow& row) {
   const double share = 1.0 / static_cast<double>(games.size());
   std::vector<double> after_start_up;
   std::vector<double> first_best_s;
+  std::vector<double> first_right;
+  std::vector<double> opening_regret;
   for (const StudyGame& game : games) {
     for (double FrameMs::*const time :
          {&FrameMs::detection, &FrameMs::best, &FrameMs::median, &FrameMs::worst, &FrameMs::lane})
@@ -188,12 +201,16 @@ void Summarize(StudyRow& row) {
     }
     if (game.regret_after_start_up) after_start_up.push_back(*game.regret_after_start_up);
     if (game.first_best_s) first_best_s.push_back(*game.first_best_s);
+    if (game.first_loss) first_right.push_back(*game.first_loss <= decision::kTieLossRatio ? 1 : 0);
+    if (game.opening_regret) opening_regret.push_back(*game.opening_regret);
   }
   if (!after_start_up.empty()) {
     row.regret_after_start_up = Mean(after_start_up);
     row.after_start_up_ci95 = Interval95(after_start_up);
   }
   if (!first_best_s.empty()) row.first_best_s = Median(first_best_s);
+  if (!first_right.empty()) row.first_right = Mean(first_right);
+  if (!opening_regret.empty()) row.opening_regret = Mean(opening_regret);
 }
 
 void Compare(StudyRow& row, const StudyRow& paper) {

@@ -76,6 +76,8 @@ struct StudyGame {
   std::optional<uint64_t> bail_out_count{};  // policies only
   std::vector<double> verdict_shares{};      // policies only: of ticks, by Verdict
   std::optional<double> first_best_s{};      // when a policy first chose the best fixed arm
+  std::optional<double> first_loss{};        // of what a policy's first tick chose, as a fixed arm
+  std::optional<double> opening_regret{};    // a policy's, of the first 10 s
   double shadow_share = 0;                   // share of the time that the shadow lane worked
   FrameMs ms{};
   Reliability reliability{};  // of a policy's decisions
@@ -108,6 +110,8 @@ struct StudyRow {
   uint32_t dominant_arm = 0;                    // in the largest number of games
   std::optional<double> bail_outs;              // mean of StudyGame::bail_out_count
   std::optional<double> first_best_s;           // median over the games that have one
+  std::optional<double> first_right;            // share with a first_loss of at most kTieLossRatio
+  std::optional<double> opening_regret;         // mean
   struct AgainstPaper {
     double difference = 0;  // of regret_best_fixed, paired by seed
     Interval ci95;

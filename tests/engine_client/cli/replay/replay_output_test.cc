@@ -46,6 +46,8 @@ class ReplayOutput : public testing::Test {
     row.bail_outs = 0.5;
     row.verdict_shares = {0, 0.25, 0.75, 0, 0};
     row.first_best_s = 12.5;
+    row.first_right = 0.5;
+    row.opening_regret = 0.25;
     row.against_paper = StudyRow::AgainstPaper{};
     row.ms = {.detection = 0.75, .best = 0.5, .median = 1, .worst = 2, .lane = 0.0625};
     row.paper_ms = 0.75;
@@ -95,6 +97,8 @@ TEST_F(ReplayOutput, JsonHasARowForEachSceneAndPlayer) {
   EXPECT_EQ(row["verdicts"]["tie"], 0.75);
   EXPECT_EQ(row["against_paper"]["wilcoxon_p"], 1);
   EXPECT_EQ(row["seeds"], 2);
+  EXPECT_EQ(row["first_right"], 0.5);
+  EXPECT_EQ(row["regret_first_10_s"], 0.25);
 }
 
 TEST_F(ReplayOutput, JsonSaysNullWhereThereIsNothing) {
@@ -104,6 +108,8 @@ TEST_F(ReplayOutput, JsonSaysNullWhereThereIsNothing) {
   EXPECT_TRUE(oracle["regret_after_start"].is_null());
   EXPECT_TRUE(oracle["regret_after_start_ci95"].is_null());
   EXPECT_TRUE(oracle["first_best_s"].is_null());
+  EXPECT_TRUE(oracle["first_right"].is_null());
+  EXPECT_TRUE(oracle["regret_first_10_s"].is_null());
   EXPECT_TRUE(oracle["verdicts"].empty());
   EXPECT_FALSE(oracle.contains("against_paper"));
   EXPECT_EQ(oracle["dominant"], "KDTree");

@@ -399,6 +399,33 @@ TEST(RunStudy, WrongPriorsAreTheRightOnesWithTheArmsRankingReversed) {
   EXPECT_LT(none, wrong);
 }
 
+TEST(RunStudy, TheFirstChoiceIsThatOfTheFirstDecision) {
+  // Two of the four seeds start on the slow arm.
+  const auto losses = [](ReplayPriors priors) {
+    StudyOptions options = StudyOf({"adaptive", "fixed:KDTree"}, {"AxisSweep", "KDTree"});
+    options.priors = priors;
+    const auto rows = Study(TwiceAsSlow(), options);
+    EXPECT_EQ(rows[0].first_right, 0.5);
+    EXPECT_FALSE(rows[1].first_right) << "no policy chooses";
+    std::vector<double> result;
+    for (const StudyGame& game : rows[0].games) result.push_back(std::round(*game.first_loss));
+    return result;
+  };
+  EXPECT_EQ(losses(ReplayPriors::kNone), (std::vector<double>{1, 0, 1, 0})) << "they stay";
+  EXPECT_EQ(losses(ReplayPriors::kRight), (std::vector<double>{0, 1, 0, 1}))
+      << "they leave it; of the fast one, a trial of the other";
+}
+
+TEST(RunStudy, TheOpeningIsTheFirstTenSeconds) {
+  const ReplayScene scene = SceneOf(TwiceAsSlow());
+  const ReplayResult result = Replay(scene, {.options = {}, .seed = 1, .shadow_lane = false});
+  EXPECT_GE(result.opening_ns, uint64_t{kOpeningNs});
+  EXPECT_LE(result.opening_ns, uint64_t{kOpeningNs} + 100'000'000);
+  const auto rows = Study(TwiceAsSlow(), StudyOf({"adaptive", "fixed"}, {"AxisSweep", "KDTree"}));
+  EXPECT_GT(*rows[0].opening_regret, 10 * rows[0].regret_best_fixed);
+  EXPECT_FALSE(rows[1].opening_regret);
+}
+
 // What a game has taught in 50 visits of each arm, of which this one is the cheaper.
 ReplayResult TaughtThat(uint32_t arm) {
   ReplayResult result;
