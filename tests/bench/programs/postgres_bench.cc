@@ -1,18 +1,22 @@
-// How many increments of evidence a second one daemon commits into a PostgreSQL of its own on this
+// How many increments of evidence a second daemons commit into a PostgreSQL of their own on this
 // machine, which syncs every commit to the disk.
 //
-//     postgres_bench [ROWS [GROUP]]
+//     postgres_bench [ROWS [GROUP [DAEMONS]]]
 //
 // ROWS increments (1,000,000) in commits of GROUP (5,000, as a busy daemon groups them), of 1,000
 // sessions that teach ten rows each, of seven arms and their shadow visits, in 20 scenes: the first
-// commit of each session adds its rows, the later ones add to them. Prints the rate of each kind,
-// and fails where the sums are not what was committed.
+// commit of each session adds its rows, the later ones add to them. The sessions are spread over
+// DAEMONS (3), each a thread with a connection of its own. Prints the rate of each kind, and fails
+// where the sums are not what was committed.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/storage/postgres/postgres_prior_store.h"
@@ -47,22 +51,45 @@ SourceUpdate UpdateOf(uint64_t session, uint64_t sequence) {
   return update;
 }
 
-// Returns the seconds that the commits of one round of all sessions take.
-double Round(PriorStore& store, uint64_t sequence, uint64_t group_rows) {
-  double seconds = 0;
+using Stores = std::vector<std::unique_ptr<PriorStore>>;
+
+struct Rounds {
+  uint64_t first = 0;
+  uint64_t end = 0;
+};
+
+void Check(const absl::Status& status) {
+  if (status.ok()) return;
+  std::fprintf(stderr, "%s\n", status.ToString().c_str());
+  std::exit(1);
+}
+
+// Commits these rounds of every `daemon_count`-th session.
+void CommitRounds(PriorStore& store, uint64_t daemon, uint64_t daemon_count, Rounds rounds,
+                  uint64_t group_rows) {
   std::vector<SourceUpdate> group;
-  for (uint64_t session = 0; session < kSessions; ++session) {
-    group.push_back(UpdateOf(session, sequence));
-    if (group.size() * kRowsOfSession < group_rows && session + 1 < kSessions) continue;
-    const auto start = std::chrono::steady_clock::now();
-    if (const auto status = store.Commit(group); !status.ok()) {
-      std::fprintf(stderr, "%s\n", status.ToString().c_str());
-      std::exit(1);
+  for (uint64_t sequence = rounds.first; sequence < rounds.end; ++sequence) {
+    for (uint64_t session = daemon; session < kSessions; session += daemon_count) {
+      group.push_back(UpdateOf(session, sequence));
+      if (group.size() * kRowsOfSession < group_rows && session + daemon_count < kSessions)
+        continue;
+      Check(store.Commit(group));
+      group.clear();
     }
-    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    group.clear();
   }
-  return seconds;
+}
+
+// Returns the rows that all daemons commit in a second.
+double RowsPerSecond(const Stores& stores, Rounds rounds, uint64_t group_rows) {
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<std::thread> daemons;
+  for (uint64_t daemon = 0; daemon < stores.size(); ++daemon)
+    daemons.emplace_back(CommitRounds, std::ref(*stores[daemon]), daemon, stores.size(), rounds,
+                         group_rows);
+  for (std::thread& daemon : daemons) daemon.join();
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  return static_cast<double>((rounds.end - rounds.first) * kSessions * kRowsOfSession) /
+         taken.count();
 }
 
 uint64_t WindowsIn(PriorStore& store) {
@@ -77,26 +104,28 @@ uint64_t WindowsIn(PriorStore& store) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const uint64_t rows = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1'000'000;
-  const uint64_t group =
-      argc > 2 ? std::strtoull(argv[2], nullptr, 10) : sweepstake::storage::kSharedGroupRows;
+  const auto argument = [&](int i, uint64_t otherwise) {
+    return argc > i ? std::strtoull(argv[i], nullptr, 10) : otherwise;
+  };
+  const uint64_t rows = argument(1, 1'000'000);
+  const uint64_t group_rows = argument(2, sweepstake::storage::kSharedGroupRows);
   sweepstake::test_support::PostgresServer server(/*synced=*/true);
-  const auto store = sweepstake::storage::OpenPostgresPriorStore(server.NewDatabase());
-  if (!store.ok()) {
-    std::fprintf(stderr, "%s\n", store.status().ToString().c_str());
-    return 1;
+  const std::string database = server.NewDatabase();
+  Stores stores(std::max<uint64_t>(1, argument(3, 3)));
+  for (auto& store : stores) {
+    auto opened = sweepstake::storage::OpenPostgresPriorStore(database);
+    Check(opened.status());
+    store = *std::move(opened);
   }
-  constexpr uint64_t kRoundRows = kSessions * kRowsOfSession;
-  const uint64_t rounds = std::max<uint64_t>(2, rows / kRoundRows);
-  const double first = Round(**store, 1, group);
-  double later = 0;
-  for (uint64_t sequence = 2; sequence <= rounds; ++sequence)
-    later += Round(**store, sequence, group);
-  std::printf("groups of %llu rows: %.0f rows/s of new sessions, %.0f rows/s of known ones\n",
-              static_cast<unsigned long long>(group), static_cast<double>(kRoundRows) / first,
-              static_cast<double>((rounds - 1) * kRoundRows) / later);
-  const uint64_t windows = WindowsIn(**store);
-  if (windows == rounds * kRoundRows) return 0;
+  const uint64_t rounds = std::max<uint64_t>(2, rows / (kSessions * kRowsOfSession));
+  const double first = RowsPerSecond(stores, {1, 2}, group_rows);
+  const double later = RowsPerSecond(stores, {2, rounds + 1}, group_rows);
+  std::printf(
+      "%zu daemons, groups of %llu rows: %.0f rows/s of new sessions, %.0f rows/s of known "
+      "ones\n",
+      stores.size(), static_cast<unsigned long long>(group_rows), first, later);
+  const uint64_t windows = WindowsIn(*stores.front());
+  if (windows == rounds * kSessions * kRowsOfSession) return 0;
   std::fprintf(stderr, "the sums have %llu windows\n", static_cast<unsigned long long>(windows));
   return 1;
 }
