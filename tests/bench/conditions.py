@@ -119,12 +119,18 @@ def trace(scenes_path, traces, row, options):
         raise Failure(f"traces.sh ended with {done.returncode}")
 
 
+def list_name(path):
+    """That of its folder of traces, as decisions.sh has it: held-out of held_out_scenes.txt."""
+    name = path.stem.removesuffix("_scenes")
+    return name if name == path.stem else name.replace("_", "-")
+
+
 def run(options):
     plan = read_plan()
     row = plan["row"][options.row]
     scenes_path = options.list or DATA / row.get("list", "tuning_scenes.txt")
     raw = "-raw" if "repeats" in row else ""
-    traces = options.traces or ROOT / "build/traces" / (scenes_path.stem.removesuffix("_scenes").replace("_", "-") + raw)
+    traces = options.traces or ROOT / "build/traces" / (list_name(scenes_path) + raw)
     trace(scenes_path, traces, row, options)
     cells = play(row, read_scenes(scenes_path), traces, plan, options, lambda line: print(line, file=sys.stderr, flush=True))
     return {"command": "conditions", "row": options.row, "list": scenes_path.name, "policy": options.policy,

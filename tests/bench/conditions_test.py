@@ -18,7 +18,7 @@ from judging.common import InputError, read_goals
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = ""
-SCENES = "brownian 60 40 3 1s stationary\nwaves 60 80 4 1s changing\nwaves 60 80 4 2s resonant\n"
+SCENES = "brownian 60 40 3 1s stationary\nhurricane 90 40 3 1s stationary\nwaves 60 80 4 1s changing\nwaves 60 80 4 2s resonant\n"
 QUICK = ("--seeds", "2", "--run", "20s")
 
 
@@ -99,6 +99,9 @@ class Conditions(unittest.TestCase):
                 self.assertEqual({one["condition"] for one in document["cells"]}, set(plan["conditions"]))
                 self.assertEqual({one["flip_s"] for one in document["cells"] if one["category"] == "flipping"},
                                  set(plan.get("flip_s", [])))
+                if "priors" in plan:
+                    opening = [(one["regret_first_10_s"], one["regret_first_10_s_cold"]) for one in document["cells"]]
+                    self.assertTrue(any(own != cold for own, cold in opening), opening)
                 for peer in plan["peers"]:
                     self.assertIsInstance(document["cells"][0]["excess_" + peer], float)
                 again = subprocess.run([HERE / "judge.py", "choosing", "--json"], input=done.stdout, capture_output=True, text=True,

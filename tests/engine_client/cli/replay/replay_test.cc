@@ -400,20 +400,29 @@ TEST(RunStudy, WrongPriorsAreTheRightOnesWithTheArmsRankingReversed) {
 }
 
 TEST(RunStudy, TheFirstChoiceIsThatOfTheFirstDecision) {
-  // Two of the four seeds start on the slow arm.
-  const auto losses = [](ReplayPriors priors) {
-    StudyOptions options = StudyOf({"adaptive", "fixed:KDTree"}, {"AxisSweep", "KDTree"});
+  StudyOptions options = StudyOf({"adaptive", "fixed:KDTree"}, {"AxisSweep", "KDTree"});
+  options.seed_count = 3;  // the second starts on the fast arm
+  const auto losses = [&](ReplayPriors priors, double right) {
     options.priors = priors;
     const auto rows = Study(TwiceAsSlow(), options);
-    EXPECT_EQ(rows[0].first_right, 0.5);
+    EXPECT_DOUBLE_EQ(rows[0].first_right.value(), right);
     EXPECT_FALSE(rows[1].first_right) << "no policy chooses";
     std::vector<double> result;
     for (const StudyGame& game : rows[0].games) result.push_back(std::round(*game.first_loss));
     return result;
   };
-  EXPECT_EQ(losses(ReplayPriors::kNone), (std::vector<double>{1, 0, 1, 0})) << "they stay";
-  EXPECT_EQ(losses(ReplayPriors::kRight), (std::vector<double>{0, 1, 0, 1}))
+  EXPECT_EQ(losses(ReplayPriors::kNone, 1.0 / 3), (std::vector<double>{1, 0, 1})) << "they stay";
+  EXPECT_EQ(losses(ReplayPriors::kRight, 2.0 / 3), (std::vector<double>{0, 1, 0}))
       << "they leave it; of the fast one, a trial of the other";
+}
+
+TEST(RunStudy, AFirstChoiceIsRightWithinATie) {
+  SyntheticTrace trace = TwiceAsSlow();
+  for (const auto& [slow_ns, right] : {std::pair{100'400, 1.0}, {100'600, 0.5}}) {
+    trace.detection_ns = [slow_ns](uint32_t, uint32_t arm) { return arm == 0 ? 100'000 : slow_ns; };
+    const auto rows = Study(trace, StudyOf({"adaptive"}, {"AxisSweep", "KDTree"}));
+    EXPECT_EQ(rows[0].first_right, right) << slow_ns;
+  }
 }
 
 TEST(RunStudy, TheOpeningIsTheFirstTenSeconds) {
@@ -423,6 +432,7 @@ TEST(RunStudy, TheOpeningIsTheFirstTenSeconds) {
   EXPECT_LE(result.opening_ns, uint64_t{kOpeningNs} + 100'000'000);
   const auto rows = Study(TwiceAsSlow(), StudyOf({"adaptive", "fixed"}, {"AxisSweep", "KDTree"}));
   EXPECT_GT(*rows[0].opening_regret, 10 * rows[0].regret_best_fixed);
+  EXPECT_LT(*rows[0].opening_regret, 1) << "the slow arm all the time";
   EXPECT_FALSE(rows[1].opening_regret);
 }
 
