@@ -100,7 +100,7 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   restore->fallthrough();
   restore->footer("Example: sweepstaked restore priors-monday.db --data /var/lib/sweepstake");
   CLI::App* migrate = app.add_subcommand(
-      "migrate", "move what priors.db has into the shared store, or back; no daemon may use it");
+      "migrate", "copy what priors.db has into the shared store, or back; no daemon may use it");
   migrate->add_option("direction", line.direction, "to-store, or back to-data")
       ->required()
       ->check(CLI::IsMember({kToStore, kToData}));

@@ -1,7 +1,10 @@
 // `sweepstake priors describe|builds`: says what a build of a game was made from, which the daemon
 // weighs its evidence by, and shows what was said.
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine_client/cli/commands.h"
@@ -71,7 +74,42 @@ std::string ParentsText(const v1::Build& build) {
   return text;
 }
 
+// Returns whether `name` is among what the builds were made from, however far back.
+bool IsAncestor(const std::string& name, std::vector<std::string> of,
+                const std::vector<v1::Build>& builds) {
+  std::map<std::string, const v1::Build*> known;
+  for (const v1::Build& build : builds) known[build.name()] = &build;
+  std::set<std::string> seen;
+  while (!of.empty()) {
+    const std::string next = std::move(of.back());
+    of.pop_back();
+    if (next == name) return true;
+    const auto found = known.find(next);
+    if (found == known.end() || !seen.insert(next).second) continue;
+    of.insert(of.end(), found->second->parents().begin(), found->second->parents().end());
+  }
+  return false;
+}
+
+Status CheckNoCycle(const BuildsOptions& options) {
+  if (options.forget || options.parents.empty()) return {};
+  const auto builds = ListBuilds(options.daemon, options.project);
+  if (!builds.ok()) return builds.status();
+  for (const std::string& parent : options.parents) {
+    if (parent == options.build)
+      return {StatusCode::kInvalidArgument, "a build is not its own parent"};
+    if (IsAncestor(options.build, {parent}, *builds))
+      return {StatusCode::kFailedPrecondition,
+              "build " + parent + " was made from " + options.build +
+                  " itself, as `sweepstake priors builds` shows: one of both is the wrong way "
+                  "round, and --forget takes back what was said"};
+  }
+  return {};
+}
+
 int RunDescribe(const BuildsOptions& options, Terminal& terminal) {
+  if (const Status status = CheckNoCycle(options); !status.ok())
+    return FailAnswer(terminal, status);
   v1::Build build;
   build.set_project(options.project);
   build.set_name(options.build);

@@ -59,19 +59,30 @@ std::string DescribeFolded(const FoldedCounts& folded) {
          " windows, were left out: the daemon has folded them together (fold_days)\n";
 }
 
+std::string DescribeWaiting(uint64_t count) {
+  if (count == 0) return "";
+  return std::to_string(count) +
+         " records that wait in quarantine are not in it (`sweepstake priors promote`)\n";
+}
+
 // A file that is to be written.
 struct ExportText {
   std::string text = {};
   uint64_t count = 0;  // of the records or sums in it
   FoldedCounts folded = {};
+  uint64_t waiting_count = 0;  // records that wait in quarantine, of which there are no sums
 };
 
 Result<ExportText> TextOfSums(const PriorsOptions& options) {
   SumsWriter sums;
+  ExportText file;
   const auto folded = StreamPriors(options.daemon, options.project, options.scene, Exported::kAll,
-                                   [&](PriorRecord record) { sums.Add(std::move(record)); });
+                                   [&](PriorRecord record) {
+                                     if (record.is_quarantined) ++file.waiting_count;
+                                     sums.Add(std::move(record));
+                                   });
   if (!folded.ok()) return folded.status();
-  ExportText file = {.folded = *folded};
+  file.folded = *folded;
   file.text = sums.Finish(file.count);
   return file;
 }
@@ -101,12 +112,13 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
                          {"file", options.file},
                          {"records", file->count},
                          {"sums", options.sums},
+                         {"quarantined", file->waiting_count},
                          {"folded_records", file->folded.records},
                          {"folded_windows", file->folded.windows}};
   PrintResult(terminal, options.json, document,
               options.file + ": " + std::to_string(file->count) +
                   (options.sums ? " sums of builds\n" : " records\n") +
-                  DescribeFolded(file->folded));
+                  DescribeFolded(file->folded) + DescribeWaiting(file->waiting_count));
   return kDone;
 }
 
@@ -194,7 +206,24 @@ Json LeadersJson(const LeaderChanges& changes) {
   return {{"count", changes.scene_count}, {"scenes", scenes}};
 }
 
+// A range of times that holds none is a mistake.
+Status CheckTimes(const SourceChoice& sources) {
+  if (sources.unix_until_s == 0 || sources.unix_from_s <= sources.unix_until_s) return {};
+  return {StatusCode::kInvalidArgument, "--until is before --since"};
+}
+
+// All of a project, or of a daemon, is not revoked by leaving something out.
+Status CheckNamesAny(const SourceChoice& sources) {
+  const bool any = !sources.source_id.empty() || !sources.build.empty() || sources.token_id != 0 ||
+                   sources.unix_from_s != 0 || sources.unix_until_s != 0;
+  if (any) return CheckTimes(sources);
+  return {StatusCode::kInvalidArgument,
+          "name the sessions to revoke by --source, --build, --token-id, --since or --until"};
+}
+
 int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
+  if (const Status named = CheckNamesAny(options.sources); !named.ok())
+    return Fail(terminal, named);
   const auto result = RevokePriors(options.daemon, options.sources, /*preview=*/!options.yes);
   if (!result.ok()) return FailAnswer(terminal, result.status());
   const Json document = {
@@ -204,13 +233,17 @@ int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
       {"records", result->record_count},
       {"windows", result->window_count},
       {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
-  PrintResult(
-      terminal, options.json, document,
-      CountsText(*result) + DoneText(options, "revoked") + LeadersText(result->leader_changes));
+  const std::string none =
+      "no session matches; `sweepstake audit list` and exports say which there are\n";
+  PrintResult(terminal, options.json, document,
+              result->source_count == 0 ? none
+                                        : CountsText(*result) + DoneText(options, "revoked") +
+                                              LeadersText(result->leader_changes));
   return kDone;
 }
 
 int RunPromote(const PriorsOptions& options, Terminal& terminal) {
+  if (const Status times = CheckTimes(options.sources); !times.ok()) return Fail(terminal, times);
   const auto result = PromotePriors(options.daemon, options.sources, /*preview=*/!options.yes);
   if (!result.ok()) return FailAnswer(terminal, result.status());
   const Json document = {
@@ -221,9 +254,13 @@ int RunPromote(const PriorsOptions& options, Terminal& terminal) {
       {"windows", result->window_count},
       {"scenes", result->scene_count},
       {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
+  const std::string none = "nothing that waits matches; `sweepstake priors list` shows what does\n";
   PrintResult(terminal, options.json, document,
-              CountsText(*result) + " for " + std::to_string(result->scene_count) + " scenes" +
-                  DoneText(options, "promoted") + LeadersText(result->leader_changes));
+              result->source_count == 0
+                  ? none
+                  : CountsText(*result) + " for " + std::to_string(result->scene_count) +
+                        " scenes" + DoneText(options, "promoted") +
+                        LeadersText(result->leader_changes));
   return kDone;
 }
 
@@ -241,7 +278,8 @@ void DeclareSources(CLI::App& command, PriorsOptions& options) {
   DeclareCommon(command, options);
   SourceChoice& sources = options.sources;
   command.add_option("--project", sources.project, "Only evidence of this project");
-  command.add_option("--source", sources.source_id, "This session");
+  command.add_option("--source", sources.source_id,
+                     "This session, as `audit list` and the source_id of an export have it");
   command.add_option("--build", sources.build, "Sessions of this build of the game");
   command.add_option("--token-id", sources.token_id, "Sessions that began with this token")
       ->check(NotNegative());

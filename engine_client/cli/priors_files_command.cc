@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "engine_client/cli/priors/priors_diff.h"
 #include "engine_client/cli/priors/priors_doctor.h"
 #include "engine_client/telemetry/embedded/evidence_ledger.h"
+#include "engine_client/telemetry/embedded/priors_sums.h"
 #include "server/decision/policy/log_cost.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/embedded_decider.h"
@@ -72,11 +74,23 @@ int RunDoctor(const PriorsFileOptions& options, Terminal& terminal) {
                          {"machine_class", options.machine_class},
                          {"build", options.build},
                          {"entries", DoctorJson(diagnosed)}};
-  PrintResult(terminal, options.json, document, DoctorText(diagnosed));
+  PrintResult(terminal, options.json, document,
+              diagnosed.empty() ? options.file + " has no records\n" : DoctorText(diagnosed));
   const bool any = std::any_of(diagnosed.begin(), diagnosed.end(), [](const Diagnosed& one) {
     return one.fitness != Fitness::kForeign;
   });
   return any ? kDone : kCheckFailed;
+}
+
+// Of all builds where it has no name.
+bool HasBuild(const Records& records, const std::string& build) {
+  return build.empty() || std::any_of(records.begin(), records.end(),
+                                      [&](const auto& record) { return record.build == build; });
+}
+
+Status NoSuchBuild(const std::string& file, const std::string& build) {
+  return {StatusCode::kNotFound, file + " has nothing of build " + build +
+                                     "; `sweepstake priors show` shows which builds it has"};
 }
 
 // The records of the build, or of all builds, as if they were of one. What waits in quarantine is
@@ -96,6 +110,11 @@ int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
   if (!before.ok()) return Fail(terminal, before.status());
   auto after = ReadPriorsFile(options.other_file);
   if (!after.ok()) return Fail(terminal, after.status());
+  for (const auto& [file, records, build] :
+       {std::tie(options.file, *before, options.build),
+        std::tie(options.other_file, *after, options.other_build)}) {
+    if (!HasBuild(records, build)) return FailAnswer(terminal, NoSuchBuild(file, build));
+  }
   const std::vector<GroupChange> changes =
       DiffPriors(GroupPriors(OfBuild(*std::move(before), options.build)),
                  GroupPriors(OfBuild(*std::move(after), options.other_build)));
@@ -107,11 +126,33 @@ int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
   return kDone;
 }
 
+bool HasSums(const PriorsGroup& group) {
+  return std::any_of(group.sources.begin(), group.sources.end(),
+                     [](const std::string& source) { return source.starts_with(kSumMark); });
+}
+
+// A sum may have what the other file's sessions taught. Where that has sums of its own, its
+// sessions are those of a game which began with them.
+Status CheckCountedOnce(const Records& records, const Records& others) {
+  const PriorsGroups groups = GroupPriors(records);
+  for (const auto& [key, other] : GroupPriors(others)) {
+    const auto group = groups.find(key);
+    if (group == groups.end() || HasSums(group->second) == HasSums(other)) continue;
+    return {StatusCode::kInvalidArgument,
+            "of " + NameOf(key) +
+                " one file has a sum and the other one sessions, which may be in that sum and "
+                "would count twice: export both with --sums, or both without"};
+  }
+  return {};
+}
+
 int RunMerge(const PriorsFileOptions& options, Terminal& terminal) {
   auto records = ReadPriorsFile(options.file);
   if (!records.ok()) return Fail(terminal, records.status());
   auto others = ReadPriorsFile(options.other_file);
   if (!others.ok()) return Fail(terminal, others.status());
+  if (const Status once = CheckCountedOnce(*records, *others); !once.ok())
+    return Fail(terminal, once);
   const Records united = Unite(*std::move(records), *std::move(others));
   if (const Status written = WritePriorsFile(united, options.out); !written.ok())
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
@@ -198,10 +239,10 @@ void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code)
   AddCommand<PriorsFileOptions>(
       priors, "doctor", "Print what of a priors file counts here, and why the rest does not",
       "  sweepstake priors doctor --in priors.json --build 1.2\n"
-      "An entry is valid (it counts as if this machine and build had measured it), near (it "
-      "counts\n"
-      "less: another build, machine class or version of an arm) or foreign, as is what waits in\n"
-      "a daemon's quarantine. Exit code 1 when all are foreign.\n",
+      "An entry is valid (it counts as if this machine and build had measured it), near (it or\n"
+      "some of its arms count less: another build, machine class or version of an arm) or "
+      "foreign,\n"
+      "as is what waits in a daemon's quarantine. Exit code 1 when none counts.\n",
       exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareFile(command, options);

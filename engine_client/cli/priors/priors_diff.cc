@@ -54,14 +54,27 @@ GroupChange Compare(const PriorsGroupKey& key, const Ratios& before, const Ratio
   return change;
 }
 
+std::string RemarkOn(const GroupChange& change) {
+  if (!change.in_both()) return ": one of them knows nothing of it";
+  return change.leader_changed() ? ": another arm is the cheapest" : "";
+}
+
 std::string RatioText(const std::optional<double>& ratio) { return ratio ? Fixed(*ratio, 2) : "-"; }
 
 }  // namespace
 
+bool GroupChange::in_both() const {
+  const auto any = [&](std::optional<double> ArmChange::*ratio) {
+    return std::any_of(arms.begin(), arms.end(),
+                       [&](const ArmChange& arm) { return (arm.*ratio).has_value(); });
+  };
+  return any(&ArmChange::before) && any(&ArmChange::after);
+}
+
 bool GroupChange::leader_changed() const {
-  return std::none_of(arms.begin(), arms.end(), [](const ArmChange& arm) {
-    return arm.before && arm.after && *arm.before == 1 && *arm.after == 1;
-  });
+  return in_both() && std::none_of(arms.begin(), arms.end(), [](const ArmChange& arm) {
+           return arm.before && arm.after && *arm.before == 1 && *arm.after == 1;
+         });
 }
 
 std::string ShowText(const PriorsGroups& groups) {
@@ -120,8 +133,7 @@ std::string DiffText(const std::vector<GroupChange>& changes) {
   if (changes.empty()) return "They say the same of every scene, to 5 %.\n";
   TextTable table({"arm", "cost before", "after"});
   for (const GroupChange& change : changes) {
-    table.AddTitle(NameOf(change.key) +
-                   (change.leader_changed() ? ": another arm is the cheapest" : ""));
+    table.AddTitle(NameOf(change.key) + RemarkOn(change));
     for (const ArmChange& arm : change.arms)
       table.AddRow({arm.arm, RatioText(arm.before), RatioText(arm.after)});
   }

@@ -28,7 +28,8 @@ struct GroupChange {
   PriorsGroupKey key;
   std::vector<ArmChange> arms;
 
-  bool leader_changed() const;
+  bool in_both() const;         // else one of the files knows nothing of the group
+  bool leader_changed() const;  // of a group in both
 };
 
 // Returns the groups of reward version 3 in which an arm is in one of both alone, or its cost ratio

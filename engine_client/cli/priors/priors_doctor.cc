@@ -27,8 +27,15 @@ const char* WordOf(Fitness fitness) {
   return "foreign";
 }
 
+// Of what this machine and build measure with the same arm.
+double WeightOf(const decision::SourceRelation& relation, bool same_arm_version) {
+  return decision::PowerPriorWeight(relation, same_arm_version) /
+         decision::PowerPriorWeight({decision::kSameBuildWeight, true}, true);
+}
+
 // Returns how many of the group's arms this program has, in the same version.
-size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, Diagnosed& found) {
+size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here,
+                     const decision::SourceRelation& relation, Diagnosed& found) {
   size_t same = 0;
   for (const auto& [name, arm] : group.arms) {
     const auto known = here.arm_versions.find(name);
@@ -36,7 +43,8 @@ size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, Diagnose
       found.reasons.push_back("there is no arm " + name + " here");
     } else if (known->second != arm.version) {
       found.reasons.push_back(name + " is of version " + std::to_string(arm.version) + ", " +
-                              std::to_string(known->second) + " here");
+                              std::to_string(known->second) + " here, and counts " +
+                              Percent(WeightOf(relation, /*same_arm_version=*/false), 0));
     } else {
       ++same;
     }
@@ -53,13 +61,13 @@ Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const Pr
     found.reasons.push_back("measured on " + OrUnknown(key.machine_class) + ", this is " +
                             OrUnknown(here.machine_class));
   if (key.build != here.build) found.reasons.push_back("of build " + OrUnknown(key.build));
-  const size_t same = CountSameArms(group, here, found);
+  const size_t same = CountSameArms(group, here, relation, found);
   if (group.last_seen_unix_s > 0 && here.unix_now_s > group.last_seen_unix_s) {
     const uint64_t days = (here.unix_now_s - group.last_seen_unix_s) / kDayS;
-    if (days > kOldDays) found.reasons.push_back(std::to_string(days) + " days old");
+    if (days > kOldDays)
+      found.reasons.push_back(std::to_string(days) + " days old, which takes nothing from it");
   }
-  found.weight = decision::PowerPriorWeight(relation, same > 0) /
-                 decision::PowerPriorWeight({decision::kSameBuildWeight, true}, true);
+  found.weight = WeightOf(relation, same > 0);
   if (key.reward_version != here.reward_version) {
     found.reasons.insert(found.reasons.begin(),
                          "its reward is version " + std::to_string(key.reward_version) +
@@ -76,9 +84,8 @@ Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const Pr
         "it waits in quarantine, and counts once it is promoted and exported anew");
     found.weight = 0;
   }
-  found.fitness = found.weight == 0       ? Fitness::kForeign
-                  : found.reasons.empty() ? Fitness::kValid
-                                          : Fitness::kNear;
+  const bool whole = found.weight == 1 && same == group.arms.size();
+  found.fitness = found.weight == 0 ? Fitness::kForeign : whole ? Fitness::kValid : Fitness::kNear;
   return found;
 }
 

@@ -20,14 +20,14 @@ struct PriorsPlace {
   uint64_t unix_now_s = 0;
 };
 
-// kValid: counts as much as what this machine and build measured. kNear: counts less. kForeign:
-// counts nothing.
+// kValid: counts as much as what this machine and build measured. kNear: it, or one of its arms,
+// counts less. kForeign: counts nothing.
 enum class Fitness : uint8_t { kValid, kNear, kForeign };
 
 struct Diagnosed {
   PriorsGroupKey key;
   Fitness fitness = Fitness::kValid;
-  double weight = 0;                 // of its evidence, at most that of what was measured here
+  double weight = 0;                 // of its arms in the versions here; 1: as if measured here
   std::vector<std::string> reasons;  // why it is not valid, and what else is worth knowing
 };
 

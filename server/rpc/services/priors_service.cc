@@ -90,7 +90,8 @@ absl::StatusOr<std::vector<priors::Build>> BuildsOf(const v1::DescribeBuildsRequ
   for (const v1::Build& build : request.builds()) {
     if (const absl::Status status = CheckBuild(build); !status.ok()) {
       return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                     absl::StrCat("build ", builds.size(), ": ", status.message()));
+                     absl::StrCat("build ", builds.size() + 1, " of ", request.builds_size(), ": ",
+                                  status.message()));
     }
     if (absl::Status allowed = CheckProject(caller, build.project()); !allowed.ok()) return allowed;
     builds.push_back(FromProto(build));

@@ -235,17 +235,22 @@ absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::p
   return contents;
 }
 
+absl::Status CheckNoDatabase(const fs::path& directory) {
+  absl::Status status;
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    if (status.ok())
+      status = CheckAbsent((directory / DataDirectory::kDatabaseName).string() + suffix,
+                           "move it away, or name an empty directory with --data");
+  }
+  return status;
+}
+
 absl::StatusOr<StoreContents> RestoreStore(const fs::path& file, const fs::path& directory) {
   auto contents = VerifyStore(file);
   if (!contents.ok()) return contents;
   auto data = DataDirectory::Open(directory);
   if (!data.ok()) return data.status();
-  absl::Status status;
-  for (const char* suffix : {"", "-wal", "-shm"}) {
-    if (status.ok())
-      status = CheckAbsent(data->database().string() + suffix,
-                           "move it away, or name an empty directory with --data");
-  }
+  absl::Status status = CheckNoDatabase(directory);
   if (!status.ok()) return status;
   auto database = OpenToRead(file);
   if (!database.ok()) return database.status();

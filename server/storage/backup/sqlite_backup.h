@@ -42,6 +42,9 @@ absl::StatusOr<StoreContents> BackUpStore(const std::filesystem::path& directory
                                           const std::filesystem::path& file,
                                           const std::atomic<bool>* stop = nullptr);
 
+// Error: ALREADY_EXISTS (the data directory has a database).
+absl::Status CheckNoDatabase(const std::filesystem::path& directory);
+
 // Verifies the file and copies it into a data directory that has no database and that no daemon
 // uses; makes the directory if it is missing. Errors: those of VerifyStore and of
 // DataDirectory::Open, ALREADY_EXISTS.

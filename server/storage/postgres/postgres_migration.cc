@@ -431,7 +431,8 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
 
 absl::StatusOr<StoreContents> MigrateFromPostgres(const std::string& url, const fs::path& directory,
                                                   const OnMigrated& on_migrated) {
-  absl::Status status = CheckDelivered(directory / DataDirectory::kOutboxName);
+  absl::Status status = CheckNoDatabase(directory);
+  if (status.ok()) status = CheckDelivered(directory / DataDirectory::kOutboxName);
   PostgresConnection connection(url);
   if (status.ok()) status = Prepare(connection);
   if (!status.ok()) return status;

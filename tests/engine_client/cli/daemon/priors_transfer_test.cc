@@ -186,6 +186,44 @@ TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
   EXPECT_GT(daemon.priors.patience_s, 60) << "a large store takes longer than a question";
 }
 
+TEST(PriorsCommand, WhatIsAskedForIsNotThere) {
+  FakeDaemonServices daemon;
+  const std::string at = " --daemon " + daemon.address();
+  EXPECT_THAT(RunCommand("priors revoke --build nope --yes" + at).out,
+              HasSubstr("no session matches; `sweepstake audit list`"));
+  EXPECT_THAT(RunCommand("priors promote" + at).out, HasSubstr("nothing that waits matches"));
+  for (const char* const command : {"priors revoke --project p", "priors revoke"}) {
+    const CommandRun run = RunCommand(command + at);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr("--source, --build, --token-id, --since or --until"));
+  }
+  for (const std::string& command : {std::string("priors revoke"), std::string("priors promote")}) {
+    const CommandRun run = RunCommand(command + " --since 10 --until 5" + at);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr("--until is before --since"));
+  }
+}
+
+TEST(PriorsCommand, ABuildIsNotMadeFromWhatWasMadeFromIt) {
+  FakeDaemonServices daemon;
+  v1::ListBuildsResponse said;
+  for (const auto& [name, parent] : {std::pair{"1.1", "1.0"}, {"1.2", "1.1"}}) {
+    v1::Build& build = *said.add_builds();
+    build.set_project("p");
+    build.set_name(name);
+    build.add_parents(parent);
+  }
+  daemon.priors.builds = std::vector{said};
+  const std::string describe =
+      "priors describe --project p --daemon " + daemon.address() + " --build ";
+  const CommandRun cycle = RunCommand(describe + "1.0 --parent 0.9 --parent 1.2");
+  EXPECT_EQ(cycle.exit_code, 1);
+  EXPECT_THAT(cycle.err, HasSubstr("build 1.2 was made from 1.0 itself"));
+  EXPECT_THAT(RunCommand(describe + "1.0 --parent 1.0").err, HasSubstr("not its own parent"));
+  EXPECT_EQ(RunCommand(describe + "1.3 --parent 1.2").exit_code, 0);
+  EXPECT_EQ(RunCommand(describe + "1.0 --forget").exit_code, 0);
+}
+
 TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {
   FakeDaemonServices daemon;
   daemon.priors.promote_response->set_source_count(2);
@@ -222,6 +260,8 @@ TEST(PriorsCommand, APreviewNamesTheScenesThatWouldHaveAnotherLeader) {
   change.set_machine_class("desktop");
   change.set_reward_version(3);
   change.set_next_arm("SAP");
+  daemon.priors.revoke_response->set_source_count(1);
+  daemon.priors.promote_response->set_source_count(1);
   *daemon.priors.promote_response->mutable_leader_changes() = changes;
   for (const char* action : {"revoke --build 1.3", "promote"}) {
     const std::string command = std::string("priors ") + action + " --daemon " + daemon.address();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -130,8 +131,11 @@ TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
   EXPECT_THAT(reward["reasons"][0], HasSubstr("its reward is version 1"));
   EXPECT_EQ(changed([](PriorRecord& record) { record.arm = "Octree"; })["fitness"], "foreign");
   const json old = changed([](PriorRecord& record) { record.last_seen_unix_s = 1'000'000'000; });
-  EXPECT_EQ(old["fitness"], "near");
-  EXPECT_THAT(old["reasons"][0], HasSubstr("days old"));
+  EXPECT_EQ(old["fitness"], "valid");
+  EXPECT_THAT(old["reasons"][0], HasSubstr("days old, which takes nothing from it"));
+  const CommandRun empty = RunCommand("priors doctor --in " + Write("none.json", {}));
+  EXPECT_EQ(empty.exit_code, 1);
+  EXPECT_THAT(empty.out, HasSubstr("none.json has no records\n"));
 }
 
 // One arm in another version, and one that this program does not have.
@@ -159,6 +163,7 @@ TEST_F(PriorsFilesTest, AnArmThatChangedLosesNothingOfTheOthersKnowledge) {
   EXPECT_EQ(entry["fitness"], "near");
   EXPECT_EQ(entry["weight"], 1) << "of SAP, which is the same";
   EXPECT_EQ(entry["reasons"].size(), 2u);
+  EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("here, and counts 4 %"));
 }
 
 TEST_F(PriorsFilesTest, DiffNamesTheScenesOfWhichTwoFilesSaySomethingElse) {
@@ -182,6 +187,17 @@ TEST_F(PriorsFilesTest, DiffNamesTheScenesOfWhichTwoFilesSaySomethingElse) {
   const std::string same = Write("same.json", before);
   EXPECT_EQ(RunCommand("priors diff " + same + " " + same).out,
             "They say the same of every scene, to 5 %.\n");
+}
+
+TEST_F(PriorsFilesTest, DiffSaysWhereOneFileKnowsNothing) {
+  const std::string files = Write("some.json", Honest()) + " " + Write("none.json", {});
+  EXPECT_THAT(RunCommand("priors diff " + files).out,
+              AllOf(HasSubstr("one of them knows nothing of it"), Not(HasSubstr("cheapest"))));
+  const json scenes = json::parse(RunCommand("priors diff --json " + files).out)["scenes"];
+  EXPECT_EQ(scenes[0]["leader_changed"], false);
+  const CommandRun typo = RunCommand("priors diff " + files + " --build 9");
+  EXPECT_EQ(typo.exit_code, 1);
+  EXPECT_THAT(typo.err, HasSubstr("some.json has nothing of build 9"));
 }
 
 TEST_F(PriorsFilesTest, DiffComparesTwoBuildsOfOneFile) {
@@ -213,6 +229,25 @@ TEST_F(PriorsFilesTest, MergeKeepsOfEachSourceWhatIsLater) {
       RunCommand("priors merge " + out + " " + out + " --out /nonexistent/p");
   EXPECT_EQ(nowhere.exit_code, 2);
   EXPECT_THAT(nowhere.err, HasSubstr("/nonexistent/p"));
+}
+
+// A sum may have what the sessions taught.
+TEST_F(PriorsFilesTest, MergeCountsNothingTwice) {
+  const std::string sums = Write("sums.json", SumByBuild(Honest()));
+  const std::string sessions = Write("sessions.json", Honest());
+  const std::string out = (folder_.path() / "all.json").string();
+  const auto merge = [&](const std::string& files) {
+    return RunCommand("priors merge " + files + " --out " + out);
+  };
+  for (const std::string& files : {sums + " " + sessions, sessions + " " + sums}) {
+    const CommandRun refused = merge(files);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("arcade/arena"), HasSubstr("would count twice")));
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+  std::vector<PriorRecord> played = SumByBuild(Honest());
+  played.push_back(RecordOf("own", "SAP", 200));
+  EXPECT_EQ(merge(sums + " " + Write("played.json", played)).out, out + ": 3 records\n");
 }
 
 TEST_F(PriorsFilesTest, ArmIsTheCheapestOfTheScene) {

@@ -124,7 +124,7 @@ TEST_F(BuildsTest, WhatIsNoBuildIsNamedAndChangesNothing) {
   for (const auto& [build, said] : cases) {
     const grpc::Status status = Describe({Build("1.0", {}), build});
     EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_INVALID_MESSAGE);
-    EXPECT_THAT(status.error_message(), HasSubstr("build 1"));
+    EXPECT_THAT(status.error_message(), HasSubstr("build 2 of 2: "));
     EXPECT_THAT(status.error_message(), HasSubstr(said));
   }
   EXPECT_EQ(ReasonOf(Describe(std::vector<v1::Build>(17, Build("1.0", {})))),
