@@ -92,7 +92,7 @@ bool IsAncestor(const std::string& name, std::vector<std::string> of,
 }
 
 Status CheckNoCycle(const BuildsOptions& options) {
-  if (options.forget || options.parents.empty()) return {};
+  if (options.parents.empty()) return {};
   const auto builds = ListBuilds(options.daemon, options.project);
   if (!builds.ok()) return builds.status();
   for (const std::string& parent : options.parents) {

@@ -59,10 +59,10 @@ std::string DescribeFolded(const FoldedCounts& folded) {
          " windows, were left out: the daemon has folded them together (fold_days)\n";
 }
 
-std::string DescribeWaiting(uint64_t count) {
+std::string DescribeWaiting(uint64_t count, const std::string& before) {
   if (count == 0) return "";
-  return std::to_string(count) +
-         " records that wait in quarantine are not in it (`sweepstake priors promote`)\n";
+  return before + std::to_string(count) +
+         " records wait in quarantine, of which there are no sums (`sweepstake priors promote`)";
 }
 
 // A file that is to be written.
@@ -70,7 +70,7 @@ struct ExportText {
   std::string text = {};
   uint64_t count = 0;  // of the records or sums in it
   FoldedCounts folded = {};
-  uint64_t waiting_count = 0;  // records that wait in quarantine, of which there are no sums
+  uint64_t waiting_count = 0;  // of records that wait in quarantine and are left out
 };
 
 Result<ExportText> TextOfSums(const PriorsOptions& options) {
@@ -99,26 +99,28 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
   const bool selects = !options.project.empty() || !options.scene.empty();
   if (selects && file->count == 0) {
     const std::string none = options.sums ? "no such records that count" : "no such records";
-    return FailAnswer(
-        terminal, Status(StatusCode::kNotFound,
-                         "the daemon has " + none + ", and " + options.file +
-                             " is left as it was; `sweepstake priors list` shows which it has"));
+    return FailAnswer(terminal,
+                      Status(StatusCode::kNotFound,
+                             "the daemon has " + none + ", and " + options.file +
+                                 " is left as it was; `sweepstake priors list` shows which it has" +
+                                 DescribeWaiting(file->waiting_count, "; ")));
   }
   const Status written = WritePriorsText(file->text, options.file);
   if (!written.ok()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
   }
+  const std::string waiting = DescribeWaiting(file->waiting_count, "");
   const Json document = {{"command", "priors export"},
                          {"file", options.file},
                          {"records", file->count},
                          {"sums", options.sums},
-                         {"quarantined", file->waiting_count},
+                         {"left_waiting", file->waiting_count},
                          {"folded_records", file->folded.records},
                          {"folded_windows", file->folded.windows}};
   PrintResult(terminal, options.json, document,
               options.file + ": " + std::to_string(file->count) +
                   (options.sums ? " sums of builds\n" : " records\n") +
-                  DescribeFolded(file->folded) + DescribeWaiting(file->waiting_count));
+                  DescribeFolded(file->folded) + waiting + (waiting.empty() ? "" : "\n"));
   return kDone;
 }
 
@@ -221,6 +223,14 @@ Status CheckNamesAny(const SourceChoice& sources) {
           "name the sessions to revoke by --source, --build, --token-id, --since or --until"};
 }
 
+// Of a revocation that takes nothing out.
+std::string NothingText(const PriorsOptions& options) {
+  std::string text = "no session that is not revoked already matches";
+  if (options.sources.source_id.empty() || !options.sources.project.empty())
+    return text + "; `sweepstake audit list` and exports say which there are\n";
+  return text + "; should it come, it " + (options.yes ? "counts" : "would count") + " no more\n";
+}
+
 int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
   if (const Status named = CheckNamesAny(options.sources); !named.ok())
     return Fail(terminal, named);
@@ -233,12 +243,12 @@ int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
       {"records", result->record_count},
       {"windows", result->window_count},
       {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
-  const std::string none =
-      "no session matches; `sweepstake audit list` and exports say which there are\n";
+  // What old sessions taught together is that of no source.
+  const bool none = result->source_count == 0 && result->record_count == 0;
   PrintResult(terminal, options.json, document,
-              result->source_count == 0 ? none
-                                        : CountsText(*result) + DoneText(options, "revoked") +
-                                              LeadersText(result->leader_changes));
+              none ? NothingText(options)
+                   : CountsText(*result) + DoneText(options, "revoked") +
+                         LeadersText(result->leader_changes));
   return kDone;
 }
 

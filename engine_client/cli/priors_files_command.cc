@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <system_error>
 #include <tuple>
@@ -88,9 +89,13 @@ bool HasBuild(const Records& records, const std::string& build) {
                                       [&](const auto& record) { return record.build == build; });
 }
 
-Status NoSuchBuild(const std::string& file, const std::string& build) {
-  return {StatusCode::kNotFound, file + " has nothing of build " + build +
-                                     "; `sweepstake priors show` shows which builds it has"};
+Status NoSuchBuild(const std::string& file, const Records& records, const std::string& build) {
+  std::set<std::string> builds;
+  for (const PriorRecord& record : records) builds.insert(record.build);
+  builds.erase("");
+  std::string names;
+  for (const std::string& name : builds) names += (names.empty() ? "; builds: " : " ") + name;
+  return {StatusCode::kNotFound, file + " has nothing of build " + build + names};
 }
 
 // The records of the build, or of all builds, as if they were of one. What waits in quarantine is
@@ -113,7 +118,7 @@ int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
   for (const auto& [file, records, build] :
        {std::tie(options.file, *before, options.build),
         std::tie(options.other_file, *after, options.other_build)}) {
-    if (!HasBuild(records, build)) return FailAnswer(terminal, NoSuchBuild(file, build));
+    if (!HasBuild(records, build)) return FailAnswer(terminal, NoSuchBuild(file, records, build));
   }
   const std::vector<GroupChange> changes =
       DiffPriors(GroupPriors(OfBuild(*std::move(before), options.build)),
@@ -126,24 +131,35 @@ int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-bool HasSums(const PriorsGroup& group) {
-  return std::any_of(group.sources.begin(), group.sources.end(),
-                     [](const std::string& source) { return source.starts_with(kSumMark); });
+// Returns a sum that may have what sessions of the other file taught, or null. It does not where
+// that file has the sum, too: they are those of a game that began with it.
+const PriorRecord* SumOfSessions(const Records& records, const Records& others) {
+  std::set<PriorsGroupKey> with_sessions;
+  std::map<decltype(KeyOf(records.front())), uint64_t> sums;
+  for (const PriorRecord& other : others) {
+    if (IsSum(other)) {
+      sums[KeyOf(other)] = other.source_sequence;
+    } else {
+      with_sessions.insert(GroupOf(other));
+    }
+  }
+  for (const PriorRecord& record : records) {
+    if (!IsSum(record) || !with_sessions.contains(GroupOf(record))) continue;
+    const auto same = sums.find(KeyOf(record));
+    if (same == sums.end() || same->second < record.source_sequence) return &record;
+  }
+  return nullptr;
 }
 
-// A sum may have what the other file's sessions taught. Where that has sums of its own, its
-// sessions are those of a game which began with them.
 Status CheckCountedOnce(const Records& records, const Records& others) {
-  const PriorsGroups groups = GroupPriors(records);
-  for (const auto& [key, other] : GroupPriors(others)) {
-    const auto group = groups.find(key);
-    if (group == groups.end() || HasSums(group->second) == HasSums(other)) continue;
-    return {StatusCode::kInvalidArgument,
-            "of " + NameOf(key) +
-                " one file has a sum and the other one sessions, which may be in that sum and "
-                "would count twice: export both with --sums, or both without"};
-  }
-  return {};
+  const PriorRecord* sum = SumOfSessions(records, others);
+  if (sum == nullptr) sum = SumOfSessions(others, records);
+  if (sum == nullptr) return {};
+  return {StatusCode::kInvalidArgument,
+          "of " + NameOf(GroupOf(*sum)) +
+              " one file has a sum that may have what sessions in the other one taught, which "
+              "would count twice: merge exports without --sums, and add what a game wrote to a "
+              "daemon with `sweepstake priors import`"};
 }
 
 int RunMerge(const PriorsFileOptions& options, Terminal& terminal) {
@@ -211,7 +227,8 @@ void AddTwoFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
       priors, "diff", "Print of which scenes two priors files say something else",
       "  sweepstake priors diff monday.json friday.json\n"
       "  sweepstake priors diff all.json all.json --build 1.0 --other-build 1.1\n"
-      "Costs are ratios to the cheapest arm's; those that differ by more than 5 % are printed.\n",
+      "Costs are ratios to the cheapest arm's; those that differ by more than 5 % are printed.\n"
+      "Exit code 1 when a file has nothing of the build.\n",
       exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareTwoFiles(command, options);
@@ -221,7 +238,11 @@ void AddTwoFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
       [&terminal](const PriorsFileOptions& options) { return RunDiff(options, terminal); });
   AddCommand<PriorsFileOptions>(
       priors, "merge", "Write the records of two priors files as one; the later of each source",
-      "  sweepstake priors merge ours.json theirs.json --out all.json\n", exit_code,
+      "  sweepstake priors merge ours.json theirs.json --out all.json\n"
+      "A sum of `export --sums` and sessions that may be in it are refused, since they would "
+      "count\n"
+      "twice.\n",
+      exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareTwoFiles(command, options);
         command.add_option("--out", options.out, "File to write")->required();

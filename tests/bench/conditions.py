@@ -120,7 +120,7 @@ def trace(scenes_path, traces, row, options):
 
 
 def list_name(path):
-    """That of its folder of traces, as decisions.sh has it: held-out of held_out_scenes.txt."""
+    """That of its folder of traces; of held_out_scenes.txt it is held-out, as decisions.sh calls it."""
     name = path.stem.removesuffix("_scenes")
     return name if name == path.stem else name.replace("_", "-")
 

@@ -33,9 +33,13 @@ double WeightOf(const decision::SourceRelation& relation, bool same_arm_version)
          decision::PowerPriorWeight({decision::kSameBuildWeight, true}, true);
 }
 
-// Returns how many of the group's arms this program has, in the same version.
-size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here,
-                     const decision::SourceRelation& relation, Diagnosed& found) {
+// Also where it is little, since nothing is foreign.
+std::string WeightText(double weight) { return Percent(weight, weight < 0.01 ? 1 : 0); }
+
+// Returns how many of the group's arms this program has, in the same version. Those in another one
+// count `other_weight`.
+size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, double other_weight,
+                     Diagnosed& found) {
   size_t same = 0;
   for (const auto& [name, arm] : group.arms) {
     const auto known = here.arm_versions.find(name);
@@ -43,8 +47,8 @@ size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here,
       found.reasons.push_back("there is no arm " + name + " here");
     } else if (known->second != arm.version) {
       found.reasons.push_back(name + " is of version " + std::to_string(arm.version) + ", " +
-                              std::to_string(known->second) + " here, and counts " +
-                              Percent(WeightOf(relation, /*same_arm_version=*/false), 0));
+                              std::to_string(known->second) + " here" +
+                              (other_weight > 0 ? ", and counts " + WeightText(other_weight) : ""));
     } else {
       ++same;
     }
@@ -61,7 +65,9 @@ Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const Pr
     found.reasons.push_back("measured on " + OrUnknown(key.machine_class) + ", this is " +
                             OrUnknown(here.machine_class));
   if (key.build != here.build) found.reasons.push_back("of build " + OrUnknown(key.build));
-  const size_t same = CountSameArms(group, here, relation, found);
+  const bool may_count = key.reward_version == here.reward_version && !key.is_quarantined;
+  const size_t same = CountSameArms(
+      group, here, may_count ? WeightOf(relation, /*same_arm_version=*/false) : 0, found);
   if (group.last_seen_unix_s > 0 && here.unix_now_s > group.last_seen_unix_s) {
     const uint64_t days = (here.unix_now_s - group.last_seen_unix_s) / kDayS;
     if (days > kOldDays)
@@ -102,7 +108,7 @@ std::string DoctorText(const std::vector<Diagnosed>& diagnosed) {
   for (const Diagnosed& one : diagnosed) {
     std::string why;
     for (const std::string& reason : one.reasons) why += (why.empty() ? "" : "; ") + reason;
-    table.AddRow({NameOf(one.key), WordOf(one.fitness), Percent(one.weight, 0), why});
+    table.AddRow({NameOf(one.key), WordOf(one.fitness), WeightText(one.weight), why});
   }
   return table.Text();
 }

@@ -27,7 +27,7 @@ enum class Fitness : uint8_t { kValid, kNear, kForeign };
 struct Diagnosed {
   PriorsGroupKey key;
   Fitness fitness = Fitness::kValid;
-  double weight = 0;                 // of its arms in the versions here; 1: as if measured here
+  double weight = 0;  // of its arms in the versions here, or of others where it has none; at most 1
   std::vector<std::string> reasons;  // why it is not valid, and what else is worth knowing
 };
 

@@ -19,11 +19,15 @@ void Add(const PriorRecord& record, PriorsArm& arm) {
 
 }  // namespace
 
+PriorsGroupKey GroupOf(const PriorRecord& record) {
+  return {record.project,       record.scene,          record.build,
+          record.machine_class, record.reward_version, record.is_quarantined};
+}
+
 PriorsGroups GroupPriors(std::span<const PriorRecord> records) {
   PriorsGroups groups;
   for (const PriorRecord& record : records) {
-    PriorsGroup& group = groups[{record.project, record.scene, record.build, record.machine_class,
-                                 record.reward_version, record.is_quarantined}];
+    PriorsGroup& group = groups[GroupOf(record)];
     group.sources.insert(record.source_id);
     group.last_seen_unix_s = std::max(group.last_seen_unix_s, record.last_seen_unix_s);
     PriorsArm& arm = group.arms[record.arm];

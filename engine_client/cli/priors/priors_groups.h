@@ -44,6 +44,7 @@ struct PriorsGroup {
 
 using PriorsGroups = std::map<PriorsGroupKey, PriorsGroup>;
 
+PriorsGroupKey GroupOf(const PriorRecord& record);
 PriorsGroups GroupPriors(std::span<const PriorRecord> records);
 
 // An arm's cost ÷ that of the group's cheapest one, as its evidence alone says.

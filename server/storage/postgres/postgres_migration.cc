@@ -431,7 +431,9 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
 
 absl::StatusOr<StoreContents> MigrateFromPostgres(const std::string& url, const fs::path& directory,
                                                   const OnMigrated& on_migrated) {
-  absl::Status status = CheckNoDatabase(directory);
+  // No daemon uses it, which RestoreStore asks again.
+  absl::Status status = DataDirectory::Open(directory).status();
+  if (status.ok()) status = CheckNoDatabase(directory);
   if (status.ok()) status = CheckDelivered(directory / DataDirectory::kOutboxName);
   PostgresConnection connection(url);
   if (status.ok()) status = Prepare(connection);

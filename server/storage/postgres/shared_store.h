@@ -30,8 +30,9 @@ absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& url,
 absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& store, const std::string& own);
 void LimitSharedStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits);
 
-// Moves what the store in the data directory has to the shared one, or back (postgres_migration.h).
-// Errors: those of there, INVALID_ARGUMENT (the URL is empty), UNIMPLEMENTED.
+// Copies what the store in the data directory has to the shared one, or back
+// (postgres_migration.h). Errors: those of there, INVALID_ARGUMENT (the URL is empty),
+// UNIMPLEMENTED.
 absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& directory,
                                               const std::string& url,
                                               const OnMigrated& on_migrated);

@@ -89,9 +89,10 @@ absl::StatusOr<double> RowsPerSecond(const Stores& stores, Rounds rounds, uint64
          taken.count();
 }
 
-uint64_t WindowsIn(PriorStore& store) {
+absl::StatusOr<uint64_t> WindowsIn(PriorStore& store) {
   uint64_t windows = 0;
   const auto scenes = store.List({}, std::nullopt, kScenes);
+  if (!scenes.ok()) return scenes.status();
   for (const auto& scene : *scenes) {
     for (const auto& arm : scene.arms) windows += arm.live.window_count + arm.lane.window_count;
   }
@@ -116,9 +117,10 @@ absl::Status Measure(const std::string& database, uint64_t rows, uint64_t group_
       "known ones\n",
       static_cast<unsigned long long>(daemon_count), static_cast<unsigned long long>(group_rows),
       *first, *later);
-  const uint64_t windows = WindowsIn(*stores.front());
-  if (windows == rounds * kRoundRows * daemon_count) return absl::OkStatus();
-  return absl::InternalError("the sums have " + std::to_string(windows) + " windows");
+  const auto windows = WindowsIn(*stores.front());
+  if (!windows.ok()) return windows.status();
+  if (*windows == rounds * kRoundRows * daemon_count) return absl::OkStatus();
+  return absl::InternalError("the sums have " + std::to_string(*windows) + " windows");
 }
 
 }  // namespace
@@ -129,8 +131,9 @@ int main(int argc, char** argv) {
   };
   const uint64_t group_rows = argument(2, sweepstake::storage::kSharedGroupRows);
   sweepstake::test_support::PostgresServer server(/*synced=*/true);
-  const absl::Status status = Measure(server.NewDatabase(), argument(1, 1'000'000),
-                                      std::min(group_rows, kRoundRows), argument(3, 3));
+  const absl::Status status =
+      Measure(server.NewDatabase(), argument(1, 1'000'000), std::min(group_rows, kRoundRows),
+              std::max<uint64_t>(1, argument(3, 3)));
   if (status.ok()) return 0;
   std::fprintf(stderr, "%s\n", status.ToString().c_str());
   return 1;

@@ -190,7 +190,9 @@ TEST(PriorsCommand, WhatIsAskedForIsNotThere) {
   FakeDaemonServices daemon;
   const std::string at = " --daemon " + daemon.address();
   EXPECT_THAT(RunCommand("priors revoke --build nope --yes" + at).out,
-              HasSubstr("no session matches; `sweepstake audit list`"));
+              HasSubstr("no session that is not revoked already matches; `sweepstake audit list`"));
+  EXPECT_THAT(RunCommand("priors revoke --source nope --yes" + at).out,
+              HasSubstr("should it come, it counts no more"));
   EXPECT_THAT(RunCommand("priors promote" + at).out, HasSubstr("nothing that waits matches"));
   for (const char* const command : {"priors revoke --project p", "priors revoke"}) {
     const CommandRun run = RunCommand(command + at);
@@ -202,6 +204,40 @@ TEST(PriorsCommand, WhatIsAskedForIsNotThere) {
     EXPECT_EQ(run.exit_code, 2);
     EXPECT_THAT(run.err, HasSubstr("--until is before --since"));
   }
+}
+
+TEST(PriorsCommand, WhatOldSessionsTaughtTogetherIsRevokedThoughItIsOfNoSource) {
+  FakeDaemonServices daemon;
+  daemon.priors.revoke_response->set_record_count(2);
+  EXPECT_THAT(RunCommand("priors revoke --build 1.0 --daemon " + daemon.address()).out,
+              HasSubstr("0 sources with 2 records"));
+}
+
+TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
+  FakeDaemonServices daemon;
+  daemon.priors.parts->resize(1);
+  v1::PriorRecord& record = *daemon.priors.parts->at(0).add_records();
+  record.set_project("p");
+  record.set_scene("s");
+  record.set_arm("SAP");
+  record.set_backend_version(1);
+  record.set_reward_version(3);
+  record.set_source_id("session");
+  record.set_source_sequence(1);
+  record.set_is_quarantined(true);
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  const std::string command = "priors export --out " + file + " --daemon " + daemon.address();
+  EXPECT_EQ(RunCommand(command + " --sums").out,
+            file +
+                ": 0 sums of builds\n1 records wait in quarantine, of which there are no sums "
+                "(`sweepstake priors promote`)\n");
+  EXPECT_THAT(RunCommand(command + " --sums --json").out, HasSubstr("\"left_waiting\": 1"));
+  EXPECT_THAT(RunCommand(command + " --json").out, HasSubstr("\"left_waiting\": 0"))
+      << "they are in the file";
+  const CommandRun none = RunCommand(command + " --sums --project p");
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("1 records wait in quarantine"));
 }
 
 TEST(PriorsCommand, ABuildIsNotMadeFromWhatWasMadeFromIt) {
@@ -221,7 +257,6 @@ TEST(PriorsCommand, ABuildIsNotMadeFromWhatWasMadeFromIt) {
   EXPECT_THAT(cycle.err, HasSubstr("build 1.2 was made from 1.0 itself"));
   EXPECT_THAT(RunCommand(describe + "1.0 --parent 1.0").err, HasSubstr("not its own parent"));
   EXPECT_EQ(RunCommand(describe + "1.3 --parent 1.2").exit_code, 0);
-  EXPECT_EQ(RunCommand(describe + "1.0 --forget").exit_code, 0);
 }
 
 TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {

@@ -138,7 +138,6 @@ TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
   EXPECT_THAT(empty.out, HasSubstr("none.json has no records\n"));
 }
 
-// One arm in another version, and one that this program does not have.
 TEST_F(PriorsFilesTest, WhatWaitsInQuarantineIsToldApartAndCountsNowhere) {
   std::vector<PriorRecord> records = Honest();
   for (PriorRecord& record : records) record.is_quarantined = true;
@@ -154,6 +153,7 @@ TEST_F(PriorsFilesTest, WhatWaitsInQuarantineIsToldApartAndCountsNowhere) {
       << "what promoting would bring can be compared";
 }
 
+// One arm in another version, and one that this program does not have.
 TEST_F(PriorsFilesTest, AnArmThatChangedLosesNothingOfTheOthersKnowledge) {
   std::vector<PriorRecord> records = Honest();
   records[0].backend_version += 1;
@@ -164,6 +164,8 @@ TEST_F(PriorsFilesTest, AnArmThatChangedLosesNothingOfTheOthersKnowledge) {
   EXPECT_EQ(entry["weight"], 1) << "of SAP, which is the same";
   EXPECT_EQ(entry["reasons"].size(), 2u);
   EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("here, and counts 4 %"));
+  for (PriorRecord& record : records) record.is_quarantined = true;
+  EXPECT_THAT(Diagnose(records)["reasons"].dump(), Not(HasSubstr("and counts 4")));
 }
 
 TEST_F(PriorsFilesTest, DiffNamesTheScenesOfWhichTwoFilesSaySomethingElse) {
@@ -197,7 +199,9 @@ TEST_F(PriorsFilesTest, DiffSaysWhereOneFileKnowsNothing) {
   EXPECT_EQ(scenes[0]["leader_changed"], false);
   const CommandRun typo = RunCommand("priors diff " + files + " --build 9");
   EXPECT_EQ(typo.exit_code, 1);
-  EXPECT_THAT(typo.err, HasSubstr("some.json has nothing of build 9"));
+  EXPECT_THAT(typo.err, HasSubstr("some.json has nothing of build 9; builds: 1.1"));
+  EXPECT_THAT(RunCommand("priors diff " + files + " --other-build 1.1").err,
+              HasSubstr("none.json has nothing of build 1.1"));
 }
 
 TEST_F(PriorsFilesTest, DiffComparesTwoBuildsOfOneFile) {
@@ -247,7 +251,13 @@ TEST_F(PriorsFilesTest, MergeCountsNothingTwice) {
   }
   std::vector<PriorRecord> played = SumByBuild(Honest());
   played.push_back(RecordOf("own", "SAP", 200));
-  EXPECT_EQ(merge(sums + " " + Write("played.json", played)).out, out + ": 3 records\n");
+  const std::string save = Write("played.json", played);
+  EXPECT_EQ(merge(sums + " " + save).out, out + ": 3 records\n") << "it began with these sums";
+  std::vector<PriorRecord> later = Honest();
+  later.push_back(RecordOf("own", "SAP", 200));
+  const std::string later_sums = Write("later.json", SumByBuild(later));
+  EXPECT_EQ(merge(later_sums + " " + save).exit_code, 2) << "they may have the save's session";
+  EXPECT_EQ(merge(save + " " + later_sums).exit_code, 2);
 }
 
 TEST_F(PriorsFilesTest, ArmIsTheCheapestOfTheScene) {

@@ -207,6 +207,9 @@ TEST_F(PostgresMigration, WhatIsThereAlreadyIsNotTouched) {
   };
   EXPECT_TRUE(absl::IsAlreadyExists(MigrateFromPostgres(url_, from_, never).status()));
   EXPECT_EQ(SeeIn(from_), before);
+  const auto in_use = DataDirectory::Open(to_);
+  ASSERT_TRUE(in_use.ok());
+  EXPECT_TRUE(absl::IsUnavailable(MigrateFromPostgres(url_, to_, never).status()));
 }
 
 }  // namespace

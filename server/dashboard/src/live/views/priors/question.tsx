@@ -102,11 +102,14 @@ function ScopeWords({ action, scope: { project, sourceId, build, tokenId, unixFr
   );
 }
 
+// What old sessions taught together is that of no source.
+const isAny = ({ sourceCount, recordCount }: Counts) => sourceCount > 0n || recordCount > 0n;
+
 function PreviewWords({ action, preview }: { action: Action; preview: Preview | undefined }) {
   const { what, none, would } = DEEDS[action];
   if (!preview) return <>Asking the daemon {what} …</>;
   if (preview.error) return <span class="problem">{preview.error.message}</span>;
-  return preview.counts!.sourceCount === 0n ? <>{none}</> : <b>{countsText(preview.counts!)} {would}.</b>;
+  return isAny(preview.counts!) ? <b>{countsText(preview.counts!)} {would}.</b> : <>{none}</>;
 }
 
 // In which scenes another arm would be believed to cost least.
@@ -181,7 +184,7 @@ function Dialog({ question: { action, scope: start, isOpen }, known, onClose, on
   const [scope, setScope] = useState<Scope | undefined>(isOpen ? undefined : start);
   const preview = usePreview(action, scope);
   const { title, verb } = DEEDS[action];
-  const goes = preview?.counts !== undefined && preview.counts.sourceCount > 0n;
+  const goes = preview?.counts !== undefined && isAny(preview.counts);
   const confirm = async () => {
     onClose();
     await act(action, preview!.scope);
