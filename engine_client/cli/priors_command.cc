@@ -59,9 +59,9 @@ std::string DescribeFolded(const FoldedCounts& folded) {
          " windows, were left out: the daemon has folded them together (fold_days)\n";
 }
 
-std::string DescribeWaiting(uint64_t count, const std::string& before) {
+std::string DescribeWaiting(uint64_t count) {
   if (count == 0) return "";
-  return before + std::to_string(count) +
+  return std::to_string(count) +
          " records wait in quarantine, of which there are no sums (`sweepstake priors promote`)";
 }
 
@@ -96,6 +96,7 @@ Result<ExportText> TextOfRecords(const PriorsOptions& options) {
 int RunExport(const PriorsOptions& options, Terminal& terminal) {
   const auto file = options.sums ? TextOfSums(options) : TextOfRecords(options);
   if (!file.ok()) return FailAnswer(terminal, file.status());
+  const std::string waiting = DescribeWaiting(file->waiting_count);
   const bool selects = !options.project.empty() || !options.scene.empty();
   if (selects && file->count == 0) {
     const std::string none = options.sums ? "no such records that count" : "no such records";
@@ -103,13 +104,12 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
                       Status(StatusCode::kNotFound,
                              "the daemon has " + none + ", and " + options.file +
                                  " is left as it was; `sweepstake priors list` shows which it has" +
-                                 DescribeWaiting(file->waiting_count, "; ")));
+                                 (waiting.empty() ? "" : "; " + waiting)));
   }
   const Status written = WritePriorsText(file->text, options.file);
   if (!written.ok()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
   }
-  const std::string waiting = DescribeWaiting(file->waiting_count, "");
   const Json document = {{"command", "priors export"},
                          {"file", options.file},
                          {"records", file->count},

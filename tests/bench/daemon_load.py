@@ -356,7 +356,8 @@ def parse(words):
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin", metavar="FOLDER",
                         help="with sweepstaked and sweepstake (default: build/release/bin)")
     parser.add_argument("--streams", type=int, default=10_000, help="games at a time (default: %(default)s)")
-    parser.add_argument("--sources", type=int, default=100_000, help="sessions that taught the scene; 1: connecting alone (default: %(default)s)")
+    parser.add_argument("--sources", type=int, default=100_000,
+                        help="sessions that taught the scene; 1: connecting alone (default: %(default)s)")
     parser.add_argument("--seconds", type=int, default=30, help="to measure each load for (default: %(default)s)")
     parser.add_argument("--only", action="append", choices=[row[0] for row in plan(argparse.Namespace(streams=0, sources=0))],
                         help="only this load; may be given again")
