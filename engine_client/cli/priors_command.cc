@@ -97,8 +97,9 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
   const auto file = options.sums ? TextOfSums(options) : TextOfRecords(options);
   if (!file.ok()) return FailAnswer(terminal, file.status());
   const std::string waiting = DescribeWaiting(file->waiting_count);
-  const bool selects = !options.project.empty() || !options.scene.empty();
-  if (selects && file->count == 0) {
+  const bool leaves_some =
+      !options.project.empty() || !options.scene.empty() || file->waiting_count > 0;
+  if (leaves_some && file->count == 0) {
     const std::string none = options.sums ? "no such records that count" : "no such records";
     return FailAnswer(terminal,
                       Status(StatusCode::kNotFound,
@@ -226,7 +227,8 @@ Status CheckNamesAny(const SourceChoice& sources) {
 // Of a revocation that takes nothing out.
 std::string NothingText(const PriorsOptions& options) {
   std::string text = "no session that is not revoked already matches";
-  if (options.sources.source_id.empty() || !options.sources.project.empty())
+  const std::string& source = options.sources.source_id;
+  if (source.empty() || !(options.sources == SourceChoice{.source_id = source}))
     return text + "; `sweepstake audit list` and exports say which there are\n";
   return text + "; should it come, it " + (options.yes ? "counts" : "would count") + " no more\n";
 }

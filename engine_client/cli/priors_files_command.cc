@@ -41,8 +41,8 @@ struct PriorsFileOptions {
   bool json = false;
 };
 
-std::map<std::string, uint32_t> ArmVersions() {
-  std::map<std::string, uint32_t> versions;
+ArmVersions OwnVersions() {
+  ArmVersions versions;
   for (const std::string_view arm : BroadPhaseNames())
     versions.emplace(arm, (*MakeBroadPhase(arm))->version());
   return versions;
@@ -63,13 +63,15 @@ int RunDoctor(const PriorsFileOptions& options, Terminal& terminal) {
   const auto records = ReadPriorsFile(options.file);
   if (!records.ok()) return Fail(terminal, records.status());
   const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const ArmVersions own = OwnVersions();
   const std::vector<Diagnosed> diagnosed = DiagnosePriors(
-      GroupPriors(*records), {.machine_class = options.machine_class,
-                              .build = options.build,
-                              .reward_version = decision::kLogCostRewardVersion,
-                              .arm_versions = ArmVersions(),
-                              .unix_now_s = static_cast<uint64_t>(
-                                  std::chrono::duration_cast<std::chrono::seconds>(now).count())});
+      GroupPriors(*records, own),
+      {.machine_class = options.machine_class,
+       .build = options.build,
+       .reward_version = decision::kLogCostRewardVersion,
+       .arm_versions = own,
+       .unix_now_s =
+           static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count())});
   const Json document = {{"command", "priors doctor"},
                          {"file", options.file},
                          {"machine_class", options.machine_class},

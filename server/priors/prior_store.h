@@ -254,6 +254,8 @@ struct SourceFilter {
   int64_t token_id = 0;
   uint64_t from_unix_s = 0;  // that began then or later; an imported source began at 0
   uint64_t until_unix_s = (1ull << 63) - 1;  // that began then or before
+
+  friend bool operator==(const SourceFilter&, const SourceFilter&) = default;
 };
 
 struct RevokeResult {

@@ -136,7 +136,8 @@ absl::Status QuarantineBound(uint64_t count, uint64_t max_records) {
 }
 
 bool BarsUnknown(const priors::SourceFilter& filter) {
-  return !filter.id.empty() && filter.id != decision::kAdminSession && filter.project.empty();
+  return !filter.id.empty() && filter.id != decision::kAdminSession &&
+         filter == priors::SourceFilter{.id = filter.id};
 }
 
 bool IsFolded(const std::string& source) { return source.front() < ' '; }

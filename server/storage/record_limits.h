@@ -25,8 +25,8 @@ absl::Status BuildBound(const std::string& project, uint64_t count);
 // Error: RESOURCE_EXHAUSTED (so many records in quarantine are more than may wait there).
 absl::Status QuarantineBound(uint64_t count, uint64_t max_records);
 
-// Returns whether a revocation bars a source that the store has nothing of. One that is about a
-// project does not, since the source may be another project's.
+// Returns whether a revocation bars a source that the store has nothing of: one that asks for its
+// id alone. With more than that, the store may have it, of another project, build or time.
 bool BarsUnknown(const priors::SourceFilter& filter);
 
 // Returns whether the source has the folded evidence of others (FoldSources).

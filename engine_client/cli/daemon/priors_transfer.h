@@ -50,12 +50,14 @@ Result<ImportResult> ImportPriors(const DaemonOptions& daemon, std::span<const P
 
 // Which sources: those that match all that is set.
 struct SourceChoice {
-  std::string project;
-  std::string source_id;
-  std::string build;
+  std::string project = {};
+  std::string source_id = {};
+  std::string build = {};
   int64_t token_id = 0;
   int64_t unix_from_s = 0;
   int64_t unix_until_s = 0;
+
+  friend bool operator==(const SourceChoice&, const SourceChoice&) = default;
 };
 
 // A scene in which another arm would be the one that is believed to cost least; empty: none.

@@ -34,7 +34,9 @@ double WeightOf(const decision::SourceRelation& relation, bool same_arm_version)
 }
 
 // Below 1 % with a decimal, since 0 % would be foreign.
-std::string WeightText(double weight) { return Percent(weight, weight < 0.01 ? 1 : 0); }
+std::string WeightText(double weight) {
+  return Percent(weight, 0 < weight && weight < 0.01 ? 1 : 0);
+}
 
 // Returns how many of the group's arms this program has, in the same version. Those in another one
 // count `other_weight`.

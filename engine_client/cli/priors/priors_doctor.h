@@ -16,7 +16,7 @@ struct PriorsPlace {
   std::string machine_class;
   std::string build;
   uint32_t reward_version = 1;
-  std::map<std::string, uint32_t> arm_versions;
+  ArmVersions arm_versions;
   uint64_t unix_now_s = 0;
 };
 

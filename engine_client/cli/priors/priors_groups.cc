@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/decision/policy/log_cost.h"
 
@@ -24,15 +25,23 @@ PriorsGroupKey GroupOf(const PriorRecord& record) {
           record.machine_class, record.reward_version, record.is_quarantined};
 }
 
-PriorsGroups GroupPriors(std::span<const PriorRecord> records) {
+PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions& own) {
+  // The one with the greatest rank is taken.
+  const auto rank = [&](const std::string& arm, uint32_t version) -> uint64_t {
+    const auto known = own.find(arm);
+    const bool is_own = known != own.end() && known->second == version;
+    return is_own ? std::numeric_limits<uint64_t>::max() : version;
+  };
   PriorsGroups groups;
   for (const PriorRecord& record : records) {
     PriorsGroup& group = groups[GroupOf(record)];
     group.sources.insert(record.source_id);
     group.last_seen_unix_s = std::max(group.last_seen_unix_s, record.last_seen_unix_s);
     PriorsArm& arm = group.arms[record.arm];
-    if (record.backend_version < arm.version) continue;
-    if (record.backend_version > arm.version) arm = {.version = record.backend_version};
+    const uint64_t rank_here = rank(record.arm, record.backend_version);
+    const uint64_t rank_taken = rank(record.arm, arm.version);
+    if (rank_here < rank_taken) continue;
+    if (rank_here > rank_taken) arm = {.version = record.backend_version};
     Add(record, arm);
   }
   return groups;

@@ -36,8 +36,10 @@ struct PriorsArm {
   uint64_t visit_count = 0;
 };
 
+using ArmVersions = std::map<std::string, uint32_t>;  // by name
+
 struct PriorsGroup {
-  std::map<std::string, PriorsArm> arms;  // by name, each in its latest version
+  std::map<std::string, PriorsArm> arms;  // by name, each in one version
   std::set<std::string> sources;
   uint64_t last_seen_unix_s = 0;  // 0: unknown
 };
@@ -45,7 +47,8 @@ struct PriorsGroup {
 using PriorsGroups = std::map<PriorsGroupKey, PriorsGroup>;
 
 PriorsGroupKey GroupOf(const PriorRecord& record);
-PriorsGroups GroupPriors(std::span<const PriorRecord> records);
+// Of each arm it takes what is known of the version in `own`, else of the latest.
+PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions& own = {});
 
 // An arm's cost ÷ that of the group's cheapest one, as its evidence alone says.
 struct ArmRatio {

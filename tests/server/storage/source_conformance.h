@@ -60,6 +60,16 @@ TEST_P(SourceConformance, ARevocationBarsNeitherAnotherProjectsSourceNorTheLogOf
   EXPECT_NE(*store_->LoadSource(admin), std::nullopt);
 }
 
+TEST_P(SourceConformance, ARevocationOfAnotherBuildOrTimeBarsNoSourceThatIsKnown) {
+  ASSERT_TRUE(Commit({UpdateOf({"1.0", 7}, 100, "a", {Key("Grid")})}).ok());
+  const priors::SourceFilter none[] = {
+      {.id = "a", .build = "1.1"}, {.id = "a", .token_id = 8}, {.id = "a", .until_unix_s = 99}};
+  for (const priors::SourceFilter& filter : none)
+    EXPECT_EQ(*store_->Revoke(filter, false), priors::RevokeResult{});
+  EXPECT_NE(*store_->LoadSource("a"), std::nullopt);
+  EXPECT_EQ(store_->Revoke({.id = "a"}, false)->record_count, 1u);
+}
+
 TEST_P(SourceConformance, SourcesAreRevokedByBuildTokenAndTimeAndAPreviewChangesNothing) {
   const EvidenceKey elsewhere = [] {
     EvidenceKey key = Key("Grid");

@@ -20,6 +20,7 @@ using test_support::TemporaryDirectory;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 PriorRecord SomeRecord(uint64_t sequence) {
   return {.project = "p",
@@ -193,6 +194,8 @@ TEST(PriorsCommand, WhatIsAskedForIsNotThere) {
               HasSubstr("no session that is not revoked already matches; `sweepstake audit list`"));
   EXPECT_THAT(RunCommand("priors revoke --source nope --yes" + at).out,
               HasSubstr("should it come, it counts no more"));
+  EXPECT_THAT(RunCommand("priors revoke --source known --build nope --yes" + at).out,
+              Not(HasSubstr("should it come")));
   EXPECT_THAT(RunCommand("priors promote" + at).out, HasSubstr("nothing that waits matches"));
   for (const char* const command : {"priors revoke --project p", "priors revoke"}) {
     const CommandRun run = RunCommand(command + at);
@@ -228,16 +231,22 @@ TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "p.json").string();
   const std::string command = "priors export --out " + file + " --daemon " + daemon.address();
+  for (const char* const selection : {"", " --project p"}) {
+    const CommandRun none = RunCommand(command + " --sums" + selection);
+    EXPECT_EQ(none.exit_code, 1);
+    EXPECT_THAT(none.err, AllOf(HasSubstr("p.json is left as it was"),
+                                HasSubstr("1 records wait in quarantine")));
+  }
+  v1::PriorRecord& counts = *daemon.priors.parts->at(0).add_records();
+  counts = record;
+  counts.set_is_quarantined(false);
   EXPECT_EQ(RunCommand(command + " --sums").out,
             file +
-                ": 0 sums of builds\n1 records wait in quarantine, of which there are no sums "
+                ": 1 sums of builds\n1 records wait in quarantine, of which there are no sums "
                 "(`sweepstake priors promote`)\n");
   EXPECT_THAT(RunCommand(command + " --sums --json").out, HasSubstr("\"left_waiting\": 1"));
   EXPECT_THAT(RunCommand(command + " --json").out, HasSubstr("\"left_waiting\": 0"))
       << "they are in the file";
-  const CommandRun none = RunCommand(command + " --sums --project p");
-  EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.err, HasSubstr("1 records wait in quarantine"));
 }
 
 TEST(PriorsCommand, ABuildIsNotMadeFromWhatWasMadeFromIt) {

@@ -133,6 +133,10 @@ TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
   const json old = changed([](PriorRecord& record) { record.last_seen_unix_s = 1'000'000'000; });
   EXPECT_EQ(old["fitness"], "valid");
   EXPECT_THAT(old["reasons"][0], HasSubstr("days old, which takes nothing from it"));
+  std::vector<PriorRecord> newer = Honest();
+  for (PriorRecord& record : newer) record.backend_version = 99;
+  newer.insert(newer.begin(), healthy.begin(), healthy.end());
+  EXPECT_EQ(Diagnose(newer)["fitness"], "valid") << "what the version here taught counts in full";
   const CommandRun empty = RunCommand("priors doctor --in " + Write("none.json", {}));
   EXPECT_EQ(empty.exit_code, 1);
   EXPECT_THAT(empty.out, HasSubstr("none.json has no records\n"));
