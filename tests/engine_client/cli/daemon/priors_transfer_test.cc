@@ -218,8 +218,8 @@ TEST(PriorsCommand, WhatOldSessionsTaughtTogetherIsRevokedThoughItIsOfNoSource) 
 
 TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
   FakeDaemonServices daemon;
-  daemon.priors.parts->resize(1);
-  v1::PriorRecord& record = *daemon.priors.parts->at(0).add_records();
+  v1::ExportPriorsResponse part;
+  v1::PriorRecord& record = *part.add_records();
   record.set_project("p");
   record.set_scene("s");
   record.set_arm("SAP");
@@ -228,6 +228,7 @@ TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
   record.set_source_id("session");
   record.set_source_sequence(1);
   record.set_is_quarantined(true);
+  daemon.priors.parts = std::vector{part};
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "p.json").string();
   const std::string command = "priors export --out " + file + " --daemon " + daemon.address();
@@ -237,9 +238,10 @@ TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
     EXPECT_THAT(none.err, AllOf(HasSubstr("p.json is left as it was"),
                                 HasSubstr("1 records wait in quarantine")));
   }
-  v1::PriorRecord& counts = *daemon.priors.parts->at(0).add_records();
+  v1::PriorRecord& counts = *part.add_records();
   counts = record;
   counts.set_is_quarantined(false);
+  daemon.priors.parts = std::vector{part};
   EXPECT_EQ(RunCommand(command + " --sums").out,
             file +
                 ": 1 sums of builds\n1 records wait in quarantine, of which there are no sums "
