@@ -47,6 +47,7 @@ ARMS = ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree")
 # They have work of their own besides the detection. The regimes of a changing scene have so many frames, which pass too fast here.
 SCENES = "hurricane:2000,brownian:1000,rotating-gravity:3000,free-fall:5000"
 BLOCK_FRAMES = 256
+LONGEST_AGAIN_S = 4
 STREAM = "a, b = bytearray(1 << 26), bytearray(1 << 26)\nwhile True:\n    a[:] = b"
 BURST = """from time import sleep, time
 while True:
@@ -109,14 +110,18 @@ class Game:
         return ["taskset", "-c", str(min(os.sched_getaffinity(0)))] if self.condition == "one-cpu" else []
 
     def play(self, *words, seconds=None):
+        seconds = seconds or self.options.seconds
         with tempfile.TemporaryDirectory() as folder:
             command = [*self.prefix(), self.options.program, "run", *self.decider, "--scene", self.scene, "--objects", str(self.objects),
-                       "--duration", f"{seconds or self.options.seconds}s", "--csv", folder, "--json", *words]
+                       "--duration", f"{seconds}s", "--csv", folder, "--json", *words]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode != 0:
                 raise Failure(f"sweepstake run ended with {done.returncode}: {done.stderr.strip()[:800]}")
             self.summary = json.loads(done.stdout)
             self.read(pathlib.Path(folder))
+        # A game of a few hundredths of a second may end before other work lets it play a frame.
+        if not self.frame_ns and seconds < LONGEST_AGAIN_S:
+            return self.play(*words, seconds=2 * seconds)
         return self.frame_ns
 
     def read(self, folder):

@@ -5,9 +5,11 @@ import json
 import pathlib
 import subprocess
 import sys
+import tempfile
+import types
 import unittest
 
-from live import at_equal_speed, choice
+from live import Game, at_equal_speed, choice
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = ""
@@ -53,6 +55,19 @@ class Live(unittest.TestCase):
         self.assertEqual((one["regret"], len(one["lane_tail_ratios"])), (None, 2))
         self.assertGreater(one["lane_tail_half_width"], 0)
         self.assertIn(judged(json.loads(done.stdout))[0], (0, 1))
+
+    def test_a_game_without_a_frame_is_played_again_longer(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = pathlib.Path(folder) / "no_frame_in_0.1s"
+            program.write_text('''#!/bin/sh
+while [ "$1" != --duration ]; do shift; done
+case $2 in 0.1s) row= ;; *) row="SAP,9,5" ;; esac
+printf 'arm,frame_time_ns,detection_time_ns\\n%s\\n' "$row" > "$4/frames.csv"
+echo {}
+''', encoding="utf-8")
+            program.chmod(0o755)
+            game = Game(types.SimpleNamespace(program=program, seconds=0.1), "brownian", 100)
+            self.assertEqual(game.fixed("SAP"), [9])
 
     def test_plays_with_a_quota_where_one_can_be_set(self):
         done = live("--scenes", "brownian:100", "--conditions", "quota", "--lane-only", "--cpu-quota", "0.5", "--json")
