@@ -228,7 +228,7 @@ Status CheckNamesAny(const SourceChoice& sources) {
 std::string NothingText(const PriorsOptions& options) {
   std::string text = "no session that is not revoked already matches";
   const std::string& source = options.sources.source_id;
-  if (source.empty() || !(options.sources == SourceChoice{.source_id = source}))
+  if (source.empty() || options.sources != SourceChoice{.source_id = source})
     return text + "; `sweepstake audit list` and exports say which there are\n";
   return text + "; should it come, it " + (options.yes ? "counts" : "would count") + " no more\n";
 }
