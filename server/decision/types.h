@@ -163,8 +163,8 @@ struct GateTerms {
   double gain = 0;  // E⁺ = E[max(d, 0)]
   double loss = 0;  // E⁻ = E[max(−d, 0)]
   double horizon_s = 0;
-  double cooldown_s = 0;
-  double cost_s = 0;  // measured cost of the switch
+  double cooldown_s = 0;  // of a trial, what its budget lasts for if that is less
+  double cost_s = 0;      // measured cost of the switch
 };
 
 struct SwitchCommand {
@@ -172,7 +172,7 @@ struct SwitchCommand {
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   // A trial: the client goes back by itself if the new arm makes frames longer than this share of
-  // the longest ones before the switch, in percent. 0: no trial.
+  // the longest ones before the switch, in percent, or has spent the trial's budget. 0: no trial.
   uint32_t trial_limit_percent = 0;
 };
 

@@ -19,10 +19,10 @@
 // switch). If that takes more than half a second of frame time, the switch is executed without it
 // (a cold switch).
 //
-// A decider may command a trial: if a frame of the new arm takes too long, compared with the
-// longest of the arm before, the next frame runs that arm again, without asking, and the outcome
-// says so. A trial lasts for twice the settling time; frames that rebuild, paused and loading ones
-// do not end it.
+// A decider may command a trial: if two frames of the new arm take too long, compared with the
+// longest of the arm before, or all of them together, compared with its mean, the next frame runs
+// that arm again, without asking, and the outcome says so. A trial lasts for twice the settling
+// time; frames that rebuild, paused and loading ones do not end it.
 #pragma once
 
 #include <atomic>

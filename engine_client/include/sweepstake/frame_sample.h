@@ -80,7 +80,8 @@ struct SwitchCommand {
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   // A trial: two frames in a row in which the new arm makes the longest frame of late longer than
-  // this share of it, in percent, and longer by 1 ms, send the game back to the arm before. 0: no
+  // this share of it, in percent, and longer by 1 ms, send the game back to the arm before; so do
+  // searches that take longer than those of late by a fortieth of the trial's time in all. 0: no
   // trial; at most 255, and less than 100 counts as 100.
   uint32_t trial_limit_percent = 0;
 };
@@ -163,7 +164,8 @@ struct SwitchOutcome {
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
   // The way back from a trial: the detection time that was over its limit (of two frames the
-  // shorter one's), and the arm that was tried. 0: any other switch.
+  // shorter one's) or, over its budget, the mean one, and the arm that was tried. 0: any other
+  // switch.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

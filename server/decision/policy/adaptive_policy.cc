@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "server/decision/math/normal_distribution.h"
-#include "server/decision/math/portable_math.h"
 #include "server/decision/policy/diagnosis.h"
 #include "server/decision/policy/posterior_update.h"
 
@@ -29,9 +28,6 @@ constexpr double kTie = 0.005;            // a smaller expected gain does not ma
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
-// The share of the frame time that an arm which is tried live may be believed to cost more, and the
-// share of the longest detection time that one of its frames may take.
-constexpr double kMaxTrialLoss = 0.2;
 constexpr uint32_t kTrialLimitPercent = 120;
 // By how many standard deviations an arm that was live has to be better to be chosen again.
 constexpr double kReturnDeviations = 0.25;
@@ -280,8 +276,12 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
     terms.gain += share * (flat - terms.gain);
     terms.loss += share * (flat - terms.loss);
   }
-  // The gate: gain over the horizon against loss over the cooldown and the cost of the switch.
+  // The gate: gain over the horizon against loss over the cooldown, or of a trial until its budget
+  // is spent, and the cost of the switch.
   terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
+  const double budget_s = kTrialBudget * Seconds(options_.settling_ns) / detection_share_;
+  if (!was_live_[candidate] && terms.cooldown_s * terms.loss > budget_s)
+    terms.cooldown_s = budget_s / terms.loss;
   terms.cost_s = switch_cost_s_ / detection_share_;
   result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
   if (!components_.gate) result.worth_s = terms.gain - terms.loss;
@@ -295,8 +295,7 @@ bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
   const NormalBelief difference = beliefs_.Difference(input.active_arm, arm);
   const double deviations = input.bailed_out ? 0 : kReturnDeviations;
-  if (was_live_[arm]) return difference.mean > deviations * std::sqrt(difference.variance);
-  return detection_share_ * (math::Exp(-difference.mean) - 1) < kMaxTrialLoss;
+  return !was_live_[arm] || difference.mean > deviations * std::sqrt(difference.variance);
 }
 
 std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(

@@ -13,17 +13,18 @@
 //   seen that is believed to cost no more than the active one.
 // - While the shadow lane reports, only arms that were measured or have priors are chosen. An arm
 //   that is believed to be worse is tried live once, if the gate finds that its window is worth it,
-//   since the lane's bias is unknown until there is one, and if it is believed to make a frame at
-//   most a fifth longer. An arm that was live has to be better by a quarter of what is uncertain of
-//   the difference, so that nothing leads back and forth. Without the lane, the value of
-//   exploration (E⁺ of an arm never seen) leads to every arm being tried live.
+//   since the lane's bias is unknown until there is one. An arm that was live has to be better by a
+//   quarter of what is uncertain of the difference, so that nothing leads back and forth. Without
+//   the lane, the value of exploration (E⁺ of an arm never seen) leads to every arm being tried
+//   live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
 // - An arm's first live window is a trial: two frames of it in a row that take a fifth longer than
-//   the longest one before send the client back at once (SwitchCommand). A first such end may be
-//   what else the machine was at; from the second on it is a lower bound of the arm's cost, as is a
-//   visit of the lane that a cap has ended. It bans the arm no more than that cost.
+//   the longest one before, or a budget for all of them, send the client back at once
+//   (SwitchCommand), so that it costs no more than that budget. A first such end may be what else
+//   the machine was at; from the second on it is a lower bound of the arm's cost, as is a visit of
+//   the lane that a cap has ended. It bans the arm no more than that cost.
 // - Each regime of the scene has beliefs of its own, which return with it; where regimes change
 //   faster than choices take effect, a mixture of them decides (regime_beliefs.h).
 //
@@ -62,6 +63,8 @@ class AdaptivePolicy : public Policy {
   // The ban of an arm's first bail-out, in decision intervals; each later one is four times as
   // long.
   static constexpr double kFirstBan = 200;
+  // What a trial may cost in all before the client ends it (SwitchCommand), in settling times.
+  static constexpr double kTrialBudget = 2.0 / 40;
 
   explicit AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components = {});
 

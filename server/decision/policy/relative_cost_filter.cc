@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/decision/math/normal_distribution.h"
+
 namespace sweepstake::decision {
 namespace {
 
@@ -154,19 +156,36 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   KeepLoadPositive();
 }
 
-// The lane's visits stay true, so that what they did not tell of the arm is its bias; a frame says
-// nothing about the noise of a window.
+// A belief above the bound loses its part below. One below it comes to it: the lane's visits stay
+// true, so that what they did not tell of the arm is its bias; a trial says nothing about the noise
+// of a window.
 void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
+  const auto column = [&]() -> Eigen::VectorXd {
+    return covariance_.col(arm) + covariance_.col(load());
+  };
+  const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
-  if (innovation <= 0) return;
+  if (innovation <= 0) return Truncate(column(), innovation, variance_in(column()));
   covariance_(arm, arm) += Square(innovation);
   if (has_lane()) {
     covariance_(bias(arm), bias(arm)) += Square(innovation);
     covariance_(arm, bias(arm)) -= Square(innovation);
     covariance_(bias(arm), arm) -= Square(innovation);
   }
-  const Eigen::VectorXd column = covariance_.col(arm) + covariance_.col(load());
-  Update(column, innovation, column[arm] + column[load()] + live_noise_);
+  const Eigen::VectorXd widened = column();
+  Update(widened, innovation, variance_in(widened) + live_noise_);
+}
+
+// Replaces the belief about a quantity by that of its values above a bound, which lies at
+// `innovation` from its mean: with the first two moments of the truncated normal distribution.
+void RelativeCostFilter::Truncate(const Eigen::VectorXd& column, double innovation,
+                                  double variance) {
+  if (variance <= 0) return;
+  const double deviation = std::sqrt(variance);
+  const double z = innovation / deviation;
+  const double shift = NormalDensity(z) / NormalCdf(-z);  // in deviations
+  const double share = shift * (shift - z);               // of the variance
+  if (share > 0) Update(column, deviation / (shift - z), variance / share);
 }
 
 // Observes that there is no load, where the belief has come to one below.

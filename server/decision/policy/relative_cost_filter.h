@@ -51,7 +51,7 @@ class RelativeCostFilter {
   // Every arm's cost may have changed.
   void Widen(double variance);
   void ObserveLive(uint32_t arm, double log_cost);
-  // The arm, of which the lane alone has told, costs live at least so much.
+  // The arm, which has had no live window, costs live at least so much.
   void ObserveBound(uint32_t arm, double log_cost);
   // Successive visits with the same `sweep` share that sweep's offset.
   void ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost);
@@ -89,6 +89,7 @@ class RelativeCostFilter {
   double NoiseOfReferenceVisit(double innovation, double variance);
   double NoiseOfVisit(uint32_t arm, double innovation, double variance);
   void Update(const Eigen::VectorXd& column, double innovation, double variance);
+  void Truncate(const Eigen::VectorXd& column, double innovation, double variance);
   void KeepLoadPositive();
 
   uint32_t arm_count_;

@@ -8,6 +8,7 @@
 
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/adaptive/guards/trial_guard.h"
+#include "engine_client/adaptive/shadow_schedule.h"
 #include "tests/support/recording_sink.h"
 #include "tests/support/scripted_broad_phase.h"
 
@@ -21,9 +22,10 @@ using test_support::ScriptedClock;
 
 constexpr uint64_t kFrameNs = 10'000'000;
 constexpr uint64_t kGrantedNs = 2'000'000;  // a fifth of a frame
+constexpr uint32_t kTrialFrames = 800;
 
-// Arms A and B, of which a frame's search takes 110 ns, on a scripted clock. A trial lasts for 40
-// frames.
+// Arms A and B, of which a frame's search takes 110 ns, on a scripted clock. A trial lasts for
+// kTrialFrames.
 class TrialTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -35,7 +37,7 @@ class TrialTest : public ::testing::Test {
       arms_.push_back(backend.get());
       backends.push_back(std::move(backend));
     }
-    const AdaptiveOptions options{.settling_ns = 20 * kFrameNs};
+    const AdaptiveOptions options{.settling_ns = kTrialFrames / 2 * kFrameNs};
     adaptive_ = std::move(*AdaptiveFactory::Make(options, std::move(backends), &sink_, clock_));
     Frames(5);
   }
@@ -47,13 +49,15 @@ class TrialTest : public ::testing::Test {
     adaptive_->EndFrame({.frame_time_ns = frame_ns_, .flags = flags});
     return adaptive_->last_sample();
   }
-  void Frames(int count) {
-    for (int i = 0; i < count; ++i) Frame();
+  void Frames(uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) Frame();
   }
-  // Commands arm B as a trial of at most 110 ns + kGrantedNs. Its first frame builds.
+  // Commands arm B as a trial of at most 110 ns + kGrantedNs. Its first frame builds, and none of
+  // those here is judged.
   void TryB(uint32_t limit_percent = 120) {
     adaptive_->mailbox().Post({.command_id = 7, .arm = 1, .trial_limit_percent = limit_percent});
     ASSERT_EQ(Frame().flags, uint32_t{kFrameRebuild});
+    Frames(kShadowWarmUpFrames);
   }
   void SearchOfBTakes(uint64_t find_ns) { arms_[1]->script().find_ns = find_ns; }
   void FramesTake(uint64_t frame_ns) { frame_ns_ = frame_ns; }
@@ -95,10 +99,20 @@ TEST_F(TrialTest, AnArmWithinTheLimitStaysAndIsNoTrialAfterTwiceTheSettlingTime)
   TryB();
   SearchOfBTakes(kGrantedNs + 10);
   Frames(40);
+  SearchOfBTakes(10);
+  Frames(kTrialFrames - 40);
   SearchOfBTakes(2 * kGrantedNs);
   Frames(5);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
   EXPECT_EQ(adaptive_->switch_epoch(), 1U);
+}
+
+TEST_F(TrialTest, TheFirstFramesOfANewStructureAreNotTheArms) {
+  SearchOfBTakes(100 * kGrantedNs);
+  TryB();
+  SearchOfBTakes(10);
+  Frames(10);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
 TEST_F(TrialTest, SingleFramesOverTheLimitAreNotTheArms) {
@@ -154,6 +168,48 @@ TEST_F(TrialTest, AMillisecondIsGrantedInAnyCase) {
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
+// No frame shows such an arm, but all of them cost more than what is learnt from them: of a trial
+// of 8 s, 200 ms may be lost, which 0.9 ms in each frame are after 223.
+TEST_F(TrialTest, AnArmThatTakesMoreThanTheArmBeforeHasABudget) {
+  FramesTake(1'000'000);
+  Frames(2 * TrialGuard::kBlockFrames);
+  TryB();
+  SearchOfBTakes(900'010);
+  Frames(223);
+  EXPECT_EQ(adaptive_->last_sample().arm, 1U);
+  EXPECT_EQ(Frame().arm, 0U);
+  EXPECT_EQ(sink_.switches.back().trial_detection_time_ns, 900'110U) << "the mean";
+}
+
+TEST_F(TrialTest, AnArmWithinTheBudgetStays) {
+  FramesTake(1'000'000);
+  Frames(2 * TrialGuard::kBlockFrames);
+  TryB();
+  SearchOfBTakes(24'010);
+  Frames(8'000);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
+// What interrupts single frames for long counts as no more than a search may take.
+TEST_F(TrialTest, TheBudgetIsNotSpentByOneFrame) {
+  TryB();
+  SearchOfBTakes(1'000'000'000);
+  Frame();
+  SearchOfBTakes(10);
+  Frames(10);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
+TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithTheArmBeforeThat) {
+  TryB();
+  Frames(kTrialFrames);
+  adaptive_->mailbox().Post({.command_id = 8, .arm = 0, .trial_limit_percent = 120});
+  Frame();
+  arms_[0]->script().find_ns = 2 * kGrantedNs;
+  Frames(kShadowWarmUpFrames + 3);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
 TEST_F(TrialTest, ACommandWithoutALimitIsNoTrial) {
   TryB(0);
   SearchOfBTakes(2 * kGrantedNs);
@@ -207,7 +263,7 @@ uint32_t FlagsOfTheWayBack(bool trims) {
   };
   for (int i = 0; i < 5; ++i) frame();
   adaptive->mailbox().Post({.command_id = 1, .arm = 1, .trial_limit_percent = 120});
-  frame();
+  for (uint32_t i = 0; i <= kShadowWarmUpFrames; ++i) frame();
   clock.step_ns = 2 * kGrantedNs;
   frame();
   EXPECT_EQ(frame().arm, 1U);

@@ -76,7 +76,6 @@ class Game {
   std::vector<double> cost_us;
   bool lane_on;
   std::vector<double> lane_ratio = std::vector<double>(cost_us.size(), 1.1);  // lane ÷ frame thread
-  double other_work_us = 0;
   double frame_load = 1;  // time of a frame ÷ that of one without other work on its core
 
  private:
@@ -84,8 +83,7 @@ class Game {
   void SetFrame() {
     const double cost = frame_load * cost_us[client.arm] * std::exp(0.01 * DrawNormal(random_));
     client.frame.detection_time_ns = static_cast<uint64_t>(cost * 1e3);
-    client.frame.frame_time_ns =
-        client.frame.detection_time_ns + static_cast<uint64_t>(other_work_us * 1e3);
+    client.frame.frame_time_ns = client.frame.detection_time_ns;
   }
 
   void Sweep() {
@@ -188,23 +186,14 @@ TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
   Game game({10'000, 13'000, 16'000});
   game.RunTicks(60);
   ASSERT_EQ(game.client.arm, 0u);
+  int ticks = 0;
   for (int i = 0; i < 10; ++i) {
     game.frame_load = 3;
-    EXPECT_GE(game.TicksOn(0, 5), 4);
+    ticks += game.TicksOn(0, 5);
     game.frame_load = 1;
-    EXPECT_GE(game.TicksOn(0, 25), 23);
+    ticks += game.TicksOn(0, 25);
   }
-}
-
-TEST(AdaptivePolicy, TriesOnlyWhatMakesAFrameHardlyLonger) {
-  for (const bool is_share_small : {false, true}) {
-    Game game({10'000, 9'000});
-    game.lane_ratio = {1, 1.4};  // it finds the second arm more expensive by a quarter
-    if (is_share_small) game.other_work_us = 20'000;
-    game.client.Execute(0, SwitchReason::kManual);
-    game.RunTicks(30);
-    EXPECT_EQ(game.client.arm, is_share_small ? 1u : 0u);
-  }
+  EXPECT_GE(ticks, 295) << "no arm is tried twice";
 }
 
 // So that a game which has gone manual knows when it is worth its while to be decided for again.
@@ -367,7 +356,7 @@ TEST(AdaptivePolicy, AWrongPriorIsDroppedAtTheFirstSweep) {
   SessionSetup setup = AdaptiveSetup(4);
   setup.priors = PriorsOf({1'000, 12'000, 10'000, 3'000});
   Game game(setup, {90'000, 12'000, 10'000, 30'000});
-  game.RunTicks(3);
+  game.RunTicks(2);
   EXPECT_EQ(game.client.arm, 2u);
   EXPECT_GE(game.TicksOn(2, 50), 45);
 }
@@ -414,8 +403,8 @@ TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
 
 TEST(AdaptivePolicy, TheCooldownGrowsWithWhatSwitchesCost) {
   const auto cooldown_s = [](uint64_t cost_ns) {
-    Game game({20'000, 10'000, 10'500});
-    game.RunToTick();
+    Game game({20'000, 10'000, 10'500}, /*lane=*/false);
+    game.RunTicks(40);  // no arm is left to be tried, which has a budget
     const SwitchCost cost{.rebuild_time_ns = cost_ns};
     for (int i = 0; i < 20; ++i) {
       game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
@@ -425,9 +414,9 @@ TEST(AdaptivePolicy, TheCooldownGrowsWithWhatSwitchesCost) {
     game.RunToTick();
     return game.RunToTick().record.gate->cooldown_s;
   };
-  EXPECT_EQ(cooldown_s(1'000'000), 4);           // settling and a window
-  EXPECT_NEAR(cooldown_s(500'000'000), 7, 0.1);  // the latest switches count most
-  EXPECT_EQ(cooldown_s(kSecond * 100), 40);      // never longer than the paper's
+  EXPECT_EQ(cooldown_s(1'000'000), 4);            // settling and a window
+  EXPECT_NEAR(cooldown_s(500'000'000), 10, 0.1);  // twenty times what they cost
+  EXPECT_EQ(cooldown_s(kSecond * 100), 40);       // never longer than the paper's
 }
 
 TEST(AdaptivePolicy, CountsARebuildAmongTheSettlingFramesOnce) {

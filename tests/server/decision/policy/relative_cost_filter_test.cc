@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/decision/math/normal_distribution.h"
 #include "server/decision/math/random.h"
 
 namespace sweepstake::decision {
@@ -213,6 +214,20 @@ TEST_F(FilterTest, WithoutALaneABoundStandsToo) {
   for (int i = 0; i < 10; ++i) RunInterval(filter, 0);
   filter.ObserveBound(1, 8 + load_);
   EXPECT_NEAR(filter.Difference(1, 0).mean, 8 - cost_[0], 0.2);
+}
+
+// What two arms cost says little of a third one: it may cost less than either.
+TEST_F(FilterTest, ABoundBelowAVagueBeliefTakesWhatIsBelowIt) {
+  RelativeCostFilter filter(3);
+  for (int i = 0; i < 3; ++i) filter.ObserveLive(0, 5);
+  for (int i = 0; i < 3; ++i) filter.ObserveLive(2, 7);
+  const NormalBelief before = filter.Difference(0, 1);
+  ASSERT_GT(ExpectedGain(before.mean, std::sqrt(before.variance)), 0.05);
+  filter.ObserveBound(1, 5.7);
+  const NormalBelief after = filter.Difference(0, 1);
+  EXPECT_LT(after.mean, before.mean);
+  EXPECT_LT(ExpectedGain(after.mean, std::sqrt(after.variance)), 0.005);
+  EXPECT_NEAR(filter.LogCost(0).mean, 5, 0.1);
 }
 
 TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {

@@ -8,11 +8,16 @@
 #include <utility>
 #include <vector>
 
+#include "engine_client/adaptive/guards/trial_guard.h"
 #include "server/decision/math/random.h"
+#include "server/decision/policy/adaptive_policy.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {
 namespace {
+
+// A trial lasts for two settling times, of which the policy reckons with what clients grant.
+static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 2);
 
 SessionSetup TrialSetup(uint32_t arm_count) {
   SessionSetup setup = PlainSetup(arm_count);
@@ -151,6 +156,18 @@ TEST(Trial, WhileLearningOneFrameOfATrialAtMostIsOverItsLimit) {
   patient.ends_trials = false;
   patient.RunTicks(300);
   EXPECT_GT(patient.over_limit_frame_count, 100);
+}
+
+TEST(Trial, AnArmThatTheLaneFindsAThirdDearerIsWorthItsBudget) {
+  TrialGame game({10'000, 7'000}, {10'000, 13'000});
+  game.RunTicks(30);
+  EXPECT_EQ(game.client.arm, 1u);
+}
+
+TEST(Trial, AnArmThatTheLaneFindsTwiceAsDearIsNotWorthIt) {
+  TrialGame game({10'000, 7'000}, {10'000, 20'000});
+  game.RunTicks(100);
+  EXPECT_EQ(game.frame_counts[1], 0);
 }
 
 TEST(Trial, WhatInterruptsOneKeepsNoGameFromTheBestArm) {
