@@ -177,7 +177,7 @@ TEST_F(TrialTest, AnArmThatTakesMoreThanTheArmBeforeHasABudget) {
   SearchOfBTakes(900'010);
   Frames(223);
   EXPECT_EQ(adaptive_->last_sample().arm, 1U);
-  EXPECT_EQ(Frame().arm, 0U);
+  ASSERT_EQ(Frame().arm, 0U);
   EXPECT_EQ(sink_.switches.back().trial_detection_time_ns, 900'110U) << "the mean";
 }
 

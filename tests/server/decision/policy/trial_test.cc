@@ -158,8 +158,8 @@ TEST(Trial, WhileLearningOneFrameOfATrialAtMostIsOverItsLimit) {
   EXPECT_GT(patient.over_limit_frame_count, 100);
 }
 
-TEST(Trial, AnArmThatTheLaneFindsAThirdDearerIsWorthItsBudget) {
-  TrialGame game({10'000, 7'000}, {10'000, 13'000});
+TEST(Trial, AnArmThatTheLaneFindsTwoFifthsDearerIsWorthItsBudget) {
+  TrialGame game({10'000, 7'000}, {10'000, 14'000});
   game.RunTicks(30);
   EXPECT_EQ(game.client.arm, 1u);
 }
