@@ -20,10 +20,6 @@ namespace {
 // leaving it matters more than a smooth switch.
 constexpr uint64_t kMaxPreparationNs = 500'000'000;
 
-// The longest trial after which the arm before goes on with the structure that it had, since its
-// objects have not moved far; after a longer one it builds.
-constexpr uint64_t kMaxKeptFrames = 8;
-
 // Packs the active arm and its epoch into one word, so that other threads read both together.
 constexpr uint64_t PackActive(uint32_t arm, uint32_t epoch) { return uint64_t{arm} << 32 | epoch; }
 
@@ -186,7 +182,8 @@ bool AdaptiveBroadPhase::Impl::WaitsForLane() {
 
 void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
   const uint32_t next_epoch = epoch() + 1;
-  const bool goes_on = keeps_structure_ && trial_end_ && trial_end_->frame_count <= kMaxKeptFrames;
+  const bool goes_on =
+      keeps_structure_ && trial_end_ && trial_end_->frame_count <= TrialGuard::kMaxKeptFrames;
   keeps_structure_ = built_;
   trial_.Begin(arm(), command, 2 * switch_cost.settling_ns());
   active_.store(PackActive(command.arm, next_epoch), std::memory_order_relaxed);

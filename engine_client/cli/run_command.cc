@@ -320,8 +320,6 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   AdaptiveOptions adaptive;
   adaptive.initial_arm = options.arm;
   adaptive.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
-  adaptive.settling_ns = static_cast<uint64_t>(static_cast<double>(adaptive.settling_ns) /
-                                               options.time_scale);  // a daemon says its own
   adaptive.shadow = ScaledShadow(ToShadowMode(options.shadow), options.time_scale);
   auto run = GameRun::Create(adaptive, **scene, (*session)->sink(), FrameIntervalNs(options));
   if (!run.ok()) return Fail(terminal, run.status());

@@ -72,7 +72,8 @@ struct SceneDescriptor {
   std::optional<double> static_ratio;
 };
 
-// The frame that has ended a trial (SwitchCommand): its arm may cost more, and was not let.
+// What has ended a trial (SwitchCommand): two frames, of which this is the shorter one, or the mean
+// of all. The arm may cost more, and was not let.
 struct TrialEnd {
   uint32_t arm = 0;  // the arm that was tried
   uint64_t detection_time_ns = 0;
@@ -161,10 +162,10 @@ struct ArmStanding {
 // arm minus that of the candidate.
 struct GateTerms {
   double gain = 0;  // E⁺ = E[max(d, 0)]
-  double loss = 0;  // E⁻ = E[max(−d, 0)]
+  double loss = 0;  // E⁻ = E[max(−d, 0)]; of a trial at most what its budget allows
   double horizon_s = 0;
-  double cooldown_s = 0;  // of a trial, what its budget lasts for if that is less
-  double cost_s = 0;      // measured cost of the switch
+  double cooldown_s = 0;
+  double cost_s = 0;  // measured cost of the switch
 };
 
 struct SwitchCommand {

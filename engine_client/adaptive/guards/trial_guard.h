@@ -4,12 +4,14 @@
 // A search may take the longest of late and, besides, what the limit grants of the longest frame of
 // late, or kLeastNs, which nobody sees. Two frames in a row over it end the trial: an arm that is
 // too expensive takes both, and what interrupts a game takes one. All searches together may take
-// the mean of late for each and, besides, a kBudgetShare-th of the trial's duration, where a longer
-// search than one may be counts as that. Of late are the latest kBlockFrames to 2 kBlockFrames
-// frames of a run, and of the one before where a trial has lasted. Frames that rebuild, the
-// first one of a trial and the kShadowWarmUpFrames after it count for nothing, since what a new
-// structure takes besides is the switch's cost and not the arm's; nor do paused and loading ones,
-// and those without a search. Plain values; not thread-safe.
+// the mean of late for each and, besides, a kBudgetShare-th of the trial's duration, of which one
+// of them spends at most a kFrameShare-th.
+//
+// Of late are the latest kBlockFrames to 2 kBlockFrames frames of a run; after a trial that has
+// lasted, they are the cheaper arm's. Frames that rebuild, the first one of a trial and the
+// kShadowWarmUpFrames after it count for nothing, since what a new structure takes besides is the
+// switch's cost and not the arm's; nor do paused and loading ones, and those without a search.
+// Plain values; not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -27,6 +29,10 @@ class TrialGuard {
   static constexpr uint32_t kBlockFrames = 128;
   static constexpr uint64_t kLeastNs = 1'000'000;
   static constexpr uint64_t kBudgetShare = 40;
+  static constexpr uint64_t kFrameShare = 8;
+  // The longest trial after which the arm before goes on with the structure that it had, since its
+  // objects have not moved far; after a longer one it builds.
+  static constexpr uint64_t kMaxKeptFrames = 8;
 
   // How a trial ended.
   struct End {
@@ -41,95 +47,97 @@ class TrialGuard {
   void Begin(uint32_t arm_before, const SwitchCommand& command, uint64_t duration_ns) {
     trial_.reset();
     const Frames late = Frames::Of(block_, earlier_block_);
-    if (command.trial_limit_percent == 0 || late.count == 0) return Forget();
+    block_ = earlier_block_ = Frames{};
+    if (command.trial_limit_percent == 0 || late.count == 0) return;
     const uint64_t granted_percent = std::max(command.trial_limit_percent, 100U) - 100U;
-    const auto granted_ns = [&](uint64_t frame_ns) { return frame_ns / 100 * granted_percent; };
+    const uint64_t granted_ns = late.longest_frame_ns / 100 * granted_percent;
     trial_ = Trial{.arm_before = arm_before,
-                   .limit_ns = late.longest_detection_ns +
-                               std::max(granted_ns(late.longest_frame_ns), kLeastNs),
-                   .mean_ns = late.detection_ns / late.count,
+                   .before = late,
+                   .limit_ns = late.longest_detection_ns + std::max(granted_ns, kLeastNs),
                    .budget_ns = duration_ns / kBudgetShare,
                    .left_ns = duration_ns};
   }
 
   // Ends a trial that the game takes over.
-  void Cancel() {
-    if (std::exchange(trial_, std::nullopt)) Forget();
-  }
+  void Cancel() { trial_.reset(); }
 
   // Takes a finished frame. Returns the end of the trial if it and the one before are over its
-  // limit; then the next frame is to run the arm before.
+  // limit, or all of them are over its budget; then the next frame is to run the arm before.
   std::optional<End> OnFrame(const FrameSample& sample) {
     if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return std::nullopt;
     if (sample.detection_time_ns == 0) return std::nullopt;
     const bool is_new = trial_ && trial_->frame_count++ <= kShadowWarmUpFrames;
     if (is_new || (sample.flags & kFrameRebuild) != 0) return std::nullopt;
-    if (!trial_) {
-      Note(sample);
-      return std::nullopt;
-    }
+    Note(sample);
+    if (!trial_) return std::nullopt;
     if (const uint64_t excessive_ns = trial_->Judge(sample.detection_time_ns); excessive_ns > 0) {
-      const Trial ended = *std::exchange(trial_, std::nullopt);
+      const Trial ended = *trial_;
+      GoOnFrom(ended.before);
       return End{.arm_before = ended.arm_before,
                  .tried_arm = sample.arm,
                  .detection_time_ns = excessive_ns,
                  .frame_count = ended.frame_count};
     }
     trial_->left_ns -= std::min(trial_->left_ns, sample.frame_time_ns);
-    if (trial_->left_ns == 0) trial_.reset();
+    if (trial_->left_ns == 0) {
+      const Frames own = Frames::Of(block_, earlier_block_);
+      GoOnFrom(own.mean_ns() < trial_->before.mean_ns() ? own : trial_->before);
+    }
     return std::nullopt;
   }
 
  private:
+  // Frames of a run that count.
+  struct Frames {
+    uint64_t count = 0;
+    uint64_t detection_ns = 0;  // of all
+    uint64_t longest_detection_ns = 0;
+    uint64_t longest_frame_ns = 0;
+
+    uint64_t mean_ns() const { return detection_ns / std::max<uint64_t>(count, 1); }
+    static Frames Of(const Frames& a, const Frames& b) {
+      return {.count = a.count + b.count,
+              .detection_ns = a.detection_ns + b.detection_ns,
+              .longest_detection_ns = std::max(a.longest_detection_ns, b.longest_detection_ns),
+              .longest_frame_ns = std::max(a.longest_frame_ns, b.longest_frame_ns)};
+    }
+  };
   struct Trial {
     uint32_t arm_before = 0;
-    uint64_t limit_ns = 0;  // of a search
-    uint64_t mean_ns = 0;   // of late
+    Frames before;  // of late
+    uint64_t limit_ns = 0;
     uint64_t budget_ns = 0;
     uint64_t left_ns = 0;
     uint64_t frame_count = 0;
     uint64_t judged_count = 0;
-    uint64_t total_ns = 0;  // of the searches that were judged, each at most limit_ns
-    uint64_t over_ns = 0;   // detection of the frame before, if it was over the limit
+    uint64_t judged_ns = 0;  // of these searches, each with what it may spend at most
+    uint64_t over_ns = 0;    // detection of the frame before, if it was over the limit
 
     // Takes a search. Returns the time that shows the arm to be too expensive, 0 if none does.
     uint64_t Judge(uint64_t detection_ns) {
       const uint64_t before_ns =
           std::exchange(over_ns, detection_ns > limit_ns ? detection_ns : uint64_t{0});
       if (const uint64_t both_ns = std::min(before_ns, over_ns); both_ns > 0) return both_ns;
-      total_ns += std::min(detection_ns, limit_ns);
-      const bool is_over = ++judged_count > 1 && total_ns > judged_count * mean_ns + budget_ns;
-      return is_over ? total_ns / judged_count : 0;
-    }
-  };
-  // Frames of a run that count.
-  struct Frames {
-    uint64_t count = 0;
-    uint64_t detection_ns = 0;  // of all
-    uint64_t frame_ns = 0;      // of all
-    uint64_t longest_detection_ns = 0;
-    uint64_t longest_frame_ns = 0;
-
-    static Frames Of(const Frames& a, const Frames& b) {
-      return {.count = a.count + b.count,
-              .detection_ns = a.detection_ns + b.detection_ns,
-              .frame_ns = a.frame_ns + b.frame_ns,
-              .longest_detection_ns = std::max(a.longest_detection_ns, b.longest_detection_ns),
-              .longest_frame_ns = std::max(a.longest_frame_ns, b.longest_frame_ns)};
+      judged_ns += std::min(detection_ns, before.mean_ns() + budget_ns / kFrameShare);
+      const bool is_over = judged_ns > ++judged_count * before.mean_ns() + budget_ns;
+      return is_over ? judged_ns / judged_count : 0;
     }
   };
 
   void Note(const FrameSample& sample) {
-    if (block_.count == kBlockFrames) earlier_block_ = std::exchange(block_, Frames{});
+    if (block_.count >= kBlockFrames) earlier_block_ = std::exchange(block_, Frames{});
     block_ = Frames::Of(block_, {.count = 1,
                                  .detection_ns = sample.detection_time_ns,
-                                 .frame_ns = sample.frame_time_ns,
                                  .longest_detection_ns = sample.detection_time_ns,
                                  .longest_frame_ns = sample.frame_time_ns});
   }
 
-  // Another arm runs from now on.
-  void Forget() { block_ = earlier_block_ = Frames{}; }
+  // Ends the trial; from now on these are the frames of late.
+  void GoOnFrom(const Frames& late) {
+    block_ = late;
+    earlier_block_ = Frames{};
+    trial_.reset();
+  }
 
   std::optional<Trial> trial_;
   Frames block_;  // the present one

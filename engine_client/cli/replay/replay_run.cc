@@ -264,7 +264,7 @@ void Game::Meter(const decision::Frame& frame) {
   Report(*outcome);
 }
 
-// As the client does it: the arm before still has its structure.
+// As the client does it: after a short trial the arm before still has its structure.
 void Game::EndTrial(const decision::Frame& frame) {
   FrameSample sample{};
   sample.frame_time_ns = frame.frame_time_ns;
@@ -274,7 +274,9 @@ void Game::EndTrial(const decision::Frame& frame) {
   const std::optional<TrialGuard::End> end = trial_.OnFrame(sample);
   if (!end) return;
   trial_end_ = end;
-  pending_ = PendingSwitch{.command = {.arm = end->arm_before}, .ready_ns = now_ns_, .warm = true};
+  pending_ = PendingSwitch{.command = {.arm = end->arm_before},
+                           .ready_ns = now_ns_,
+                           .warm = end->frame_count <= TrialGuard::kMaxKeptFrames};
 }
 
 void Game::ReportTrialEnd() {

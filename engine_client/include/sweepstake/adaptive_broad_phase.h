@@ -22,7 +22,7 @@
 // A decider may command a trial: if two frames of the new arm take too long, compared with the
 // longest of the arm before, or all of them together, compared with its mean, the next frame runs
 // that arm again, without asking, and the outcome says so. A trial lasts for twice the settling
-// time; frames that rebuild, paused and loading ones do not end it.
+// time; its first frames, and those that rebuild, paused and loading ones do not end it.
 #pragma once
 
 #include <atomic>
@@ -95,8 +95,8 @@ struct AdaptiveOptions {
   // one, and where it would end an operator's order, it is if its arm is to blame: at least half of
   // it was detection, and it was neither paused nor loading. > 0. A daemon's welcome replaces it.
   uint64_t bail_out_ns = 5'000'000'000;
-  // The settling time, used only to measure the settling cost; the daemon's welcome message
-  // replaces it.
+  // The settling time, over which the settling cost is measured; a trial lasts for twice that. A
+  // decider's, and the daemon's welcome message, replaces it.
   uint64_t settling_ns = 2'000'000'000;
   // Runs the parts of large searches (executor.h); borrowed, must outlive the object. Null: the
   // frame thread does all work.

@@ -10,6 +10,7 @@
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/baselines/shipped_policies.h"
+#include "server/decision/options.h"
 
 namespace sweepstake {
 namespace {
@@ -52,6 +53,8 @@ Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
   const std::lock_guard lock(mutex_);
   loop_.emplace(queue(), adaptive, std::move(*decider));
   adaptive.SetDeciderPresent(true);
+  const auto decides = decision::DecisionOptions{}.Scaled(options.time_scale);
+  adaptive.SetSettling(static_cast<uint64_t>(decides.settling_ns));  // as the decider's
   UpdateStats([&](SessionStats& stats) {
     stats.state = ConnectionState::kEmbedded;
     stats.prior_source_count = loop_->decider().prior_source_count();

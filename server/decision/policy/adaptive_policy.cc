@@ -42,8 +42,6 @@ double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 double LogCostOfNs(uint64_t ns) { return LogCostOf(static_cast<double>(ns) * 1e-3); }
 
-bool IsBetter(const GateTerms& terms) { return terms.gain > terms.loss; }
-
 bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidence; }
 
 }  // namespace
@@ -260,9 +258,15 @@ bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
   return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
 }
 
-AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t candidate) const {
+// Returns whether a switch to the arm is a trial. Without a settling time there are none.
+bool AdaptivePolicy::IsTrial(const ChoiceInput& input, uint32_t arm) const {
+  return !was_live_[arm] && !input.bailed_out && options_.settling_ns > 0;
+}
+
+AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
+                                                  uint32_t candidate) const {
   // Expected gain and loss of the switch.
-  const NormalBelief difference = beliefs_.Difference(active, candidate);
+  const NormalBelief difference = beliefs_.Difference(input.active_arm, candidate);
   const double deviation = std::sqrt(difference.variance);
   Assessment result{.arm = candidate};
   GateTerms& terms = result.terms;
@@ -276,15 +280,16 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
     terms.gain += share * (flat - terms.gain);
     terms.loss += share * (flat - terms.loss);
   }
-  // The gate: gain over the horizon against loss over the cooldown, or of a trial until its budget
-  // is spent, and the cost of the switch.
+  // The gate: gain over the horizon against loss over the cooldown and the cost of the switch.
   terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
-  const double budget_s = kTrialBudget * Seconds(options_.settling_ns) / detection_share_;
-  if (!was_live_[candidate] && terms.cooldown_s * terms.loss > budget_s)
-    terms.cooldown_s = budget_s / terms.loss;
   terms.cost_s = switch_cost_s_ / detection_share_;
+  result.advantage = terms.gain - terms.loss;
+  if (observed_[candidate] && IsTrial(input, candidate)) {
+    const double most_s = kTrialBudget * Seconds(options_.settling_ns) / detection_share_;
+    terms.loss = std::min(terms.loss, most_s / terms.cooldown_s);
+  }
   result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
-  if (!components_.gate) result.worth_s = terms.gain - terms.loss;
+  if (!components_.gate) result.worth_s = result.advantage;
   return result;
 }
 
@@ -305,7 +310,7 @@ std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
     if (arm == input.active_arm) continue;
     if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
     if (!IsContender(input, arm)) continue;
-    const Assessment assessment = Assess(input.active_arm, arm);
+    const Assessment assessment = Assess(input, arm);
     if (!best || assessment.worth_s > best->worth_s) best = assessment;
   }
   return best;
@@ -317,12 +322,11 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   const std::optional<Assessment> best = BestSwitch(input);
   if (!best) return choice;
   choice.gate = best->terms;
-  const bool better = IsBetter(best->terms);
+  const bool better = best->advantage > 0;
   const bool worthwhile = best->worth_s > 0;
   // An arm that does not pass the gate is still shown as the candidate if it is believed better.
   if (worthwhile || better) choice.candidate = best->arm;
-  if (!was_live_[choice.candidate] && !input.bailed_out)
-    choice.trial_limit_percent = kTrialLimitPercent;
+  if (IsTrial(input, choice.candidate)) choice.trial_limit_percent = kTrialLimitPercent;
   if (!worthwhile) choice.hold = Outcome::kHeldGate;
   if (worthwhile && components_.gate && best->terms.gain < kTie) choice.hold = Outcome::kHeldTie;
   return choice;

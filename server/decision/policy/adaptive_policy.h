@@ -21,10 +21,11 @@
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
 // - An arm's first live window is a trial: two frames of it in a row that take a fifth longer than
-//   the longest one before, or a budget for all of them, send the client back at once
-//   (SwitchCommand), so that it costs no more than that budget. A first such end may be what else
-//   the machine was at; from the second on it is a lower bound of the arm's cost, as is a visit of
-//   the lane that a cap has ended. It bans the arm no more than that cost.
+//   the longest one before, or all of them if they exceed a budget, send the client back at once
+//   (SwitchCommand), so that the gate reckons with that budget at most, where the lane has told of
+//   the arm. A first such end may be what else the machine was at; from the second on it is a lower
+//   bound of the arm's cost, as is a visit of the lane that a cap has ended. It bans the arm no
+//   more than that cost.
 // - Each regime of the scene has beliefs of its own, which return with it; where regimes change
 //   faster than choices take effect, a mixture of them decides (regime_beliefs.h).
 //
@@ -94,7 +95,8 @@ class AdaptivePolicy : public Policy {
   struct Assessment {
     uint32_t arm = 0;
     GateTerms terms{};
-    double worth_s = 0;  // the gate passes if this is above 0
+    double advantage = 0;  // gain − loss, also of a trial
+    double worth_s = 0;    // the gate passes if this is above 0
   };
 
   void SetPriors(const std::vector<BetaPosterior>& priors);
@@ -110,7 +112,8 @@ class AdaptivePolicy : public Policy {
   bool IsKnownEnough(uint32_t arm, int64_t now_ns) const;
   bool IsSafe(uint32_t arm, const ChoiceInput& input) const;
   bool IsContender(const ChoiceInput& input, uint32_t arm) const;
-  Assessment Assess(uint32_t active, uint32_t candidate) const;
+  bool IsTrial(const ChoiceInput& input, uint32_t arm) const;
+  Assessment Assess(const ChoiceInput& input, uint32_t candidate) const;
   std::optional<Assessment> BestSwitch(const ChoiceInput& input) const;
 
   DecisionOptions options_;

@@ -165,7 +165,10 @@ void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
   };
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
-  if (innovation <= 0) return Truncate(column(), innovation, variance_in(column()));
+  if (innovation <= 0) {
+    Truncate(column(), innovation, variance_in(column()));
+    return KeepLoadPositive();
+  }
   covariance_(arm, arm) += Square(innovation);
   if (has_lane()) {
     covariance_(bias(arm), bias(arm)) += Square(innovation);
@@ -174,6 +177,7 @@ void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
   }
   const Eigen::VectorXd widened = column();
   Update(widened, innovation, variance_in(widened) + live_noise_);
+  KeepLoadPositive();
 }
 
 // Replaces the belief about a quantity by that of its values above a bound, which lies at

@@ -117,7 +117,7 @@ TEST_F(TrialTest, TheFirstFramesOfANewStructureAreNotTheArms) {
 
 TEST_F(TrialTest, SingleFramesOverTheLimitAreNotTheArms) {
   TryB();
-  for (int i = 0; i < 10; ++i) {
+  for (int i = 0; i < 5; ++i) {
     SearchOfBTakes(100 * kGrantedNs);
     Frame();
     SearchOfBTakes(10);
@@ -190,14 +190,20 @@ TEST_F(TrialTest, AnArmWithinTheBudgetStays) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-// What interrupts single frames for long counts as no more than a search may take.
+// What interrupts single frames for long counts for an eighth.
 TEST_F(TrialTest, TheBudgetIsNotSpentByOneFrame) {
   TryB();
+  for (uint64_t i = 0; i < TrialGuard::kFrameShare; ++i) {
+    SearchOfBTakes(1'000'000'000);
+    Frame();
+    SearchOfBTakes(10);
+    Frames(10);
+  }
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
   SearchOfBTakes(1'000'000'000);
   Frame();
   SearchOfBTakes(10);
-  Frames(10);
-  EXPECT_EQ(adaptive_->active_arm(), 1U);
+  EXPECT_EQ(Frame().arm, 0U);
 }
 
 TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithTheArmBeforeThat) {
@@ -207,6 +213,16 @@ TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithTheArmBeforeThat) {
   Frame();
   arms_[0]->script().find_ns = 2 * kGrantedNs;
   Frames(kShadowWarmUpFrames + 3);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
+TEST_F(TrialTest, ATrialAfterOneOfACheaperArmIsComparedWithThatOne) {
+  arms_[0]->script().find_ns = 2 * kGrantedNs;
+  Frames(2 * TrialGuard::kBlockFrames);
+  TryB();
+  Frames(kTrialFrames);
+  adaptive_->mailbox().Post({.command_id = 8, .arm = 0, .trial_limit_percent = 120});
+  Frames(1 + kShadowWarmUpFrames + 60);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine_client/adaptive/guards/trial_guard.h"
+#include "engine_client/adaptive/shadow_schedule.h"
 #include "server/decision/math/random.h"
 #include "server/decision/policy/adaptive_policy.h"
 #include "tests/server/decision/scripted_client.h"
@@ -18,6 +19,9 @@ namespace {
 
 // A trial lasts for two settling times, of which the policy reckons with what clients grant.
 static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 2);
+
+// Of a trial, however long they take: those not judged, and two over the limit.
+constexpr uint32_t kLeastFrames = 1 + kShadowWarmUpFrames + 2;
 
 SessionSetup TrialSetup(uint32_t arm_count) {
   SessionSetup setup = PlainSetup(arm_count);
@@ -51,10 +55,9 @@ class TrialGame {
   std::vector<double> cost_us;
   std::vector<double> lane_cost_us;
   bool ends_trials = true;
-  int disturbed_trial_count = 0;  // trials whose first frame takes five times as long
+  int disturbed_trial_count = 0;  // trials of which two frames take five times as long
   int ended_trial_count = 0;
-  int over_limit_frame_count = 0;  // over 1.2 times the longest of the arm before
-  std::vector<int> frame_counts = std::vector<int>(cost_us.size());
+  std::vector<uint32_t> frame_counts = std::vector<uint32_t>(cost_us.size());
 
  private:
   double Noisy(double cost, double deviation) {
@@ -77,55 +80,44 @@ class TrialGame {
   void RunFrame() {
     Frame& frame = client.frame;
     frame.detection_time_ns = static_cast<uint64_t>(1e3 * Noisy(cost_us[client.arm], 0.01));
-    if (arm_before_ && disturbed_trial_count > 0) {
-      --disturbed_trial_count;
+    ++frame_of_run_;
+    if (disturbed_trial_count > 0 && is_trial_ && frame_of_run_ > kLeastFrames - 2) {
       frame.detection_time_ns *= 5;
+      if (frame_of_run_ == kLeastFrames) --disturbed_trial_count;
     }
     frame.frame_time_ns = frame.detection_time_ns;
     ++frame_counts[client.arm];
     client.RunFrame();
-    if (!arm_before_) {
-      longest_ns_ = std::max(longest_ns_, frame.detection_time_ns);
-      return;
-    }
-    trial_left_ns_ -= static_cast<int64_t>(frame.frame_time_ns);
-    if (frame.detection_time_ns > longest_ns_ * 6 / 5) {
-      ++over_limit_frame_count;
-      if (ends_trials) return EndTrial(frame.detection_time_ns);
-    }
-    if (trial_left_ns_ <= 0) Forget();
-  }
-
-  // From now on another arm is the one to compare with.
-  void Forget() {
-    arm_before_.reset();
-    longest_ns_ = 0;
+    FrameSample sample{};
+    sample.arm = client.arm;
+    sample.frame_time_ns = frame.frame_time_ns;
+    sample.detection_time_ns = frame.detection_time_ns;
+    const auto end = guard_.OnFrame(sample);
+    if (end && ends_trials) EndTrial(*end);
   }
 
   void Execute(const SwitchCommand& command) {
-    if (command.trial_limit_percent > 0) {
-      EXPECT_EQ(command.trial_limit_percent, 120u);
-      arm_before_ = client.arm;
-      trial_left_ns_ = 4 * kSecond;  // twice the settling time
-    } else {
-      Forget();
-    }
+    is_trial_ = command.trial_limit_percent > 0;
+    EXPECT_TRUE(!is_trial_ || command.trial_limit_percent == 120);
+    frame_of_run_ = 0;
+    guard_.Begin(client.arm, {.trial_limit_percent = command.trial_limit_percent}, 4 * kSecond);
     client.Execute(command.arm, command.reason);
   }
 
-  void EndTrial(uint64_t detection_ns) {
+  void EndTrial(const TrialGuard::End& guard_end) {
     ++ended_trial_count;
-    const TrialEnd end{.arm = client.arm, .detection_time_ns = detection_ns};
-    client.arm = *std::exchange(arm_before_, std::nullopt);
+    is_trial_ = false;
+    const TrialEnd end{.arm = client.arm, .detection_time_ns = guard_end.detection_time_ns};
+    client.arm = guard_end.arm_before;
     client.session.ObserveSwitch(client.arm, ++client.epoch, SwitchReason::kPolicy, client.now_ns,
                                  {.ended_trial = end});
   }
 
   RandomStream random_{5, RandomPurpose::kChoice, 0, 0};
   uint64_t sweep_ = 0;
-  uint64_t longest_ns_ = 0;
-  std::optional<uint32_t> arm_before_;  // while there is a trial
-  int64_t trial_left_ns_ = 0;
+  TrialGuard guard_;
+  bool is_trial_ = false;
+  uint32_t frame_of_run_ = 0;
 };
 
 TEST(Trial, AnArmHasALimitUntilItsFirstWindow) {
@@ -144,18 +136,18 @@ TEST(Trial, AnArmHasALimitUntilItsFirstWindow) {
   EXPECT_EQ(game.client.commands[2].trial_limit_percent, 0u);
 }
 
-TEST(Trial, WhileLearningOneFrameOfATrialAtMostIsOverItsLimit) {
+TEST(Trial, WhileLearningAnArmThatIsTooExpensiveHasFiveFrames) {
   const std::vector<double> costs_us = {10'000, 40'000, 30'000, 9'000};
   const std::vector<double> lane_costs_us = {11'000, 8'000, 9'000, 10'000};
   TrialGame game(costs_us, lane_costs_us);
   game.RunTicks(300);
   EXPECT_EQ(game.ended_trial_count, 4) << "an arm is tried twice, not over and over";
-  EXPECT_EQ(game.over_limit_frame_count, game.ended_trial_count);
+  EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], 4 * kLeastFrames);
   EXPECT_EQ(game.client.arm, 3u);
   TrialGame patient(costs_us, lane_costs_us);
   patient.ends_trials = false;
   patient.RunTicks(300);
-  EXPECT_GT(patient.over_limit_frame_count, 100);
+  EXPECT_GT(patient.frame_counts[1] + patient.frame_counts[2], 100u);
 }
 
 TEST(Trial, AnArmThatTheLaneFindsTwoFifthsDearerIsWorthItsBudget) {
@@ -167,7 +159,7 @@ TEST(Trial, AnArmThatTheLaneFindsTwoFifthsDearerIsWorthItsBudget) {
 TEST(Trial, AnArmThatTheLaneFindsTwiceAsDearIsNotWorthIt) {
   TrialGame game({10'000, 7'000}, {10'000, 20'000});
   game.RunTicks(100);
-  EXPECT_EQ(game.frame_counts[1], 0);
+  EXPECT_EQ(game.frame_counts[1], 0u);
 }
 
 TEST(Trial, WhatInterruptsOneKeepsNoGameFromTheBestArm) {
@@ -191,7 +183,7 @@ TEST(Trial, AnEndIsALowerBoundAndNoBan) {
   game.lane_cost_us = {11'000, 600};
   game.RunTicks(60);
   EXPECT_EQ(game.client.arm, 1u);
-  EXPECT_GT(game.frame_counts[1], 100);
+  EXPECT_GT(game.frame_counts[1], 100u);
 }
 
 TEST(Trial, AnEndIsLearntInManualModeByNobody) {

@@ -4475,9 +4475,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 9;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// The client has ended a trial (SwitchCommand.trial_limit_percent) and gone back by itself: detection time of the two
-    /// frames of the tried arm that were over the limit, the shorter one, or the mean of the trial's. Absent (0): no trial was ended
-    /// with this switch.
+    /// The client has ended a trial (SwitchCommand.trial_limit_percent) and gone back by itself: detection time of the shorter of
+    /// the two frames over its limit, or the mean of the trial over its budget. Absent (0): no trial was ended with this switch.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7142,9 +7141,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialLimitPercentFieldNumber = 4;
     private uint trialLimitPercent_;
     /// <summary>
-    /// A trial, for twice the settling time: two frames in a row that its detection makes longer than the longest of late before the
-    /// switch, by more than this percentage less 100 and by more than 1 ms, make the client go back by itself; so does a detection
-    /// that exceeds the mean of late by a fortieth of the trial's time in all. Absent (0): no trial.
+    /// A trial, for twice the settling time: the client goes back by itself if detection makes two frames in a row longer than the
+    /// longest of late by this percentage less 100 and 1 ms, or takes a 40th of that time above its mean. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
