@@ -123,13 +123,10 @@ void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
 
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   // Innovation, and the drift that successive ones show.
-  const auto column = [&]() -> Eigen::VectorXd {
-    return covariance_.col(arm) + covariance_.col(load());
-  };
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   const bool stays = std::exchange(live_arm_, arm) == arm;
-  const double variance = variance_in(column()) + live_noise_;
+  const double variance = variance_in(LiveColumn(arm)) + live_noise_;
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_live_, normalised);
   if (stays) UpdateDrift(level_drift_, normalised * last);
@@ -151,7 +148,7 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
     }
   }
   UpdateNoise(live_noise_, innovation, variance);
-  const Eigen::VectorXd widened = column();
+  const Eigen::VectorXd widened = LiveColumn(arm);
   Update(widened, innovation, variance_in(widened) + noise);
   KeepLoadPositive();
 }
@@ -160,13 +157,10 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
 // true, so that what they did not tell of the arm is its bias; a trial says nothing about the noise
 // of a window.
 void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
-  const auto column = [&]() -> Eigen::VectorXd {
-    return covariance_.col(arm) + covariance_.col(load());
-  };
-  const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   if (innovation <= 0) {
-    Truncate(column(), innovation, variance_in(column()));
+    const Eigen::VectorXd column = LiveColumn(arm);
+    Truncate(column, innovation, column[arm] + column[load()]);
     return KeepLoadPositive();
   }
   covariance_(arm, arm) += Square(innovation);
@@ -175,8 +169,8 @@ void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
     covariance_(arm, bias(arm)) -= Square(innovation);
     covariance_(bias(arm), arm) -= Square(innovation);
   }
-  const Eigen::VectorXd widened = column();
-  Update(widened, innovation, variance_in(widened) + live_noise_);
+  const Eigen::VectorXd column = LiveColumn(arm);
+  Update(column, innovation, column[arm] + column[load()] + live_noise_);
   KeepLoadPositive();
 }
 
@@ -190,6 +184,11 @@ void RelativeCostFilter::Truncate(const Eigen::VectorXd& column, double innovati
   const double shift = NormalDensity(z) / NormalCdf(-z);  // in deviations
   const double share = shift * (shift - z);               // of the variance
   if (share > 0) Update(column, deviation / (shift - z), variance / share);
+}
+
+// Returns the covariances of what a live window of the arm measures with every state.
+Eigen::VectorXd RelativeCostFilter::LiveColumn(uint32_t arm) const {
+  return covariance_.col(arm) + covariance_.col(load());
 }
 
 // Observes that there is no load, where the belief has come to one below.

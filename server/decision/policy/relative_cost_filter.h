@@ -88,6 +88,7 @@ class RelativeCostFilter {
   double VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const;
   double NoiseOfReferenceVisit(double innovation, double variance);
   double NoiseOfVisit(uint32_t arm, double innovation, double variance);
+  Eigen::VectorXd LiveColumn(uint32_t arm) const;
   void Update(const Eigen::VectorXd& column, double innovation, double variance);
   void Truncate(const Eigen::VectorXd& column, double innovation, double variance);
   void KeepLoadPositive();
