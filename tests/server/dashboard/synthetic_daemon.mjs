@@ -10,8 +10,8 @@ const TICK_MS = 250;
 const WINDOW_MS = 2000;
 // A log that the daemon wrote: its header, the row of a setup, and one of a decision, as cells.
 const LOG = readFileSync(new URL('../audit/logs/adaptive.csv', import.meta.url), 'utf8').split('\n');
-const TICK = LOG[3].split(',');
 const COLUMNS = Object.fromEntries(LOG[0].split(',').map((name, i) => [name, i]));
+const TICK = LOG.map((line) => line.split(',')).find((cells) => cells[COLUMNS.kind] === 'tick');
 const MAX_LOG_ROWS = 6000; // as a daemon's bounds leave of a session that plays without end
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 

@@ -57,9 +57,12 @@ describe('the rows of a log', () => {
     }
   });
 
-  it('say what the second decision of that log did', () => {
-    expect(toldOfRow(rows[2]!, setup)).toMatchObject({ activeArm: 'BruteForce', candidate: 'KDTree', outcome: DecisionOutcome.SWITCHED, leader: 'KDTree' });
-    expect(explainedRow(rows[2]!, setup)[0]).toBe('The game was told to change from BruteForce to KDTree. It cost the least in this draw from what is believed of each arm.');
+  it('say that the game was told to change, from which arm to which', () => {
+    const row = rows.find((each) => each.text('outcome') === 'switched')!;
+    const [from, to] = [row.text('active_arm'), row.text('candidate')];
+    expect(from).not.toBe(to);
+    expect(toldOfRow(row, setup)).toMatchObject({ activeArm: from, candidate: to, outcome: DecisionOutcome.SWITCHED, leader: row.text('leader') });
+    expect(explainedRow(row, setup)[0]).toBe(`The game was told to change from ${from} to ${to}. It cost the least in this draw from what is believed of each arm.`);
   });
 
   it('name the operator of an order', () => {

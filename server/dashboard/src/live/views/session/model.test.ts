@@ -1,5 +1,6 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
+import { windowOf } from '../../audit/rows';
 import { rows, setup } from '../../audit/sample_log';
 import { armsOf, forEachVisit, measuredOf, mergedSteps, type Step, stepOfRow } from '../../audit/steps';
 import { DecisionEventSchema, DecisionOutcome } from '../../../gen/sweepstake/v1/posteriors_pb';
@@ -12,8 +13,11 @@ const arms = armsOf(steps);
 describe('the steps of a log', () => {
   it('are one per row, with its decision', () => {
     expect(steps).toHaveLength(rows.length);
-    expect(steps[0]).toMatchObject({ kind: 'setup', activeArm: 'BruteForce', decisionId: 0 });
-    expect(steps[2]).toMatchObject({ kind: 'tick', activeArm: 'BruteForce', decisionId: 2, told: { outcome: DecisionOutcome.SWITCHED } });
+    expect(steps[0]).toMatchObject({ kind: 'setup', activeArm: setup.activeArm, decisionId: 0 });
+    const ticks = steps.filter(({ kind }) => kind === 'tick');
+    expect(ticks.map(({ decisionId }) => decisionId)).toEqual(ticks.map((_, i) => i + 1));
+    expect(ticks.every(({ told }) => told !== undefined)).toBe(true);
+    expect(ticks[0]!.activeArm).toBe(setup.activeArm);
     expect(arms).toEqual(setup.arms);
   });
 
@@ -37,7 +41,7 @@ describe('what frames cost', () => {
     const columns = costColumns(measuredOf(all));
     expect(columns.frame.map((column) => column.at(-1))).toEqual([null, middleOf(190) / 1e6, middleOf(190) / 1e6, middleOf(190) / 1e6]);
     expect(columns.frame[0]!.filter((value) => value !== null).length).toBeGreaterThan(20);
-    expect(columns.checks).toContain(55_680);
+    expect(columns.checks).toContain(rows.map(windowOf).find((window) => window !== undefined)!.checkCount);
     expect(columns.objects).toContain(300);
     const told = columns.objects.findIndex((value) => value !== null);
     expect(columns.objects.slice(told).every((value) => value !== null), 'a count holds until the next').toBe(true);
@@ -78,8 +82,13 @@ describe('beliefs', () => {
 describe('why this arm', () => {
   it('leads to the switch to it, or to the decision that was asked for', () => {
     expect(stepFor(steps, 2)!.decisionId).toBe(2);
-    const why = stepFor(steps, undefined)!;
-    expect(why.told).toMatchObject({ outcome: DecisionOutcome.SWITCHED, candidate: steps.filter(({ told }) => told).at(-1)!.activeArm });
+    const last = steps.at(-1)!;
+    const event = (later: number, activeArm: string, candidate: string, outcome: DecisionOutcome) => create(DecisionEventSchema,
+      { decisionId: BigInt(last.decisionId + later), unixMs: BigInt(Math.ceil(last.timeMs) + later), activeArm, candidateArm: candidate, outcome });
+    const toSap = event(1, last.activeArm, 'SAP', DecisionOutcome.SWITCHED);
+    expect(stepFor(mergedSteps(steps, [toSap, event(2, 'SAP', 'SAP', DecisionOutcome.KEPT)], 3), undefined)!.event).toBe(toSap);
+    const kept = event(2, 'Grid', 'Grid', DecisionOutcome.KEPT); // no switch to it is known
+    expect(stepFor(mergedSteps(steps, [toSap, kept], 3), undefined)!.event).toBe(kept);
     expect(stepFor([], undefined)).toBeUndefined();
     expect(stepFor(steps, 123_456)).toBeUndefined();
   });
@@ -87,6 +96,6 @@ describe('why this arm', () => {
   it('marks each change of the active arm', () => {
     const moments = switchMoments(steps, arms);
     expect(moments.length).toBeGreaterThan(0);
-    expect(moments[0]!.timeMs).toBe(steps[3]!.timeMs); // the first step that says another arm
+    expect(moments[0]!.timeMs).toBe(steps.find(({ activeArm }) => activeArm !== setup.activeArm)!.timeMs);
   });
 });
