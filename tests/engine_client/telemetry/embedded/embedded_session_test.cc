@@ -116,6 +116,18 @@ TEST_F(EmbeddedSessionTest, TellsTheLatestDecisionWithItsReasonsAndTheOutcomeOfA
   EXPECT_LT(outcome->arm, 2U);
 }
 
+// In 2 ms at this time scale, so that the second frame tells what the switch cost.
+TEST_F(EmbeddedSessionTest, SettlesInItsDecidersTime) {
+  adaptive_->SetMode(Mode::kManual);
+  ASSERT_TRUE(session_->Start(*adaptive_).ok());
+  ASSERT_TRUE(adaptive_->SelectArm("Fast").ok());
+  Frame();
+  EXPECT_FALSE(adaptive_->last_outcome());
+  Frame();
+  ASSERT_TRUE(adaptive_->last_outcome());
+  EXPECT_EQ(adaptive_->last_outcome()->arm, 1U);
+}
+
 TEST_F(EmbeddedSessionTest, ExportsWhatItHasLearntWhileItRunsAndAfterItsEnd) {
   EXPECT_EQ(session_->ExportPriors().status().code(), StatusCode::kFailedPrecondition);
   ASSERT_TRUE(session_->Start(*adaptive_).ok());

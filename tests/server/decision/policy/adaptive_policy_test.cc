@@ -186,6 +186,7 @@ TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
   Game game({10'000, 13'000, 16'000});
   game.RunTicks(60);
   ASSERT_EQ(game.client.arm, 0u);
+  const size_t switch_count = game.client.commands.size();
   int ticks = 0;
   for (int i = 0; i < 10; ++i) {
     game.frame_load = 3;
@@ -194,6 +195,7 @@ TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
     ticks += game.TicksOn(0, 25);
   }
   EXPECT_GE(ticks, 295) << "two arms may be tried, of which the first tick counts for neither";
+  EXPECT_LE(game.client.commands.size() - switch_count, 4U) << "to each of the two, and back";
 }
 
 // So that a game which has gone manual knows when it is worth its while to be decided for again.
