@@ -7,11 +7,11 @@
 // the mean of late for each and, besides, a kBudgetShare-th of the trial's duration, of which one
 // of them spends at most a kFrameShare-th.
 //
-// Of late are the latest kBlockFrames to 2 kBlockFrames frames of a run; after a trial that has
-// lasted, they are the cheaper arm's. Frames that rebuild, the first one of a trial and the
-// kShadowWarmUpFrames after it count for nothing, since what a new structure takes besides is the
-// switch's cost and not the arm's; nor do paused and loading ones, and those without a search.
-// Plain values; not thread-safe.
+// Of late are the latest kBlockFrames to 2 kBlockFrames frames of a run; it begins with the cheaper
+// arm's after a trial that has lasted, which the run's own replace as it goes on. Frames that
+// rebuild, the first one of a trial and the kShadowWarmUpFrames after it count for nothing, since
+// what a new structure takes besides is the switch's cost and not the arm's; nor do paused and
+// loading ones, and those without a search. Plain values; not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -38,7 +38,7 @@ class TrialGuard {
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns = 0;  // of the two frames' shorter one, or the mean of all
+    uint64_t detection_time_ns = 0;  // of two frames the shorter one, or at most the mean
     uint64_t frame_count = 0;        // of the trial
   };
 

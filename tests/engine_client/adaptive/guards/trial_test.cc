@@ -208,10 +208,11 @@ TEST_F(TrialTest, TheBudgetIsNotSpentByOneFrame) {
 
 TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithTheArmBeforeThat) {
   TryB();
+  SearchOfBTakes(kGrantedNs / 10);  // within the budget
   Frames(kTrialFrames);
   adaptive_->mailbox().Post({.command_id = 8, .arm = 0, .trial_limit_percent = 120});
   Frame();
-  arms_[0]->script().find_ns = 2 * kGrantedNs;
+  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 20;  // B's frames would allow it
   Frames(kShadowWarmUpFrames + 3);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
