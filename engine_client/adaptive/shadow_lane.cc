@@ -244,20 +244,31 @@ void ShadowLane::Sweep() {
   Add(counters_.sweep_count, 1);
 }
 
+// Returns the time cap of a visit: in a game whose frames are long, twice as long as the copied
+// ones were, so that an arm that costs no more than the active one is measured.
+uint64_t ShadowLane::VisitCapNs() const {
+  constexpr uint64_t kMaxFrameNs = 1'000'000'000;  // a longer one was a pause
+  uint64_t frame_ns = 0;
+  for (uint32_t slot = 0; slot < tap_.filled_count(); ++slot)
+    frame_ns += std::min(tap_.frame(slot).note.frame_time_ns, kMaxFrameNs);
+  return std::max(setup_.options.visit_cap_ns, 2 * frame_ns);
+}
+
 // Visits the arm. The result is absent if the visit was interrupted. A frame that is stopped midway
 // does not count, unless it is the first and ran for most of the time cap, which then bounds it.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
   const uint32_t frame_count = tap_.filled_count();
+  const uint64_t cap_ns = VisitCapNs();
   std::array<uint64_t, kShadowBurstFrames> frame_ns{};
   uint32_t ran = 0;
   uint64_t busy_ns = 0;
   uint64_t check_sum = 0;
   uint64_t native_bytes = 0;
   bool kept_waiting = false;
-  while (ran < frame_count && busy_ns < setup_.options.visit_cap_ns) {
-    Watch watch(*this, nullptr, setup_.options.visit_cap_ns - busy_ns, bytes_of(backend));
+  while (ran < frame_count && busy_ns < cap_ns) {
+    Watch watch(*this, nullptr, cap_ns - busy_ns, bytes_of(backend));
     const bool is_wanted = !interrupted(nullptr);
     const uint64_t time_ns = is_wanted ? Feed(backend, ran == 0, tap_.frame(ran).boxes, watch) : 0;
     busy_ns += time_ns;
@@ -268,7 +279,7 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
     native_bytes = backend.native_bytes();
     if (watch.end() == Watch::End::kMemory) native_bytes = watch.held_bytes();
     const bool is_long = ran == 0 && watch.end() == Watch::End::kTime;
-    kept_waiting = is_long && time_ns < setup_.options.visit_cap_ns / 2;
+    kept_waiting = is_long && time_ns < cap_ns / 2;
     if (watch.end() == Watch::End::kNone || (is_long && !kept_waiting)) {
       if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
       frame_ns[ran++] = time_ns;
@@ -276,7 +287,7 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
     if (watch.end() != Watch::End::kNone || native_bytes > structure_cap_bytes()) break;
   }
   const bool is_measured = ran > 0;
-  if (!is_measured) frame_ns[ran++] = setup_.options.visit_cap_ns;
+  if (!is_measured) frame_ns[ran++] = cap_ns;
   ShadowVisit visit =
       SummarizeVisit(std::span(frame_ns).first(ran), std::numeric_limits<uint64_t>::max());
   visit.arm = arm;

@@ -142,6 +142,7 @@ class ShadowLane {
   uint64_t Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes, Watch& watch);
   ArmBackend& BackendOf(uint32_t arm);
   void AccountCopies();
+  uint64_t VisitCapNs() const;
   void TrimMemory(uint32_t arm);
   void FreeOthers(uint32_t arm);
   void CountMemory();

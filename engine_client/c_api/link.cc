@@ -43,10 +43,10 @@ struct Link : LinkedSession {
   ~Link() {
     swp_session* const owner = session;
     if (owner == nullptr) return;
-    owner->content->link = nullptr;
     owner->content->adaptive->SetDeciderPresent(false);
     owner->content->adaptive->SetSettling(owner->content->settling_ns);
     owner->content->adaptive->SetBailOutLimit(owner->content->bail_out_ns);
+    owner->content->link = nullptr;  // at last: a decider may be attached from now on
   }
 
   std::mutex mutex;  // guards what follows

@@ -74,21 +74,14 @@ void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider,
       now_ns);
 }
 
-// Returns the scaled duration, at most 2^63 ns (292 years), since a double near 2^64 does not fit
-// into an integer.
-uint64_t Scaled(uint64_t duration_ns, double time_scale) {
-  return static_cast<uint64_t>(std::min(static_cast<double>(duration_ns) / time_scale, 0x1p63));
-}
-
 swp_result Attach(Session& session, EmbeddedOptions options, uint64_t now_ns) {
   AdaptiveBroadPhase& adaptive = *session.adaptive;
   options.mode = adaptive.mode();
+  options.settling_ns = session.settling_ns;
   auto decider = EmbeddedDecider::Create(options, adaptive.arms(), adaptive.arm_versions(), now_ns);
   if (!decider.ok()) return ToResult(decider.status());
   TellActiveArm(adaptive, **decider, now_ns);
   session.decider_loop.emplace(session.queue, adaptive, std::move(*decider));
-  adaptive.SetDeciderPresent(true);
-  adaptive.SetSettling(Scaled(session.settling_ns, options.time_scale));
   session.decider_loop->PublishBeliefs();
   return SWP_OK;
 }
@@ -146,6 +139,7 @@ swp_result swp_session_detach_decider(swp_session* session) {
     if (!live.decider_loop) return NoDecider();
     live.decider_loop.reset();
     live.adaptive->SetDeciderPresent(false);
+    live.adaptive->SetSettling(live.settling_ns);
     return kOk;
   });
 }

@@ -72,8 +72,8 @@ struct SceneDescriptor {
   std::optional<double> static_ratio;
 };
 
-// What has ended a trial (SwitchCommand): two frames, of which this is the shorter one, or the mean
-// of all. The arm may cost more, and was not let.
+// What has ended a trial (SwitchCommand): two frames, of which this is the shorter one, or all of
+// them, of which it is at most the mean. The arm may cost more, and was not let.
 struct TrialEnd {
   uint32_t arm = 0;  // the arm that was tried
   uint64_t detection_time_ns = 0;

@@ -7,11 +7,11 @@
 // the mean of late for each and, besides, a kBudgetShare-th of the trial's duration, of which one
 // of them spends at most a kFrameShare-th.
 //
-// Of late are the latest kBlockFrames to 2 kBlockFrames frames of a run; it begins with the cheaper
-// arm's after a trial that has lasted, which the run's own replace as it goes on. Frames that
-// rebuild, the first one of a trial and the kShadowWarmUpFrames after it count for nothing, since
-// what a new structure takes besides is the switch's cost and not the arm's; nor do paused and
-// loading ones, and those without a search. Plain values; not thread-safe.
+// Of late are the latest kBlockFrames to 2 kBlockFrames frames of a run, or as many as there were.
+// A trial's first frame and the kShadowWarmUpFrames after it, which are not of its time, and frames
+// that rebuild are not compared, since what a new structure takes besides is the switch's cost and
+// not the arm's; nor are frames without a search, which are of the trial's time. Paused and loading
+// ones count for nothing. The searches of one frame count as one. Plain values; not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -38,7 +38,7 @@ class TrialGuard {
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns = 0;  // of two frames the shorter one, or at most the mean
+    uint64_t detection_time_ns = 0;  // of two frames the shorter one, or the mean or less
     uint64_t frame_count = 0;        // of the trial
   };
 
@@ -65,25 +65,13 @@ class TrialGuard {
   // limit, or all of them are over its budget; then the next frame is to run the arm before.
   std::optional<End> OnFrame(const FrameSample& sample) {
     if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return std::nullopt;
-    if (sample.detection_time_ns == 0) return std::nullopt;
-    const bool is_new = trial_ && trial_->frame_count++ <= kShadowWarmUpFrames;
-    if (is_new || (sample.flags & kFrameRebuild) != 0) return std::nullopt;
-    Note(sample);
-    if (!trial_) return std::nullopt;
-    if (const uint64_t excessive_ns = trial_->Judge(sample.detection_time_ns); excessive_ns > 0) {
-      const Trial ended = *trial_;
-      GoOnFrom(ended.before);
-      return End{.arm_before = ended.arm_before,
-                 .tried_arm = sample.arm,
-                 .detection_time_ns = excessive_ns,
-                 .frame_count = ended.frame_count};
-    }
-    trial_->left_ns -= std::min(trial_->left_ns, sample.frame_time_ns);
-    if (trial_->left_ns == 0) {
-      const Frames own = Frames::Of(block_, earlier_block_);
-      GoOnFrom(own.mean_ns() < trial_->before.mean_ns() ? own : trial_->before);
-    }
-    return std::nullopt;
+    const bool searches = sample.detection_time_ns > 0;
+    if (trial_ && searches && trial_->frame_count++ <= kShadowWarmUpFrames) return std::nullopt;
+    const bool counts = searches && (sample.flags & kFrameRebuild) == 0;
+    const std::optional<End> end = counts ? Compare(sample) : std::nullopt;
+    if (trial_) trial_->left_ns -= std::min(trial_->left_ns, sample.frame_time_ns);
+    if (end || (trial_ && trial_->left_ns == 0)) trial_.reset();
+    return end;
   }
 
  private:
@@ -119,10 +107,21 @@ class TrialGuard {
           std::exchange(over_ns, detection_ns > limit_ns ? detection_ns : uint64_t{0});
       if (const uint64_t both_ns = std::min(before_ns, over_ns); both_ns > 0) return both_ns;
       judged_ns += std::min(detection_ns, before.mean_ns() + budget_ns / kFrameShare);
-      const bool is_over = judged_ns > ++judged_count * before.mean_ns() + budget_ns;
+      ++judged_count;
+      const bool is_over = judged_ns > judged_count * before.mean_ns() + budget_ns;
       return is_over ? judged_ns / judged_count : 0;
     }
   };
+
+  std::optional<End> Compare(const FrameSample& sample) {
+    Note(sample);
+    const uint64_t excessive_ns = trial_ ? trial_->Judge(sample.detection_time_ns) : 0;
+    if (excessive_ns == 0) return std::nullopt;
+    return End{.arm_before = trial_->arm_before,
+               .tried_arm = sample.arm,
+               .detection_time_ns = excessive_ns,
+               .frame_count = trial_->frame_count};
+  }
 
   void Note(const FrameSample& sample) {
     if (block_.count >= kBlockFrames) earlier_block_ = std::exchange(block_, Frames{});
@@ -130,13 +129,6 @@ class TrialGuard {
                                  .detection_ns = sample.detection_time_ns,
                                  .longest_detection_ns = sample.detection_time_ns,
                                  .longest_frame_ns = sample.frame_time_ns});
-  }
-
-  // Ends the trial; from now on these are the frames of late.
-  void GoOnFrom(const Frames& late) {
-    block_ = late;
-    earlier_block_ = Frames{};
-    trial_.reset();
   }
 
   std::optional<Trial> trial_;

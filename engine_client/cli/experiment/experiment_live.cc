@@ -164,7 +164,6 @@ Status LiveRun::Prepare() {
   session_ = std::move(*session);
   AdaptiveOptions adaptive;
   adaptive.initial_arm = BroadPhaseNames()[record_.initial_arm];
-  adaptive.settling_ns = static_cast<uint64_t>(decisions_.settling_ns);
   // Policies that learn from live frames only, such as the paper's, have no lane and switch cold.
   const bool learns_from_lane =
       decision::PolicyKindOf(record_.policy, decision::StudyPolicies()).uses_shadow;

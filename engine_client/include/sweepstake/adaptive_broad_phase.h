@@ -22,7 +22,8 @@
 // A decider may command a trial: if two frames of the new arm take too long, compared with the
 // longest of the arm before, or all of them together, compared with its mean, the next frame runs
 // that arm again, without asking, and the outcome says so. A trial lasts for twice the settling
-// time; its first frames, and those that rebuild, paused and loading ones do not end it.
+// time; its first frames, and those that rebuild, paused and loading ones do not end it (neither of
+// the first and the last two are of its time).
 #pragma once
 
 #include <atomic>
@@ -96,7 +97,7 @@ struct AdaptiveOptions {
   // it was detection, and it was neither paused nor loading. > 0. A daemon's welcome replaces it.
   uint64_t bail_out_ns = 5'000'000'000;
   // The settling time, over which the settling cost is measured; a trial lasts for twice that. A
-  // decider's, and the daemon's welcome message, replaces it.
+  // decider's, and the daemon's welcome message, replaces it for good.
   uint64_t settling_ns = 2'000'000'000;
   // Runs the parts of large searches (executor.h); borrowed, must outlive the object. Null: the
   // frame thread does all work.
@@ -178,7 +179,7 @@ class AdaptiveBroadPhase {
   void SetDeciderPresent(bool present);
   // Sets the posterior means for that case, in the order of arms. Any thread; the latest call wins.
   void SetPosteriorMeans(std::span<const double> means);
-  // Sets the settling time from the decider's welcome message. Any thread.
+  // Sets the settling time: that of the decider, which a daemon tells in its welcome. Any thread.
   void SetSettling(uint64_t settling_ns);
   // Sets the bail-out limit from the decider's welcome message; 0 is ignored. Any thread.
   void SetBailOutLimit(uint64_t limit_ns);

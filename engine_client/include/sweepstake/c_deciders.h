@@ -66,7 +66,8 @@ SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
  * SWP_NOT_FOUND if there is no such file, SWP_DATA_LOSS names the first broken record. */
 SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
-/* Ends the decider and what it has learnt; the session then switches by itself at a bail-out. */
+/* Ends the decider and what it has learnt; the session then switches by itself at a bail-out, and
+ * its settling time is no longer divided by the time scale. */
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
 /* Chooses the arm that these priors expect to cost least, executed at the next begin_frame; with
  * NULL the session keeps its arm. From then on it is in SWP_MODE_MANUAL, and nothing that depends

@@ -72,9 +72,10 @@ typedef struct swp_session_options {
                               arm is to blame: detection took at least half of it, and it was
                               neither paused nor loading; > 0. A daemon's welcome replaces it while
                               there is a link */
-  uint64_t settling_ns;    /* how long after a switch the frames' extra cost is the switch's; a
-                              trial lasts for twice that. A daemon's welcome replaces it while
-                              there is a link */
+  uint64_t settling_ns;    /* how long after a switch the frames' extra cost is the switch's, and
+                              nothing is learnt from them; a trial lasts for twice that, and with 0
+                              there is none. At most 100 days where a decider is attached. A
+                              daemon's welcome replaces it while there is a link */
   const swp_executor* executor; /* as in swp_world_options */
   uint32_t thread_count;        /* as in swp_world_options */
   uint32_t queue_frames;  /* samples kept for a decider or a link, a power of two, 2 to 2^20; full:

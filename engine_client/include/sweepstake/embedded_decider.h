@@ -106,6 +106,9 @@ struct EmbeddedOptions {
   // Minimum time from an executed switch to the next one that the policy chooses, at most 100 days.
   // Some policies wait for less after a switch that was cheap. Bail-outs do not wait.
   uint64_t cooldown_ns = 40'000'000'000;
+  // Frame time after a switch that is not learnt from, at most 100 days. A trial lasts for twice
+  // that; with 0 there is none.
+  uint64_t settling_ns = 2'000'000'000;
   // Frames/s, 0–1000: a scene whose best arm has fewer gets the verdict degraded. 0: no scene does.
   double fps_floor = 30;
   Mode mode = Mode::kAi;
@@ -150,6 +153,8 @@ class EmbeddedDecider {
   // of an earlier bail-out, into the mailbox.
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
+  // Returns the settling time divided by the time scale, for AdaptiveBroadPhase::SetSettling.
+  uint64_t settling_ns() const;
   std::vector<ArmBelief> beliefs() const;
   // Returns the verdict of the latest decision.
   SceneVerdict verdict() const;

@@ -164,8 +164,8 @@ struct SwitchOutcome {
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
   // The way back from a trial: the detection time that was over its limit (of two frames the
-  // shorter one's) or, over its budget, the mean one, and the arm that was tried. 0: any other
-  // switch.
+  // shorter one's) or, over its budget, at most the mean one, and the arm that was tried. 0: any
+  // other switch.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

@@ -27,7 +27,8 @@ struct ShadowOptions {
   // that, a pair buffer that doubles is copied for longer (58 ms with 1 GiB). The lane takes at
   // most half of AdaptiveOptions::memory_budget_bytes, if that is less.
   uint64_t memory_cap_bytes = 64 * 1024 * 1024;
-  // A visit of an arm ends when it reaches it, in the midst of a search too; > 0.
+  // A visit of an arm ends when it reaches it, in the midst of a search too; > 0. In a game whose
+  // frames are long, eight of them, twice, where that is more.
   uint64_t visit_cap_ns = 250'000'000;
   // Minimum time between sweeps.
   uint64_t sweep_interval_min_ns = 250'000'000;

@@ -34,6 +34,8 @@ DeciderLoop::DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
                          std::unique_ptr<EmbeddedDecider> decider)
     : queue_(queue), adaptive_(adaptive), decider_(std::move(decider)) {
   frames_.reserve(kFrameRun);
+  adaptive_.SetDeciderPresent(true);
+  adaptive_.SetSettling(decider_->settling_ns());
 }
 
 uint64_t DeciderLoop::TakeQueue(uint64_t now_ns) {

@@ -19,7 +19,8 @@ namespace sweepstake {
 
 class DeciderLoop {
  public:
-  // The queue and the broad phase are borrowed.
+  // The queue and the broad phase are borrowed; the latter is told that a decider is
+  // present, and takes over its settling time.
   DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
               std::unique_ptr<EmbeddedDecider> decider);
 

@@ -35,6 +35,7 @@ decision::DecisionOptions UnscaledOptions(const EmbeddedOptions& options) {
   unscaled.policy = options.policy;
   unscaled.decision_interval_ns = ToSigned(options.decision_interval_ns);
   unscaled.cooldown_ns = ToSigned(options.cooldown_ns);
+  unscaled.settling_ns = ToSigned(options.settling_ns);
   unscaled.fps_floor = options.fps_floor;
   return unscaled;
 }
@@ -151,7 +152,8 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
 
   Impl(decision::SessionSetup setup, decision::PolicyRegistry policies, EvidenceLedger ledger,
        OnDecision on_decision)
-      : session_(std::move(setup), policies),
+      : settling_ns_(static_cast<uint64_t>(setup.options.settling_ns)),
+        session_(std::move(setup), policies),
         ledger_(std::move(ledger)),
         on_decision_(std::move(on_decision)) {}
 
@@ -168,6 +170,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
   std::optional<SwitchCommand> Poll(int64_t now_ns);
 
+  uint64_t settling_ns() const { return settling_ns_; }
   const decision::DecisionSession& session() const { return session_; }
   const EvidenceLedger& ledger() const { return ledger_; }
   const std::optional<DecisionEvent>& last_decision() const { return last_decision_; }
@@ -177,6 +180,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   void Follow(const decision::Decision& decision);
   void OnAuditRow(std::string_view row) override { on_audit_row_(row); }
 
+  const uint64_t settling_ns_;
   decision::DecisionSession session_;
   EvidenceLedger ledger_;
   const OnDecision on_decision_;
@@ -313,6 +317,7 @@ std::optional<SwitchCommand> EmbeddedDecider::Poll(uint64_t now_ns) {
 }
 
 std::string EmbeddedDecider::AuditHeader() { return decision::AuditHeader(); }
+uint64_t EmbeddedDecider::settling_ns() const { return impl_->settling_ns(); }
 std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
   const decision::DecisionSession& session = impl_->session();
   return FromDecision(session.posteriors(), session.standings(), session.diagnosis(),

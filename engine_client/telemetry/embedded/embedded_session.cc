@@ -10,7 +10,6 @@
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/baselines/shipped_policies.h"
-#include "server/decision/options.h"
 
 namespace sweepstake {
 namespace {
@@ -52,9 +51,6 @@ Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
   (*decider)->SetMode(adaptive.mode(), adaptive.active_arm(), now_ns);
   const std::lock_guard lock(mutex_);
   loop_.emplace(queue(), adaptive, std::move(*decider));
-  adaptive.SetDeciderPresent(true);
-  const auto decides = decision::DecisionOptions{}.Scaled(options.time_scale);
-  adaptive.SetSettling(static_cast<uint64_t>(decides.settling_ns));  // as the decider's
   UpdateStats([&](SessionStats& stats) {
     stats.state = ConnectionState::kEmbedded;
     stats.prior_source_count = loop_->decider().prior_source_count();

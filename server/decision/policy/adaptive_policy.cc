@@ -31,12 +31,16 @@ constexpr double kCostRate = 0.3;         // weight of a new measurement of the 
 constexpr uint32_t kTrialLimitPercent = 120;
 // By how many standard deviations an arm that was live has to be better to be chosen again.
 constexpr double kReturnDeviations = 0.25;
+// An arm is tried if the probability that it costs twice as much as the active one is below 10 %.
+constexpr double kTrialDeviations = 1.282;
+constexpr double kMaxTrialLogRatio = 0.693;
 constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the frame time
 constexpr double kBanGrowth = 4;
 // The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
 constexpr double kMaxAdvance = 30;
-// If the lane has not reported after this many windows, arms are tried live.
-constexpr uint64_t kPatienceWindows = 2;
+// If the lane has not reported after this many windows, arms are tried live. A sweep of an
+// expensive scene takes its time.
+constexpr uint64_t kPatienceWindows = 5;
 
 double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -166,8 +170,13 @@ std::vector<Increment> AdaptivePolicy::LearnShadow(std::span<const ShadowSample>
     observed_[sample.arm] = true;
     // A visit that a cap has ended says that the arm costs at least so much.
     const bool is_bound = (sample.flags & kShadowCapped) != 0;
-    if (is_bound && log_cost <= filter().LogCost(sample.arm).mean) continue;
-    filter().ObserveShadow(sample.arm, sample.first_frame_index, log_cost);
+    if (is_bound) {
+      const bool is_news = log_cost > filter().LogCost(sample.arm).mean;
+      filter().ObserveShadowBound(sample.arm, sample.first_frame_index, log_cost);
+      if (!is_news) continue;
+    } else {
+      filter().ObserveShadow(sample.arm, sample.first_frame_index, log_cost);
+    }
     increments.push_back(VisitIncrement(sample.arm, log_cost));
   }
   UpdatePosteriors();
@@ -218,8 +227,8 @@ void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
   switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
 }
 
-// The arm has had no window, so that it is tried again as a trial, if at all. A first end is no
-// evidence: two frames of a good arm may be what else the machine was at.
+// An arm without a window is tried again as a trial, if at all. A first end is no evidence: two
+// frames of a good arm may be what else the machine was at.
 void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
   AdvanceTo(now_ns);
   if (trial_ended_[end.arm]) filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
@@ -236,8 +245,8 @@ std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
 }
 
 bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
-  return last_shadow_ns_ &&
-         Seconds(now_ns) - Seconds(*last_shadow_ns_) <= Seconds(options_.cooldown_ns);
+  return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <=
+                                kHorizonCooldowns * Seconds(options_.cooldown_ns);
 }
 
 // Returns whether the arm may be chosen: it was observed, it has a prior, or the lane will not
@@ -285,8 +294,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   terms.cost_s = switch_cost_s_ / detection_share_;
   result.advantage = terms.gain - terms.loss;
   if (observed_[candidate] && IsTrial(input, candidate)) {
-    const double most_s = kTrialBudget * Seconds(options_.settling_ns) / detection_share_;
-    terms.loss = std::min(terms.loss, most_s / terms.cooldown_s);
+    terms.loss = std::min(terms.loss, kTrialBudget / detection_share_);
   }
   result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
   if (!components_.gate) result.worth_s = result.advantage;
@@ -295,12 +303,15 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
 
 // Returns whether to consider the arm: it is believed to be better, or a live window of it may be
 // worth having. While the lane reports, that is so only until there is one, which tells the lane's
-// bias for this arm; after that, what is uncertain about it must not lead back and forth.
+// bias for this arm; after that, what is uncertain about it must not lead back and forth. A trial
+// shows frames whatever they take, so that little is tried of which the lane could tell but little.
 bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
   const NormalBelief difference = beliefs_.Difference(input.active_arm, arm);
-  const double deviations = input.bailed_out ? 0 : kReturnDeviations;
-  return !was_live_[arm] || difference.mean > deviations * std::sqrt(difference.variance);
+  const double deviation = std::sqrt(difference.variance);
+  if (input.bailed_out) return !was_live_[arm] || difference.mean > 0;
+  if (was_live_[arm]) return difference.mean > kReturnDeviations * deviation;
+  return kTrialDeviations * deviation - difference.mean < kMaxTrialLogRatio;
 }
 
 std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(

@@ -13,17 +13,17 @@
 //   seen that is believed to cost no more than the active one.
 // - While the shadow lane reports, only arms that were measured or have priors are chosen. An arm
 //   that is believed to be worse is tried live once, if the gate finds that its window is worth it,
-//   since the lane's bias is unknown until there is one. An arm that was live has to be better by a
-//   quarter of what is uncertain of the difference, so that nothing leads back and forth. Without
-//   the lane, the value of exploration (E⁺ of an arm never seen) leads to every arm being tried
-//   live.
+//   since the lane's bias is unknown until there is one; but not if it may take twice what the
+//   active arm does with a probability of 10 %. An arm that was live has to be better by a quarter
+//   of what is uncertain of the difference, so that nothing leads back and forth. Without the lane,
+//   the value of exploration (E⁺ of an arm never seen) leads to every arm being tried live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
 // - An arm's first live window is a trial: two frames of it in a row that take a fifth longer than
 //   the longest one before, or all of them if they exceed a budget, send the client back at once
-//   (SwitchCommand), so that the gate reckons with that budget at most, where the lane has told of
-//   the arm. A first such end may be what else the machine was at; from the second on it is a lower
+//   (SwitchCommand), so that the gate reckons with that budget at most, where the arm was observed
+//   before. A first such end may be what else the machine was at; from the second on it is a lower
 //   bound of the arm's cost, as is a visit of the lane that a cap has ended. It bans the arm no
 //   more than that cost.
 // - Each regime of the scene has beliefs of its own, which return with it; where regimes change
@@ -64,8 +64,8 @@ class AdaptivePolicy : public Policy {
   // The ban of an arm's first bail-out, in decision intervals; each later one is four times as
   // long.
   static constexpr double kFirstBan = 200;
-  // What a trial may cost in all before the client ends it (SwitchCommand), in settling times.
-  static constexpr double kTrialBudget = 2.0 / 40;
+  // What a trial may cost before the client ends it (SwitchCommand), as a share of its time.
+  static constexpr double kTrialBudget = 1.0 / 40;
 
   explicit AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components = {});
 

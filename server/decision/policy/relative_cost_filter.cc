@@ -125,7 +125,8 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   // Innovation, and the drift that successive ones show.
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
-  const bool stays = std::exchange(live_arm_, arm) == arm;
+  const std::optional<uint32_t> last_arm = std::exchange(live_arm_, arm);
+  const bool stays = last_arm == arm;
   const double variance = variance_in(LiveColumn(arm)) + live_noise_;
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_live_, normalised);
@@ -133,10 +134,12 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   // An outlier widens the belief if it is a change, else it counts as noise. A change while the
   // arm stays active is most likely other work that came to the core, which the lane does not see,
   // less so the scene, whose load all arms share, and least this arm alone; what a newly active arm
-  // shows is its own.
+  // shows is its own. The first arm shows the scene's level, of which a sweep sees few frames.
   double noise = live_noise_;
   if (std::abs(normalised) > kOutlierDeviations) {
-    if (!stays) {
+    if (!last_arm) {
+      AddVariance(costs(), Square(innovation), 0);
+    } else if (!stays) {
       covariance_(arm, arm) += Square(innovation);
     } else if (AreSameSideOutliers(last, normalised)) {
       AddVariance(costs(), Square(innovation), 0);
@@ -209,6 +212,15 @@ void RelativeCostFilter::BeginSweep(uint64_t sweep) {
   covariance_(offset(), offset()) = sweep_noise_;
 }
 
+// Returns the covariances of x_i + b_i + c with every state.
+Eigen::VectorXd RelativeCostFilter::VisitColumn(uint32_t arm) const {
+  return covariance_.col(arm) + covariance_.col(bias(arm)) + covariance_.col(offset());
+}
+
+double RelativeCostFilter::VisitInnovation(uint32_t arm, double log_cost) const {
+  return Clamped(log_cost) - mean_[arm] - mean_[bias(arm)] - mean_[offset()];
+}
+
 // Returns the variance of x_i + b_i + c, given its covariances with every state in `column`.
 double RelativeCostFilter::VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const {
   return column[arm] + column[bias(arm)] + column[offset()];
@@ -217,16 +229,25 @@ double RelativeCostFilter::VisitVariance(const Eigen::VectorXd& column, uint32_t
 void RelativeCostFilter::ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost) {
   if (!has_lane()) AddLane();
   BeginSweep(sweep);
-  const auto column = [&]() -> Eigen::VectorXd {
-    return covariance_.col(arm) + covariance_.col(bias(arm)) + covariance_.col(offset());
-  };
-  const double innovation = Clamped(log_cost) - mean_[arm] - mean_[bias(arm)] - mean_[offset()];
-  const double variance = VisitVariance(column(), arm) + shadow_noise_;
+  const double innovation = VisitInnovation(arm, log_cost);
+  const double variance = VisitVariance(VisitColumn(arm), arm) + shadow_noise_;
   const bool is_reference = !std::exchange(reference_visited_, true);
   const double noise = is_reference ? NoiseOfReferenceVisit(innovation, variance)
                                     : NoiseOfVisit(arm, innovation, variance);
-  const Eigen::VectorXd widened = column();
+  const Eigen::VectorXd widened = VisitColumn(arm);
   Update(widened, innovation, VisitVariance(widened, arm) + noise);
+}
+
+// A belief far below the bound comes to it, as to a cost.
+void RelativeCostFilter::ObserveShadowBound(uint32_t arm, uint64_t sweep, double log_cost) {
+  if (!has_lane()) AddLane();
+  BeginSweep(sweep);
+  const double innovation = VisitInnovation(arm, log_cost);
+  const Eigen::VectorXd column = VisitColumn(arm);
+  const double variance = VisitVariance(column, arm) + shadow_noise_;
+  if (innovation > kOutlierDeviations * std::sqrt(variance))
+    return ObserveShadow(arm, sweep, log_cost);
+  Truncate(column, innovation, variance);
 }
 
 // Learns from the innovation of a sweep's first visit, which all arms may share, and returns the

@@ -51,10 +51,12 @@ class RelativeCostFilter {
   // Every arm's cost may have changed.
   void Widen(double variance);
   void ObserveLive(uint32_t arm, double log_cost);
-  // The arm, which has had no live window, costs live at least so much.
+  // The arm costs live at least so much.
   void ObserveBound(uint32_t arm, double log_cost);
   // Successive visits with the same `sweep` share that sweep's offset.
   void ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost);
+  // A visit that a cap has ended: it would have measured at least so much.
+  void ObserveShadowBound(uint32_t arm, uint64_t sweep, double log_cost);
   // Replaces whatever was known of the arm's cost by this value.
   void Assume(uint32_t arm, double log_cost);
 
@@ -85,7 +87,9 @@ class RelativeCostFilter {
   void UpdateNoise(double& noise, double innovation, double variance) const;
   void UpdateDrift(double& drift, double product) const;
   void BeginSweep(uint64_t sweep);
+  Eigen::VectorXd VisitColumn(uint32_t arm) const;
   double VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const;
+  double VisitInnovation(uint32_t arm, double log_cost) const;
   double NoiseOfReferenceVisit(double innovation, double variance);
   double NoiseOfVisit(uint32_t arm, double innovation, double variance);
   Eigen::VectorXd LiveColumn(uint32_t arm) const;

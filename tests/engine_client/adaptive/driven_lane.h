@@ -107,9 +107,9 @@ class DrivenLane : public ::testing::Test {
   }
 
   void Frame() {
-    clock_.Advance(10 * kMs);
+    clock_.Advance(frame_ns_);
     lane_->OnFrame(std::vector<Aabb>(object_count_),
-                   {.frame_index = frame_index_++, .frame_time_ns = 10 * kMs, .arm = 1});
+                   {.frame_index = frame_index_++, .frame_time_ns = frame_ns_, .arm = 1});
     lane_->Step();
   }
   void Frames(int count) {
@@ -139,6 +139,7 @@ class DrivenLane : public ::testing::Test {
   std::unique_ptr<ShadowLane> lane_;
   uint64_t frame_index_ = 0;
   size_t object_count_ = 20;
+  uint64_t frame_ns_ = 10 * kMs;
   int made_count_ = 0;
 };
 

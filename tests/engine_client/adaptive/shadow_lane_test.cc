@@ -101,6 +101,31 @@ TEST_F(ShadowLaneTest, EndsAVisitAtTheTimeCap) {
   EXPECT_EQ(lane_->stats().capped_visit_count, 2U);
 }
 
+// Of eight frames of 100 ms, the lane works on each for up to 200 ms.
+TEST_F(ShadowLaneTest, MeasuresArmsOfAGameWhoseFramesAreLong) {
+  frame_ns_ = 100 * kMs;
+  scripts_[1].update_ns = 90 * kMs;
+  scripts_[0].update_ns = 190 * kMs;
+  scripts_[2].update_ns = 300 * kMs;
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 3U);
+  EXPECT_EQ(sink_.shadows[0].flags, uint32_t{kShadowActive});
+  EXPECT_EQ(sink_.shadows[0].detection_time_ns, 91 * kMs);
+  EXPECT_EQ(sink_.shadows[1].flags, 0U);
+  EXPECT_EQ(sink_.shadows[1].detection_time_ns, 191 * kMs);
+  EXPECT_EQ(sink_.shadows[2].flags, uint32_t{kShadowCapped});
+}
+
+TEST_F(ShadowLaneTest, APauseLetsNoVisitRunOn) {
+  frame_ns_ = 3'600'000 * kMs;
+  scripts_[0].question_count = 100'000;
+  scripts_[0].question_ns = 10 * kMs;
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 3U);
+  EXPECT_EQ(sink_.shadows[1].flags, uint32_t{kShadowCapped});
+  EXPECT_LE(sink_.shadows[1].detection_time_ns, 17'000 * kMs);
+}
+
 TEST_F(ShadowLaneTest, EndsASearchAtTheTimeCapInItsMidst) {
   scripts_[0].question_count = 1000;
   scripts_[0].question_ns = 10 * kMs;

@@ -17,20 +17,24 @@ typedef struct game {
   swp_switch_command last_command;
 } game;
 
-static void run_frame(game* played, uint64_t frame_ns) {
+static void play_frame(game* played, uint64_t frame_ns) {
   const swp_aabb* boxes = NULL;
   uint32_t count = 0;
-  uint32_t commanded = 99;
   CHECK_OK(swp_scene_boxes(played->scene, &boxes, &count));
   CHECK_OK(swp_session_begin_frame(played->session));
   CHECK_OK(swp_session_find_pairs(played->session, boxes, count));
   CHECK_OK(swp_session_end_frame(played->session, frame_ns, 0));
   played->now_ns += frame_ns;
+  CHECK_OK(swp_scene_step(played->scene));
+}
+
+static void run_frame(game* played, uint64_t frame_ns) {
+  uint32_t commanded = 99;
+  play_frame(played, frame_ns);
   CHECK_OK(
       swp_session_poll_decider(played->session, played->now_ns, &played->last_command, &commanded));
   CHECK(commanded <= 1);
   played->command_count += commanded;
-  CHECK_OK(swp_scene_step(played->scene));
 }
 
 static int has_text(const char* text, uint64_t bytes, const char* wanted) {
@@ -187,6 +191,57 @@ static void check_intervals_and_floor(void) {
   }
 }
 
+/* The outcome of a switch tells when the session has settled. */
+static void check_settled_frames(game* played, uint64_t settling_ns) {
+  uint32_t arm = 99;
+  uint32_t epoch = 99;
+  swp_switch_outcome outcome;
+  CHECK_OK(swp_session_set_mode(played->session, SWP_MODE_MANUAL));
+  CHECK_OK(swp_session_active_arm(played->session, &arm));
+  CHECK_OK(swp_session_switch_epoch(played->session, &epoch));
+  CHECK_OK(swp_session_select_arm(played->session, swp_backend_name(arm == 0)));
+  for (uint64_t ns = 0; ns < settling_ns; ns += 20000000) {
+    play_frame(played, 20000000);
+    CHECK_OK(swp_session_last_outcome(played->session, &outcome));
+    CHECK((outcome.switch_epoch == epoch + 1) == (ns + 20000000 >= settling_ns));
+  }
+}
+
+/* The decider settles for as long as the game says, in its own time. */
+static void check_settling(void) {
+  enum { kTimeScale = 2 };
+  swp_session_options options = {.struct_size = sizeof options};
+  swp_decider_options decider = {.struct_size = sizeof decider};
+  swp_decision decision = {.struct_size = sizeof decision};
+  game played = {NULL, make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
+  CHECK_OK(swp_session_options_init(&options));
+  options.settling_ns = 20000000000;
+  CHECK_OK(swp_session_create(&options, &played.session));
+  CHECK_OK(swp_decider_options_init(&decider));
+  decider.time_scale = kTimeScale;
+  CHECK_OK(swp_session_attach_decider(played.session, &decider, played.now_ns));
+  for (int frame = 0; frame < 9 * 50; ++frame) {
+    run_frame(&played, 20000000);
+    CHECK_OK(swp_session_last_decision(played.session, &decision));
+    CHECK(decision.decision_id == 0 || decision.outcome == SWP_DECISION_HELD_SETTLING);
+  }
+  CHECK(decision.decision_id > 1);
+  for (int frame = 0; frame < 3 * 50; ++frame) run_frame(&played, 20000000);
+  CHECK_OK(swp_session_last_decision(played.session, &decision));
+  CHECK(decision.outcome != SWP_DECISION_HELD_SETTLING);
+  check_settled_frames(&played, 20000000000 / kTimeScale);
+  CHECK_OK(swp_session_detach_decider(played.session));
+  check_settled_frames(&played, 20000000000);
+  swp_session_destroy(played.session);
+
+  options.settling_ns = UINT64_MAX;
+  CHECK_OK(swp_session_create(&options, &played.session));
+  CHECK(swp_session_attach_decider(played.session, NULL, 0) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "settling_ns") != NULL);
+  swp_session_destroy(played.session);
+  swp_scene_destroy(played.scene);
+}
+
 static void check_attach_errors(void) {
   swp_decider_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
@@ -304,5 +359,6 @@ void test_decider(void) {
   swp_session_destroy(played.session);
   swp_scene_destroy(played.scene);
   check_intervals_and_floor();
+  check_settling();
   check_attach_errors();
 }

@@ -49,6 +49,10 @@ class TrialTest : public ::testing::Test {
     adaptive_->EndFrame({.frame_time_ns = frame_ns_, .flags = flags});
     return adaptive_->last_sample();
   }
+  void FrameWithoutASearch() {
+    adaptive_->BeginFrame();
+    adaptive_->EndFrame({.frame_time_ns = frame_ns_});
+  }
   void Frames(uint32_t count) {
     for (uint32_t i = 0; i < count; ++i) Frame();
   }
@@ -206,25 +210,47 @@ TEST_F(TrialTest, TheBudgetIsNotSpentByOneFrame) {
   EXPECT_EQ(Frame().arm, 0U);
 }
 
-TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithTheArmBeforeThat) {
+TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithThat) {
   TryB();
   SearchOfBTakes(kGrantedNs / 10);  // within the budget
   Frames(kTrialFrames);
   adaptive_->mailbox().Post({.command_id = 8, .arm = 0, .trial_limit_percent = 120});
   Frame();
-  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 20;  // B's frames would allow it
+  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 20;  // A's own earlier frames allow less
   Frames(kShadowWarmUpFrames + 3);
+  EXPECT_EQ(adaptive_->active_arm(), 0U);
+  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 5;
+  Frames(3);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-TEST_F(TrialTest, ATrialAfterOneOfACheaperArmIsComparedWithThatOne) {
-  arms_[0]->script().find_ns = 2 * kGrantedNs;
-  Frames(2 * TrialGuard::kBlockFrames);
-  TryB();
-  Frames(kTrialFrames);
-  adaptive_->mailbox().Post({.command_id = 8, .arm = 0, .trial_limit_percent = 120});
-  Frames(1 + kShadowWarmUpFrames + 60);
+// Five frames take longer than the trial lasts; the first three are not of its time.
+TEST_F(TrialTest, AnArmWhoseFramesAreAsLongAsTheTrialIsLeftToo) {
+  const uint64_t long_ns = kTrialFrames * kFrameNs * 3 / 8;
+  adaptive_->mailbox().Post({.command_id = 7, .arm = 1, .trial_limit_percent = 120});
+  SearchOfBTakes(long_ns);
+  FramesTake(long_ns);
+  Frames(1 + kShadowWarmUpFrames + 2);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
+  EXPECT_EQ(Frame().arm, 0U);
+}
+
+// Physics at 50 Hz searches in some frames only; the trial lasts as long as the decider reckons.
+TEST_F(TrialTest, FramesWithoutASearchTakeOfItsTime) {
+  TryB();
+  for (uint32_t i = 0; i < kTrialFrames; ++i) FrameWithoutASearch();
+  SearchOfBTakes(2 * kGrantedNs);
+  Frames(5);
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
+TEST_F(TrialTest, FramesWithoutASearchDoNotComeBetweenTwo) {
+  TryB();
+  SearchOfBTakes(2 * kGrantedNs);
+  Frame();
+  FrameWithoutASearch();
+  EXPECT_EQ(Frame().arm, 1U);
+  EXPECT_EQ(Frame().arm, 0U);
 }
 
 TEST_F(TrialTest, ACommandWithoutALimitIsNoTrial) {

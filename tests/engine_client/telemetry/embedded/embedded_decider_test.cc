@@ -415,6 +415,7 @@ TEST(EmbeddedDeciderIntervals, AreThoseOfTheDecisionCoreUnlessGiven) {
   const EmbeddedOptions options;
   EXPECT_EQ(options.decision_interval_ns, static_cast<uint64_t>(core.decision_interval_ns));
   EXPECT_EQ(options.cooldown_ns, static_cast<uint64_t>(core.cooldown_ns));
+  EXPECT_EQ(options.settling_ns, static_cast<uint64_t>(core.settling_ns));
   EXPECT_EQ(options.fps_floor, core.fps_floor);
 }
 
@@ -470,6 +471,8 @@ TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
                 o.time_scale = 1000;
               }).message(),
               HasSubstr("cooldown_ns"));
+  EXPECT_THAT(status([](auto& o) { o.settling_ns = ~uint64_t{0}; }).message(),
+              HasSubstr("settling_ns"));
   EXPECT_THAT(status([](auto& o) { o.fps_floor = 1001; }).message(), HasSubstr("fps_floor"));
   const Status data = status([](auto& o) { o.priors_data = "{"; });
   EXPECT_EQ(data.code(), StatusCode::kDataLoss);

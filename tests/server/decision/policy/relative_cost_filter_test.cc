@@ -230,6 +230,36 @@ TEST_F(FilterTest, ABoundBelowAVagueBeliefTakesWhatIsBelowIt) {
   EXPECT_NEAR(filter.LogCost(0).mean, 5, 0.1);
 }
 
+// A sweep sees eight frames, of a scene whose frames differ tenfold. Of two arms it could not say
+// what they cost.
+TEST_F(FilterTest, TheFirstLiveWindowTellsTheLevelOfAllArms) {
+  RelativeCostFilter filter(kArms);
+  filter.ObserveShadow(0, 1, cost_[0] - 2.3);
+  filter.ObserveShadow(1, 1, cost_[1] - 2.3);
+  filter.ObserveLive(0, cost_[0]);
+  EXPECT_NEAR(filter.LogCost(0).mean, cost_[0], 0.1);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.3);
+  EXPECT_NEAR(filter.Difference(2, 0).mean, 0, 0.5);
+}
+
+TEST_F(FilterTest, ABoundOfTheLaneTakesWhatIsBelowItAndNoMore) {
+  RelativeCostFilter filter(kArms);
+  for (uint64_t sweep = 1; sweep <= 5; ++sweep) {
+    filter.ObserveShadow(0, sweep, 5);
+    filter.ObserveShadowBound(1, sweep, 5.5);
+    filter.ObserveLive(0, 5);
+  }
+  const NormalBelief difference = filter.Difference(1, 0);
+  EXPECT_GT(difference.mean, 0.7);
+  EXPECT_GT(Deviation(difference), 0.3) << "it may cost many times as much";
+  filter.ObserveShadow(0, 6, 5);
+  filter.ObserveShadowBound(1, 6, 1);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, difference.mean, 0.01) << "nothing is below that";
+  filter.ObserveShadow(0, 7, 5);
+  filter.ObserveShadowBound(1, 7, 15);
+  EXPECT_GT(filter.Difference(1, 0).mean, 5) << "as a cost";
+}
+
 TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
   RelativeCostFilter filter(kArms);
   const double infinity = std::numeric_limits<double>::infinity();
@@ -239,6 +269,8 @@ TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
     filter.ObserveShadow(static_cast<uint32_t>(i) % kArms, static_cast<uint64_t>(i / 7), cost);
     filter.ObserveLive(static_cast<uint32_t>(i / 5) % kArms, cost);
     filter.ObserveBound(static_cast<uint32_t>(i / 3) % kArms, cost);
+    filter.ObserveShadowBound(static_cast<uint32_t>(i / 2) % kArms, static_cast<uint64_t>(i / 7),
+                              cost);
     for (uint32_t arm = 0; arm < kArms; ++arm) {
       ASSERT_GE(filter.LogCost(arm).mean, kMinLogCost);
       ASSERT_LE(filter.LogCost(arm).mean, kMaxLogCost);

@@ -18,7 +18,7 @@ namespace sweepstake::decision {
 namespace {
 
 // A trial lasts for two settling times, of which the policy reckons with what clients grant.
-static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 2);
+static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 1);
 
 // Of a trial, however long they take: those not judged, and two over the limit.
 constexpr uint32_t kLeastFrames = 1 + kShadowWarmUpFrames + 2;
@@ -47,14 +47,16 @@ class TrialGame {
     Sweep();
     while (client.now_ns < client.session.next_tick_ns()) RunFrame();
     const size_t before = client.commands.size();
-    client.RunToTick();
+    gate = client.RunToTick().record.gate;
     if (client.commands.size() > before) Execute(client.commands.back());
   }
 
   ScriptedClient client;
   std::vector<double> cost_us;
   std::vector<double> lane_cost_us;
+  std::vector<uint32_t> lane_flags = std::vector<uint32_t>(lane_cost_us.size());
   bool ends_trials = true;
+  std::optional<GateTerms> gate;  // of the latest decision
   int disturbed_trial_count = 0;  // trials of which two frames take five times as long
   int ended_trial_count = 0;
   std::vector<uint32_t> frame_counts = std::vector<uint32_t>(cost_us.size());
@@ -72,7 +74,8 @@ class TrialGame {
           .detection_time_ns = static_cast<uint64_t>(1e3 * Noisy(lane_cost_us[arm], 0.03)),
           .arm = arm,
           .object_count = 1'000,
-          .frame_count = 5};
+          .frame_count = 5,
+          .flags = lane_flags[arm]};
       client.session.ObserveShadow({&sample, 1});
     }
   }
@@ -160,6 +163,34 @@ TEST(Trial, AnArmThatTheLaneFindsTwiceAsDearIsNotWorthIt) {
   TrialGame game({10'000, 7'000}, {10'000, 20'000});
   game.RunTicks(100);
   EXPECT_EQ(game.frame_counts[1], 0u);
+}
+
+// Of the second arm the lane can tell only that it takes 11 ms or more: it may take seconds.
+TEST(Trial, AnArmThatTheLaneCouldTellTooLittleOfIsNotTried) {
+  const std::vector<double> costs_us = {10'000, 500'000};
+  const std::vector<double> lane_costs_us = {10'000, 11'000};
+  TrialGame game(costs_us, lane_costs_us);
+  game.lane_flags[1] = kShadowCapped;
+  game.RunTicks(100);
+  EXPECT_EQ(game.frame_counts[1], 0u);
+  TrialGame measured(costs_us, lane_costs_us);
+  measured.RunTicks(100);
+  EXPECT_GT(measured.frame_counts[1], 0u);
+}
+
+// What is lost by an arm that stays because it is within the budget goes on until the cooldown
+// ends.
+TEST(Trial, TheGateReckonsWithTheBudgetForAllOfTheCooldown) {
+  TrialGame game({10'000, 13'000}, {10'000, 14'000});
+  const SwitchCost cost{.rebuild_time_ns = 100 * kSecond};
+  for (int i = 0; i < 20; ++i) {
+    game.client.session.ObserveSwitch(0, game.client.epoch, SwitchReason::kPolicy,
+                                      game.client.now_ns, cost);
+  }
+  game.RunTicks(5);
+  ASSERT_TRUE(game.gate);
+  EXPECT_EQ(game.gate->cooldown_s, 40);
+  EXPECT_NEAR(game.gate->loss, AdaptivePolicy::kTrialBudget, 1e-4);
 }
 
 TEST(Trial, WhatInterruptsOneKeepsNoGameFromTheBestArm) {

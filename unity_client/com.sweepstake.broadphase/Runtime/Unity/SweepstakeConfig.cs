@@ -119,7 +119,7 @@ namespace Sweepstake.Unity
         [Tooltip("Seconds after a switch in which no other follows.")]
         [Min(0)]
         public float cooldownSeconds = 40;
-        [Tooltip("Seconds after a switch whose extra cost is the switch's; a backend is tried for twice as long. A daemon's own setting replaces it.")]
+        [Tooltip("Seconds after a switch that are not learnt from; a backend is tried for twice as long. A daemon's own setting replaces it.")]
         [Min(0)]
         public float settlingSeconds = 2;
         [Tooltip("A frame that takes longer than these seconds, and that the backend is to blame for, ends the backend at once. A daemon's own setting replaces it.")]

@@ -24,7 +24,7 @@ namespace Sweepstake
         public SessionMode Mode { get => native.Mode; set => native.Mode = value; }
         /// <summary>In nanoseconds, above 0: a longer frame is flagged, and a bail-out where its arm is to blame. A welcome replaces it.</summary>
         public ulong BailOutNs { get => native.BailOutNs; set => native.BailOutNs = value; }
-        /// <summary>How long, in nanoseconds, after a switch the frames' extra cost is the switch's. A daemon's welcome replaces it.</summary>
+        /// <summary>How long, in nanoseconds, after a switch nothing is learnt; a trial lasts for twice that. A daemon's welcome replaces it.</summary>
         public ulong SettlingNs { get => native.SettlingNs; set => native.SettlingNs = value; }
         /// <summary>As in <see cref="WorldOptions"/>.</summary>
         public uint ThreadCount { get => native.ThreadCount; set => native.ThreadCount = value; }

@@ -4476,7 +4476,7 @@ namespace Sweepstake.Protocol.V1 {
     private ulong trialDetectionTimeNs_;
     /// <summary>
     /// The client has ended a trial (SwitchCommand.trial_limit_percent) and gone back by itself: detection time of the shorter of
-    /// the two frames over its limit, or the mean of the trial over its budget. Absent (0): no trial was ended with this switch.
+    /// the two frames over its limit, or over its budget at most the mean of the trial. Absent (0): no trial was ended with this switch.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7141,8 +7141,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialLimitPercentFieldNumber = 4;
     private uint trialLimitPercent_;
     /// <summary>
-    /// A trial, for twice the settling time: the client goes back by itself if detection makes two frames in a row longer than the
-    /// longest of late by this percentage less 100 and 1 ms, or takes a 40th of that time above its mean. Absent (0): no trial.
+    /// A trial, for twice the settling time: the client goes back by itself if, after three frames, detection takes two in a row more than
+    /// the longest of late by this percentage less 100 and 1 ms, or in all a 40th of that time above its mean. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
