@@ -17,7 +17,7 @@ What follows -- goes to \`sweepstake replay\`, as --seeds 200 or --no-shadow; --
   --ablation        every policy that there is, not only AI Decides and the paper's
   --program PATH    the program \`sweepstake\` (default: build/release/bin/sweepstake)
   --traces FOLDER   (default: build/traces/tuning, held-out or LIST)
-Ends with 1 when a goal was missed, with 2 when something is missing. Tracing takes some 5 minutes and wants the machine for
+Ends with 1 when a goal was missed, with 2 when something is missing. Tracing takes 5 to 20 minutes and wants the machine for
 itself; the rest takes some minute on two cores, two with --ablation.
 END
 }

@@ -15,7 +15,7 @@ A trace that is there already is kept, so that what was interrupted can go on.
   --repeats N     runs of each scene; with 1 the traces hold every disturbed frame (default: that of \`sweepstake trace\`)
   --quick         120 frames of 300 objects at most, to see that everything works
   --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
-Takes some 5 minutes a list on two cores; nothing else should run meanwhile.
+Takes 5 to 20 minutes a list on two cores; nothing else should run meanwhile.
 END
 }
 

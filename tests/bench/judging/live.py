@@ -6,6 +6,7 @@ from judging.common import InputError, limit_of, meets, percent, table
 
 # Fewer tell too little.
 MIN_ROUNDS = 5
+MIN_SCENES = 4
 
 # The column of a figure, and what becomes of the scenes' values.
 FIGURES = {
@@ -23,7 +24,7 @@ def judge_goal(goal, rows):
     worst = max(rows, key=lambda row: row[column])
     return {"condition": goal["condition"], "figure": goal["figure"], "scenes": len(rows), "rounds": rounds, "value": value,
             "worst": f"{worst['scene']}-{worst['objects']}", "limit": limit, "goal": number,
-            "met": rounds >= MIN_ROUNDS and meets(goal, value),
+            "met": rounds >= MIN_ROUNDS and len(rows) >= MIN_SCENES and meets(goal, value),
             "cells": [{"cell": f"{row['scene']}-{row['objects']}", "value": row[column]} for row in rows]}
 
 
@@ -47,7 +48,9 @@ def live_text(rows):
         return percent(value) if "regret" in row["figure"] else f"{value:.3f}"
 
     def result(row):
-        return "met" if row["met"] else "too few rounds" if row["rounds"] < MIN_ROUNDS else "NOT MET"
+        if row["rounds"] < MIN_ROUNDS or row["scenes"] < MIN_SCENES:
+            return "too few " + ("rounds" if row["rounds"] < MIN_ROUNDS else "scenes")
+        return "met" if row["met"] else "NOT MET"
     return table(("condition", "figure", "scenes", "rounds", "value", "at most", "worst", ""), [
         (row["condition"], row["figure"], str(row["scenes"]), str(row["rounds"]), number(row, row["value"]), number(row, row["goal"]),
          row["worst"], result(row)) for row in rows])
