@@ -88,7 +88,6 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
                         .clock = SteadyClock(),
                         .mode = mode,
                         .thread_time_ns = ThreadTimeNs,
-                        .core_kind = CoreKind,
                         .engine_threads = EngineThreads(options),
                         .usable_cores = lane.usable_cores});
 }

@@ -234,7 +234,6 @@ void ShadowLane::Sweep() {
   const TappedFrame first = tap_.frame(0);
   schedule_.Begin(setup_.clock.NowNs(), first.note.arm, static_cast<uint32_t>(first.boxes.size()));
   const Work work(*this);
-  sweep_core_kind_ = CoreKindNow();
   while (const std::optional<uint32_t> arm = schedule_.NextArm()) {
     const std::optional<ShadowVisit> visit = Visit(*arm);
     if (!visit) return;
@@ -245,8 +244,8 @@ void ShadowLane::Sweep() {
   Add(counters_.sweep_count, 1);
 }
 
-// Returns the time cap of a visit: in a game whose frames are long, twice as long as the copied
-// ones were, so that an arm that costs no more than the active one is measured.
+// Returns the time cap of a visit: in a game whose frames are long, twice as long as those before
+// the copied ones were, so that an arm that costs no more than the active one is measured.
 uint64_t ShadowLane::VisitCapNs() const {
   constexpr uint64_t kMaxFrameNs = 1'000'000'000;  // a longer one was a pause
   uint64_t frame_ns = 0;
@@ -256,8 +255,7 @@ uint64_t ShadowLane::VisitCapNs() const {
 }
 
 // Visits the arm. The result is absent if the visit was interrupted. A frame that is stopped midway
-// does not count, unless it is the first and ran for most of the time cap, which then bounds it. A
-// visit that ends on a core of another kind than the sweep's first one says nothing.
+// does not count, unless it is the first and ran for most of the time cap, which then bounds it.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
@@ -293,12 +291,11 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   ShadowVisit visit =
       SummarizeVisit(std::span(frame_ns).first(ran), std::numeric_limits<uint64_t>::max());
   visit.arm = arm;
-  const bool is_alike = CoreKindNow() == sweep_core_kind_;
-  visit.is_measured = is_measured && is_alike;
+  visit.is_measured = is_measured;
   visit.busy_ns = busy_ns;
   visit.native_bytes = native_bytes;
   visit.aabb_check_count = check_sum / std::max<uint32_t>(visit.frame_count, 1);
-  visit.capped = !kept_waiting && is_alike && ran < frame_count;
+  visit.capped = !kept_waiting && ran < frame_count;
   return visit;
 }
 

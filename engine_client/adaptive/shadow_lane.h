@@ -51,9 +51,6 @@ class ShadowLane {
     // How long the lane's thread has run, which is what arms cost it even where it has to share its
     // core; null: the clock.
     uint64_t (*thread_time_ns)() noexcept = nullptr;
-    // Of what kind the core of the calling thread is (usable_cores.h): only visits on cores of one
-    // kind are compared. Null: all are alike.
-    uint32_t (*core_kind)() noexcept = nullptr;
     // The lane rests where the engine's threads leave none of these cores; null: it never does.
     size_t engine_threads = 1;
     size_t (*usable_cores)() noexcept = nullptr;
@@ -146,7 +143,6 @@ class ShadowLane {
   ArmBackend& BackendOf(uint32_t arm);
   void AccountCopies();
   uint64_t VisitCapNs() const;
-  uint32_t CoreKindNow() const { return setup_.core_kind == nullptr ? 0 : setup_.core_kind(); }
   void TrimMemory(uint32_t arm);
   void FreeOthers(uint32_t arm);
   void CountMemory();
@@ -167,7 +163,6 @@ class ShadowLane {
 
   // Accessed on the lane's thread only.
   ShadowSchedule schedule_;
-  uint32_t sweep_core_kind_ = 0;  // where the latest sweep began
   std::vector<ArmBackend> backends_;
   PairBuffer pairs_;
   bool collecting_ = false;        // whether the tap's request is a burst for a sweep

@@ -39,7 +39,7 @@ inline constexpr uint32_t kShadowWarmUpFrames = 2;
 
 struct ShadowScheduleOptions {
   double duty_ratio = 0.15;                      // the share of one thread's time, (0, 1]
-  uint64_t visit_cap_ns = 250'000'000;           // a visit ends when it reaches it
+  uint64_t visit_cap_ns = 250'000'000;           // a visit may end when it reaches it
   uint64_t memory_cap_bytes = 64 * 1024 * 1024;  // the cap of one arm's structure
   // Decisions are seconds apart, so that more frequent sweeps would add no information.
   uint64_t sweep_interval_min_ns = 250'000'000;

@@ -137,9 +137,9 @@ swp_result swp_session_freeze(swp_session* session, const swp_decider_options* o
 swp_result swp_session_detach_decider(swp_session* session) {
   return Use(session, [](Session& live) {
     if (!live.decider_loop) return NoDecider();
-    live.decider_loop.reset();
     live.adaptive->SetDeciderPresent(false);
     live.adaptive->SetSettling(live.settling_ns);
+    live.decider_loop.reset();
     return kOk;
   });
 }

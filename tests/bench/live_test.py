@@ -25,9 +25,9 @@ def judged(document):
     return done.returncode, done.stdout, done.stderr
 
 
-def rows(condition, regret, tail=1.0, rounds=5, scenes=4):
-    return scenes * [{"condition": condition, "scene": "suite-b", "objects": 100, "rounds": rounds, "regret": regret,
-                      "lane_tail_ratio": tail}]
+def rows(condition, regret, tail=1.0, rounds=5, scenes="abcd"):
+    return [{"condition": condition, "scene": scene, "objects": 100, "rounds": rounds, "regret": regret, "lane_tail_ratio": tail}
+            for scene in scenes]
 
 
 class Live(unittest.TestCase):
@@ -101,13 +101,13 @@ echo {}
             self.assertIn(expected, done.stderr)
 
     def test_goals_are_held_by_condition(self):
-        met = {"command": "live", "rows": rows("quiet", 0.02, scenes=2) + rows("quiet", -0.01, scenes=2)}
+        met = {"command": "live", "rows": rows("quiet", 0.02, scenes="ab") + rows("quiet", -0.01, scenes="cd")}
         self.assertEqual(judged(met)[0], 0)
         self.assertEqual(len(json.loads(judged(met)[1])["figures"]), 3)
         for bad in (rows("quiet", 0.031), rows("quiet", 0.0, 1.2), rows("neighbours", 0.021)):
             self.assertEqual(judged({"command": "live", "rows": bad})[0], 1, bad)
         self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, rounds=4)})[0], 1, "four rounds tell too little")
-        self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, scenes=3)})[0], 1, "three scenes tell too little")
+        self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, scenes="abca")})[0], 1, "three scenes tell too little")
         of_lane = {"command": "live", "rows": rows("quiet", None, 1.05)}
         self.assertEqual([each["figure"] for each in json.loads(judged(of_lane)[1])["figures"]], ["lane_tail_ratio"])
         self.assertEqual(judged({"command": "bench", "rows": rows("quiet", 0)})[0], 2)

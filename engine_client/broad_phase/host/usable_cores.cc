@@ -1,7 +1,6 @@
 #include "engine_client/broad_phase/host/usable_cores.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <thread>
 
 #if defined(_WIN32)
@@ -35,8 +34,6 @@ size_t CoresOfAffinity() noexcept {
 }
 size_t CoresOfQuota() noexcept { return 0; }
 
-uint32_t KindOfCore() noexcept { return 0; }
-
 #elif defined(__linux__)
 
 size_t CoresOfAffinity() noexcept {
@@ -54,27 +51,6 @@ double QuotaOf(const char* path) noexcept {
   const int count = std::fscanf(file, "%lf %lf", &quota_us, &period_us);  // "max" is no number
   std::fclose(file);
   return count == 2 && quota_us > 0 && period_us > 0 ? quota_us / period_us : 0;
-}
-
-// Reads the line of a file of the system's; false: there is none.
-template <size_t kSize>
-bool ReadLine(const char* path, char (&line)[kSize]) noexcept {
-  std::FILE* const file = std::fopen(path, "re");
-  if (file == nullptr) return false;
-  const bool has_line = std::fgets(line, kSize, file) != nullptr;
-  std::fclose(file);
-  return has_line;
-}
-
-uint32_t KindOfCore() noexcept {
-  const int core = sched_getcpu();
-  if (core < 0) return 0;
-  char path[64];
-  std::snprintf(path, sizeof path, "/sys/devices/system/cpu/cpu%d/cpu_capacity", core);
-  char line[256];
-  if (ReadLine(path, line)) return static_cast<uint32_t>(std::strtoul(line, nullptr, 10));
-  const bool has_list = ReadLine("/sys/devices/cpu_atom/cpus", line);
-  return has_list && IsInRanges(line, static_cast<unsigned>(core)) ? 1 : 0;
 }
 
 // The least quota from the process's control group up to the root, in whole cores.
@@ -108,7 +84,6 @@ size_t CoresOfQuota() noexcept {
 
 size_t CoresOfAffinity() noexcept { return 0; }
 size_t CoresOfQuota() noexcept { return 0; }
-uint32_t KindOfCore() noexcept { return 0; }
 
 #endif
 
@@ -120,25 +95,6 @@ size_t UsableCores() noexcept {
   if (cores == 0) cores = std::max(std::thread::hardware_concurrency(), 1U);
   const size_t of_quota = CoresOfQuota();
   return of_quota == 0 ? cores : std::min(cores, of_quota);
-}
-
-uint32_t CoreKind() noexcept { return KindOfCore(); }
-
-bool IsInRanges(const char* list, unsigned number) noexcept {
-  for (;;) {
-    char* end = nullptr;
-    const unsigned long first = std::strtoul(list, &end, 10);
-    if (end == list) return false;
-    unsigned long last = first;
-    if (*end == '-') {
-      list = end + 1;
-      last = std::strtoul(list, &end, 10);
-      if (end == list) return false;
-    }
-    if (first <= number && number <= last) return true;
-    if (*end != ',') return false;
-    list = end + 1;
-  }
 }
 
 }  // namespace sweepstake

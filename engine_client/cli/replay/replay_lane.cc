@@ -15,7 +15,8 @@ constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 constexpr double kSpikeShape = 1.5;
 constexpr double kMaxSpike = 100;
 
-// Returns the options with a time cap that ends the same visits as where the trace was recorded.
+// Returns the options with a time cap that ends the same visits as where the trace was recorded, if
+// no frame took 15 ms there: the real lane's is longer then (ShadowOptions::visit_cap_ns).
 ShadowScheduleOptions Scaled(ShadowScheduleOptions options, const ReplayScene& scene) {
   const double cap_ns = static_cast<double>(options.visit_cap_ns) * scene.time_ratio();
   options.visit_cap_ns = static_cast<uint64_t>(std::clamp(cap_ns, 1.0, 1e18));

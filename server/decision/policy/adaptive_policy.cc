@@ -87,6 +87,12 @@ void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
   }
 }
 
+AdaptivePolicy::Visit AdaptivePolicy::VisitOf(const ShadowSample& sample) {
+  return {.sweep = sample.first_frame_index,
+          .log_cost = LogCostOfNs(sample.detection_time_ns),
+          .is_bound = (sample.flags & kShadowCapped) != 0};
+}
+
 // Compares the arm that the priors expect to be the cheapest with the cheapest one of the lane's
 // first visit to each arm, which may come with several ticks.
 void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
@@ -94,22 +100,26 @@ void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> sample
   const std::vector<std::optional<Visit>> earlier = first_visits_;
   for (const ShadowSample& sample : samples) {
     std::optional<Visit>& first = first_visits_[sample.arm];
-    if (!first && has_prior_[sample.arm])
-      first = {sample.first_frame_index, LogCostOfNs(sample.detection_time_ns)};
+    if (!first && has_prior_[sample.arm]) first = VisitOf(sample);
   }
   const std::optional<Visit> expected = first_visits_[*expected_arm_];
   const bool contradicted =
       expected && std::any_of(first_visits_.begin(), first_visits_.end(), [&](const auto& visit) {
-        return visit && expected->log_cost - visit->log_cost >= kContradiction;
+        return visit && !visit->is_bound && expected->log_cost - visit->log_cost >= kContradiction;
       });
   if (!contradicted) return;
   const RelativeCostFilter fresh(filter().arm_count(), components_.filter);
   for (RelativeCostFilter& filter : beliefs_.filters()) filter = fresh;
   for (uint32_t arm = 0; arm < earlier.size(); ++arm) {
-    if (earlier[arm]) filter().ObserveShadow(arm, earlier[arm]->sweep, earlier[arm]->log_cost);
+    if (earlier[arm]) Observe(arm, *earlier[arm]);
   }
   std::fill(has_prior_.begin(), has_prior_.end(), false);
   expected_arm_.reset();
+}
+
+void AdaptivePolicy::Observe(uint32_t arm, const Visit& visit) {
+  if (visit.is_bound) return filter().ObserveShadowBound(arm, visit.sweep, visit.log_cost);
+  filter().ObserveShadow(arm, visit.sweep, visit.log_cost);
 }
 
 // Returns the evidence of a visit, without what the lane is believed to exceed the frame thread by:
@@ -166,18 +176,11 @@ std::vector<Increment> AdaptivePolicy::LearnShadow(std::span<const ShadowSample>
   last_shadow_ns_ = now_ns;
   AdvanceTo(now_ns);
   for (const ShadowSample& sample : samples) {
-    const double log_cost = LogCostOfNs(sample.detection_time_ns);
+    const Visit visit = VisitOf(sample);
     observed_[sample.arm] = true;
-    // A visit that a cap has ended says that the arm costs at least so much.
-    const bool is_bound = (sample.flags & kShadowCapped) != 0;
-    if (is_bound) {
-      const bool is_news = log_cost > filter().LogCost(sample.arm).mean;
-      filter().ObserveShadowBound(sample.arm, sample.first_frame_index, log_cost);
-      if (!is_news) continue;
-    } else {
-      filter().ObserveShadow(sample.arm, sample.first_frame_index, log_cost);
-    }
-    increments.push_back(VisitIncrement(sample.arm, log_cost));
+    const bool is_news = !visit.is_bound || visit.log_cost > filter().LogCost(sample.arm).mean;
+    Observe(sample.arm, visit);
+    if (is_news) increments.push_back(VisitIncrement(sample.arm, visit.log_cost));
   }
   UpdatePosteriors();
   return increments;

@@ -92,6 +92,11 @@ class AdaptivePolicy : public Policy {
     double next_intervals = kFirstBan;
     double log_cost = 0;
   };
+  struct Visit {
+    uint64_t sweep = 0;
+    double log_cost = 0;
+    bool is_bound = false;  // a cap has ended it: the arm costs at least so much
+  };
   struct Assessment {
     uint32_t arm = 0;
     GateTerms terms{};
@@ -100,6 +105,8 @@ class AdaptivePolicy : public Policy {
   };
 
   void SetPriors(const std::vector<BetaPosterior>& priors);
+  static Visit VisitOf(const ShadowSample& sample);
+  void Observe(uint32_t arm, const Visit& visit);
   void DropContradictedPriors(std::span<const ShadowSample> samples);
   Increment VisitIncrement(uint32_t arm, double log_cost) const;
   RelativeCostFilter& filter() { return beliefs_.filter(); }
@@ -127,10 +134,6 @@ class AdaptivePolicy : public Policy {
   // What DropContradictedPriors compares: the cheapest arm by the priors, while they are held, and
   // the log-cost of the lane's first visit to each arm with a prior.
   std::optional<uint32_t> expected_arm_;
-  struct Visit {
-    uint64_t sweep = 0;
-    double log_cost = 0;
-  };
   std::vector<std::optional<Visit>> first_visits_;
   std::vector<BetaPosterior> posteriors_;
   std::optional<int64_t> last_advance_ns_;

@@ -63,8 +63,8 @@ double RegimeBeliefs::Covariance(uint32_t a, uint32_t b) const {
 
 NormalBelief RegimeBeliefs::Difference(uint32_t a, uint32_t b) const {
   if (!mixes_) return filter().Difference(a, b);
-  return {.mean = LogCost(a).mean - LogCost(b).mean,
-          .variance = Covariance(a, a) + Covariance(b, b) - 2 * Covariance(a, b)};
+  const double variance = Covariance(a, a) + Covariance(b, b) - 2 * Covariance(a, b);
+  return {LogCost(a).mean - LogCost(b).mean, std::max(variance, 0.0)};
 }
 
 }  // namespace sweepstake::decision

@@ -247,6 +247,7 @@ void RelativeCostFilter::ObserveShadowBound(uint32_t arm, uint64_t sweep, double
   const double variance = VisitVariance(column, arm) + shadow_noise_;
   if (innovation > kOutlierDeviations * std::sqrt(variance))
     return ObserveShadow(arm, sweep, log_cost);
+  reference_visited_ = true;
   Truncate(column, innovation, variance);
 }
 

@@ -21,10 +21,11 @@ def judge_goal(goal, rows):
     limit, number = limit_of(goal)
     value = over([row[column] for row in rows])
     rounds = min(row["rounds"] for row in rows)
+    scenes = len({(row["scene"], row["objects"]) for row in rows})
     worst = max(rows, key=lambda row: row[column])
-    return {"condition": goal["condition"], "figure": goal["figure"], "scenes": len(rows), "rounds": rounds, "value": value,
+    return {"condition": goal["condition"], "figure": goal["figure"], "scenes": scenes, "rounds": rounds, "value": value,
             "worst": f"{worst['scene']}-{worst['objects']}", "limit": limit, "goal": number,
-            "met": rounds >= MIN_ROUNDS and len(rows) >= MIN_SCENES and meets(goal, value),
+            "met": rounds >= MIN_ROUNDS and scenes >= MIN_SCENES and meets(goal, value),
             "cells": [{"cell": f"{row['scene']}-{row['objects']}", "value": row[column]} for row in rows]}
 
 

@@ -88,7 +88,6 @@ class DrivenLane : public ::testing::Test {
         .clock = clock,
         .mode = mode_,
         .thread_time_ns = thread_time_ns_,
-        .core_kind = core_kind_,
     });
     MakeItCost(0);
   }
@@ -134,7 +133,6 @@ class DrivenLane : public ::testing::Test {
   ScriptedClock clock_;
   std::atomic<Mode> mode_{Mode::kAi};
   uint64_t (*thread_time_ns_)() noexcept = nullptr;
-  uint32_t (*core_kind_)() noexcept = nullptr;
   std::vector<LaneScript> scripts_{3};
   RecordingSink sink_;
   PairBuffer pairs_;

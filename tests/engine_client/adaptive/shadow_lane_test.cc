@@ -157,22 +157,6 @@ TEST_F(ShadowLaneTest, ACapThatPassesWhileTheLaneWaitsForACoreSaysNothing) {
   EXPECT_EQ(sink_.shadows[3].arm, 0U);
 }
 
-std::atomic<uint32_t> core_kind{0};
-
-TEST_F(ShadowLaneTest, ComparesNoVisitsOnCoresOfDifferentKinds) {
-  core_kind = 1024;
-  core_kind_ = []() noexcept { return core_kind.load(); };
-  scripts_[0].in_build = [] { core_kind = 400; };
-  Make({});
-  FirstSweep();
-  ASSERT_EQ(sink_.shadows.size(), 1U) << "the others ended on a small core";
-  EXPECT_EQ(sink_.shadows[0].flags, uint32_t{kShadowActive});
-  EXPECT_EQ(lane_->stats().capped_visit_count, 0U);
-  const uint64_t sweep_count = lane_->stats().sweep_count;
-  while (lane_->stats().sweep_count == sweep_count) Frame();
-  EXPECT_EQ(sink_.shadows.size(), 4U) << "all of them on small cores";
-}
-
 TEST_F(ShadowLaneTest, MeasuresTheFramesBeforeTheOneThatTheTimeCapEnds) {
   uint64_t searches = 0;
   scripts_[0].question_count = 1;

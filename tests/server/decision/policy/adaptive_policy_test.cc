@@ -284,7 +284,8 @@ TEST(AdaptivePolicy, WithoutALaneTriesEachArmLiveAndEndsOnTheCheapest) {
 
 TEST(AdaptivePolicy, TakesUpALaneThatAppearsLate) {
   Game game({20'000, 12'000, 10'000, 30'000}, /*lane=*/false);
-  game.RunTicks(3);
+  game.RunTicks(8);
+  EXPECT_FALSE(game.client.commands.empty());
   game.lane_on = true;
   game.RunTicks(20);
   EXPECT_EQ(game.client.arm, 2u);

@@ -12,6 +12,7 @@
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "server/decision/math/random.h"
 #include "server/decision/policy/adaptive_policy.h"
+#include "server/decision/policy/log_cost.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {
@@ -176,6 +177,21 @@ TEST(Trial, AnArmThatTheLaneCouldTellTooLittleOfIsNotTried) {
   TrialGame measured(costs_us, lane_costs_us);
   measured.RunTicks(100);
   EXPECT_GT(measured.frame_counts[1], 0u);
+}
+
+TEST(Trial, WhatACapHasEndedContradictsNoPriors) {
+  SessionSetup setup = TrialSetup(2);
+  setup.priors = {BetaOf({LogCostOf(10'000), 0.01}), BetaOf({LogCostOf(20'000), 0.01})};
+  ScriptedClient client(setup);
+  client.frame.detection_time_ns = client.frame.frame_time_ns = 10'000'000;
+  const std::vector<ShadowSample> samples = {
+      {.first_frame_index = 1, .detection_time_ns = 10'000'000, .arm = 0, .frame_count = 5},
+      {.first_frame_index = 1, .detection_time_ns = 1'000'000, .arm = 1, .flags = kShadowCapped}};
+  client.session.ObserveShadow(samples);
+  client.RunToTick();
+  client.RunToTick();
+  EXPECT_GT(client.session.diagnosis().best_probability.at(0), 0.9);
+  EXPECT_TRUE(client.commands.empty());
 }
 
 // What is lost by an arm that stays because it is within the budget goes on until the cooldown
