@@ -55,6 +55,14 @@ bool BoxTap::complete() const {
   return Requested(word) == Filled(word);
 }
 
+uint64_t BoxTap::frame_time_ns() const {
+  constexpr uint64_t kMaxFrameNs = 1'000'000'000;
+  uint64_t sum_ns = 0;
+  for (uint32_t slot = 0; slot < filled_count(); ++slot)
+    sum_ns += std::min(frame(slot).note.frame_time_ns, kMaxFrameNs);
+  return sum_ns;
+}
+
 TappedFrame BoxTap::frame(uint32_t slot) const {
   const Slot& taken = slots_[slot];
   return {.note = taken.note,

@@ -49,6 +49,9 @@ class BoxTap {
   // REQUIRES: complete(), 1 <= frame_count <= slot_count().
   void Request(uint32_t frame_count);
 
+  // Returns the sum of the times that the copied frames' notes have, each a second at most: a
+  // longer one was a pause.
+  uint64_t frame_time_ns() const;
   // Returns the number of frames of the latest request that have been copied.
   uint32_t filled_count() const;
   // Returns whether the request is over: all frames have been copied, or one was too big.

@@ -244,16 +244,6 @@ void ShadowLane::Sweep() {
   Add(counters_.sweep_count, 1);
 }
 
-// Returns the time cap of a visit: in a game whose frames are long, twice as long as those before
-// the copied ones were, so that an arm that costs no more than the active one is measured.
-uint64_t ShadowLane::VisitCapNs() const {
-  constexpr uint64_t kMaxFrameNs = 1'000'000'000;  // a longer one was a pause
-  uint64_t frame_ns = 0;
-  for (uint32_t slot = 0; slot < tap_.filled_count(); ++slot)
-    frame_ns += std::min(tap_.frame(slot).note.frame_time_ns, kMaxFrameNs);
-  return std::max(setup_.options.visit_cap_ns, 2 * frame_ns);
-}
-
 // Visits the arm. The result is absent if the visit was interrupted. A frame that is stopped midway
 // does not count, unless it is the first and ran for most of the time cap, which then bounds it.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {

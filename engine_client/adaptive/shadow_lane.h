@@ -20,6 +20,7 @@
 // Errors: if memory runs out, the lane frees its own memory and tries again a second later.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -142,7 +143,11 @@ class ShadowLane {
   uint64_t Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes, Watch& watch);
   ArmBackend& BackendOf(uint32_t arm);
   void AccountCopies();
-  uint64_t VisitCapNs() const;
+  // In a game whose frames are long, twice as long as those before the copied ones were, so that an
+  // arm that costs no more than the active one is measured.
+  uint64_t VisitCapNs() const {
+    return std::max(setup_.options.visit_cap_ns, 2 * tap_.frame_time_ns());
+  }
   void TrimMemory(uint32_t arm);
   void FreeOthers(uint32_t arm);
   void CountMemory();

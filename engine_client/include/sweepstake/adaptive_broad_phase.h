@@ -22,8 +22,8 @@
 // A decider may command a trial: if two frames of the new arm take too long, compared with the
 // longest of the arm before, or all of them together, compared with its mean, the next frame runs
 // that arm again, without asking, and the outcome says so. A trial lasts for twice the settling
-// time; its first frames, and those that rebuild, paused and loading ones do not end it (neither of
-// the first and the last two are of its time).
+// time; its first frames, paused and loading ones are not of that time and do not end it, nor do
+// frames that rebuild.
 #pragma once
 
 #include <atomic>

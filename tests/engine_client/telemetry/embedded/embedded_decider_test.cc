@@ -466,10 +466,7 @@ TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
   EXPECT_EQ(status([](auto& o) { o.time_scale = 0; }).code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status([](auto& o) { o.decision_interval_ns = 0; }).message(),
               HasSubstr("decision_interval_ns"));
-  EXPECT_THAT(status([](auto& o) {
-                o.cooldown_ns = ~uint64_t{0};
-                o.time_scale = 1000;
-              }).message(),
+  EXPECT_THAT(status([](auto& o) { o.cooldown_ns = ~0ULL, o.time_scale = 1000; }).message(),
               HasSubstr("cooldown_ns"));
   EXPECT_THAT(status([](auto& o) { o.settling_ns = ~uint64_t{0}; }).message(),
               HasSubstr("settling_ns"));
