@@ -260,6 +260,18 @@ TEST_F(FilterTest, ABoundOfTheLaneTakesWhatIsBelowItAndNoMore) {
   EXPECT_GT(filter.Difference(1, 0).mean, 5) << "as a cost";
 }
 
+// The active arm's, which comes first: what the other arms' differ by afterwards is their own.
+TEST_F(FilterTest, ABoundIsASweepsReference) {
+  RelativeCostFilter filter(kArms);
+  filter.ObserveLive(0, 5);
+  const double before = filter.shadow_noise();
+  for (uint64_t sweep = 1; sweep <= 20; ++sweep) {
+    filter.ObserveShadowBound(0, sweep, 1);
+    filter.ObserveShadow(1, sweep, sweep % 2 == 0 ? 5.0 : 5.001);
+  }
+  EXPECT_NE(filter.shadow_noise(), before);
+}
+
 TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
   RelativeCostFilter filter(kArms);
   const double infinity = std::numeric_limits<double>::infinity();

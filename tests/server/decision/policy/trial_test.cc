@@ -45,7 +45,7 @@ class TrialGame {
   }
 
   void RunTick() {
-    Sweep();
+    if (lane_reports) Sweep();
     while (client.now_ns < client.session.next_tick_ns()) RunFrame();
     const size_t before = client.commands.size();
     gate = client.RunToTick().record.gate;
@@ -56,6 +56,7 @@ class TrialGame {
   std::vector<double> cost_us;
   std::vector<double> lane_cost_us;
   std::vector<uint32_t> lane_flags = std::vector<uint32_t>(lane_cost_us.size());
+  bool lane_reports = true;
   bool ends_trials = true;
   std::optional<GateTerms> gate;  // of the latest decision
   int disturbed_trial_count = 0;  // trials of which two frames take five times as long
@@ -177,6 +178,18 @@ TEST(Trial, AnArmThatTheLaneCouldTellTooLittleOfIsNotTried) {
   TrialGame measured(costs_us, lane_costs_us);
   measured.RunTicks(100);
   EXPECT_GT(measured.frame_counts[1], 0u);
+}
+
+// Five cooldowns of 40 s are 100 ticks. After that it is as if there were no lane.
+TEST(Trial, ALaneThatVisitsSeldomStillReports) {
+  TrialGame game({10'000, 500'000}, {10'000, 9'000});
+  game.lane_flags[1] = kShadowCapped;
+  game.RunTicks(3);
+  game.lane_reports = false;
+  game.RunTicks(99);
+  EXPECT_EQ(game.frame_counts[1], 0u);
+  game.RunTicks(3);
+  EXPECT_GT(game.frame_counts[1], 0u);
 }
 
 TEST(Trial, WhatACapHasEndedContradictsNoPriors) {
