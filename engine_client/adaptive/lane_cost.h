@@ -36,6 +36,8 @@ class LaneCost {
   double EndWork(uint64_t wall_ns);
   // Time of the frame thread beside the lane ÷ without, minus 1; >= 0.
   double slowdown() const;
+  // What all searches have taken, in ns. Any thread may ask.
+  uint64_t search_ns() const { return alone_.sum().ns + beside_.sum().ns; }
   // What all work has cost the frame thread, in ns. Any thread may ask.
   uint64_t total_ns() const { return total_ns_.load(std::memory_order_relaxed); }
 

@@ -161,8 +161,8 @@ bool ShadowLane::HasCore() {
 
 bool ShadowLane::sweep_is_due() const {
   const uint64_t now_ns = setup_.clock.NowNs();
-  return now_ns >= schedule_.next_sweep_ns() && now_ns >= next_try_ns_ &&
-         tap_.latest_frame_index() >= next_burst_frame_;
+  return now_ns >= schedule_.next_sweep_ns() && schedule_.MayWork(now_ns, cost_.search_ns()) &&
+         now_ns >= next_try_ns_ && tap_.latest_frame_index() >= next_burst_frame_;
 }
 
 // Returns whether the work for the order `followed`, or a visit if that is null, has to end early,
@@ -234,9 +234,14 @@ void ShadowLane::Sweep() {
   const TappedFrame first = tap_.frame(0);
   schedule_.Begin(setup_.clock.NowNs(), first.note.arm, static_cast<uint32_t>(first.boxes.size()));
   const Work work(*this);
+  bool is_warm = false;
   while (const std::optional<uint32_t> arm = schedule_.NextArm()) {
-    const std::optional<ShadowVisit> visit = Visit(*arm);
+    const std::optional<ShadowVisit> visit = Visit(*arm, is_warm ? VisitCapNs() : kWarmUpNs);
     if (!visit) return;
+    if (!std::exchange(is_warm, true)) {
+      schedule_.Spend(visit->busy_ns);
+      continue;
+    }
     schedule_.OnVisit(*visit);
     Report(*visit);
     TrimMemory(*arm);
@@ -246,11 +251,10 @@ void ShadowLane::Sweep() {
 
 // Visits the arm. The result is absent if the visit was interrupted. A frame that is stopped midway
 // does not count, unless it is the first and ran for most of the time cap, which then bounds it.
-std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
+std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
   const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
   const uint32_t frame_count = tap_.filled_count();
-  const uint64_t cap_ns = VisitCapNs();
   std::array<uint64_t, kShadowBurstFrames> frame_ns{};
   uint32_t ran = 0;
   uint64_t busy_ns = 0;
@@ -294,8 +298,7 @@ void ShadowLane::Report(const ShadowVisit& visit) {
   if (visit.capped) Add(counters_.capped_visit_count, 1);
   if (setup_.sink == nullptr || !visit.is_measured) return;
   const TappedFrame first = tap_.frame(0);
-  uint32_t flags = 0;
-  if (visit.arm == first.note.arm) flags |= kShadowActive;
+  uint32_t flags = visit.arm == first.note.arm ? uint32_t{kShadowActive} : 0U;
   if (visit.capped) flags |= kShadowCapped;
   setup_.sink->OnShadow({.first_frame_index = first.note.frame_index,
                          .detection_time_ns = visit.detection_ns,
@@ -430,9 +433,8 @@ void ShadowLane::TrimMemory(uint32_t arm) {
 // has priority, and a visit begins with a new structure anyway.
 void ShadowLane::FreeOthers(uint32_t arm) {
   if (structure_bytes() <= structure_cap_bytes()) return;
-  for (uint32_t index = 0; index < backends_.size(); ++index) {
+  for (uint32_t index = 0; index < backends_.size(); ++index)
     if (index != arm) backends_[index] = {};
-  }
   CountMemory();
 }
 
@@ -470,8 +472,6 @@ ShadowLane::Preparation ShadowLane::Ask(uint32_t arm) {
   handover_.Want(arm);
   return Preparation::kUnderWay;
 }
-
-void ShadowLane::Cancel() { handover_.Cancel(); }
 
 bool ShadowLane::TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs) {
   if (handover_.order().arm != arm || !handover_.Take()) return false;

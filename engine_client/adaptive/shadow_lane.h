@@ -3,10 +3,12 @@
 //
 // For a sweep the frame thread copies up to kShadowBurstFrames consecutive frames (box_tap.h). Each
 // arm that is due (shadow_schedule.h) builds its structure on the first frame and updates it on the
-// others, so that all arms of a sweep are compared on the same boxes. Sweeps are also spaced so
-// that copying takes at most kCopyRatio of the frame time on average, and so that their work costs
-// the frame thread little (lane_cost.h). Without a core to spare (UsableCores, asked every second)
-// the lane rests.
+// others, so that all arms of a sweep are compared on the same boxes. A sweep's first visit, or
+// kWarmUpNs of it, is made twice: what follows a pause finds the caches cold, and does not count.
+// (2 cores of AMD Zen 3: an arm took 1.2 to 1.4 times as long in a first visit.) Sweeps are spaced
+// so that copying takes at most kCopyRatio of the frame time on average, and so that their work
+// costs the frame thread little (lane_cost.h). Without a core to spare (UsableCores, asked every
+// second) the lane rests.
 //
 // A preparation has priority over sweeps: the lane builds the arm's structure on the next frame,
 // updates it on the following frames until its buffers have grown and the extra cost of a new
@@ -61,6 +63,7 @@ class ShadowLane {
   enum class Preparation { kNever, kUnderWay, kReady };
 
   static constexpr double kCopyRatio = 0.01;
+  static constexpr uint64_t kWarmUpNs = 1'000'000;
   // The number of frames that a structure processes before it is offered.
   static constexpr uint32_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
   // A structure that is more frames behind than this is updated once more before it is offered.
@@ -78,7 +81,7 @@ class ShadowLane {
   // Begins to prepare `arm`, or returns the state of its preparation. Abandons the preparation of
   // another arm.
   Preparation Ask(uint32_t arm);
-  void Cancel();
+  void Cancel() { handover_.Cancel(); }
   // Exchanges `own` for the backend prepared for `arm`, whose boxes are a few frames old; false if
   // none is ready. `pairs` gets the lane's buffer if that is larger, and then loses its content.
   bool TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs);
@@ -130,7 +133,7 @@ class ShadowLane {
   void OnBurst();
   bool MakeRoom(size_t object_count);
   void Sweep();
-  std::optional<ShadowVisit> Visit(uint32_t arm);
+  std::optional<ShadowVisit> Visit(uint32_t arm, uint64_t cap_ns);
   void Report(const ShadowVisit& visit);
 
   bool PrepareSwitch();

@@ -55,6 +55,12 @@ uint64_t ShadowSchedule::next_sweep_ns() const {
   return std::max(spaced_ns, paid_ns_);
 }
 
+bool ShadowSchedule::MayWork(uint64_t now_ns, uint64_t search_ns) const {
+  const double granted_ns = kMaxWorkRatio * static_cast<double>(search_ns);
+  return work_ns_ <= kWorkAheadNs + static_cast<uint64_t>(granted_ns) ||
+         now_ns >= begun_ns_ + kMaxSpacingNs;
+}
+
 void ShadowSchedule::Charge(uint64_t now_ns, double cost_ns) {
   const uint64_t saved_ns = now_ns - std::min(now_ns, kSavingsNs);
   paid_ns_ = std::max(paid_ns_, saved_ns) + static_cast<uint64_t>(cost_ns / kMaxCostRatio);
@@ -69,20 +75,18 @@ void ShadowSchedule::GrantSavings() {
 void ShadowSchedule::Begin(uint64_t now_ns, uint32_t active_arm, uint32_t object_count) {
   assert(active_arm < arms_.size());
   begun_ns_ = now_ns;
-  if (sweep_ == 0 || HasMoved(object_count, reference_count_)) {
+  if (++sweep_ == 1 || HasMoved(object_count, reference_count_)) {
     Renew(/*end_back_off=*/true);
     reference_count_ = object_count;
   }
-  ++sweep_;
   busy_ns_ = 0;
   active_arm_ = active_arm;
 }
 
 std::optional<uint32_t> ShadowSchedule::NextArm() const {
   const uint64_t best_ns = BestCost();
-  if (Due(active_arm_, best_ns)) return active_arm_;
-  for (uint32_t arm = 0; arm < arms_.size(); ++arm) {
-    if (Due(arm, best_ns)) return arm;
+  for (uint32_t place = 0; place < arms_.size(); ++place) {
+    if (Due(ArmAt(place), best_ns)) return ArmAt(place);
   }
   return std::nullopt;
 }
@@ -96,7 +100,7 @@ void ShadowSchedule::OnVisit(const ShadowVisit& visit) {
     Renew(/*end_back_off=*/false);
   }
   arm.last_sweep = sweep_;
-  busy_ns_ += visit.busy_ns;
+  Spend(visit.busy_ns);
   if (!is_known) return;
   if (arm.reference_ns == 0) arm.reference_ns = cost_ns;
   arm.cost_ns = cost_ns;
@@ -110,8 +114,15 @@ void ShadowSchedule::Renew(bool end_back_off) {
   for (Arm& arm : arms_) {
     if (end_back_off) arm.back_off = 0;
     arm.reference_ns = 0;
-    if (arm.back_off == 0) arm.last_sweep = 0;
+    if (arm.back_off == 0 && arm.last_sweep != sweep_) arm.last_sweep = 0;
   }
+}
+
+// Returns the arm in this place of a sweep that visits all of them.
+uint32_t ShadowSchedule::ArmAt(uint32_t place) const {
+  if (sweep_ % 2 == 0) place = static_cast<uint32_t>(arms_.size()) - 1 - place;
+  if (place == 0) return active_arm_;
+  return place <= active_arm_ ? place - 1 : place;
 }
 
 uint64_t ShadowSchedule::BestCost() const {

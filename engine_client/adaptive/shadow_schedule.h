@@ -6,7 +6,9 @@
 //   }
 //
 // The first sweep is due at once and visits every arm. After that:
-// - Every sweep begins with the active arm, since the others are compared with it.
+// - Sweeps begin and end with the active arm in turns, since the others are compared with it, and
+// no
+//   arm's place may be the better one: every second sweep is in the opposite order.
 // - An arm within kContenderRatio of the cheapest known cost is in every sweep. An arm that costs r
 //   times as much is in every r²-th sweep, so that it takes 1/r of a cheap arm's share of the
 //   budget, but at least in every kMaxPeriod-th.
@@ -20,6 +22,8 @@
 // - They are spaced further so that they cost the frame thread kMaxCostRatio of its time at most in
 //   the long run (lane_cost.h). What was not spent in the last kSavingsNs may be spent at once, and
 //   is granted anew where the scene is a different one, once in that time.
+// - All work takes kMaxWorkRatio of the frame thread's searches at most, and kWorkAheadNs, so that
+//   it takes no more than the choice can save; but there is a sweep every kMaxSpacingNs.
 //
 // Pure and deterministic: time and costs come in as arguments. Not thread-safe. Times are ns of one
 // clock, from any origin, that does not go back.
@@ -71,6 +75,9 @@ class ShadowSchedule {
   static constexpr uint32_t kMaxPeriod = 64;
   static constexpr double kMaxCostRatio = 0.005;
   static constexpr uint64_t kSavingsNs = 5'000'000'000;
+  static constexpr double kMaxWorkRatio = 0.5;
+  static constexpr uint64_t kWorkAheadNs = 100'000'000;
+  static constexpr uint64_t kMaxSpacingNs = 5'000'000'000;
 
   // REQUIRES: arm_count >= 1.
   ShadowSchedule(const ShadowScheduleOptions& options, uint32_t arm_count);
@@ -79,6 +86,8 @@ class ShadowSchedule {
 
   // Returns when the next sweep may begin; 0 before the first one.
   uint64_t next_sweep_ns() const;
+  // Returns whether it may begin after searches of the frame thread that took so long altogether.
+  bool MayWork(uint64_t now_ns, uint64_t search_ns) const;
 
   // Begins a sweep. REQUIRES: active_arm < arm_count.
   void Begin(uint64_t now_ns, uint32_t active_arm, uint32_t object_count);
@@ -87,7 +96,10 @@ class ShadowSchedule {
   // REQUIRES: visit.arm is NextArm().
   void OnVisit(const ShadowVisit& visit);
   // Adds other work of the visiting thread to the sweep's cost.
-  void Spend(uint64_t busy_ns) { busy_ns_ += busy_ns; }
+  void Spend(uint64_t busy_ns) {
+    busy_ns_ += busy_ns;
+    work_ns_ += busy_ns;
+  }
   // Adds what the work up to `now_ns` has cost the frame thread.
   void Charge(uint64_t now_ns, double cost_ns);
 
@@ -103,6 +115,7 @@ class ShadowSchedule {
   void Renew(bool end_back_off);
   void GrantSavings();
   uint64_t BestCost() const;
+  uint32_t ArmAt(uint32_t place) const;
   uint64_t Period(uint32_t arm, uint64_t best_ns) const;
   bool Due(uint32_t arm, uint64_t best_ns) const;
 
@@ -111,6 +124,7 @@ class ShadowSchedule {
   uint64_t sweep_ = 0;  // the number of the latest sweep
   uint64_t begun_ns_ = 0;
   uint64_t busy_ns_ = 0;  // the lane's time since the latest sweep began
+  uint64_t work_ns_ = 0;  // all of it
   uint64_t paid_ns_ = 0;  // when the frame thread's cost will have been in proportion
   uint64_t granted_ns_ = 0;
   uint32_t active_arm_ = 0;

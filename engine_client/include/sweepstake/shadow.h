@@ -18,7 +18,8 @@ enum class ShadowMode : uint32_t {
 struct ShadowOptions {
   ShadowMode enabled = ShadowMode::kAuto;
   // The worker's time that visits and preparations take at most in the long run, over 0 to 1; less
-  // where it would cost the game's searches more than 0.5 %. The first sweep is made at once.
+  // where it would cost the game's searches more than 0.5 %, or would be more than half of what
+  // they take. The first sweep is made at once.
   double duty_ratio = 0.15;
   // Maximum memory of the lane: half for copied boxes, half for structures. If the frames do not
   // fit, fewer are copied, and none if not even four fit (from 250,000 objects on with the

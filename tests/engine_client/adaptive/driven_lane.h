@@ -95,10 +95,10 @@ class DrivenLane : public ::testing::Test {
   // By a search beside its work that took 1 + `slowdown` times as long as the one before.
   void MakeItCost(uint64_t slowdown) {
     LaneCost& cost = lane_->cost();
-    cost.End(cost.Begin(), 1000 * kMs, 0);
+    cost.End(cost.Begin(), search_ns_, 0);
     cost.BeginWork();
-    cost.End(cost.Begin(), (1 + slowdown) * 1000 * kMs, 0);
-    cost.EndWork((1 + slowdown) * 1000 * kMs);
+    cost.End(cost.Begin(), (1 + slowdown) * search_ns_, 0);
+    cost.EndWork((1 + slowdown) * search_ns_);
   }
 
   ArmBackend MakeBackend(uint32_t arm) {
@@ -140,6 +140,7 @@ class DrivenLane : public ::testing::Test {
   uint64_t frame_index_ = 0;
   size_t object_count_ = 20;
   uint64_t frame_ns_ = 10 * kMs;
+  uint64_t search_ns_ = 100'000 * kMs;
   int made_count_ = 0;
 };
 

@@ -96,7 +96,7 @@ TEST(LaneThread, MeasuresTheTimeThatItRan) {
   Play(lane, clock, frame, 1 + kShadowBurstFrames);
   ASSERT_EQ(sink.shadows.size(), 2U);
   for (const ShadowSample& sample : sink.shadows) EXPECT_EQ(sample.detection_time_ns, 3 * kMs);
-  EXPECT_EQ(lane.stats().busy_time_ns, 2 * kShadowBurstFrames * 3 * kMs);
+  EXPECT_EQ(lane.stats().busy_time_ns, (2 * kShadowBurstFrames + 1) * 3 * kMs);
 }
 
 TEST(UsableCores, AreAtLeastOneAndNotMoreThanTheMachineHas) {

@@ -60,6 +60,31 @@ TEST_F(ShadowLaneTest, KeepsWithinItsShareOfTheTime) {
   EXPECT_GT(share, 0.10);
 }
 
+TEST_F(ShadowLaneTest, TakesNoMoreThanTheGamesSearchesAllowAndASweepNowAndThen) {
+  search_ns_ = 1'000 * kMs;
+  Make({});
+  Frames(20'000);
+  const uint64_t passed_ns = 20'000 * frame_ns_;
+  const uint64_t allowed_ns = ShadowSchedule::kWorkAheadNs + search_ns_;  // half of two
+  const uint64_t sweep_ns = 100 * kMs;
+  EXPECT_LT(lane_->stats().busy_time_ns,
+            allowed_ns + passed_ns / ShadowSchedule::kMaxSpacingNs * sweep_ns);
+  EXPECT_GE(lane_->stats().sweep_count, passed_ns / ShadowSchedule::kMaxSpacingNs - 1);
+}
+
+// What it is warm after is not told.
+TEST_F(ShadowLaneTest, WarmsUpWithTheFirstVisitOfASweep) {
+  std::vector<int> build_count(3, 0);
+  for (uint32_t arm = 0; arm < 3; ++arm)
+    scripts_[arm].in_build = [&build_count, arm] { ++build_count[arm]; };
+  FirstSweep();
+  EXPECT_THAT(build_count, testing::ElementsAre(1, 2, 1));
+  EXPECT_EQ(lane_->stats().visit_count, 3U);
+  const uint64_t frames_ns = (3 * kShadowBurstFrames + 1) * 2 * kMs + (3 + 1) * 4 * kMs;
+  EXPECT_EQ(lane_->stats().busy_time_ns, frames_ns)
+      << "one frame, which takes longer than kWarmUpNs";
+}
+
 TEST_F(ShadowLaneTest, SpacesItsSweepsSoThatCopyingTakesOnePercentOfTheFrames) {
   for (LaneScript& script : scripts_) script = {.build_ns = 1, .update_ns = 1, .find_ns = 1};
   clock_.SetReading(kMs);  // A copy takes 1 ms: 8 of them may be made in 80 frames of 10 ms.

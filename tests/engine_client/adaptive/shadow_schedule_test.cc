@@ -134,18 +134,34 @@ TEST_F(ShadowScheduleTest, DoesNotRepeatCheapSweepsWithoutNeed) {
   EXPECT_EQ(schedule_.next_sweep_ns(), begun_ns + options_.sweep_interval_min_ns);
 }
 
+TEST_F(ShadowScheduleTest, EverySecondSweepIsInTheOppositeOrder) {
+  EXPECT_THAT(Sweep(1), ElementsAre(1, 0, 2));
+  EXPECT_THAT(Sweep(1), ElementsAre(2, 0, 1));
+  EXPECT_THAT(Sweep(1), ElementsAre(1, 0, 2));
+}
+
 TEST_F(ShadowScheduleTest, VisitsEveryArmAgainWhenTheActiveOnesCostOrTheObjectCountMoves) {
   cost_ns_[2] = 20 * kMs;
   Sweep();
-  EXPECT_THAT(Sweep(), ElementsAre(0, 1));
+  EXPECT_THAT(Sweep(), ElementsAre(1, 0));
   cost_ns_[0] = 124 * kMs / 100;
   EXPECT_THAT(Sweep(), ElementsAre(0, 1));
   cost_ns_[0] = 126 * kMs / 100;
-  EXPECT_THAT(Sweep(), ElementsAre(0, 1, 2));
+  EXPECT_THAT(Sweep(), ElementsAre(1, 0, 2))
+      << "an arm that was visited in this sweep is not again";
   EXPECT_THAT(Sweep(), ElementsAre(0, 1));
-  EXPECT_THAT(Sweep(0, 1240), ElementsAre(0, 1));
+  EXPECT_THAT(Sweep(0, 1240), ElementsAre(1, 0));
   EXPECT_THAT(Sweep(0, 1260), ElementsAre(0, 1, 2));
-  EXPECT_THAT(Sweep(0, 1260), ElementsAre(0, 1));
+  EXPECT_THAT(Sweep(0, 1260), ElementsAre(1, 0));
+}
+
+TEST_F(ShadowScheduleTest, WorksForHalfAsLongAsTheGameSearchesAndNowAndThen) {
+  EXPECT_TRUE(schedule_.MayWork(now_ns_, 0));
+  Sweep();
+  schedule_.Spend(ShadowSchedule::kWorkAheadNs);
+  EXPECT_FALSE(schedule_.MayWork(now_ns_, busy_ns_));
+  EXPECT_TRUE(schedule_.MayWork(now_ns_, 2 * busy_ns_));
+  EXPECT_TRUE(schedule_.MayWork(now_ns_ + ShadowSchedule::kMaxSpacingNs, 0));
 }
 
 TEST_F(ShadowScheduleTest, NoticesACostThatDriftsAwayInSmallSteps) {
@@ -173,27 +189,28 @@ TEST_F(ShadowScheduleTest, BacksOffExponentiallyFromAnArmOverTheTimeCap) {
 TEST_F(ShadowScheduleTest, DoesNotComeBackToAnArmOverTheTimeCapForAChangeOfCosts) {
   cost_ns_[2] = options_.visit_cap_ns + 1;
   Sweep();
-  int visits = 0;
+  std::ptrdiff_t visits = 0;
   for (int sweep = 0; sweep < 30; ++sweep) {
     cost_ns_[0] = cost_ns_[0] == 1 * kMs ? 2 * kMs : 1 * kMs;
-    if (Sweep().back() == 2) ++visits;
+    const std::vector<uint32_t> visited = Sweep();
+    visits += std::count(visited.begin(), visited.end(), 2U);
   }
   EXPECT_EQ(visits, 0);
-  EXPECT_THAT(Sweep(0, 100), ElementsAre(0, 1, 2));
+  EXPECT_THAT(Sweep(0, 100), ElementsAre(2, 1, 0));
 }
 
 TEST_F(ShadowScheduleTest, ComparesContendersThoughAllAreOverTheTimeCap) {
   cost_ns_ = {300 * kMs, 310 * kMs, 320 * kMs};
   CountVisits(5);
-  EXPECT_THAT(Sweep(), ElementsAre(0, 1, 2));
+  EXPECT_THAT(Sweep(), ElementsAre(2, 1, 0));
 }
 
 TEST_F(ShadowScheduleTest, LeavesAnArmOverTheMemoryCapOutForAWhileEvenTheActiveOne) {
   bytes_[0] = 1001;
   Sweep();
-  EXPECT_THAT(Sweep(), ElementsAre(1, 2));
+  EXPECT_THAT(Sweep(), ElementsAre(2, 1));
   EXPECT_THAT(Sweep(), ElementsAre(0, 1, 2));
-  EXPECT_THAT(Sweep(), ElementsAre(1, 2));
+  EXPECT_THAT(Sweep(), ElementsAre(2, 1));
   EXPECT_THAT(Sweep(0, 100), ElementsAre(0, 1, 2));
 }
 
