@@ -236,7 +236,7 @@ void ShadowLane::Sweep() {
   const Work work(*this);
   bool is_warm = false;
   while (const std::optional<uint32_t> arm = schedule_.NextArm()) {
-    const std::optional<ShadowVisit> visit = Visit(*arm, is_warm ? VisitCapNs() : kWarmUpNs);
+    const std::optional<ShadowVisit> visit = Visit(*arm, is_warm ? VisitCapNs() : kShadowWarmUpNs);
     if (!visit) return;
     if (!std::exchange(is_warm, true)) {
       schedule_.Spend(visit->busy_ns);

@@ -40,6 +40,8 @@ namespace sweepstake {
 // cost of a new structure; the others are measured.
 inline constexpr uint32_t kShadowBurstFrames = 8;
 inline constexpr uint32_t kShadowWarmUpFrames = 2;
+// So long of a sweep's first visit, which finds the caches cold, the lane makes twice.
+inline constexpr uint64_t kShadowWarmUpNs = 1'000'000;
 
 struct ShadowScheduleOptions {
   double duty_ratio = 0.15;                      // the share of one thread's time, (0, 1]

@@ -115,7 +115,7 @@ inline constexpr std::array<std::string_view, 13> kOutcomeNames = {
 
 // What the posteriors say about the scene (paper §7.1 uses posteriors as a diagnosis).
 enum class Verdict : uint32_t {
-  kUnknown = 0,    // nothing is learnt yet
+  kUnknown = 0,    // nothing is decided yet
   kStable = 1,     // P(best) of the leader is 0.8 or more
   kTie = 2,        // P(best) is lower, and choosing the leader loses 0.5 % or less
   kAmbiguous = 3,  // P(best) is lower, and choosing the leader may lose more

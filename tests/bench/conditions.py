@@ -82,6 +82,7 @@ def cell_of(condition, game, rows, policy, peers, cold):
     cell = {"condition": condition, "cell": game["cell"], "category": game["category"], "flip_s": game["flip_s"],
             "headroom": own["headroom"], "regret": own["regret_best_fixed"], "ci95": own["ci95"],
             "regret_after_start": own["regret_after_start"], "captured": own["headroom_captured"], "switches": own["switches"],
+            "switches_after_start": own["switches_after_start"],
             "ms_lost": own["ms_per_frame"]["regret"], "ms_lane": own["ms_per_frame"]["lane"]}
     for peer in peers:
         cell["regret_" + peer] = rows[peer]["regret_best_fixed"]

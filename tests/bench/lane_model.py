@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures what the shadow lane gets wrong on this machine, and prints it as the lane model that replays take.
+"""Measures what the shadow lane gets wrong on this machine, and prints it as `conditions.py --lane-model` takes it.
 
 Each arm plays each scene with the lane at work, which visits the active arm, too, on the same frames. A visit's time ÷ the median of
 the frame thread's on the frames that the visit measured is the lane's error: its median by arm, over the scenes, is the arm's

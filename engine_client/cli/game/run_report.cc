@@ -75,7 +75,7 @@ std::string DropCause(const SessionStats& session) {
   return IsLost(session) ? "the daemon was lost" : "frames come faster than they are sent";
 }
 
-// Returns "3 switches: 2 policy, 1 bail-out".
+// Returns "3 switches: 2 policy, 1 bail-out; 1 ended a trial".
 std::string SwitchCountsText(const RunSummary& summary) {
   const size_t switch_count = summary.switches.size();
   std::string text = std::to_string(switch_count) + (switch_count == 1 ? " switch" : " switches");
@@ -86,6 +86,10 @@ std::string SwitchCountsText(const RunSummary& summary) {
     text += separator + std::to_string(count) + ' ' + ReasonName(reason);
     separator = ", ";
   }
+  const auto trial_count =
+      std::count_if(summary.switches.begin(), summary.switches.end(),
+                    [](const SwitchRow& row) { return row.trial_detection_time_ns > 0; });
+  if (trial_count > 0) text += "; " + std::to_string(trial_count) + " ended a trial";
   return text;
 }
 
@@ -123,7 +127,8 @@ Json SwitchJson(const SwitchRow& row) {
           {"time_s", row.time_s},
           {"from", row.from},
           {"to", row.to},
-          {"reason", ReasonName(row.reason)}};
+          {"reason", ReasonName(row.reason)},
+          {"trial_detection_time_ns", row.trial_detection_time_ns}};
 }
 
 Json VerdictJson(const VerdictRow& row) {
@@ -188,13 +193,14 @@ Json TotalsJson(const RunSummary& summary) {
 }
 
 Status WriteSwitches(const RunSummary& summary, const std::filesystem::path& path) {
-  auto csv = CsvFile::Create(
-      path, {"frame", "time_s", "from", "to", "reason", "rebuild_time_ns", "settling_cost_ns"});
+  auto csv = CsvFile::Create(path, {"frame", "time_s", "from", "to", "reason", "rebuild_time_ns",
+                                    "settling_cost_ns", "trial_detection_time_ns"});
   if (!csv.ok()) return csv.status();
   for (const SwitchRow& row : summary.switches) {
     (*csv)->Row({std::to_string(row.frame_index), Fixed(row.time_s, 6), row.from, row.to,
                  ReasonName(row.reason), std::to_string(row.rebuild_time_ns),
-                 std::to_string(row.settling_cost_ns)});
+                 std::to_string(row.settling_cost_ns),
+                 std::to_string(row.trial_detection_time_ns)});
   }
   return (*csv)->Commit();
 }

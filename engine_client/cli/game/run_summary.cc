@@ -121,6 +121,7 @@ RunSummary Summarize(const RunSetup& setup, const GameRun& run, const SessionSta
     const SwitchOutcome outcome = run.OutcomeOf(event.switch_epoch);
     row.rebuild_time_ns = outcome.rebuild_time_ns;
     row.settling_cost_ns = outcome.settling_cost_ns;
+    row.trial_detection_time_ns = outcome.trial_detection_time_ns;
     summary.switches.push_back(std::move(row));
   }
   for (const VerdictEvent& event : run.verdicts()) {

@@ -43,6 +43,7 @@ struct SwitchRow {
   // 0 if the switch had not settled when the run ended.
   uint64_t rebuild_time_ns = 0;
   uint64_t settling_cost_ns = 0;
+  uint64_t trial_detection_time_ns = 0;  // for which it ended a trial; 0: it ended none
 };
 
 // The decider's verdict about the scene. By default it is unknown.

@@ -56,6 +56,7 @@ std::optional<decision::ShadowSample> ReplayLane::Advance(const Place& place) {
     schedule_.Begin(static_cast<uint64_t>(place.now_ns), place.active_arm,
                     scene_.object_count(place.trace_frame));
     BeginVisit(place.now_ns);
+    if (visit_) RepeatVisit();
     return std::nullopt;
   }
   const ShadowVisit visit = *visit_;
@@ -91,6 +92,16 @@ void ReplayLane::BeginVisit(int64_t start_ns) {
   visit_->arm = *arm;
   visit_->native_bytes = scene_.native_bytes(sweep_.trace_frame, *arm);
   next_event_ns_ = start_ns + static_cast<int64_t>(visit_->busy_ns);
+}
+
+// The real lane makes a sweep's first visit twice, at most for kShadowWarmUpNs of the machine's
+// time.
+void ReplayLane::RepeatVisit() {
+  const double max_ns = static_cast<double>(kShadowWarmUpNs) * scene_.time_ratio();
+  const uint64_t repeated_ns = std::min(visit_->busy_ns, static_cast<uint64_t>(max_ns));
+  schedule_.Spend(repeated_ns);
+  busy_ns_ += repeated_ns;
+  next_event_ns_ += static_cast<int64_t>(repeated_ns);
 }
 
 // The real lane measures what its work costs (lane_cost.h); this one knows it.

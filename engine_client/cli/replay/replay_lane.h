@@ -66,6 +66,7 @@ class ReplayLane {
 
  private:
   void BeginVisit(int64_t start_ns);
+  void RepeatVisit();
   void Charge(int64_t begin_ns, int64_t end_ns);
   std::span<const uint64_t> FreshFrames(uint32_t trace_frame, uint32_t arm, double ratio = 1);
   double ErrorOfVisit(uint32_t arm) const;

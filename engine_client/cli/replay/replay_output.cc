@@ -52,6 +52,7 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
                {"regret_oracle", row.regret_oracle},
                {"ci95", IntervalJson(row.ci95)},
                {"switches", row.switches},
+               {"switches_after_start", row.after_start_up_switches},
                {"active_share", row.active_share},
                {"bail_outs", OrNull(row.bail_outs)},
                {"regret_after_start", OrNull(row.regret_after_start_up)},

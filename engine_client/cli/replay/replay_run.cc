@@ -151,6 +151,7 @@ void Game::ExecuteSwitch() {
   if (unsettled) Report(*unsettled);
   ReportTrialEnd();
   ++result_.switch_counts[static_cast<size_t>(pending.command.reason)];
+  if (!starting_up_) ++result_.after_start_up_switch_count;
   NoteArm();
   if (setup_.keep_timeline) {
     result_.timeline.activations.push_back({now_ns_, arm_, pending.command.reason});

@@ -61,6 +61,7 @@ struct ReplayResult {
   // The start-up ends with the live exploration, but not before kStartUpNs.
   uint32_t start_up_frame_count = 0;
   uint64_t after_start_up_ns = 0;            // sum over the frames after it
+  uint64_t after_start_up_switch_count = 0;  // executed after it
   uint32_t opening_frame_count = 0;          // frames that begin before kOpeningNs
   uint64_t opening_ns = 0;                   // sum over them
   decision::ObservationSummary observation;  // active time and switches after the exploration

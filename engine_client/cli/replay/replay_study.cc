@@ -124,6 +124,7 @@ class SeedGames {
         static_cast<double>(result.shadow_ns) / scene_.frame_count() / scene_.time_ratio() * 1e-6;
     game.reliability = result.reliability;
     game.switch_count = std::accumulate(switches.begin(), switches.end(), uint64_t{0});
+    game.after_start_up_switch_count = result.after_start_up_switch_count;
     game.regret_after_start_up =
         RegretFrom(result.start_up_frame_count, static_cast<double>(result.after_start_up_ns));
     const auto tick_count =
@@ -193,6 +194,7 @@ void Summarize(StudyRow& row) {
       row.ms.*time += game.ms.*time * share;
     row.reliability += game.reliability;
     row.switches += static_cast<double>(game.switch_count) * share;
+    row.after_start_up_switches += static_cast<double>(game.after_start_up_switch_count) * share;
     for (size_t i = 0; i < row.verdict_shares.size(); ++i) {
       row.verdict_shares[i] += game.verdict_shares[i] * share;
     }

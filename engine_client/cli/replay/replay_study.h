@@ -71,7 +71,8 @@ struct StudyGame {
   double headroom = 0;        // that oracle's: 1 − its time ÷ the best fixed arm's
   double frame_headroom = 0;  // of an oracle with the best arm in every frame and free switches
   uint64_t switch_count = 0;  // after the exploration
-  double active_share = 1;    // the dominant arm's
+  uint64_t after_start_up_switch_count = 0;  // policies only: after the first minute, too
+  double active_share = 1;                   // the dominant arm's
   uint32_t dominant_arm = 0;
   std::optional<uint64_t> bail_out_count{};  // policies only
   std::vector<double> verdict_shares{};      // policies only: of ticks, by Verdict
@@ -107,6 +108,7 @@ struct StudyRow {
   std::optional<Interval> after_start_up_ci95;  // its 95 % interval
   std::optional<double> headroom_captured;      // absent if the headroom is below kMinHeadroom
   double switches = 0;                          // mean of StudyGame::switch_count
+  double after_start_up_switches = 0;           // mean
   uint32_t dominant_arm = 0;                    // in the largest number of games
   std::optional<double> bail_outs;              // mean of StudyGame::bail_out_count
   std::optional<double> first_best_s;           // median over the games that have one

@@ -100,9 +100,10 @@ struct ModeChange {
   uint64_t order_id = 0;  // the order that the game obeys with it; 0: its own change
 };
 
-// The decider's conclusion about the scene; the same values as sweepstake.v1.Verdict.
+// The decider's conclusion about the scene, held until three decisions in a row give another; the
+// same values as sweepstake.v1.Verdict.
 enum class Verdict : uint32_t {
-  kUnknown = 0,    // nothing learnt yet
+  kUnknown = 0,    // nothing decided yet
   kStable = 1,     // one arm is the best with a probability of 0.8 or more
   kTie = 2,        // several arms are nearly equal: choosing the leader loses 0.5 % or less
   kAmbiguous = 3,  // the best arm is not known, and the choice matters

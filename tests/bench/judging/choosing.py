@@ -105,7 +105,7 @@ def conclusion(document, goals):
     """What is printed, as text and for --json, and whether a goal that has cells was missed."""
     judged = judge(document, goals)
     head = ", ".join(f"{name} {cell_text(name, value) if isinstance(value, float) else value}" for name, value in document.items()
-                     if name not in ("command", "cells"))
+                     if name not in ("command", "cells", "goals"))
     text = f"{head}\n\n{goals_text(judged)}\n{cells_text(document['cells'])}"
     whole = document | {"goals": [goal | {"reached": None if goal["reached"] == math.inf else goal["reached"]} for goal in judged]}
     return text, whole, any(goal["reached"] is not None and not goal["met"] for goal in judged)

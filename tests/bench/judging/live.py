@@ -30,16 +30,15 @@ def judge_goal(goal, rows):
 
 
 def judge(document, goals):
-    """One row per goal whose condition and figure were measured."""
-    if document.get("command") != "live" or not document["rows"]:
+    """One row per goal; one whose condition or figure was not measured has no value."""
+    if document.get("command") != "live" or not isinstance(document.get("rows"), list):
         raise InputError("this is no document of `live.py --json`")
     judged = []
     for goal in goals:
         column = FIGURES[goal["figure"]][0]
         rows = [row for row in document["rows"] if row["condition"] == goal["condition"] and row[column] is not None]
-        if rows:
-            judged.append(judge_goal(goal, rows))
-    if not judged:
+        judged.append(judge_goal(goal, rows) if rows else {"condition": goal["condition"], "figure": goal["figure"], "met": None})
+    if all(row["met"] is None for row in judged):
         raise InputError("no goal has a condition of the document")
     return judged
 
@@ -52,6 +51,9 @@ def live_text(rows):
         if row["rounds"] < MIN_ROUNDS or row["scenes"] < MIN_SCENES:
             return "too few " + ("rounds" if row["rounds"] < MIN_ROUNDS else "scenes")
         return "met" if row["met"] else "NOT MET"
-    return table(("condition", "figure", "scenes", "rounds", "value", "at most", "worst", ""), [
+    measured = [row for row in rows if row["met"] is not None]
+    missing = ", ".join(f"{row['condition']} {row['figure']}" for row in rows if row["met"] is None)
+    text = table(("condition", "figure", "scenes", "rounds", "value", "at most", "worst", ""), [
         (row["condition"], row["figure"], str(row["scenes"]), str(row["rounds"]), number(row, row["value"]), number(row, row["goal"]),
-         row["worst"], result(row)) for row in rows])
+         row["worst"], result(row)) for row in measured])
+    return text + (f"\nNot in this document: {missing}.\n" if missing else "")

@@ -82,7 +82,7 @@ TEST_F(ShadowLaneTest, WarmsUpWithTheFirstVisitOfASweep) {
   EXPECT_EQ(lane_->stats().visit_count, 3U);
   const uint64_t frames_ns = (3 * kShadowBurstFrames + 1) * 2 * kMs + (3 + 1) * 4 * kMs;
   EXPECT_EQ(lane_->stats().busy_time_ns, frames_ns)
-      << "one frame, which takes longer than kWarmUpNs";
+      << "one frame, which takes longer than kShadowWarmUpNs";
 }
 
 TEST_F(ShadowLaneTest, SpacesItsSweepsSoThatCopyingTakesOnePercentOfTheFrames) {

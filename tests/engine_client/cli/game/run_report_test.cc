@@ -84,6 +84,9 @@ TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
   EXPECT_THAT(text, HasSubstr("40 frames in 40.0 s, 1 frames/s\n"));
   EXPECT_THAT(text, HasSubstr("no samples dropped\n"));
   EXPECT_THAT(text, HasSubstr("1 switch: 1 bail-out\n"));
+  RunSummary tried = SomeSummary();
+  tried.switches[0].trial_detection_time_ns = 3000;
+  EXPECT_THAT(RunReportText(tried), HasSubstr("1 switch: 1 bail-out; 1 ended a trial\n"));
   EXPECT_THAT(text, HasSubstr("Verdict: stable: SAP is the best with probability 0.88\n"));
   EXPECT_THAT(text, Not(HasSubstr("Nothing was learnt")));
 }
@@ -136,6 +139,7 @@ TEST(RunReportJson, HasTheFieldsThatScriptsRead) {
   EXPECT_EQ(document["switches_by_reason"]["bail-out"], 1);
   EXPECT_EQ(document["switches_by_reason"].size(), 4U);
   EXPECT_EQ(document["switches"][0]["to"], "Grid");
+  EXPECT_EQ(document["switches"][0]["trial_detection_time_ns"], 0);
   EXPECT_EQ(document["switches"][0]["time_s"], 1.25);
   EXPECT_EQ(document["verdict"], "stable");
   EXPECT_EQ(document["leader_arm"], "SAP");
@@ -166,9 +170,10 @@ TEST(RunReportJson, LeavesOutALeaderThatIsUnknown) {
 TEST(WriteRunReportCsv, WritesARowPerSwitchAndPerArm) {
   const TemporaryDirectory folder;
   ASSERT_TRUE(WriteRunReportCsv(SomeSummary(), folder.path()).ok());
-  EXPECT_EQ(FileText(folder.path() / "switches.csv"),
-            "frame,time_s,from,to,reason,rebuild_time_ns,settling_cost_ns\r\n"
-            "12,1.250000,SAP,Grid,bail-out,1000,2000\r\n");
+  EXPECT_EQ(
+      FileText(folder.path() / "switches.csv"),
+      "frame,time_s,from,to,reason,rebuild_time_ns,settling_cost_ns,trial_detection_time_ns\r\n"
+      "12,1.250000,SAP,Grid,bail-out,1000,2000,0\r\n");
   EXPECT_EQ(FileText(folder.path() / "posteriors.csv"),
             "arm,backend_version,alpha,beta,mean,n,active_s,frames,live_windows,lane_visits,"
             "best_probability,cost_ratio,cost_ratio_low,cost_ratio_high\r\n"

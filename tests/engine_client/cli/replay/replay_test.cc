@@ -255,6 +255,10 @@ TEST(Replay, NoTimeIsLost) {
     EXPECT_EQ(sum(result.observation.active_ns) + before, result.total_ns) << policy;
     EXPECT_LT(result.after_start_up_ns, result.total_ns) << policy;
     EXPECT_GE(result.total_ns - result.after_start_up_ns, static_cast<uint64_t>(kStartUpNs));
+    EXPECT_LE(result.after_start_up_switch_count, sum(result.switch_counts)) << policy;
+    if (policy == "random") {
+      EXPECT_GT(result.after_start_up_switch_count, 0u);
+    }
   }
 }
 
