@@ -4,11 +4,11 @@
 // For a sweep the frame thread copies up to kShadowBurstFrames consecutive frames (box_tap.h). Each
 // arm that is due (shadow_schedule.h) builds its structure on the first frame and updates it on the
 // others, so that all arms of a sweep are compared on the same boxes. A sweep's first visit, or
-// kShadowWarmUpNs of it, is made twice: what follows a pause finds the caches cold, and does not
-// count. (2 cores of AMD Zen 3: an arm took 1.2 to 1.4 times as long in a first visit.) Sweeps are
-// spaced so that copying takes at most kCopyRatio of the frame time on average, and so that their
-// work costs the frame thread little (lane_cost.h). Without a core to spare (UsableCores, asked
-// every second) the lane rests.
+// kShadowWarmUpNs of it, is made twice: what follows a pause takes longer, and does not count.
+// (2 cores of AMD Zen 3, 3,000 objects: an arm took 1.2 to 1.4 times as long in a first visit.)
+// Sweeps are spaced so that copying takes at most kCopyRatio of the frame time on average, and so
+// that their work costs the frame thread little (lane_cost.h). Without a core to spare
+// (UsableCores, asked every second) the lane rests.
 //
 // A preparation has priority over sweeps: the lane builds the arm's structure on the next frame,
 // updates it on the following frames until its buffers have grown and the extra cost of a new

@@ -22,8 +22,9 @@
 // - They are spaced further so that they cost the frame thread kMaxCostRatio of its time at most in
 //   the long run (lane_cost.h). What was not spent in the last kSavingsNs may be spent at once, and
 //   is granted anew where the scene is a different one, once in that time.
-// - All work takes kMaxWorkRatio of the frame thread's searches at most, and kWorkAheadNs, so that
-//   it takes no more than the choice can save; but there is a sweep every kMaxSpacingNs.
+// - All work takes kMaxWorkRatio of what the frame thread's searches take at most, and kWorkAheadNs
+//   besides, since a choice saves a part of these; but there is a sweep every kMaxSpacingNs. Both
+//   times are the machine's, whatever the time scale.
 //
 // Pure and deterministic: time and costs come in as arguments. Not thread-safe. Times are ns of one
 // clock, from any origin, that does not go back.
@@ -40,7 +41,7 @@ namespace sweepstake {
 // cost of a new structure; the others are measured.
 inline constexpr uint32_t kShadowBurstFrames = 8;
 inline constexpr uint32_t kShadowWarmUpFrames = 2;
-// So long of a sweep's first visit, which finds the caches cold, the lane makes twice.
+// So long of a sweep's first visit, which follows a pause, the lane makes twice.
 inline constexpr uint64_t kShadowWarmUpNs = 1'000'000;
 
 struct ShadowScheduleOptions {

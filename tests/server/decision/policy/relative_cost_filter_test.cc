@@ -260,7 +260,7 @@ TEST_F(FilterTest, ABoundOfTheLaneTakesWhatIsBelowItAndNoMore) {
   EXPECT_GT(filter.Difference(1, 0).mean, 5) << "as a cost";
 }
 
-// The active arm's, which comes first: what the other arms' differ by afterwards is their own.
+// As a sweep's first visit: what the other arms' differ by afterwards is their own.
 TEST_F(FilterTest, ABoundIsASweepsReference) {
   RelativeCostFilter filter(kArms);
   filter.ObserveLive(0, 5);
