@@ -265,7 +265,7 @@ std::vector<Setting> DecisionSettings() {
           "time between decisions"),
       Interval(
           "decision.cooldown_ms", [](Config & c) -> auto& { return c.rpc.decision.cooldown_ns; },
-          "min time between two switches"),
+          "min time between two switches; of adaptive the longest that it waits"),
       Interval(
           "decision.settling_ms", [](Config & c) -> auto& { return c.rpc.decision.settling_ns; },
           "frame time after a switch that is not learnt from"),
@@ -282,7 +282,7 @@ std::vector<Setting> DecisionSettings() {
           "measured time per arm at the start"),
       Switch(
           "decision.explore", [](Config & c) -> auto& { return c.rpc.decision.explore; },
-          "try every arm once at the start"),
+          "try every arm once at the start; adaptive does not"),
       Real(
           "decision.bail_out_penalty",
           [](Config & c) -> auto& { return c.rpc.decision.bail_out_penalty; },

@@ -12,8 +12,7 @@ namespace {
 
 using State = SwitchHandover::State;
 
-// A frame at 60 frames/s takes 16 ms: the lane sees a copied frame or an order within a fraction of
-// it.
+// The lane sees a copied frame or an order within a fraction of a frame of 16 ms.
 constexpr std::chrono::microseconds kBusyPoll{1'000};
 constexpr std::chrono::microseconds kIdlePoll{4'000};
 // Yields while a preparation waits for a frame: long enough for the next frame of a game with 5,000
@@ -161,8 +160,8 @@ bool ShadowLane::HasCore() {
 
 bool ShadowLane::sweep_is_due() const {
   const uint64_t now_ns = setup_.clock.NowNs();
-  return now_ns >= schedule_.next_sweep_ns() && schedule_.MayWork(now_ns, cost_.search_ns()) &&
-         now_ns >= next_try_ns_ && tap_.latest_frame_index() >= next_burst_frame_;
+  return schedule_.IsDue(now_ns, cost_.search_ns()) && now_ns >= next_try_ns_ &&
+         tap_.latest_frame_index() >= next_burst_frame_;
 }
 
 // Returns whether the work for the order `followed`, or a visit if that is null, has to end early,
@@ -232,7 +231,8 @@ void ShadowLane::AccountCopies() {
 
 void ShadowLane::Sweep() {
   const TappedFrame first = tap_.frame(0);
-  schedule_.Begin(setup_.clock.NowNs(), first.note.arm, static_cast<uint32_t>(first.boxes.size()));
+  schedule_.Begin(setup_.clock.NowNs(), cost_.search_ns(), first.note.arm,
+                  static_cast<uint32_t>(first.boxes.size()));
   const Work work(*this);
   bool is_warm = false;
   while (const std::optional<uint32_t> arm = schedule_.NextArm()) {

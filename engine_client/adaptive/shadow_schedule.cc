@@ -7,6 +7,10 @@
 namespace sweepstake {
 namespace {
 
+// Searches that take so long allow for kWorkAheadNs.
+constexpr auto kSearchAheadNs = static_cast<uint64_t>(
+    static_cast<double>(ShadowSchedule::kWorkAheadNs) / ShadowSchedule::kMaxWorkRatio);
+
 bool HasMoved(uint64_t now, uint64_t reference) {
   const double before = static_cast<double>(reference);
   const double change = static_cast<double>(now) - before;
@@ -55,10 +59,10 @@ uint64_t ShadowSchedule::next_sweep_ns() const {
   return std::max(spaced_ns, paid_ns_);
 }
 
-bool ShadowSchedule::MayWork(uint64_t now_ns, uint64_t search_ns) const {
-  const double granted_ns = kMaxWorkRatio * static_cast<double>(search_ns);
-  return work_ns_ <= kWorkAheadNs + static_cast<uint64_t>(granted_ns) ||
-         now_ns >= begun_ns_ + kMaxSpacingNs;
+bool ShadowSchedule::IsDue(uint64_t now_ns, uint64_t search_ns) const {
+  const bool may_work =
+      matched_ns_ <= search_ns + kSearchAheadNs || now_ns >= begun_ns_ + kMaxSpacingNs;
+  return may_work && now_ns >= next_sweep_ns();
 }
 
 void ShadowSchedule::Charge(uint64_t now_ns, double cost_ns) {
@@ -72,8 +76,11 @@ void ShadowSchedule::GrantSavings() {
   paid_ns_ = std::min(paid_ns_, begun_ns_ - kSavingsNs);
 }
 
-void ShadowSchedule::Begin(uint64_t now_ns, uint32_t active_arm, uint32_t object_count) {
+void ShadowSchedule::Begin(uint64_t now_ns, uint64_t search_ns, uint32_t active_arm,
+                           uint32_t object_count) {
   assert(active_arm < arms_.size());
+  matched_ns_ = std::clamp(matched_ns_, search_ns - std::min(search_ns, kSearchAheadNs),
+                           search_ns + kSearchAheadNs);
   begun_ns_ = now_ns;
   if (++sweep_ == 1 || HasMoved(object_count, reference_count_)) {
     Renew(/*end_back_off=*/true);

@@ -1,14 +1,14 @@
 // Decides which arms the shadow lane visits, and when: in sweeps over the arms, spaced by a budget.
 //
-//   if (now_ns >= schedule.next_sweep_ns()) {
-//     schedule.Begin(now_ns, active_arm, object_count);
+//   if (schedule.IsDue(now_ns, search_ns)) {
+//     schedule.Begin(now_ns, search_ns, active_arm, object_count);
 //     while (const auto arm = schedule.NextArm()) schedule.OnVisit(/* its cost */);
 //   }
 //
 // The first sweep is due at once and visits every arm. After that:
-// - Sweeps begin and end with the active arm in turns, since the others are compared with it, and
-// no
-//   arm's place may be the better one: every second sweep is in the opposite order.
+// - Sweeps begin and end with the active arm in turns, since the others are compared with it: every
+//   second one is in the opposite order, so that of the arms in every sweep none has the better
+//   place.
 // - An arm within kContenderRatio of the cheapest known cost is in every sweep. An arm that costs r
 //   times as much is in every r²-th sweep, so that it takes 1/r of a cheap arm's share of the
 //   budget, but at least in every kMaxPeriod-th.
@@ -23,8 +23,10 @@
 //   the long run (lane_cost.h). What was not spent in the last kSavingsNs may be spent at once, and
 //   is granted anew where the scene is a different one, once in that time.
 // - All work takes kMaxWorkRatio of what the frame thread's searches take at most, and kWorkAheadNs
-//   besides, since a choice saves a part of these; but there is a sweep every kMaxSpacingNs. Both
-//   times are the machine's, whatever the time scale.
+//   besides, since a choice saves a part of these; but this holds a sweep back for kMaxSpacingNs at
+//   most. Of what was not worked, or worked beyond that, no more than kWorkAheadNs is kept in mind:
+//   long play in manual mode is no savings, nor is a scene that kept changing a debt. Both times
+//   are the machine's, whatever the time scale.
 //
 // Pure and deterministic: time and costs come in as arguments. Not thread-safe. Times are ns of one
 // clock, from any origin, that does not go back.
@@ -87,13 +89,14 @@ class ShadowSchedule {
 
   const ShadowScheduleOptions& options() const { return options_; }
 
-  // Returns when the next sweep may begin; 0 before the first one.
+  // Returns whether a sweep may begin after searches of the frame thread that took `search_ns`
+  // altogether.
+  bool IsDue(uint64_t now_ns, uint64_t search_ns) const;
+  // Returns when the next sweep may begin, however long the searches take; 0 before the first one.
   uint64_t next_sweep_ns() const;
-  // Returns whether it may begin after searches of the frame thread that took so long altogether.
-  bool MayWork(uint64_t now_ns, uint64_t search_ns) const;
 
   // Begins a sweep. REQUIRES: active_arm < arm_count.
-  void Begin(uint64_t now_ns, uint32_t active_arm, uint32_t object_count);
+  void Begin(uint64_t now_ns, uint64_t search_ns, uint32_t active_arm, uint32_t object_count);
   // Returns the arm to visit next in this sweep; it is absent if the sweep is complete.
   std::optional<uint32_t> NextArm() const;
   // REQUIRES: visit.arm is NextArm().
@@ -101,7 +104,7 @@ class ShadowSchedule {
   // Adds other work of the visiting thread to the sweep's cost.
   void Spend(uint64_t busy_ns) {
     busy_ns_ += busy_ns;
-    work_ns_ += busy_ns;
+    matched_ns_ += static_cast<uint64_t>(static_cast<double>(busy_ns) / kMaxWorkRatio);
   }
   // Adds what the work up to `now_ns` has cost the frame thread.
   void Charge(uint64_t now_ns, double cost_ns);
@@ -126,9 +129,9 @@ class ShadowSchedule {
   std::vector<Arm> arms_;
   uint64_t sweep_ = 0;  // the number of the latest sweep
   uint64_t begun_ns_ = 0;
-  uint64_t busy_ns_ = 0;  // the lane's time since the latest sweep began
-  uint64_t work_ns_ = 0;  // all of it
-  uint64_t paid_ns_ = 0;  // when the frame thread's cost will have been in proportion
+  uint64_t busy_ns_ = 0;     // the lane's time since the latest sweep began
+  uint64_t paid_ns_ = 0;     // when the frame thread's cost will have been in proportion
+  uint64_t matched_ns_ = 0;  // searches that take so long allow for all work
   uint64_t granted_ns_ = 0;
   uint32_t active_arm_ = 0;
   uint64_t reference_count_ = 0;  // the object count at the latest Renew

@@ -59,19 +59,24 @@ int RunShow(const PriorsFileOptions& options, Terminal& terminal) {
   return kDone;
 }
 
+std::vector<Diagnosed> Diagnose(const Records& records, const PriorsFileOptions& options) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const ArmVersions own = OwnVersions();
+  return DiagnosePriors(GroupPriors(records, own),
+                        {.machine_class = options.machine_class,
+                         .build = options.build,
+                         .reward_version = decision::kLogCostRewardVersion,
+                         .arm_versions = own,
+                         .unix_now_s = static_cast<uint64_t>(
+                             std::chrono::duration_cast<std::chrono::seconds>(now).count())});
+}
+
+bool Counts(const Diagnosed& one) { return one.fitness != Fitness::kForeign; }
+
 int RunDoctor(const PriorsFileOptions& options, Terminal& terminal) {
   const auto records = ReadPriorsFile(options.file);
   if (!records.ok()) return Fail(terminal, records.status());
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const ArmVersions own = OwnVersions();
-  const std::vector<Diagnosed> diagnosed = DiagnosePriors(
-      GroupPriors(*records, own),
-      {.machine_class = options.machine_class,
-       .build = options.build,
-       .reward_version = decision::kLogCostRewardVersion,
-       .arm_versions = own,
-       .unix_now_s =
-           static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count())});
+  const std::vector<Diagnosed> diagnosed = Diagnose(*records, options);
   const Json document = {{"command", "priors doctor"},
                          {"file", options.file},
                          {"machine_class", options.machine_class},
@@ -79,10 +84,7 @@ int RunDoctor(const PriorsFileOptions& options, Terminal& terminal) {
                          {"entries", DoctorJson(diagnosed)}};
   PrintResult(terminal, options.json, document,
               diagnosed.empty() ? options.file + " has no records\n" : DoctorText(diagnosed));
-  const bool any = std::any_of(diagnosed.begin(), diagnosed.end(), [](const Diagnosed& one) {
-    return one.fitness != Fitness::kForeign;
-  });
-  return any ? kDone : kCheckFailed;
+  return std::any_of(diagnosed.begin(), diagnosed.end(), Counts) ? kDone : kCheckFailed;
 }
 
 // Of all builds where it has no name.
@@ -201,7 +203,20 @@ int RunArm(const PriorsFileOptions& options, Terminal& terminal) {
                            std::filesystem::exists(options.file, error);
     return is_answer ? FailAnswer(terminal, arm.status()) : Fail(terminal, arm.status());
   }
-  PrintResult(terminal, options.json, Json{{"command", "priors arm"}, {"arm", *arm}}, *arm + "\n");
+  const auto records = ReadPriorsFile(options.file);
+  if (!records.ok()) return Fail(terminal, records.status());
+  const std::vector<Diagnosed> diagnosed = Diagnose(*records, options);
+  const bool knows_scene = std::any_of(diagnosed.begin(), diagnosed.end(), [&](const auto& one) {
+    return Counts(one) && one.key.project == options.project && one.key.scene == options.scene;
+  });
+  if (!knows_scene) {
+    Say(terminal, options.file + " has nothing that counts here of scene \"" + options.scene +
+                      "\": " + *arm + " is what the project's others have in common; " +
+                      "`sweepstake priors doctor` says what each scene counts");
+  }
+  const Json document = {
+      {"command", "priors arm"}, {"arm", *arm}, {"of", knows_scene ? "scene" : "project"}};
+  PrintResult(terminal, options.json, document, *arm + "\n");
   return kDone;
 }
 

@@ -57,7 +57,8 @@ struct ShadowSample {
 // The bits of ShadowSample::flags have the values of sweepstake.v1.ShadowFlag.
 enum ShadowFlag : uint32_t {
   kShadowActive = 1,  // the arm was active on the frame thread
-  kShadowCapped = 2,  // the lane's time cap ended the visit; the times cover what ran until then
+  kShadowCapped =
+      2,  // a cap of the lane ended the visit; the times are those of what ran until then
 };
 
 // The properties of the scene that matter to a broad phase (sweepstake.v1.SceneDescriptor). A value
@@ -101,7 +102,7 @@ enum class Outcome : uint32_t {
   kSwitched = 2,
   kHeldCooldown = 3,
   kHeldSettling = 4,  // all frames were settling ones, or a commanded switch is under way
-  kNoFrames = 5,      // no frame has arrived since the last tick
+  kNoFrames = 5,      // no frame to learn from has arrived since the last tick
   kManual = 6,
   kExploring = 7,  // there is no candidate; a command, if any, names the next arm of the order
   kRejected = 8,   // a metric of the window is not finite

@@ -37,9 +37,10 @@ void Window::Add(const Frame& frame) {
 }
 
 // Moved by so much up or down, whichever way a frame lies, the typical time comes to rest where as
-// many frames lie above as below. Frames without a search say nothing of it.
+// many frames lie above as below.
 void Window::AddCalm(double detection_ns) {
   if (detection_ns == 0) return;
+  ++calm_frame_count_;
   double& typical_ns = typical_detection_ns_;
   if (typical_ns == 0) typical_ns = detection_ns;
   if (detection_ns > kMaxCalmRatio * typical_ns) ++long_frame_count_;
@@ -60,13 +61,13 @@ WindowMetrics Window::Metrics() const {
   metrics.fps = frames / time_ns_ * 1e9;
   const bool rebuilds_only = ordinary_frame_count_ == 0;
   const double rebuild_ms = rebuild_detection_ns_ / frames * 1e-6;
-  const auto ordinary_frames = static_cast<double>(ordinary_frame_count_);
   metrics.detection_ms =
-      rebuilds_only ? rebuild_ms : ordinary_detection_ns_ / ordinary_frames * 1e-6;
-  const bool stays_long = long_frame_count_ * kFramesPerInterruption > ordinary_frame_count_;
-  metrics.calm_detection_ms = rebuilds_only || stays_long
-                                  ? metrics.detection_ms
-                                  : calm_detection_ns_ / ordinary_frames * 1e-6;
+      rebuilds_only ? rebuild_ms
+                    : ordinary_detection_ns_ / static_cast<double>(ordinary_frame_count_) * 1e-6;
+  const bool stays_long = long_frame_count_ * kFramesPerInterruption > calm_frame_count_;
+  const double calm_ns = stays_long ? ordinary_detection_ns_ : calm_detection_ns_;
+  metrics.calm_detection_ms =
+      calm_frame_count_ == 0 ? rebuild_ms : calm_ns / static_cast<double>(calm_frame_count_) * 1e-6;
   metrics.native_mib = static_cast<double>(peak_bytes_) / (1024.0 * 1024.0);
   metrics.check_ratio =
       pair_count_ > 0 ? check_count_ / pair_count_ : (check_count_ > 0 ? 1.0 : 0.0);

@@ -15,9 +15,10 @@ namespace sweepstake::decision {
 struct WindowMetrics {
   double fps = 0;           // frames ÷ unscaled time; infinite if the frames took no time
   double detection_ms = 0;  // mean of update and search per frame
-  // The same mean, with no frame counted for more than twice the typical one of the run, unless
-  // more than a fifth of the frames are longer: what interrupts the frame thread lengthens a few
-  // frames to many times their time, and is no arm's.
+  // The same mean over the frames with a search alone, none of which counts for more than twice the
+  // typical one of the run, unless more than a fifth of them are longer: what interrupts the frame
+  // thread lengthens a few frames to many times their time, and is no arm's; nor is how often a
+  // game searches.
   double calm_detection_ms = 0;
   double native_mib = 0;  // peak
   // Checks ÷ n(n−1)/2, both summed over the frames. Without any pair it is 0 if nothing was
@@ -37,6 +38,8 @@ class Window {
 
   bool empty() const { return frame_count_ == 0; }
   uint64_t frame_count() const { return frame_count_; }
+  // Whether any frame searched, without which a window says nothing of its arm (a menu).
+  bool has_search() const { return ordinary_detection_ns_ > 0 || rebuild_detection_ns_ > 0; }
   // REQUIRES: !empty().
   WindowMetrics Metrics() const;
 
@@ -44,11 +47,11 @@ class Window {
   template <typename Self>
   static auto Fields(Self& window) {
     auto& [frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns, calm_detection_ns,
-           long_frame_count, typical_detection_ns, rebuild_detection_ns, check_count, pair_count,
-           peak_bytes] = window;
+           calm_frame_count, long_frame_count, typical_detection_ns, rebuild_detection_ns,
+           check_count, pair_count, peak_bytes] = window;
     return std::tie(frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns,
-                    calm_detection_ns, long_frame_count, typical_detection_ns, rebuild_detection_ns,
-                    check_count, pair_count, peak_bytes);
+                    calm_detection_ns, calm_frame_count, long_frame_count, typical_detection_ns,
+                    rebuild_detection_ns, check_count, pair_count, peak_bytes);
   }
 
  private:
@@ -59,7 +62,8 @@ class Window {
   double time_ns_ = 0;
   double ordinary_detection_ns_ = 0;
   double calm_detection_ns_ = 0;     // as far as a frame does not exceed twice the typical one
-  uint64_t long_frame_count_ = 0;    // frames that exceed it
+  uint64_t calm_frame_count_ = 0;    // ordinary frames with a search
+  uint64_t long_frame_count_ = 0;    // those that exceed it
   double typical_detection_ns_ = 0;  // near the median of the run's searches; 0: none yet
   double rebuild_detection_ns_ = 0;
   double check_count_ = 0;

@@ -100,7 +100,7 @@ std::vector<RecordedSwitch> Switches(const GameRun& run) {
   for (const SwitchEvent& event : run.switches()) {
     RecordedSwitch kept{Seconds(event.time_ns), event.frame_index, event.from, event.to,
                         static_cast<uint32_t>(event.reason)};
-    const SwitchOutcome outcome = run.OutcomeOf(event.switch_epoch);
+    const SwitchOutcome outcome = OutcomeOf(run.outcomes(), event.switch_epoch);
     kept.rebuild_ns = outcome.rebuild_time_ns;
     kept.settling_ns = outcome.settling_cost_ns;
     switches.push_back(kept);

@@ -69,11 +69,17 @@ uint64_t GameRun::Pace(uint64_t now_ns) {
   return SteadyClock().NowNs();
 }
 
-SwitchOutcome GameRun::OutcomeOf(uint32_t switch_epoch) const {
-  for (const SwitchOutcome& outcome : outcomes_) {
-    if (outcome.executed == 1 && outcome.switch_epoch == switch_epoch) return outcome;
+SwitchOutcome OutcomeOf(std::span<const SwitchOutcome> outcomes, uint32_t switch_epoch) {
+  SwitchOutcome found{};
+  for (SwitchOutcome outcome : outcomes) {
+    if (outcome.executed == 0 || outcome.switch_epoch != switch_epoch) continue;
+    if (found.trial_detection_time_ns > 0) {
+      outcome.trial_detection_time_ns = found.trial_detection_time_ns;
+      outcome.trial_arm = found.trial_arm;
+    }
+    found = outcome;
   }
-  return {};
+  return found;
 }
 
 void GameRun::Account(uint64_t step_ns, uint64_t path_ns, const FrameSample& sample) {

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -73,8 +74,6 @@ class GameRun final : private FrameSink {
   const FrameProfile& profile() const { return profile_; }
   // Returns the outcomes of the switches in the order in which they settled, at most 65,536.
   const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
-  // Returns the outcome of the switch with this epoch; all zeros if it has not settled.
-  SwitchOutcome OutcomeOf(uint32_t switch_epoch) const;
 
  private:
   GameRun(Scene& scene, FrameSink& sink, uint64_t frame_interval_ns);
@@ -116,5 +115,9 @@ ShadowOptions ScaledShadow(ShadowMode mode, double time_scale);
 std::string ReasonName(SwitchReason reason);
 // Returns "unknown", "stable", "tie", "ambiguous" or "degraded".
 std::string VerdictName(Verdict verdict);
+
+// Returns the outcome of the switch with this epoch, all zeros if there is none. The way back from
+// a trial has two, at once and once it has settled: the result has what either tells.
+SwitchOutcome OutcomeOf(std::span<const SwitchOutcome> outcomes, uint32_t switch_epoch);
 
 }  // namespace sweepstake::cli

@@ -118,7 +118,7 @@ RunSummary Summarize(const RunSetup& setup, const GameRun& run, const SessionSta
                      .verdict_changes = {}};
   for (const SwitchEvent& event : run.switches()) {
     SwitchRow row = ToRow(event, adaptive);
-    const SwitchOutcome outcome = run.OutcomeOf(event.switch_epoch);
+    const SwitchOutcome outcome = OutcomeOf(run.outcomes(), event.switch_epoch);
     row.rebuild_time_ns = outcome.rebuild_time_ns;
     row.settling_cost_ns = outcome.settling_cost_ns;
     row.trial_detection_time_ns = outcome.trial_detection_time_ns;

@@ -33,9 +33,12 @@ int FailAnswer(Terminal& terminal, const Status& status) {
                                                                                  : exit_code;
 }
 
-void SayConnection(Terminal& terminal, const Status& status) {
-  const std::string text = status.ok() ? "connected again" : status.message() + "; trying again";
+void Say(Terminal& terminal, const std::string& text) {
   terminal.err << "sweepstake: " << text << std::endl;
+}
+
+void SayConnection(Terminal& terminal, const Status& status) {
+  Say(terminal, status.ok() ? "connected again" : status.message() + "; trying again");
 }
 
 std::string CutToColumns(const std::string& text, size_t columns) {

@@ -32,6 +32,8 @@ int Fail(Terminal& terminal, const Status& status);
 // understood and refused.
 int FailAnswer(Terminal& terminal, const Status& status);
 
+// Prints "sweepstake: TEXT" to `err`.
+void Say(Terminal& terminal, const std::string& text);
 // Prints "sweepstake: MESSAGE; trying again", or of OK that it is connected again.
 void SayConnection(Terminal& terminal, const Status& status);
 

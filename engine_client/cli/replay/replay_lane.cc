@@ -51,9 +51,14 @@ double ReplayLane::ErrorOfVisit(uint32_t arm) const {
 }
 
 std::optional<decision::ShadowSample> ReplayLane::Advance(const Place& place) {
+  const auto now_ns = static_cast<uint64_t>(place.now_ns);
+  if (!visit_ && !schedule_.IsDue(now_ns, place.search_ns)) {
+    next_event_ns_ = place.now_ns + static_cast<int64_t>(scene_.options().frame_ns);
+    return std::nullopt;
+  }
   if (!visit_) {
     sweep_ = place;
-    schedule_.Begin(static_cast<uint64_t>(place.now_ns), place.active_arm,
+    schedule_.Begin(now_ns, place.search_ns, place.active_arm,
                     scene_.object_count(place.trace_frame));
     BeginVisit(place.now_ns);
     if (visit_) RepeatVisit();
@@ -129,11 +134,13 @@ int64_t ReplayLane::WarmUp(uint32_t arm, const Place& place) {
   const auto frame_ns = static_cast<int64_t>(scene_.options().frame_ns);
   const size_t count = std::min<size_t>(frames.size(), kPreparationFrames);
   int64_t ready_ns = place.now_ns;
+  int64_t work_ns = 0;
   for (const uint64_t ns : frames.first(count)) {
+    work_ns += static_cast<int64_t>(ns);
     ready_ns += std::max(static_cast<int64_t>(ns), frame_ns);
   }
-  schedule_.Spend(static_cast<uint64_t>(ready_ns - place.now_ns));
-  Charge(place.now_ns, ready_ns);
+  schedule_.Spend(static_cast<uint64_t>(work_ns));
+  Charge(ready_ns - work_ns, ready_ns);
   next_event_ns_ = std::max(next_event_ns_, place.now_ns) + (ready_ns - place.now_ns);
   return ready_ns;
 }

@@ -45,12 +45,14 @@ class ReplayLane {
 
   // The position of the game.
   struct Place {
-    int64_t now_ns = 0;  // the end of this frame
+    int64_t now_ns = 0;      // the end of this frame
+    uint64_t search_ns = 0;  // what all searches have taken
     uint32_t game_frame = 0;
     uint32_t trace_frame = 0;
     uint32_t active_arm = 0;
   };
-  // Begins a sweep or ends the current visit, and returns what an ended visit measured. REQUIRES:
+  // Begins a sweep, if the searches allow for it, or ends the current visit, and returns what an
+  // ended visit measured. REQUIRES:
   // place.now_ns >= next_event_ns().
   std::optional<decision::ShadowSample> Advance(const Place& place);
 

@@ -58,7 +58,7 @@ class Game {
   void NoteTimes();
   void Judge(const decision::Diagnosis& diagnosis);
   ReplayLane::Place place(int64_t now_ns) const {
-    return {now_ns, game_frame_, trace_frame_, arm_};
+    return {now_ns, search_ns_, game_frame_, trace_frame_, arm_};
   }
   ReplayResult Finish();
 
@@ -71,7 +71,8 @@ class Game {
   ReplayResult result_;
   ArmTimes since_tick_;  // of the frames since the latest tick
 
-  int64_t now_ns_ = 0;  // end of the latest frame
+  int64_t now_ns_ = 0;      // end of the latest frame
+  uint64_t search_ns_ = 0;  // of all frames
   uint32_t game_frame_ = 0;
   uint32_t trace_frame_ = 0;
   uint32_t arm_;
@@ -125,6 +126,7 @@ void Game::PlayFrame() {
   NoteTimes();
   Load(frame);
   now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
+  search_ns_ += frame.detection_time_ns;
   TickUntil(now_ns_);
   Batch(frame);
   if (metering_) Meter(frame);

@@ -192,8 +192,8 @@ class AdaptiveBroadPhase {
   void SetLastDecision(const LastDecision& decision);
   // Returns that decision; absent before the first. Any thread; lock-free.
   std::optional<LastDecision> last_decision() const;
-  // Returns the outcome that was reported to the sink latest: of a switch that has settled, or was
-  // refused; absent before the first. Any thread; lock-free.
+  // Returns the outcome that was reported to the sink latest: of a switch that has settled, was
+  // refused, or has ended a trial just now; absent before the first. Any thread; lock-free.
   std::optional<SwitchOutcome> last_outcome() const;
 
   SwitchMailbox& mailbox();

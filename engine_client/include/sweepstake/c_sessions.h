@@ -151,7 +151,7 @@ typedef struct swp_shadow_stats {
 /* What the decider's beliefs say about the scene. */
 typedef uint32_t swp_verdict_kind;
 enum {
-  SWP_VERDICT_UNKNOWN = 0,   /* nothing learnt yet */
+  SWP_VERDICT_UNKNOWN = 0,   /* nothing decided yet */
   SWP_VERDICT_STABLE = 1,    /* the leader is the best arm with a probability of 0.8 or more */
   SWP_VERDICT_TIE = 2,       /* below 0.8, but choosing the leader loses 0.5 % or less */
   SWP_VERDICT_AMBIGUOUS = 3, /* below 0.8, and it may lose more: expect switches */
@@ -274,8 +274,8 @@ SWP_API swp_result swp_session_verdict(const swp_session* session, swp_verdict* 
  * outcome is SWP_DECISION_NONE before the first. It stays when the decider is detached. Lock-free,
  * and the frame thread does not wait for it. */
 SWP_API swp_result swp_session_last_decision(const swp_session* session, swp_decision* decision);
-/* The outcome of the latest switch that has settled or was refused, whoever asked for it; all 0
- * before the first. Lock-free, and draining does not take it away. */
+/* The outcome of the latest switch that has settled, was refused, or has ended a trial just now,
+ * whoever asked for it; all 0 before the first. Lock-free, and draining does not take it away. */
 SWP_API swp_result swp_session_last_outcome(const swp_session* session,
                                             swp_switch_outcome* outcome);
 /* The numbers of samples, and of switch outcomes and descriptors together, that full queues dropped

@@ -49,7 +49,7 @@ struct SceneDescriptor {
 // Bits of ShadowSample::flags; the same values as sweepstake.v1.ShadowFlag.
 enum ShadowFlag : uint32_t {
   kShadowActive = 1,  // the arm that was active on the frame thread
-  kShadowCapped = 2,  // ended at the lane's time cap: the times are those of the frames until then
+  kShadowCapped = 2,  // a cap of the lane ended it: the times are those of what ran until then
 };
 
 // One visit of the shadow lane: the cost of an arm off the frame thread, on copies of consecutive

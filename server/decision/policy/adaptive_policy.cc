@@ -247,9 +247,15 @@ std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
   return std::min(std::max(min_ns, earned_ns), options_.cooldown_ns);
 }
 
+// For how long a switch is reckoned with, and a visit of the lane: no cooldown is shorter than what
+// an arm takes to settle and be measured, whatever the options allow.
+double AdaptivePolicy::HorizonSeconds() const {
+  const int64_t shortest_ns = options_.settling_ns + options_.decision_interval_ns;
+  return kHorizonCooldowns * Seconds(std::max(options_.cooldown_ns, shortest_ns));
+}
+
 bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
-  return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <=
-                                kHorizonCooldowns * Seconds(options_.cooldown_ns);
+  return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <= HorizonSeconds();
 }
 
 // Returns whether the arm may be chosen: it was observed, it has a prior, or the lane will not
@@ -284,7 +290,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   GateTerms& terms = result.terms;
   terms.gain = ExpectedGain(difference.mean, deviation);
   terms.loss = ExpectedGain(-difference.mean, deviation);
-  terms.horizon_s = kHorizonCooldowns * Seconds(options_.cooldown_ns);
+  terms.horizon_s = HorizonSeconds();
   if (!observed_[candidate]) {
     // Part of the belief about an unobserved arm ignores what is assumed of it.
     const double flat = ExpectedGain(0, kUnknownDeviation);

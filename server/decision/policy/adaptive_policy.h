@@ -115,6 +115,7 @@ class AdaptivePolicy : public Policy {
   void AdvanceTo(int64_t now_ns);
   void AdvanceBans(double intervals);
   void UpdatePosteriors();
+  double HorizonSeconds() const;
   bool LaneReports(int64_t now_ns) const;
   bool IsKnownEnough(uint32_t arm, int64_t now_ns) const;
   bool IsSafe(uint32_t arm, const ChoiceInput& input) const;

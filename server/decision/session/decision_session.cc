@@ -264,7 +264,9 @@ void DecisionSession::Diagnose(std::optional<double> fps) {
 }
 
 std::optional<Outcome> DecisionSession::Learn(Decision& decision) {
-  if (run().window().empty()) {
+  // What a game does without searching says nothing of what an arm costs.
+  const bool goes_by_cost = policy_kind_.reward_version == kLogCostRewardVersion;
+  if (run().window().empty() || (goes_by_cost && !run().window().has_search())) {
     const bool first = decision.record.decision_id == setup_.decision_count + 1;
     if (first && StartsFromPriors(setup_, policy_kind_)) return std::nullopt;
     return run().settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;

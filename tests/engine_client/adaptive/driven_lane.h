@@ -108,6 +108,8 @@ class DrivenLane : public ::testing::Test {
 
   void Frame() {
     clock_.Advance(frame_ns_);
+    LaneCost& cost = lane_->cost();
+    cost.End(cost.Begin(), frame_ns_ / frames_per_search_time_, 0);
     lane_->OnFrame(std::vector<Aabb>(object_count_),
                    {.frame_index = frame_index_++, .frame_time_ns = frame_ns_, .arm = 1});
     lane_->Step();
@@ -140,7 +142,8 @@ class DrivenLane : public ::testing::Test {
   uint64_t frame_index_ = 0;
   size_t object_count_ = 20;
   uint64_t frame_ns_ = 10 * kMs;
-  uint64_t search_ns_ = 100'000 * kMs;
+  uint64_t search_ns_ = 100'000 * kMs;   // that of MakeItCost
+  uint64_t frames_per_search_time_ = 1;  // a frame's time ÷ that of its searches
   int made_count_ = 0;
 };
 

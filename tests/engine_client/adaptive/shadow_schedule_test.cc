@@ -19,7 +19,7 @@ class ShadowScheduleTest : public ::testing::Test {
  protected:
   std::vector<uint32_t> Sweep(uint32_t active_arm = 0, uint32_t object_count = 1000) {
     now_ns_ = std::max(now_ns_, schedule_.next_sweep_ns());
-    schedule_.Begin(now_ns_, active_arm, object_count);
+    schedule_.Begin(now_ns_, search_ns_, active_arm, object_count);
     std::vector<uint32_t> visited;
     while (const auto arm = schedule_.NextArm()) {
       visited.push_back(*arm);
@@ -53,6 +53,7 @@ class ShadowScheduleTest : public ::testing::Test {
   ShadowSchedule schedule_{options_, 3};
   uint64_t now_ns_ = 5 * kMs;
   uint64_t busy_ns_ = 0;
+  uint64_t search_ns_ = 0;
 };
 
 TEST_F(ShadowScheduleTest, BeginsAtOnceWithEveryArmTheActiveOneFirst) {
@@ -156,12 +157,32 @@ TEST_F(ShadowScheduleTest, VisitsEveryArmAgainWhenTheActiveOnesCostOrTheObjectCo
 }
 
 TEST_F(ShadowScheduleTest, WorksForHalfAsLongAsTheGameSearchesAndNowAndThen) {
-  EXPECT_TRUE(schedule_.MayWork(now_ns_, 0));
+  EXPECT_TRUE(schedule_.IsDue(now_ns_, 0));
   Sweep();
   schedule_.Spend(ShadowSchedule::kWorkAheadNs);
-  EXPECT_FALSE(schedule_.MayWork(now_ns_, busy_ns_));
-  EXPECT_TRUE(schedule_.MayWork(now_ns_, 2 * busy_ns_));
-  EXPECT_TRUE(schedule_.MayWork(now_ns_ + ShadowSchedule::kMaxSpacingNs, 0));
+  const uint64_t next_ns = schedule_.next_sweep_ns();
+  EXPECT_FALSE(schedule_.IsDue(next_ns, busy_ns_));
+  EXPECT_TRUE(schedule_.IsDue(next_ns, 2 * busy_ns_));
+  EXPECT_FALSE(schedule_.IsDue(next_ns - 1, 2 * busy_ns_));
+  EXPECT_TRUE(schedule_.IsDue(next_ns + ShadowSchedule::kMaxSpacingNs, 0));
+}
+
+// Ten minutes in manual mode are no savings, and a scene that kept changing is no debt.
+TEST_F(ShadowScheduleTest, KeepsNoMoreOfWhatItDidOrDidNotWorkInMindThanItMayWorkAhead) {
+  for (const bool worked : {true, false}) {
+    if (worked) {
+      schedule_.Spend(300'000 * kMs);
+    } else {
+      search_ns_ += 600'000 * kMs;
+    }
+    now_ns_ += 3'000'000 * kMs;
+    Sweep();
+    const uint64_t ahead_ns = 2 * ShadowSchedule::kWorkAheadNs;
+    schedule_.Spend(2 * ahead_ns);
+    now_ns_ = schedule_.next_sweep_ns();
+    EXPECT_FALSE(schedule_.IsDue(now_ns_, search_ns_)) << worked;
+    EXPECT_TRUE(schedule_.IsDue(now_ns_, search_ns_ + 5 * ahead_ns)) << worked;
+  }
 }
 
 TEST_F(ShadowScheduleTest, NoticesACostThatDriftsAwayInSmallSteps) {

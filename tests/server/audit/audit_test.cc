@@ -369,14 +369,14 @@ TEST(AuditRuns, ComeBackWithEverythingInThem) {
 TEST(AuditRuns, OfArmsThatAreNotThereAndImpossibleSumsAreRefused) {
   std::string text;
   AppendRuns(text, ArmRuns(2, ArmRun(1, 4, 9)));
-  ASSERT_EQ(text, "0 1:4:0:0:0:9:0:0:0:0:0:0:0:0:0:0:0:0");
+  ASSERT_EQ(text, "0 1:4:0:0:0:9:0:0:0:0:0:0:0:0:0:0:0:0:0");
   EXPECT_TRUE(ParseRuns(text, 2));
   EXPECT_FALSE(ParseRuns(text, 1));
   EXPECT_FALSE(ParseRuns(text + " 1", 2));
   EXPECT_FALSE(ParseRuns(text + ":0", 2));
   EXPECT_FALSE(ParseRuns("", 2));
   for (const char* wrong : {"-1", "inf", "nan", "x", ""}) {
-    EXPECT_FALSE(ParseRuns("0 1:4:0:0:0:9:0:0:0:" + std::string(wrong) + ":0:0:0:0:0:0:0:0", 2))
+    EXPECT_FALSE(ParseRuns("0 1:4:0:0:0:9:0:0:0:" + std::string(wrong) + ":0:0:0:0:0:0:0:0:0", 2))
         << wrong;
   }
 }

@@ -74,17 +74,40 @@ TEST(Window, FramesThatStayLongCountHoweverFewAWindowHas) {
   EXPECT_NEAR(window.Metrics().calm_detection_ms, 1.1, 0.02);
 }
 
-// Physics at a quarter of the frames, and substeps of which every fourth is the dear one.
-TEST(Window, AQuarterOfTheFramesIsNoInterruption) {
-  for (const uint64_t others_ns : {0U, 20'000U}) {
-    Window window;
-    for (int i = 0; i < 200; ++i) {
-      if (i == 100) window.Clear();
-      AddFrames(window, 3, others_ns);
-      AddFrames(window, 1, 4'000'000);
-    }
-    EXPECT_NEAR(window.Metrics().calm_detection_ms, window.Metrics().detection_ms, 0.001);
+// Three frames of so long a search before each of 4 ms.
+WindowMetrics WithThreeOthers(uint64_t others_ns) {
+  Window window;
+  for (int i = 0; i < 200; ++i) {
+    if (i == 100) window.Clear();
+    AddFrames(window, 3, others_ns);
+    AddFrames(window, 1, 4'000'000);
   }
+  return window.Metrics();
+}
+
+// Substeps, of which every fourth is the dear one.
+TEST(Window, AQuarterOfTheFramesIsNoInterruption) {
+  const WindowMetrics metrics = WithThreeOthers(20'000);
+  EXPECT_NEAR(metrics.calm_detection_ms, metrics.detection_ms, 0.001);
+}
+
+// Physics at a quarter of the frames.
+TEST(Window, HowOftenAGameSearchesIsNoCostOfTheArm) {
+  const WindowMetrics metrics = WithThreeOthers(0);
+  EXPECT_DOUBLE_EQ(metrics.detection_ms, 1);
+  EXPECT_DOUBLE_EQ(metrics.calm_detection_ms, 4);
+}
+
+TEST(Window, HasASearchOnceAFrameSearched) {
+  Window window;
+  AddFrames(window, 10, 0);
+  EXPECT_FALSE(window.has_search());
+  AddFrames(window, 1, 1);
+  EXPECT_TRUE(window.has_search());
+  window.Clear();
+  EXPECT_FALSE(window.has_search());
+  window.Add({.frame_time_ns = 1, .detection_time_ns = 1, .flags = kFrameRebuild});
+  EXPECT_TRUE(window.has_search());
 }
 
 TEST(Window, RebuildFramesStayOutOfTheDetectionMeanOnly) {

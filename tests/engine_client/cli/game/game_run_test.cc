@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <fstream>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/run_summary.h"
@@ -135,6 +137,22 @@ TEST_F(GameRunTest, NotesASwitchAtItsFirstFrameAndItsOutcome) {
   EXPECT_EQ(summary.switches[0].rebuild_time_ns, run_->outcomes()[0].rebuild_time_ns);
   EXPECT_EQ(summary.active_arm, "Grid");
   EXPECT_EQ(summary.frame_count, 66U);
+}
+
+TEST(OutcomeOf, TheWayBackFromATrialHasItsCostsAndWhatEndedTheTrial) {
+  const SwitchOutcome trial_end{
+      .switch_epoch = 3, .executed = 1, .trial_detection_time_ns = 5'000, .trial_arm = 2};
+  const SwitchOutcome settled{
+      .switch_epoch = 3, .rebuild_time_ns = 70, .settling_cost_ns = 90, .executed = 1};
+  const SwitchOutcome refused{.switch_epoch = 3, .rebuild_time_ns = 1};
+  const std::vector<SwitchOutcome> outcomes{refused, trial_end, settled, refused};
+  const SwitchOutcome both = OutcomeOf(outcomes, 3);
+  EXPECT_EQ(both.rebuild_time_ns, 70U);
+  EXPECT_EQ(both.settling_cost_ns, 90U);
+  EXPECT_EQ(both.trial_detection_time_ns, 5'000U);
+  EXPECT_EQ(both.trial_arm, 2U);
+  EXPECT_EQ(OutcomeOf(std::span(outcomes).first(2), 3).rebuild_time_ns, 0U) << "not settled";
+  EXPECT_EQ(OutcomeOf(outcomes, 4).executed, 0U);
 }
 
 TEST_F(GameRunTest, NotesWhenTheVerdictChanges) {

@@ -151,9 +151,13 @@ TEST(PriorsArm, PrintsWhatTheFileSaysOfTheSceneAndOfItsNeighbours) {
   std::ofstream(file) << json{
       {"format", "sweepstake-priors"}, {"version", 1}, {"records", records}};
   const std::string command = "priors arm --in " + file + " --machine-class m --project ";
-  EXPECT_EQ(RunProgram(command + "p --scene s").out, "Tracy\n");
+  const ProgramRun own = RunProgram(command + "p --scene s");
+  EXPECT_EQ(own.out + own.err, "Tracy\n");
+  EXPECT_EQ(json::parse(RunProgram(command + "p --scene s --json").out)["of"], "scene");
   const ProgramRun neighbour = RunProgram(command + "p --scene another --json");
   EXPECT_EQ(json::parse(neighbour.out)["arm"], "Tracy") << neighbour.err;
+  EXPECT_EQ(json::parse(neighbour.out)["of"], "project");
+  EXPECT_THAT(neighbour.err, HasSubstr("has nothing that counts here of scene \"another\""));
   const ProgramRun unknown = RunProgram(command + "q --scene s");
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.err, HasSubstr("the priors say nothing of scene \"s\" of project \"q\""));

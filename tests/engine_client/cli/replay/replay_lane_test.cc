@@ -28,7 +28,8 @@ class ReplayLaneTest : public testing::Test {
     std::vector<decision::ShadowSample> visits;
     for (int i = 0; i < count; ++i) {
       const int64_t now_ns = lane_.next_event_ns();
-      if (const auto sample = lane_.Advance({now_ns, 7, 0, active_arm})) visits.push_back(*sample);
+      if (const auto sample = lane_.Advance({now_ns, 0, 7, 0, active_arm}))
+        visits.push_back(*sample);
     }
     return visits;
   }
@@ -74,6 +75,17 @@ TEST_F(ReplayLaneTest, SpacesItsSweepsByTheBudget) {
       << "half of the time is the lane's";
 }
 
+TEST_F(ReplayLaneTest, ASweepWaitsUntilTheSearchesAllowForIt) {
+  Visits(3);
+  const int64_t due_ns = lane_.next_event_ns();
+  lane_.Advance({due_ns, /*search_ns=*/500 * kMsNs, 7, 0, 0});
+  const int64_t asks_again_ns = lane_.next_event_ns();
+  EXPECT_EQ(asks_again_ns, due_ns + 10 * kMsNs) << "a frame later";
+  // Twice the 460 ms that the first sweep took, and what the lane may work ahead.
+  lane_.Advance({asks_again_ns, /*search_ns=*/750 * kMsNs, 8, 0, 0});
+  EXPECT_NEAR(static_cast<double>(lane_.next_event_ns() - asks_again_ns), 2 * 115e6, 20);
+}
+
 TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
   // The frames of 10 ms were recorded with 50 µs each.
   ReplayLane capped(scene_, {.duty_ratio = 0.5, .visit_cap_ns = 45 * kMsNs / 200});
@@ -96,7 +108,7 @@ TEST_F(ReplayLaneTest, WarmingAnArmUpDelaysTheVisitUnderWay) {
   Visits(1);
   const int64_t visit_end_ns = lane_.next_event_ns();
   // 40 ms to build, three frames of the game that take 10 ms or as long as the arm's.
-  const int64_t ready_ns = lane_.WarmUp(0, {5 * kMsNs, 1, 1, 1});
+  const int64_t ready_ns = lane_.WarmUp(0, {5 * kMsNs, 0, 1, 1, 1});
   EXPECT_NEAR(static_cast<double>(ready_ns), (5 + 40 + 10 + 10 + 11) * 1e6, 10);
   EXPECT_EQ(lane_.next_event_ns(), visit_end_ns + ready_ns - 5 * kMsNs);
 }

@@ -31,11 +31,7 @@ std::vector<BetaPosterior> PriorsOf(const std::vector<double>& cost_us) {
   return priors;
 }
 
-SceneDescriptor MovingAt(double speed) {
-  SceneDescriptor descriptor;
-  descriptor.speed_mean = speed;
-  return descriptor;
-}
+SceneDescriptor MovingAt(double speed) { return {{}, {}, {}, speed, {}, {}, {}}; }
 
 // A game all of whose frame time is detection, unless it is given other work.
 class Game {
@@ -103,11 +99,15 @@ class Game {
   uint64_t sweep_ = 0;
 };
 
-TEST(AdaptivePolicy, IsOnTheCheapestArmAfterTheFirstSweep) {
-  Game game({90'000, 12'000, 10'000, 20'000});
-  game.RunTicks(2);  // the first one has settling frames only
-  EXPECT_EQ(game.client.arm, 2u);
-  EXPECT_GE(game.TicksOn(2, 100), 90);
+TEST(AdaptivePolicy, IsOnTheCheapestArmAfterTheFirstSweepHoweverShortTheCooldown) {
+  SessionSetup setup = AdaptiveSetup(4);
+  for (const int64_t cooldown_ns : {40 * kSecond, 1 * kSecond, 0 * kSecond}) {
+    setup.options.cooldown_ns = cooldown_ns;
+    Game game(setup, {90'000, 12'000, 10'000, 20'000});
+    game.RunTicks(2);  // the first one has settling frames only
+    EXPECT_EQ(game.client.arm, 2u) << cooldown_ns;
+    EXPECT_GE(game.TicksOn(2, 100), 90) << cooldown_ns;
+  }
 }
 
 TEST(AdaptivePolicy, NeverRunsAnArmThatTheLaneShowsToBeFarWorse) {

@@ -81,6 +81,19 @@ TEST(Window, LeavesOutPausedAndLoadingFrames) {
   EXPECT_EQ(client.session.counts().suspended_frame_count, 400u);
 }
 
+// A menu in which the game searches nothing, of which it tells nobody.
+TEST(Window, WithoutASearchTeachesNothing) {
+  SessionSetup setup = PlainSetup(1);
+  setup.options.policy = "adaptive";
+  ScriptedClient client(setup);
+  client.Settle();
+  client.RunToTick();
+  const BetaPosterior before = client.session.posteriors()[0];
+  client.frame.detection_time_ns = 0;
+  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kNoFrames);
+  EXPECT_EQ(client.session.posteriors()[0], before);
+}
+
 TEST(Window, LeavesOutFramesOfAnEarlierEpoch) {
   ScriptedClient client(PlainSetup(2));
   client.obedient = false;

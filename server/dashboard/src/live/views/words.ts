@@ -28,7 +28,7 @@ const OUTCOMES: Readonly<Record<DecisionOutcome, Word>> = {
   [DecisionOutcome.HELD_COOLDOWN]: word('held: cooldown', '○', 'Another arm looks better, but the last switch is too recent.'),
   [DecisionOutcome.HELD_SETTLING]: word('held: settling', '◌',
     'The active arm is new, or a switch is under way; first frames build structures and warm caches, so that nothing is learnt from them.'),
-  [DecisionOutcome.NO_FRAMES]: word('no frames', '–', 'No frame has come since the last decision: the game pauses, loads, or stands still.'),
+  [DecisionOutcome.NO_FRAMES]: word('no frames', '–', 'No frame that searches has come since the last decision: the game pauses, loads, shows a menu, or stands still.'),
   [DecisionOutcome.MANUAL]: word('manual', '✋', 'The game keeps to an arm that a person chose; what it costs is recorded, and not learnt.'),
   [DecisionOutcome.EXPLORING]: word('exploring', '⌕', 'At the start every arm is measured once before any is preferred.'),
   [DecisionOutcome.REJECTED]: word('rejected', '✗', 'A measurement was no finite number; the whole window was thrown away.'),
@@ -45,7 +45,7 @@ const REASONS: Readonly<Record<SwitchReason, Word>> = {
 };
 
 const VERDICTS: Readonly<Record<Verdict, Word>> = {
-  [Verdict.UNSPECIFIED]: word('unknown', '?', 'Nothing is learnt yet.'),
+  [Verdict.UNSPECIFIED]: word('unknown', '?', 'Nothing is decided yet.'),
   [Verdict.STABLE]: word('stable', '●', 'One arm is the best with a probability of 0.8 or more.'),
   [Verdict.TIE]: word('tie', '=', 'No arm is certainly the best, but the leader loses 0.5 % or less: it does not matter.'),
   [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No arm is certainly the best, and the leader may lose more than 0.5 %: more measurements are needed.'),
@@ -54,7 +54,7 @@ const VERDICTS: Readonly<Record<Verdict, Word>> = {
 
 const MODES: Readonly<Record<Mode, Word>> = {
   [Mode.UNSPECIFIED]: UNKNOWN,
-  [Mode.MANUAL]: word('Manual', '✋', 'The game keeps to an arm that a person chose; nothing is learnt.'),
+  [Mode.MANUAL]: word('Manual', '✋', 'The game keeps to an arm that a person chose; nothing is stored.'),
   [Mode.AI]: word('AI decides', '◆', 'The daemon chooses the arm.'),
 };
 

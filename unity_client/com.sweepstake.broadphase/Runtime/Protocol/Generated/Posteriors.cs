@@ -130,7 +130,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_HELD_SETTLING")] HeldSettling = 4,
     /// <summary>
-    /// No frame since the last tick; nothing was learnt.
+    /// No frame to learn from since the last tick.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_NO_FRAMES")] NoFrames = 5,
     /// <summary>

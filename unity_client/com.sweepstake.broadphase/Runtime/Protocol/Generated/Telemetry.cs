@@ -188,7 +188,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("MODE_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The game chose the arm; everything is recorded, nothing is learnt.
+    /// The game chose the arm; everything is recorded, and only the shadow lane is learnt from, of which nothing is stored.
     /// </summary>
     [pbr::OriginalName("MODE_MANUAL")] Manual = 1,
     /// <summary>
@@ -312,7 +312,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   public enum Verdict {
     /// <summary>
-    /// Nothing learnt yet.
+    /// Nothing decided yet.
     /// </summary>
     [pbr::OriginalName("VERDICT_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
