@@ -57,8 +57,7 @@ struct ShadowSample {
 // The bits of ShadowSample::flags have the values of sweepstake.v1.ShadowFlag.
 enum ShadowFlag : uint32_t {
   kShadowActive = 1,  // the arm was active on the frame thread
-  kShadowCapped =
-      2,  // a cap of the lane ended the visit; the times are those of what ran until then
+  kShadowCapped = 2,  // a cap of the lane ended the visit; the times cover what ran until then
 };
 
 // The properties of the scene that matter to a broad phase (sweepstake.v1.SceneDescriptor). A value

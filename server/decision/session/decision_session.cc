@@ -232,8 +232,7 @@ Decision DecisionSession::Open(int64_t now_ns) {
 
 void DecisionSession::UpdateStandings() {
   const std::vector<BetaPosterior>& posteriors = policy_->posteriors();
-  const bool tells_costs =
-      policy_kind_.reward_version == kLogCostRewardVersion && !diagnosis_.best_probability.empty();
+  const bool tells_costs = goes_by_cost() && !diagnosis_.best_probability.empty();
   for (uint32_t arm = 0; arm < standings_.size(); ++arm) {
     const double evidence = std::max(posteriors[arm].evidence() - BetaPosterior().evidence(), 0.0);
     standings_[arm].effective_window_count = evidence / policy_->WindowEvidence(arm);
@@ -263,10 +262,13 @@ void DecisionSession::Diagnose(std::optional<double> fps) {
   if (frame_rate_floor_.degraded()) diagnosis_.verdict = Verdict::kDegraded;
 }
 
+bool DecisionSession::goes_by_cost() const {
+  return policy_kind_.reward_version == kLogCostRewardVersion;
+}
+
 std::optional<Outcome> DecisionSession::Learn(Decision& decision) {
   // What a game does without searching says nothing of what an arm costs.
-  const bool goes_by_cost = policy_kind_.reward_version == kLogCostRewardVersion;
-  if (run().window().empty() || (goes_by_cost && !run().window().has_search())) {
+  if (run().window().empty() || (goes_by_cost() && !run().window().has_search())) {
     const bool first = decision.record.decision_id == setup_.decision_count + 1;
     if (first && StartsFromPriors(setup_, policy_kind_)) return std::nullopt;
     return run().settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;

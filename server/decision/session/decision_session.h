@@ -172,6 +172,8 @@ class DecisionSession {
   Decision Open(int64_t now_ns);
   Decision Close(Decision decision);
   void LearnScene(Decision& decision);
+  // Whether the policy's rewards are of the cost alone.
+  bool goes_by_cost() const;
   std::optional<Outcome> Learn(Decision& decision);
   std::optional<Outcome> Choose(DecisionRecord& record, bool bailed_out) const;
   void SampleAndGate(Decision& decision, std::optional<Outcome> hold);

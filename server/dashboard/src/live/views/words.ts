@@ -54,7 +54,7 @@ const VERDICTS: Readonly<Record<Verdict, Word>> = {
 
 const MODES: Readonly<Record<Mode, Word>> = {
   [Mode.UNSPECIFIED]: UNKNOWN,
-  [Mode.MANUAL]: word('Manual', '✋', 'The game keeps to an arm that a person chose; nothing is stored.'),
+  [Mode.MANUAL]: word('Manual', '✋', 'The game keeps to an arm that a person chose; nothing becomes evidence.'),
   [Mode.AI]: word('AI decides', '◆', 'The daemon chooses the arm.'),
 };
 

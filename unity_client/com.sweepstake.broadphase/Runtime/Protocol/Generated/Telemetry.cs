@@ -188,7 +188,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("MODE_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The game chose the arm; everything is recorded, and only the shadow lane is learnt from, of which nothing is stored.
+    /// The game chose the arm; everything is recorded, only the shadow lane is learnt from, and nothing becomes evidence.
     /// </summary>
     [pbr::OriginalName("MODE_MANUAL")] Manual = 1,
     /// <summary>

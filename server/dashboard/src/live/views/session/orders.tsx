@@ -29,7 +29,7 @@ async function ask({ sessionId, mode, activeArm }: SessionInfo, order: Order): P
     <>
       <p>{order.mode === Mode.AI
         ? 'The daemon chooses the arm again, and learns from what it costs.'
-        : <>The game keeps to <Name text={order.arm} /> until it is told otherwise; nothing is stored meanwhile.</>}</p>
+        : <>The game keeps to <Name text={order.arm} /> until it is told otherwise; nothing becomes evidence meanwhile.</>}</p>
       <p class="soft">The order is in the audit log. You can undo it.</p>
     </>
   );
