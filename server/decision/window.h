@@ -38,8 +38,11 @@ class Window {
 
   bool empty() const { return frame_count_ == 0; }
   uint64_t frame_count() const { return frame_count_; }
-  // Whether any frame searched, without which a window says nothing of its arm (a menu).
-  bool has_search() const { return ordinary_detection_ns_ > 0 || rebuild_detection_ns_ > 0; }
+  // Whether it says what its arm costs: a frame searched without a rebuild, or all of them rebuilt.
+  // In a menu none may have searched.
+  bool tells_cost() const {
+    return calm_frame_count_ > 0 || (ordinary_frame_count_ == 0 && rebuild_detection_ns_ > 0);
+  }
   // REQUIRES: !empty().
   WindowMetrics Metrics() const;
 

@@ -189,7 +189,7 @@ Decision DecisionSession::Tick(int64_t now_ns) {
     const std::optional<Outcome> hold = Learn(decision);
     SampleAndGate(decision, hold);
   }
-  Diagnose(run().window().empty() ? std::nullopt : std::optional(run().window().Metrics().fps));
+  Diagnose(window_teaches() ? std::optional(run().window().Metrics().fps) : std::nullopt);
   shadow_samples_.clear();
   descriptor_.reset();
   runs_.ClearWindow();
@@ -266,9 +266,14 @@ bool DecisionSession::goes_by_cost() const {
   return policy_kind_.reward_version == kLogCostRewardVersion;
 }
 
+// What a game does without searching says nothing of what an arm costs.
+bool DecisionSession::window_teaches() const {
+  const Window& window = run().window();
+  return !window.empty() && (!goes_by_cost() || window.tells_cost());
+}
+
 std::optional<Outcome> DecisionSession::Learn(Decision& decision) {
-  // What a game does without searching says nothing of what an arm costs.
-  if (run().window().empty() || (goes_by_cost() && !run().window().has_search())) {
+  if (!window_teaches()) {
     const bool first = decision.record.decision_id == setup_.decision_count + 1;
     if (first && StartsFromPriors(setup_, policy_kind_)) return std::nullopt;
     return run().settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;

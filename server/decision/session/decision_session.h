@@ -174,6 +174,7 @@ class DecisionSession {
   void LearnScene(Decision& decision);
   // Whether the policy's rewards are of the cost alone.
   bool goes_by_cost() const;
+  bool window_teaches() const;
   std::optional<Outcome> Learn(Decision& decision);
   std::optional<Outcome> Choose(DecisionRecord& record, bool bailed_out) const;
   void SampleAndGate(Decision& decision, std::optional<Outcome> hold);

@@ -235,8 +235,12 @@ async function checkCompare(page, daemon, { sessionId }) {
   await isNarrow(page, 'two sessions');
   await page.reload();
   await chart(page, 'timeline').nth(1).locator('path.span[d^=M]').first().waitFor();
-  await chart(page, 'timeline').nth(1).locator('svg.picture').focus();
-  await page.keyboard.press('Home');
+  const theirs = chart(page, 'timeline').nth(1);
+  await until('the first decision is said', async () => {
+    await theirs.locator('svg.picture').focus();
+    await page.keyboard.press('Home');
+    return /\d/.test(await theirs.getByRole('status').innerText());
+  });
   await page.keyboard.press('Enter');
   await page.locator('.why').waitFor();
   assert.equal(new URL(page.url()).pathname, `/sessions/${other}`, 'a decision of the second session is explained in its own page');

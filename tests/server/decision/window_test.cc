@@ -98,16 +98,22 @@ TEST(Window, HowOftenAGameSearchesIsNoCostOfTheArm) {
   EXPECT_DOUBLE_EQ(metrics.calm_detection_ms, 4);
 }
 
-TEST(Window, HasASearchOnceAFrameSearched) {
+TEST(Window, TellsTheCostOnceAFrameSearched) {
   Window window;
   AddFrames(window, 10, 0);
-  EXPECT_FALSE(window.has_search());
+  EXPECT_FALSE(window.tells_cost());
   AddFrames(window, 1, 1);
-  EXPECT_TRUE(window.has_search());
-  window.Clear();
-  EXPECT_FALSE(window.has_search());
+  EXPECT_TRUE(window.tells_cost());
+}
+
+// A rebuild's time among frames that do not search is neither what a search takes nor what a
+// rebuild does on average.
+TEST(Window, TellsTheCostOfRebuildsOnlyWhereAllFramesRebuild) {
+  Window window;
   window.Add({.frame_time_ns = 1, .detection_time_ns = 1, .flags = kFrameRebuild});
-  EXPECT_TRUE(window.has_search());
+  EXPECT_TRUE(window.tells_cost());
+  AddFrames(window, 1, 0);
+  EXPECT_FALSE(window.tells_cost());
 }
 
 TEST(Window, RebuildFramesStayOutOfTheDetectionMeanOnly) {

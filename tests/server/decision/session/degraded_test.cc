@@ -92,6 +92,18 @@ TEST(Verdict, IsDegradedWhileTheOnlyArmMissesTheFloor) {
   EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kStable);
 }
 
+// Nothing of what a menu shows is the arms'.
+TEST(Verdict, TakesNoFrameRateFromFramesThatDoNotSearch) {
+  SessionSetup setup = PlainSetup(1);
+  setup.options.policy = "adaptive";
+  ScriptedClient client(setup);
+  client.Settle();
+  client.RunToTick();
+  client.frame.frame_time_ns = 50 * kMillisecond;
+  client.frame.detection_time_ns = 0;
+  EXPECT_EQ(client.RunTicks(5).record.diagnosis.verdict, Verdict::kStable);
+}
+
 TEST(Verdict, IsDegradedByBailOutsThatLeaveNoWindow) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();

@@ -4,7 +4,7 @@ import { type AuditRow, objectCountOf, RowReader, setupOf, setupPairs, unixMsOf,
 
 const ticks = rows.filter((row) => row.text('kind') === 'tick');
 
-const SAMPLE_FRAMES = '0:0:1:1:45359984:20000000:25355544:1081:1081:25355544:10363181:9991770.491909413:17:9616.543795872:0:60190080:48482850:13440';
+const SAMPLE_FRAMES = '0:0:1:1:45359984:20000000:25355544:1081:1081:25355544:10363181:9991770.491909413:1081:17:9616.543795872:0:60190080:48482850:13440';
 const SAMPLE_VISIT = '172:10579:30790:55680:13440:0:300:5';
 
 const rowWith = (columns: string, cells: string): AuditRow => {
@@ -46,10 +46,15 @@ describe('an audit log', () => {
     expect(window.detectionMs).toBeCloseTo(10.363181 / 1081, 9);
     expect(window.checkCount).toBeCloseTo(55_680, 6);
     expect(window.nativeBytes).toBe(13_440);
-    expect(windowOf(rowWith('runs', '1 0:0:1:1:19273916:20000000:0:0:0:0:0:0:0:0:0:0:0:0'))).toBeUndefined(); // all its frames settled
+    expect(windowOf(rowWith('runs', '1 0:0:1:1:19273916:20000000:0:0:0:0:0:0:0:0:0:0:0:0:0'))).toBeUndefined(); // all its frames settled
     const windows = ticks.map(windowOf).filter((each) => each !== undefined);
     expect(windows.length).toBeGreaterThan(20);
-    for (const { frameMs, detectionMs } of windows) expect(frameMs).toBeGreaterThan(detectionMs);
+    for (const { frameMs, detectionMs, checkCount, nativeBytes } of windows) {
+      expect(frameMs).toBeGreaterThan(detectionMs);
+      expect(checkCount).toBeGreaterThan(300); // of 300 objects
+      expect(nativeBytes % 8).toBe(0);
+      expect(nativeBytes).toBeLessThan(1 << 20);
+    }
   });
 
   it('tells what the lane measured, and how many objects there were', () => {

@@ -154,14 +154,15 @@ const FRAMES = 7;
 const ORDINARY_FRAMES = 8;
 const TIME_NS = 9;
 const DETECTION_NS = 10;
-const CHECKS = 15;
-const PEAK_BYTES = 17;
+const CHECKS = 16;
+const PEAK_BYTES = 18;
+const MEMBERS = 19;
 
 /** Undefined: the window has no frames. */
 export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
   const run = items(row.text('runs'))[1]?.split(':').map(Number);
   const frameCount = run?.[FRAMES] ?? 0;
-  if (!run || run.length <= PEAK_BYTES || frameCount === 0) return undefined;
+  if (!run || run.length !== MEMBERS || frameCount === 0) return undefined;
   return {
     frameCount,
     frameMs: run[TIME_NS]! / frameCount / NS_PER_MS,

@@ -25,7 +25,8 @@ export const isConnected = ({ info, ended }: SessionState) => !ended && info.sta
 export const connectedSessions: ReadonlySignal<readonly SessionState[]> = computed(() => [...held.value.values()].filter(isConnected));
 
 // Returns when the daemon last had something of the session's game, as far as the page knows, by the daemon's clock; 0: not known. The
-// session itself is told when something else of it changes; a decision about new frames is told at once.
+// session itself is told when something else of it changes; a decision that learns from frames is told at once, as one about a menu's frames
+// is not.
 export function lastMessageMs({ info, decisions }: SessionState): number {
   let last = decisions.length - 1;
   while (decisions[last]?.outcome === DecisionOutcome.NO_FRAMES) --last;

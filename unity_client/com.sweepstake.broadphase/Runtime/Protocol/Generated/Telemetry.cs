@@ -258,7 +258,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("SHADOW_FLAG_ACTIVE")] Active = 1,
     /// <summary>
-    /// Stopped at the lane's time cap: the times are those of what ran until then.
+    /// Stopped at a cap of the lane: the times are those of what ran until then.
     /// </summary>
     [pbr::OriginalName("SHADOW_FLAG_CAPPED")] Capped = 2,
   }
