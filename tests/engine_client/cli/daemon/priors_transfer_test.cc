@@ -298,7 +298,7 @@ TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {
 
 TEST(PriorsCommand, APreviewNamesTheScenesThatWouldHaveAnotherLeader) {
   FakeDaemonServices daemon;
-  v1::LeaderChanges& changes = *daemon.priors.revoke_response->mutable_leader_changes();
+  v1::LeaderChanges changes;
   changes.set_scene_count(2);
   v1::LeaderChange& change = *changes.add_scenes();
   change.set_project("arcade");
@@ -307,6 +307,7 @@ TEST(PriorsCommand, APreviewNamesTheScenesThatWouldHaveAnotherLeader) {
   change.set_reward_version(3);
   change.set_next_arm("SAP");
   daemon.priors.revoke_response->set_source_count(1);
+  *daemon.priors.revoke_response->mutable_leader_changes() = changes;
   daemon.priors.promote_response->set_source_count(1);
   *daemon.priors.promote_response->mutable_leader_changes() = changes;
   for (const char* action : {"revoke --build 1.3", "promote"}) {

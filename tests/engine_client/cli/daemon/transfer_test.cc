@@ -221,9 +221,10 @@ TEST(SessionsCommand, WatchesUntilTheDaemonRefusesIt) {
   *daemon.sessions.events->at(0).add_sessions() = Session("one");
   daemon.sessions.events->at(0).mutable_stamp()->set_boot(~0ull);
   daemon.sessions.events->at(0).mutable_stamp()->set_sequence(5);
-  v1::SessionEnded& ended = *daemon.sessions.events->at(1).add_ended();
+  v1::SessionEnded ended;
   ended.set_session_id("one");
   ended.set_end(v1::SESSION_END_KICKED);
+  *daemon.sessions.events->at(1).add_ended() = ended;
   const CommandRun text = RunCommand("sessions watch --daemon " + daemon.address());
   EXPECT_EQ(text.exit_code, 1) << "it is refused at last";
   EXPECT_THAT(text.err, HasSubstr("ended the watch; trying again\n"));
