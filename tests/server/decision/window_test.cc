@@ -104,6 +104,8 @@ TEST(Window, TellsTheCostOnceAFrameSearched) {
   EXPECT_FALSE(window.tells_cost());
   AddFrames(window, 1, 1);
   EXPECT_TRUE(window.tells_cost());
+  window.Clear();
+  EXPECT_FALSE(window.tells_cost());
 }
 
 // A rebuild's time among frames that do not search is neither what a search takes nor what a
