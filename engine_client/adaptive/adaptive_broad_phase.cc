@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine_client/broad_phase/host/core_speed.h"
 #include "engine_client/broad_phase/host/exceptions.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 
@@ -88,6 +89,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
                         .clock = SteadyClock(),
                         .mode = mode,
                         .thread_time_ns = ThreadTimeNs,
+                        .core_speed = CoreSpeed,
                         .engine_threads = EngineThreads(options),
                         .usable_cores = lane.usable_cores});
 }

@@ -276,7 +276,7 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
     kept_waiting = is_long && time_ns < cap_ns / 2;
     if (watch.end() == Watch::End::kNone || (is_long && !kept_waiting)) {
       if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
-      frame_ns[ran++] = time_ns;
+      frame_ns[ran++] = OnFastestCoreNs(time_ns);
     }
     if (watch.end() != Watch::End::kNone || native_bytes > structure_cap_bytes()) break;
   }

@@ -6,6 +6,8 @@
 // others, so that all arms of a sweep are compared on the same boxes. A sweep's first visit, or
 // kShadowWarmUpNs of it, is made twice: what follows a pause takes longer, and does not count.
 // (2 cores of AMD Zen 3, 3,000 objects: an arm took 1.2 to 1.4 times as long in a first visit.)
+// What a slower kind of core took is told as what the fastest one would have taken, by how the
+// system rates them, since the frame thread is on a fast one (core_speed.h).
 // Sweeps are spaced so that copying takes at most kCopyRatio of the frame time on average, and so
 // that their work costs the frame thread little (lane_cost.h). Without a core to spare
 // (UsableCores, asked every second) the lane rests.
@@ -54,6 +56,8 @@ class ShadowLane {
     // How long the lane's thread has run, which is what arms cost it even where it has to share its
     // core; null: the clock.
     uint64_t (*thread_time_ns)() noexcept = nullptr;
+    // That of the core which the lane's thread is on ÷ the fastest one's; null: all are alike.
+    double (*core_speed)() noexcept = nullptr;
     // The lane rests where the engine's threads leave none of these cores; null: it never does.
     size_t engine_threads = 1;
     size_t (*usable_cores)() noexcept = nullptr;
@@ -142,6 +146,11 @@ class ShadowLane {
   bool Follow(const SwitchHandover::Order& order);
 
   uint64_t WorkNs() const;
+  // Of a frame in which the thread changed cores, by the core on which it ended.
+  uint64_t OnFastestCoreNs(uint64_t time_ns) const {
+    if (setup_.core_speed == nullptr) return time_ns;
+    return static_cast<uint64_t>(setup_.core_speed() * static_cast<double>(time_ns));
+  }
   uint64_t Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes, Watch& watch);
   ArmBackend& BackendOf(uint32_t arm);
   void AccountCopies();

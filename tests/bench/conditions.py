@@ -77,16 +77,24 @@ def replayed(program, games, traces, policies, words):
     return [dict(zip(policies, rows[at:at + len(policies)])) for at in range(0, len(rows), len(policies))]
 
 
+def milliseconds(frame):
+    """Per frame: what was lost to the best fixed arm and saved against the median and the worst one, and what the lane took."""
+    saved = {arm: frame[arm] - frame["detection"] for arm in ("median", "worst")}
+    return {"ms_lost": frame["regret"], "ms_saved_median": saved["median"], "ms_saved_worst": saved["worst"],
+            "ms_lane": frame["lane"], "ms_lane_unpaid": frame["lane"] - saved["median"]}
+
+
 def cell_of(condition, game, rows, policy, peers, cold):
     own = rows[policy]
     cell = {"condition": condition, "cell": game["cell"], "category": game["category"], "flip_s": game["flip_s"],
             "headroom": own["headroom"], "regret": own["regret_best_fixed"], "ci95": own["ci95"],
             "regret_after_start": own["regret_after_start"], "captured": own["headroom_captured"], "switches": own["switches"],
             "switches_after_start": own["switches_after_start"],
-            "ms_lost": own["ms_per_frame"]["regret"], "ms_lane": own["ms_per_frame"]["lane"]}
+            **milliseconds(own["ms_per_frame"])}
     for peer in peers:
         cell["regret_" + peer] = rows[peer]["regret_best_fixed"]
         cell["excess_" + peer] = cell["regret"] - cell["regret_" + peer]
+        cell["ms_saved_" + peer] = rows[peer]["ms_per_frame"]["detection"] - own["ms_per_frame"]["detection"]
     if cold:
         for figure in ("first_right", "regret_first_10_s"):
             cell |= {figure: own[figure], figure + "_cold": cold[policy][figure]}

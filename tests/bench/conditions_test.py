@@ -99,6 +99,9 @@ class Conditions(unittest.TestCase):
                 self.assertEqual({one["condition"] for one in document["cells"]}, set(plan["conditions"]))
                 self.assertEqual({one["flip_s"] for one in document["cells"] if one["category"] == "flipping"},
                                  set(plan.get("flip_s", [])))
+                for one in document["cells"]:
+                    self.assertLessEqual(one["ms_saved_median"], one["ms_saved_worst"])
+                    self.assertAlmostEqual(one["ms_lane_unpaid"], one["ms_lane"] - one["ms_saved_median"])
                 if "priors" in plan:
                     opening = [(one["regret_first_10_s"], one["regret_first_10_s_cold"]) for one in document["cells"]]
                     self.assertTrue(any(own != cold for own, cold in opening), opening)

@@ -14,6 +14,11 @@ added as the game measured it, beside its own bursts of work and between them. T
 One more pair of games plays the best arm with the shadow lane and without: what the lane alone costs, as ratios of the mean and
 of the 99.9th percentile frame, as they are. The choice tells apart what was chosen: AI Decides' frames, each at what its arm's
 frame takes ÷ that other work, against those of the best arm; it means something where the arms' costs stay what they are.
+
+A trial is a stretch of frames on another arm than the incumbent, the one of most frames, with the frame that switches back. Its worst
+frame is divided by the best arm's worst one on the same frames, in a game of its own; where the machine disturbs frames it does so
+in both. The column worst frame is the ratio below which nine in ten trials stay ÷ what the same frames of the best arm's two
+games, with the lane and without, give likewise.
 Conditions:
   quiet       nothing else runs
   one-cpu     all of the game on one processor (taskset)
@@ -176,6 +181,31 @@ def choice(arms, medians):
     return statistics.fmean(medians[arm] for arm in arms) / min(medians.values()) - 1
 
 
+def trials(arms):
+    """The stretches, first frame and end, on other arms than the incumbent once that has run; the frame that switches back belongs to it."""
+    incumbent = max(set(arms), key=arms.count)
+    begin = None
+    for frame in range(arms.index(incumbent), len(arms)):
+        if arms[frame] != incumbent:
+            begin = frame if begin is None else begin
+        elif begin is not None:
+            yield begin, frame + 1
+            begin = None
+    if begin is not None:
+        yield begin, len(arms)
+
+
+def worst_ratio(stretch, frame_ns, rest_ns, other_frame_ns, other_rest_ns):
+    """The worst frame of the stretch ÷ the other game's, at the speed that the machine had there."""
+    frames = slice(*stretch)
+    speed = statistics.median(other_rest_ns[frames]) / statistics.median(rest_ns[frames])
+    return speed * max(frame_ns[frames]) / max(other_frame_ns[frames])
+
+
+def nine_in_ten(values):
+    return sorted(values)[math.ceil(0.9 * len(values)) - 1]
+
+
 def interval(values):
     """Mean and half the width of its 95 % interval; the latter is absent for one value."""
     if len(values) < 2:
@@ -198,6 +228,7 @@ class Cell:
         self.arms = sorted((arm for arm in ARMS if self.medians[arm] <= options.near * best), key=self.medians.get)
         self.regrets, self.raw_regrets, self.choices, self.lane_shares = [], [], [], []
         self.lane_means, self.lane_tails, self.best_arms = [], [], []
+        self.trial_ratios, self.control_ratios = [], []
 
     def play_lane(self, arm, without):
         """The pair of the game `without` the lane."""
@@ -208,6 +239,13 @@ class Cell:
         self.lane_tails.append(tail(with_lane[:count]) / tail(without[:count]))
         self.best_arms.append(arm)
 
+    def compare_trials(self, arms, decided, without, with_lane):
+        """Each game's frame and rest times: AI Decides' and the best arm's two."""
+        count = min(map(len, (*decided, *without, *with_lane)))
+        for stretch in trials(arms[:count]):
+            self.trial_ratios.append(worst_ratio(stretch, *decided, *without))
+            self.control_ratios.append(worst_ratio(stretch, *with_lane, *without))
+
     def play_all(self, number):
         names = ["AI Decides", *self.arms]
         turn = number % len(names)
@@ -216,6 +254,7 @@ class Cell:
             games[name] = self.game.decided() if name == "AI Decides" else self.game.fixed(name, "--shadow", "off")
             rest_ns[name] = self.game.rest_ns
             if name == "AI Decides":
+                arms = self.game.arms
                 self.choices.append(choice(self.game.arms, self.medians))
                 self.lane_shares.append(self.game.summary["shadow"]["frame_share"])
         reference = over_same_frames(lambda frames: frames, rest_ns)["AI Decides"]
@@ -225,6 +264,8 @@ class Cell:
         raw = means(games)
         self.raw_regrets.append(raw["AI Decides"] / min(raw[arm] for arm in self.arms) - 1)
         self.play_lane(best, games[best])
+        self.compare_trials(arms, (games["AI Decides"], rest_ns["AI Decides"]), (games[best], rest_ns[best]),
+                            (self.game.frame_ns, self.game.rest_ns))
 
     def play_round(self, number):
         with quota_group(self.game.condition, self.options.cpu_quota) as self.game.group, other_work(self.game.condition):
@@ -244,6 +285,9 @@ class Cell:
                 "near_arms": self.arms, "regret": regret, "half_width": half_width, "regrets": self.regrets,
                 "raw_regret": raw_regret, "raw_half_width": raw_half_width, "raw_regrets": self.raw_regrets,
                 "lane_share": statistics.fmean(self.lane_shares) if self.lane_shares else None,
+                "trials": len(self.trial_ratios),
+                "trial_worst_ratio": nine_in_ten(self.trial_ratios) / nine_in_ten(self.control_ratios) if self.trial_ratios else None,
+                "trial_ratios": self.trial_ratios, "control_ratios": self.control_ratios,
                 "choice": statistics.fmean(self.choices) if self.choices else None, "choices": self.choices,
                 "lane_mean_ratio": statistics.median(self.lane_means), "lane_tail_ratio": math.exp(log_tail),
                 "lane_tail_half_width": None if log_half_width is None else math.exp(log_tail) * math.expm1(log_half_width),
@@ -290,12 +334,13 @@ def half(value):
 
 def text(document):
     return table(("condition", "scene", "objects", "rounds", "best arm", "regret", "± 95 %", "choice", "lane", "raw regret", "± 95 %",
-                  "lane mean", "lane p99.9", "± 95 %"), [
+                  "lane mean", "lane p99.9", "± 95 %", "trials", "worst frame"), [
         (row["condition"], row["scene"], str(row["objects"]), str(row["rounds"]), row["best_arm"], or_dash(row["regret"], percent),
          half(row["half_width"]), or_dash(row["choice"], percent), or_dash(row["lane_share"], percent),
          or_dash(row["raw_regret"], percent), half(row["raw_half_width"]), f"{row['lane_mean_ratio']:.3f}",
          f"{row['lane_tail_ratio']:.2f}",
-         or_dash(row["lane_tail_half_width"], "{:.2f}".format)) for row in document["rows"]])
+         or_dash(row["lane_tail_half_width"], "{:.2f}".format), str(row["trials"]),
+         or_dash(row["trial_worst_ratio"], "{:.2f}".format)) for row in document["rows"]])
 
 
 def add_game_options(parser, seconds, rounds=None, near=None):

@@ -9,7 +9,7 @@ import tempfile
 import types
 import unittest
 
-from live import Game, at_equal_speed, choice
+from live import Game, at_equal_speed, choice, nine_in_ten, trials, worst_ratio
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = ""
@@ -25,9 +25,9 @@ def judged(document):
     return done.returncode, done.stdout, done.stderr
 
 
-def rows(condition, regret, tail=1.0, rounds=5, scenes="abcd"):
-    return [{"condition": condition, "scene": scene, "objects": 100, "rounds": rounds, "regret": regret, "lane_tail_ratio": tail}
-            for scene in scenes]
+def rows(condition, regret, tail=1.0, rounds=5, scenes="abcd", trial=1.0):
+    return [{"condition": condition, "scene": scene, "objects": 100, "rounds": rounds, "regret": regret, "lane_tail_ratio": tail,
+             "trial_worst_ratio": trial} for scene in scenes]
 
 
 class Live(unittest.TestCase):
@@ -42,6 +42,8 @@ class Live(unittest.TestCase):
             self.assertEqual(len(one["choices"]), 2)
             self.assertEqual(len(one["raw_regrets"]), 2)
             self.assertGreaterEqual(one["lane_share"], 0)
+            self.assertEqual(len(one["trial_ratios"]), one["trials"])
+            self.assertEqual(one["trial_worst_ratio"] is None, one["trials"] == 0)
             self.assertIn(one["best_arm"], one["near_arms"])
         code, _, error = judged(document)
         self.assertIn(code, (0, 1), error)
@@ -93,6 +95,20 @@ echo {}
         self.assertEqual(choice(["KDTree"] * 4, medians), 0)
         self.assertEqual(choice(["KDTree", "Grid", "KDTree", "KDTree"], medians), 0.5)
 
+    def test_trials_begin_once_the_incumbent_runs_and_end_with_the_switch_back(self):
+        arms = ["Grid", "Grid", *["SAP"] * 9, "Grid", "Tracy", "SAP", "SAP", "Grid"]
+        self.assertEqual(list(trials(arms)), [(11, 14), (15, 16)])
+        self.assertEqual(list(trials(["SAP"] * 5)), [])
+
+    def test_a_trial_is_judged_by_its_worst_frame_at_equal_speed(self):
+        rest = [100] * 8
+        incumbent = [150, 150, 150, 160, 150, 150, 150, 900]
+        trial = [150, 150, 150, 150, 240, 150, 150, 150]
+        self.assertAlmostEqual(worst_ratio((2, 6), trial, rest, incumbent, rest), 240 / 160)
+        slow = [2 * frame for frame in trial]
+        self.assertAlmostEqual(worst_ratio((2, 6), slow, [200] * 8, incumbent, rest), 240 / 160, msg="the machine was slower")
+        self.assertEqual([nine_in_ten(range(count)) for count in (1, 2, 10, 20)], [0, 1, 8, 17])
+
     def test_says_what_is_wrong(self):
         for words, expected in ((("--scenes", "brownian"), "brownian"), (("--conditions", "loud"), "quiet"),
                                 (("--scenes", "nowhere:10"), "nowhere")):
@@ -104,13 +120,14 @@ echo {}
         met = {"command": "live", "rows": rows("quiet", 0.02, scenes="ab") + rows("quiet", -0.01, scenes="cd")}
         self.assertEqual(judged(met)[0], 0)
         figures = json.loads(judged(met)[1])["figures"]
-        self.assertEqual([each["met"] for each in figures if each["condition"] == "quiet"], [True, True, True])
+        self.assertEqual({each["met"] for each in figures if each["condition"] == "quiet"}, {True})
         self.assertEqual({each["met"] for each in figures if each["condition"] == "one-cpu"}, {None}, "not measured is not met")
-        for bad in (rows("quiet", 0.031), rows("quiet", 0.0, 1.2), rows("neighbours", 0.021)):
+        for bad in (rows("quiet", 0.031), rows("quiet", 0.0, 1.2), rows("neighbours", 0.021), rows("quiet", 0.0, trial=1.3)):
             self.assertEqual(judged({"command": "live", "rows": bad})[0], 1, bad)
         self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, rounds=4)})[0], 1, "four rounds tell too little")
         self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, scenes="abca")})[0], 1, "three scenes tell too little")
-        of_lane = {"command": "live", "rows": rows("quiet", None, 1.05)}
+        self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, trial=None)})[0], 0, "without a trial none can hurt")
+        of_lane = {"command": "live", "rows": rows("quiet", None, 1.05, trial=None)}
         figures = json.loads(judged(of_lane)[1])["figures"]
         self.assertEqual([each["figure"] for each in figures if each["met"]], ["lane_tail_ratio"])
         self.assertEqual(judged({"command": "live", "rows": 5})[0], 2)

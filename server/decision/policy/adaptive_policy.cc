@@ -25,6 +25,7 @@ constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal di
 // These constants define the gate.
 constexpr double kHorizonCooldowns = 5;
 constexpr double kTie = 0.005;            // a smaller expected gain does not matter
+constexpr double kEndedTrialTie = 0.05;   // nor does one of a trial that has ended early once
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
@@ -348,7 +349,9 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   if (worthwhile || better) choice.candidate = best->arm;
   if (IsTrial(input, choice.candidate)) choice.trial_limit_percent = kTrialLimitPercent;
   if (!worthwhile) choice.hold = Outcome::kHeldGate;
-  if (worthwhile && components_.gate && best->terms.gain < kTie) choice.hold = Outcome::kHeldTie;
+  const bool again = choice.trial_limit_percent > 0 && trial_ended_[choice.candidate];
+  const double tie = again ? kEndedTrialTie : kTie;
+  if (worthwhile && components_.gate && best->terms.gain < tie) choice.hold = Outcome::kHeldTie;
   return choice;
 }
 

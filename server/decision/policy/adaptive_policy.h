@@ -25,7 +25,7 @@
 //   (SwitchCommand), so that the gate reckons with that budget at most, where the arm was observed
 //   before. A first such end may be what else the machine was at; from the second on it is a lower
 //   bound of the arm's cost, as is a visit of the lane that a cap has ended. It bans the arm no
-//   more than that cost.
+//   more than that cost, but for another trial E⁺ has to be ten times as large.
 // - Each regime of the scene has beliefs of its own, which return with it; where regimes change
 //   faster than choices take effect, a mixture of them decides (regime_beliefs.h).
 //

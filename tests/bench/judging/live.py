@@ -13,6 +13,7 @@ FIGURES = {
     "mean_regret": ("regret", statistics.fmean),
     "largest_regret": ("regret", max),
     "lane_tail_ratio": ("lane_tail_ratio", max),
+    "trial_worst_ratio": ("trial_worst_ratio", max),
 }
 
 

@@ -99,6 +99,26 @@ TEST(LaneThread, MeasuresTheTimeThatItRan) {
   EXPECT_EQ(lane.stats().busy_time_ns, (2 * kShadowBurstFrames + 1) * 3 * kMs);
 }
 
+TEST(LaneThread, TellsWhatTheFastestKindOfCoreWouldTake) {
+  ScriptedClock clock;
+  const ArmScript script{.update_ns = 8 * kMs};
+  RecordingSink sink;
+  const std::atomic<Mode> mode{Mode::kAi};
+  ShadowLane lane({.options = {},
+                   .arm_count = 2,
+                   .make = Making(script, clock),
+                   .sink = &sink,
+                   .clock = clock,
+                   .mode = mode,
+                   .core_speed = []() noexcept { return 0.25; }});
+  lane.Step();
+  uint64_t frame = 0;
+  Play(lane, clock, frame, 1 + kShadowBurstFrames);
+  ASSERT_EQ(sink.shadows.size(), 2U);
+  for (const ShadowSample& sample : sink.shadows) EXPECT_EQ(sample.detection_time_ns, 2 * kMs);
+  EXPECT_EQ(lane.stats().busy_time_ns % (8 * kMs), 0U) << "which is what its own core took";
+}
+
 TEST(UsableCores, AreAtLeastOneAndNotMoreThanTheMachineHas) {
   EXPECT_GE(UsableCores(), 1U);
   EXPECT_LE(UsableCores(), std::max(std::thread::hardware_concurrency(), 1U));

@@ -230,6 +230,14 @@ TEST(Trial, WhatInterruptsOneKeepsNoGameFromTheBestArm) {
   EXPECT_EQ(game.client.arm, 1u);
 }
 
+TEST(Trial, ThatHasEndedIsNotRepeatedForWhatMayBeALittle) {
+  TrialGame game({10'000, 13'000}, {10'000, 13'000});
+  game.RunTicks(300);
+  EXPECT_EQ(game.ended_trial_count, 1);
+  ASSERT_TRUE(game.gate);
+  EXPECT_GT(game.gate->gain, 0.005) << "of a first trial it would be enough";
+}
+
 TEST(Trial, AnEndIsALowerBoundAndNoBan) {
   TrialGame game({10'000, 40'000}, {11'000, 8'000});
   game.RunTicks(20);
