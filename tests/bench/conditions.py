@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Judges AI Decides in replays under conditions: what the lane gets wrong, other work, flips, extreme scenes, new ones, tails.
+"""Judges AI Decides in replays under conditions: what the lane gets wrong, other work, flips, extreme scenes, sizes, new ones, tails.
 
 ROW is one of data/conditions.toml: which scenes are played under which conditions, beside which policies. The scenes of LIST
 are traced where their traces are not there yet, `sweepstake replay` plays them, and every goal that data/goals.toml has for
@@ -175,7 +175,7 @@ def parse(words):
         "says how long each row takes.")
     parser.add_argument("row", choices=rows, metavar="ROW", help=", ".join(rows))
     parser.add_argument("list", nargs="?", type=pathlib.Path, metavar="LIST.txt",
-                        help="the scenes (default: data/tuning_scenes.txt; for extremes data/extreme_scenes.txt)")
+                        help="the scenes (default: data/tuning_scenes.txt, or what data/conditions.toml has for the row)")
     parser.add_argument("--traces", type=pathlib.Path, metavar="FOLDER", help="(default: build/traces/LIST; LIST-raw for tails)")
     add_replay_options(parser)
     options = parser.parse_args(words)

@@ -99,9 +99,6 @@ class Conditions(unittest.TestCase):
                 self.assertEqual({one["condition"] for one in document["cells"]}, set(plan["conditions"]))
                 self.assertEqual({one["flip_s"] for one in document["cells"] if one["category"] == "flipping"},
                                  set(plan.get("flip_s", [])))
-                for one in document["cells"]:
-                    self.assertLessEqual(one["ms_saved_median"], one["ms_saved_worst"])
-                    self.assertAlmostEqual(one["ms_lane_unpaid"], one["ms_lane"] - one["ms_saved_median"])
                 if "priors" in plan:
                     opening = [(one["regret_first_10_s"], one["regret_first_10_s_cold"]) for one in document["cells"]]
                     self.assertTrue(any(own != cold for own, cold in opening), opening)
@@ -110,6 +107,15 @@ class Conditions(unittest.TestCase):
                 again = subprocess.run([HERE / "judge.py", "choosing", "--json"], input=done.stdout, capture_output=True, text=True,
                                        check=False)
                 self.assertEqual((again.returncode, json.loads(again.stdout)["goals"]), (done.returncode, document["goals"]))
+
+    def test_milliseconds_are_saved_against_other_arms_and_policies(self):
+        frame = {"detection": 2, "median": 5, "worst": 9, "regret": 1, "lane": 4}
+        self.assertEqual(conditions.milliseconds(frame), {
+            "ms_lost": 1, "ms_saved_median": 3, "ms_saved_worst": 7, "ms_lane": 4, "ms_lane_unpaid": 1})
+        own = dict.fromkeys(("headroom", "regret_best_fixed", "ci95", "regret_after_start", "headroom_captured", "switches",
+                             "switches_after_start"), 0)
+        rows = {"default": own | {"ms_per_frame": frame}, "paper": own | {"ms_per_frame": frame | {"detection": 2.5}}}
+        self.assertEqual(conditions.cell_of("clean", cell(), rows, "default", ["paper"], None)["ms_saved_paper"], 0.5)
 
     def test_a_lane_s_errors_reach_the_replay(self):
         regrets = []

@@ -16,8 +16,8 @@ of the 99.9th percentile frame, as they are. The choice tells apart what was cho
 frame takes ÷ that other work, against those of the best arm; it means something where the arms' costs stay what they are.
 
 A trial is a stretch of frames on another arm than the incumbent, the one of most frames, with the frame that switches back. Its worst
-frame is divided by the best arm's worst one on the same frames, in a game of its own; where the machine disturbs frames it does so
-in both. The column worst frame is the ratio below which nine in ten trials stay ÷ what the same frames of the best arm's two
+frame is divided by the incumbent's worst one on the same frames, in a game of its own; where the machine disturbs frames it does so
+in both. The column worst frame is the ratio that nine in ten trials do not exceed ÷ what the same frames of the best arm's two
 games, with the lane and without, give likewise.
 Conditions:
   quiet       nothing else runs
@@ -43,7 +43,7 @@ import sys
 import tempfile
 import time
 
-from judging.common import or_dash, percent, table
+from judging.common import nine_in_ten, or_dash, percent, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONDITIONS = ("quiet", "one-cpu", "neighbours", "bursts", "quota")
@@ -181,18 +181,22 @@ def choice(arms, medians):
     return statistics.fmean(medians[arm] for arm in arms) / min(medians.values()) - 1
 
 
+def incumbent_of(arms):
+    return max(sorted(set(arms)), key=arms.count)
+
+
 def trials(arms):
-    """The stretches, first frame and end, on other arms than the incumbent once that has run; the frame that switches back belongs to it."""
-    incumbent = max(set(arms), key=arms.count)
-    begin = None
-    for frame in range(arms.index(incumbent), len(arms)):
-        if arms[frame] != incumbent:
-            begin = frame if begin is None else begin
-        elif begin is not None:
-            yield begin, frame + 1
-            begin = None
-    if begin is not None:
-        yield begin, len(arms)
+    """The stretches, first frame and end, on other arms than the incumbent, shorter than its own before; the frame that switches back is
+    of it."""
+    incumbent = incumbent_of(arms)
+    other = own = 0  # the lengths of the present or latest stretch of either
+    for frame, arm in enumerate([*arms, incumbent]):
+        if arm != incumbent:
+            other += 1
+            continue
+        if 0 < other < own:
+            yield frame - other, min(frame + 1, len(arms))
+        own, other = (1 if other else own + 1), 0
 
 
 def worst_ratio(stretch, frame_ns, rest_ns, other_frame_ns, other_rest_ns):
@@ -200,10 +204,6 @@ def worst_ratio(stretch, frame_ns, rest_ns, other_frame_ns, other_rest_ns):
     frames = slice(*stretch)
     speed = statistics.median(other_rest_ns[frames]) / statistics.median(rest_ns[frames])
     return speed * max(frame_ns[frames]) / max(other_frame_ns[frames])
-
-
-def nine_in_ten(values):
-    return sorted(values)[math.ceil(0.9 * len(values)) - 1]
 
 
 def interval(values):
@@ -239,11 +239,13 @@ class Cell:
         self.lane_tails.append(tail(with_lane[:count]) / tail(without[:count]))
         self.best_arms.append(arm)
 
-    def compare_trials(self, arms, decided, without, with_lane):
-        """Each game's frame and rest times: AI Decides' and the best arm's two."""
-        count = min(map(len, (*decided, *without, *with_lane)))
+    def compare_trials(self, arms, games, best, with_lane):
+        """Games: frame and rest times by name; those of the best arm are compared with its own with the lane."""
+        decided, without = games["AI Decides"], games[best]
+        incumbent = games.get(incumbent_of(arms), without)
+        count = min(len(frame_ns) for frame_ns, _ in (decided, incumbent, without, with_lane))
         for stretch in trials(arms[:count]):
-            self.trial_ratios.append(worst_ratio(stretch, *decided, *without))
+            self.trial_ratios.append(worst_ratio(stretch, *decided, *incumbent))
             self.control_ratios.append(worst_ratio(stretch, *with_lane, *without))
 
     def play_all(self, number):
@@ -264,8 +266,7 @@ class Cell:
         raw = means(games)
         self.raw_regrets.append(raw["AI Decides"] / min(raw[arm] for arm in self.arms) - 1)
         self.play_lane(best, games[best])
-        self.compare_trials(arms, (games["AI Decides"], rest_ns["AI Decides"]), (games[best], rest_ns[best]),
-                            (self.game.frame_ns, self.game.rest_ns))
+        self.compare_trials(arms, {name: (games[name], rest_ns[name]) for name in games}, best, (self.game.frame_ns, self.game.rest_ns))
 
     def play_round(self, number):
         with quota_group(self.game.condition, self.options.cpu_quota) as self.game.group, other_work(self.game.condition):

@@ -9,7 +9,8 @@ import tempfile
 import types
 import unittest
 
-from live import Game, at_equal_speed, choice, nine_in_ten, trials, worst_ratio
+from judging.common import nine_in_ten
+from live import Cell, Game, at_equal_speed, choice, trials, worst_ratio
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = ""
@@ -27,7 +28,8 @@ def judged(document):
 
 def rows(condition, regret, tail=1.0, rounds=5, scenes="abcd", trial=1.0):
     return [{"condition": condition, "scene": scene, "objects": 100, "rounds": rounds, "regret": regret, "lane_tail_ratio": tail,
-             "trial_worst_ratio": trial} for scene in scenes]
+             "trial_worst_ratio": trial, "trial_ratios": [] if trial is None else [trial] * 3, "control_ratios": [1.0] * 3}
+            for scene in scenes]
 
 
 class Live(unittest.TestCase):
@@ -95,10 +97,21 @@ echo {}
         self.assertEqual(choice(["KDTree"] * 4, medians), 0)
         self.assertEqual(choice(["KDTree", "Grid", "KDTree", "KDTree"], medians), 0.5)
 
-    def test_trials_begin_once_the_incumbent_runs_and_end_with_the_switch_back(self):
+    def test_trials_are_shorter_than_the_incumbent_s_stretch_before_and_end_with_the_switch_back(self):
         arms = ["Grid", "Grid", *["SAP"] * 9, "Grid", "Tracy", "SAP", "SAP", "Grid"]
         self.assertEqual(list(trials(arms)), [(11, 14), (15, 16)])
+        self.assertEqual(list(trials(["Grid"] * 30 + ["SAP"] * 5 + ["Grid"] * 15 + ["SAP"] * 90)), [], "the later incumbent's own trial")
         self.assertEqual(list(trials(["SAP"] * 5)), [])
+
+    def test_trials_are_compared_with_the_incumbent_and_the_best_arm_with_itself(self):
+        cell = types.SimpleNamespace(trial_ratios=[], control_ratios=[])
+        arms = ["SAP"] * 4 + ["Grid"] + ["SAP"] * 3
+        games = {"AI Decides": ([9] * 8, [1] * 8), "SAP": ([3] * 7, [1] * 7), "KDTree": ([2] * 8, [1] * 8)}
+        Cell.compare_trials(cell, arms, games, "KDTree", ([4] * 9, [1] * 9))
+        self.assertEqual((cell.trial_ratios, cell.control_ratios), ([3], [2]))
+        del games["SAP"]  # which was too dear to take part
+        Cell.compare_trials(cell, arms, games, "KDTree", ([4] * 9, [1] * 9))
+        self.assertEqual((cell.trial_ratios, cell.control_ratios), ([3, 4.5], [2, 2]))
 
     def test_a_trial_is_judged_by_its_worst_frame_at_equal_speed(self):
         rest = [100] * 8
@@ -127,6 +140,9 @@ echo {}
         self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, rounds=4)})[0], 1, "four rounds tell too little")
         self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, scenes="abca")})[0], 1, "three scenes tell too little")
         self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, trial=None)})[0], 0, "without a trial none can hurt")
+        one_without = {"command": "live", "rows": rows("quiet", 0.0, scenes="abcd") + rows("quiet", 0.0, scenes="e", trial=None)}
+        figures = {each["figure"]: each["met"] for each in json.loads(judged(one_without)[1])["figures"] if each["condition"] == "quiet"}
+        self.assertEqual(figures["trial_worst_ratio"], True)
         of_lane = {"command": "live", "rows": rows("quiet", None, 1.05, trial=None)}
         figures = json.loads(judged(of_lane)[1])["figures"]
         self.assertEqual([each["figure"] for each in figures if each["met"]], ["lane_tail_ratio"])

@@ -25,7 +25,7 @@ constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal di
 // These constants define the gate.
 constexpr double kHorizonCooldowns = 5;
 constexpr double kTie = 0.005;            // a smaller expected gain does not matter
-constexpr double kEndedTrialTie = 0.05;   // nor does one of a trial that has ended early once
+constexpr double kEndedTrialTie = 0.05;   // the same of a trial of an arm of which one has ended
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
@@ -307,7 +307,12 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
     terms.loss = std::min(terms.loss, kTrialBudget / detection_share_);
   }
   result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
-  if (!components_.gate) result.worth_s = result.advantage;
+  const bool again = IsTrial(input, candidate) && trial_ended_[candidate];
+  result.matters = terms.gain >= (again ? kEndedTrialTie : kTie);
+  if (!components_.gate) {
+    result.worth_s = result.advantage;
+    result.matters = true;
+  }
   return result;
 }
 
@@ -332,7 +337,7 @@ std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
     if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
     if (!IsContender(input, arm)) continue;
     const Assessment assessment = Assess(input, arm);
-    if (!best || assessment.worth_s > best->worth_s) best = assessment;
+    if (!best || assessment.rank() > best->rank()) best = assessment;
   }
   return best;
 }
@@ -349,9 +354,7 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   if (worthwhile || better) choice.candidate = best->arm;
   if (IsTrial(input, choice.candidate)) choice.trial_limit_percent = kTrialLimitPercent;
   if (!worthwhile) choice.hold = Outcome::kHeldGate;
-  const bool again = choice.trial_limit_percent > 0 && trial_ended_[choice.candidate];
-  const double tie = again ? kEndedTrialTie : kTie;
-  if (worthwhile && components_.gate && best->terms.gain < tie) choice.hold = Outcome::kHeldTie;
+  if (worthwhile && !best->matters) choice.hold = Outcome::kHeldTie;
   return choice;
 }
 

@@ -25,7 +25,7 @@
 //   (SwitchCommand), so that the gate reckons with that budget at most, where the arm was observed
 //   before. A first such end may be what else the machine was at; from the second on it is a lower
 //   bound of the arm's cost, as is a visit of the lane that a cap has ended. It bans the arm no
-//   more than that cost, but for another trial E⁺ has to be ten times as large.
+//   more than that cost, but E⁺ of another trial has to be ten times a tie's.
 // - Each regime of the scene has beliefs of its own, which return with it; where regimes change
 //   faster than choices take effect, a mixture of them decides (regime_beliefs.h).
 //
@@ -36,6 +36,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/decision/policy/log_cost.h"
@@ -102,6 +103,10 @@ class AdaptivePolicy : public Policy {
     GateTerms terms{};
     double advantage = 0;  // gain − loss, also of a trial
     double worth_s = 0;    // the gate passes if this is above 0
+    bool matters = true;   // the gain is no tie's
+
+    // An arm that may be switched to comes before any that may not.
+    std::pair<bool, double> rank() const { return {matters && worth_s > 0, worth_s}; }
   };
 
   void SetPriors(const std::vector<BetaPosterior>& priors);

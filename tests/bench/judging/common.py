@@ -1,6 +1,7 @@
 """What both judgements share: text tables, limits of goals, and reading input."""
 
 import json
+import math
 import sys
 import tomllib
 
@@ -34,6 +35,11 @@ def table(header, rows):
         cells = [cell.rjust(width) if to_right else cell.ljust(width) for cell, width, to_right in zip(row, widths, right)]
         lines.append("  ".join(cells).rstrip())
     return "\n".join(lines) + "\n"
+
+
+def nine_in_ten(values):
+    """The smallest of the values that nine in ten do not exceed."""
+    return sorted(values)[math.ceil(0.9 * len(values)) - 1]
 
 
 def or_dash(value, text=str):

@@ -2,27 +2,39 @@
 
 import statistics
 
-from judging.common import InputError, limit_of, meets, percent, table
+from judging.common import InputError, limit_of, meets, nine_in_ten, percent, table
 
 # Fewer tell too little.
 MIN_ROUNDS = 5
 MIN_SCENES = 4
+MIN_TRIALS = 10
 
-# The column of a figure, and what becomes of the scenes' values.
+
+def pooled_trials(rows):
+    """The ratio that nine in ten trials of all scenes do not exceed ÷ that of their controls."""
+    ratios, controls = ([ratio for row in rows for ratio in row[name]] for name in ("trial_ratios", "control_ratios"))
+    return nine_in_ten(ratios) / nine_in_ten(controls) if len(ratios) >= MIN_TRIALS else None
+
+
+# The column of a figure, and what becomes of the scenes' rows.
 FIGURES = {
-    "mean_regret": ("regret", statistics.fmean),
-    "largest_regret": ("regret", max),
-    "lane_tail_ratio": ("lane_tail_ratio", max),
-    "trial_worst_ratio": ("trial_worst_ratio", max),
+    "mean_regret": ("regret", lambda rows: statistics.fmean(row["regret"] for row in rows)),
+    "largest_regret": ("regret", lambda rows: max(row["regret"] for row in rows)),
+    "lane_tail_ratio": ("lane_tail_ratio", lambda rows: max(row["lane_tail_ratio"] for row in rows)),
+    "trial_worst_ratio": ("trial_worst_ratio", pooled_trials),
 }
 
 
-def judge_goal(goal, rows):
+def judge_goal(goal, played):
+    """Of the rows of the goal's condition; nothing is reached where too little has the figure."""
     column, over = FIGURES[goal["figure"]]
+    rows = [row for row in played if row[column] is not None]
+    value = over(rows) if rows else None
+    if value is None:
+        return {"condition": goal["condition"], "figure": goal["figure"], "met": None}
     limit, number = limit_of(goal)
-    value = over([row[column] for row in rows])
-    rounds = min(row["rounds"] for row in rows)
-    scenes = len({(row["scene"], row["objects"]) for row in rows})
+    rounds = min(row["rounds"] for row in played)
+    scenes = len({(row["scene"], row["objects"]) for row in played})
     worst = max(rows, key=lambda row: row[column])
     return {"condition": goal["condition"], "figure": goal["figure"], "scenes": scenes, "rounds": rounds, "value": value,
             "worst": f"{worst['scene']}-{worst['objects']}", "limit": limit, "goal": number,
@@ -34,11 +46,7 @@ def judge(document, goals):
     """One row per goal; one whose condition or figure was not measured has no value."""
     if document.get("command") != "live" or not isinstance(document.get("rows"), list):
         raise InputError("this is no document of `live.py --json`")
-    judged = []
-    for goal in goals:
-        column = FIGURES[goal["figure"]][0]
-        rows = [row for row in document["rows"] if row["condition"] == goal["condition"] and row[column] is not None]
-        judged.append(judge_goal(goal, rows) if rows else {"condition": goal["condition"], "figure": goal["figure"], "met": None})
+    judged = [judge_goal(goal, [row for row in document["rows"] if row["condition"] == goal["condition"]]) for goal in goals]
     if all(row["met"] is None for row in judged):
         raise InputError("no goal has a condition of the document")
     return judged

@@ -3,17 +3,25 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#if defined(__linux__)
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include "tests/support/temporary_directory.h"
+#endif
 
 namespace sweepstake {
 namespace {
 
-using ::testing::DoubleEq;
+TEST(CoreSpeed, OfACoreOfThisMachineIsAShare) {
+  EXPECT_GT(CoreSpeed(), 0);
+  EXPECT_LE(CoreSpeed(), 1);
+}
+
+#if defined(__linux__)
+
 using ::testing::Each;
 using ::testing::ElementsAre;
 
@@ -39,30 +47,34 @@ TEST_F(CoreSpeeds, AreAlikeWhereTheSystemDoesNotTell) {
 }
 
 TEST_F(CoreSpeeds, AreThoseOfTheCoresCapacities) {
-  const char* const ratings[] = {"250", "250", "800", "1024"};
+  const char* const ratings[] = {"256", "256", "768", "1024"};
   for (size_t core = 0; core < 4; ++core) Rate(core, "cpu_capacity", ratings[core]);
-  EXPECT_THAT(Read(4), ElementsAre(DoubleEq(250.0 / 1024), DoubleEq(250.0 / 1024), 1.0, 1.0));
+  Rate(0, "acpi_cppc/highest_perf", "1");
+  EXPECT_THAT(Read(4), ElementsAre(0.25, 0.25, 0.75, 1.0));
 }
 
 TEST_F(CoreSpeeds, AreThoseOfAcpiWithoutCapacities) {
-  Rate(0, "cpu_capacity", "1024");  // and none of core 1
   Rate(0, "acpi_cppc/highest_perf", "64");
   Rate(1, "acpi_cppc/highest_perf", "32");
   EXPECT_THAT(Read(2), ElementsAre(1.0, 0.5));
 }
 
-TEST_F(CoreSpeeds, AreAlikeWhereARatingIsNoNumberAboveZero) {
+TEST_F(CoreSpeeds, AreAlikeWhereAcpiRanksCoresOfOneKind) {
+  Rate(0, "acpi_cppc/highest_perf", "236");
+  Rate(1, "acpi_cppc/highest_perf", "166");
+  EXPECT_THAT(Read(2), Each(1.0));
+}
+
+TEST_F(CoreSpeeds, OfACoreWithoutARatingIsTheFastest) {
   for (const std::string wrong : {"", "fast", "0", "-5"}) {
-    Rate(0, "cpu_capacity", "1024");
+    Rate(0, "cpu_capacity", "512");
     Rate(1, "cpu_capacity", wrong);
-    EXPECT_THAT(Read(2), Each(1.0)) << wrong;
+    Rate(3, "cpu_capacity", "1024");
+    EXPECT_THAT(Read(4), ElementsAre(0.5, 1.0, 1.0, 1.0)) << wrong;
   }
 }
 
-TEST_F(CoreSpeeds, OfACoreOfThisMachineIsAShare) {
-  EXPECT_GT(CoreSpeed(), 0);
-  EXPECT_LE(CoreSpeed(), 1);
-}
+#endif
 
 }  // namespace
 }  // namespace sweepstake

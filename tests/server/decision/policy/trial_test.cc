@@ -48,7 +48,9 @@ class TrialGame {
     if (lane_reports) Sweep();
     while (client.now_ns < client.session.next_tick_ns()) RunFrame();
     const size_t before = client.commands.size();
-    gate = client.RunToTick().record.gate;
+    const DecisionRecord record = client.RunToTick().record;
+    gate = record.gate;
+    outcome = record.outcome;
     if (client.commands.size() > before) Execute(client.commands.back());
   }
 
@@ -59,6 +61,7 @@ class TrialGame {
   bool lane_reports = true;
   bool ends_trials = true;
   std::optional<GateTerms> gate;  // of the latest decision
+  Outcome outcome = Outcome::kKept;
   int disturbed_trial_count = 0;  // trials of which two frames take five times as long
   int ended_trial_count = 0;
   std::vector<uint32_t> frame_counts = std::vector<uint32_t>(cost_us.size());
@@ -234,6 +237,7 @@ TEST(Trial, ThatHasEndedIsNotRepeatedForWhatMayBeALittle) {
   TrialGame game({10'000, 13'000}, {10'000, 13'000});
   game.RunTicks(300);
   EXPECT_EQ(game.ended_trial_count, 1);
+  EXPECT_EQ(game.outcome, Outcome::kHeldTie);
   ASSERT_TRUE(game.gate);
   EXPECT_GT(game.gate->gain, 0.005) << "of a first trial it would be enough";
 }

@@ -3324,7 +3324,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DetectionTimeNsFieldNumber = 3;
     private ulong detectionTimeNs_;
     /// <summary>
-    /// Median over the measured frames: update and search. Absent (0): an error.
+    /// Median over the measured frames: update and search. Times are those of the fastest kind of core, if known. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
