@@ -192,7 +192,7 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   if (!metrics.IsFinite()) return std::nullopt;
   AdvanceTo(observation.now_ns);
   const double log_cost = LogCostOf(metrics.calm_detection_ms * 1e3);
-  filter().ObserveLive(observation.arm, log_cost);
+  filter().ObserveLive(observation.arm, log_cost, beliefs_.scene_changes());
   observed_[observation.arm] = true;
   was_live_[observation.arm] = true;
   ++window_count_;
@@ -308,11 +308,8 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   }
   result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
   const bool again = IsTrial(input, candidate) && trial_ended_[candidate];
-  result.matters = terms.gain >= (again ? kEndedTrialTie : kTie);
-  if (!components_.gate) {
-    result.worth_s = result.advantage;
-    result.matters = true;
-  }
+  result.matters = !components_.gate || terms.gain >= (again ? kEndedTrialTie : kTie);
+  if (!components_.gate) result.worth_s = result.advantage;
   return result;
 }
 

@@ -33,6 +33,9 @@ class RegimeBeliefs {
   // Those of all regimes.
   std::span<RelativeCostFilter> filters() { return filters_; }
 
+  // Whether the scene has had more than one regime.
+  bool scene_changes() const { return filters_.size() > 1; }
+
   // What choices are made by.
   NormalBelief LogCost(uint32_t arm) const;
   double Covariance(uint32_t a, uint32_t b) const;

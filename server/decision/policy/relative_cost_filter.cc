@@ -121,7 +121,7 @@ void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
   drift = std::clamp(drift, kMinDrift, kMaxDrift);
 }
 
-void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
+void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool scene_changes) {
   // Innovation, and the drift that successive ones show.
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
@@ -144,7 +144,7 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
     } else if (AreSameSideOutliers(last, normalised)) {
       AddVariance(costs(), Square(innovation), 0);
       if (has_lane()) covariance_(load(), load()) += kLoadShare * Square(innovation);
-      covariance_(arm, arm) += kOwnShare * Square(innovation);
+      if (scene_changes || !has_lane()) covariance_(arm, arm) += kOwnShare * Square(innovation);
       last_live_ = 0;
     } else {
       noise = Square(innovation);

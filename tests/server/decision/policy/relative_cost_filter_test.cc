@@ -138,6 +138,20 @@ TEST_F(FilterTest, OtherWorkOnTheFrameThreadsCoreIsNoArms) {
   }
 }
 
+TEST_F(FilterTest, InASceneThatDoesNotChangeItIsNoArmsAtAll) {
+  for (const bool scene_changes : {false, true}) {
+    RelativeCostFilter filter(kArms);
+    for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+    const double before = filter.Difference(1, 0).mean;
+    for (int i = 0; i < 3; ++i) {
+      filter.Advance(1);
+      filter.ObserveLive(0, cost_[0] + load_ + std::log(4), scene_changes);
+    }
+    const double shift = std::abs(filter.Difference(1, 0).mean - before);
+    EXPECT_EQ(shift < 0.02, !scene_changes) << shift;
+  }
+}
+
 TEST_F(FilterTest, AStallOfAFewWindowsIsForgottenOnceTheLaneHasSeenTheArmAgain) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
