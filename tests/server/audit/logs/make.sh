@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the logs in this folder anew, each from a real game with a real daemon, and checks that they are derived again.
-# To be run after a change that is meant to change decisions, or the log.
+# To be run after a change that is meant to change decisions, or the log. Games begin with an arm that they are to leave.
 #
 #   tests/server/audit/logs/make.sh build/release/bin [POLICY...]     (default: paper adaptive)
 set -euo pipefail
@@ -18,7 +18,7 @@ until [[ -s $work/port ]]; do sleep 0.1; done
 address=127.0.0.1:$(head -n 1 "$work/port")
 for policy in "$@"; do
   "$bin/sweepstake" run --daemon "$address" --policy "$policy" --project logs --scene-name "$policy" --scene hurricane \
-    --objects 300 --shadow on --time-scale 100 --duration 1200ms >/dev/null
+    --objects 300 --arm AxisSweep --shadow on --time-scale 100 --duration 1200ms >/dev/null
   "$bin/sweepstake" audit export --daemon "$address" --scene "$policy" --out "$policy.csv"
   "$bin/sweepstake" replay --log "$policy.csv"
 done
