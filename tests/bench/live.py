@@ -16,9 +16,9 @@ of the 99.9th percentile frame, as they are. The choice tells apart what was cho
 frame takes ÷ that other work, against those of the best arm; it means something where the arms' costs stay what they are.
 
 A trial is a stretch of frames on another arm than the incumbent, the one of most frames, with the frame that switches back. Its worst
-frame is divided by the incumbent's worst one on the same frames, in a game of its own; where the machine disturbs frames it does so
-in both. The column worst frame is the ratio that nine in ten trials do not exceed ÷ what the same frames of the best arm's two
-games, with the lane and without, give likewise.
+frame is divided by the incumbent's worst one on the same frames, in a game of its own, or by the best arm's if the incumbent is too
+dear to take part; where the machine disturbs frames it does so in both. The column worst frame is the ratio that nine in ten trials
+do not exceed ÷ what the same frames of the best arm's two games, with the lane and without, give likewise.
 Conditions:
   quiet       nothing else runs
   one-cpu     all of the game on one processor (taskset)
@@ -31,8 +31,10 @@ Needs Linux and Python 3.11. Exit code: 0 measured, 2 could not be run. `judge.p
 """
 
 import argparse
+import collections
 import contextlib
 import csv
+import itertools
 import json
 import math
 import os
@@ -181,22 +183,17 @@ def choice(arms, medians):
     return statistics.fmean(medians[arm] for arm in arms) / min(medians.values()) - 1
 
 
-def incumbent_of(arms):
-    return max(sorted(set(arms)), key=arms.count)
-
-
-def trials(arms):
-    """The stretches, first frame and end, on other arms than the incumbent, shorter than its own before; the frame that switches back is
-    of it."""
-    incumbent = incumbent_of(arms)
-    other = own = 0  # the lengths of the present or latest stretch of either
-    for frame, arm in enumerate([*arms, incumbent]):
-        if arm != incumbent:
-            other += 1
-            continue
-        if 0 < other < own:
-            yield frame - other, min(frame + 1, len(arms))
-        own, other = (1 if other else own + 1), 0
+def trials(arms, incumbent):
+    """The stretches, first frame and end, that begin on an arm which has run less than the incumbent so far, and are at most twice as long
+    as that; the frame that switches back is of it."""
+    before = collections.Counter()
+    frame = 0
+    for is_own, stretch in itertools.groupby(arms, lambda arm: arm == incumbent):
+        stretch = list(stretch)
+        if not is_own and before[stretch[0]] < before[incumbent] and len(stretch) <= 2 * before[incumbent]:
+            yield frame, min(frame + len(stretch) + 1, len(arms))
+        before.update(stretch)
+        frame += len(stretch)
 
 
 def worst_ratio(stretch, frame_ns, rest_ns, other_frame_ns, other_rest_ns):
@@ -242,9 +239,10 @@ class Cell:
     def compare_trials(self, arms, games, best, with_lane):
         """Games: frame and rest times by name; those of the best arm are compared with its own with the lane."""
         decided, without = games["AI Decides"], games[best]
-        incumbent = games.get(incumbent_of(arms), without)
+        name = max(sorted(set(arms)), key=arms.count)
+        incumbent = games.get(name, without)
         count = min(len(frame_ns) for frame_ns, _ in (decided, incumbent, without, with_lane))
-        for stretch in trials(arms[:count]):
+        for stretch in trials(arms[:count], name):
             self.trial_ratios.append(worst_ratio(stretch, *decided, *incumbent))
             self.control_ratios.append(worst_ratio(stretch, *with_lane, *without))
 

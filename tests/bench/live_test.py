@@ -97,11 +97,14 @@ echo {}
         self.assertEqual(choice(["KDTree"] * 4, medians), 0)
         self.assertEqual(choice(["KDTree", "Grid", "KDTree", "KDTree"], medians), 0.5)
 
-    def test_trials_are_shorter_than_the_incumbent_s_stretch_before_and_end_with_the_switch_back(self):
+    def test_trials_are_of_arms_that_ran_less_than_the_incumbent_and_end_with_the_switch_back(self):
         arms = ["Grid", "Grid", *["SAP"] * 9, "Grid", "Tracy", "SAP", "SAP", "Grid"]
-        self.assertEqual(list(trials(arms)), [(11, 14), (15, 16)])
-        self.assertEqual(list(trials(["Grid"] * 30 + ["SAP"] * 5 + ["Grid"] * 15 + ["SAP"] * 90)), [], "the later incumbent's own trial")
-        self.assertEqual(list(trials(["SAP"] * 5)), [])
+        self.assertEqual(list(trials(arms, "SAP")), [(11, 14), (15, 16)])
+        self.assertEqual(list(trials(["Grid"] * 30 + ["SAP"] * 5 + ["Grid"] * 15 + ["SAP"] * 90, "SAP")), [], "SAP's own trial")
+        learning = ["SAP"] * 40 + ["Grid"] * 40 + ["SAP"] * 40 + ["Tracy"] * 39 + ["SAP"] * 9
+        self.assertEqual(list(trials(learning, "SAP")), [(40, 81), (120, 160)], "as long as the incumbent's stretches between them")
+        self.assertEqual(list(trials(["SAP"] * 4 + ["Grid"] * 9, "SAP")), [], "which stays")
+        self.assertEqual(list(trials(["SAP"] * 5, "SAP")), [])
 
     def test_trials_are_compared_with_the_incumbent_and_the_best_arm_with_itself(self):
         cell = types.SimpleNamespace(trial_ratios=[], control_ratios=[])
@@ -143,6 +146,9 @@ echo {}
         one_without = {"command": "live", "rows": rows("quiet", 0.0, scenes="abcd") + rows("quiet", 0.0, scenes="e", trial=None)}
         figures = {each["figure"]: each["met"] for each in json.loads(judged(one_without)[1])["figures"] if each["condition"] == "quiet"}
         self.assertEqual(figures["trial_worst_ratio"], True)
+        few = rows("quiet", 0.0, scenes="abc", trial=9.0) + rows("quiet", 0.0, scenes="d", trial=None)
+        figures = {each["figure"]: each["met"] for each in json.loads(judged({"command": "live", "rows": few})[1])["figures"]}
+        self.assertEqual(figures["trial_worst_ratio"], None, "nine trials tell too little")
         of_lane = {"command": "live", "rows": rows("quiet", None, 1.05, trial=None)}
         figures = json.loads(judged(of_lane)[1])["figures"]
         self.assertEqual([each["figure"] for each in figures if each["met"]], ["lane_tail_ratio"])

@@ -39,6 +39,7 @@ constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the fr
 constexpr double kBanGrowth = 4;
 // The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
 constexpr double kMaxAdvance = 30;
+constexpr int64_t kLaneIntervals = 5;  // decision intervals without a visit in which it is at work
 // If the lane has not reported after this many windows, arms are tried live. A sweep of an
 // expensive scene takes its time.
 constexpr uint64_t kPatienceWindows = 5;
@@ -192,7 +193,10 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   if (!metrics.IsFinite()) return std::nullopt;
   AdvanceTo(observation.now_ns);
   const double log_cost = LogCostOf(metrics.calm_detection_ms * 1e3);
-  filter().ObserveLive(observation.arm, log_cost, beliefs_.scene_changes());
+  const int64_t lane_ns = kLaneIntervals * options_.decision_interval_ns;
+  const bool is_at_work = last_shadow_ns_ && observation.now_ns - *last_shadow_ns_ <= lane_ns;
+  const bool has_one_regime = components_.regimes && !beliefs_.scene_changes();
+  filter().ObserveLive(observation.arm, log_cost, is_at_work && has_one_regime);
   observed_[observation.arm] = true;
   was_live_[observation.arm] = true;
   ++window_count_;

@@ -104,7 +104,6 @@ class AdaptivePolicy : public Policy {
     double advantage = 0;  // gain − loss, also of a trial
     double worth_s = 0;    // the gate passes if this is above 0
     bool matters = true;   // the gain is no tie's
-
     // An arm that may be switched to comes before any that may not.
     std::pair<bool, double> rank() const { return {matters && worth_s > 0, worth_s}; }
   };

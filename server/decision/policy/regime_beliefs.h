@@ -32,8 +32,6 @@ class RegimeBeliefs {
   const RelativeCostFilter& filter() const { return filters_[regime_]; }
   // Those of all regimes.
   std::span<RelativeCostFilter> filters() { return filters_; }
-
-  // Whether the scene has had more than one regime.
   bool scene_changes() const { return filters_.size() > 1; }
 
   // What choices are made by.

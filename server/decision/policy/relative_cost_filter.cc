@@ -121,7 +121,7 @@ void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
   drift = std::clamp(drift, kMinDrift, kMaxDrift);
 }
 
-void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool scene_changes) {
+void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_would_show) {
   // Innovation, and the drift that successive ones show.
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
@@ -133,8 +133,8 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool scene_c
   if (stays) UpdateDrift(level_drift_, normalised * last);
   // An outlier widens the belief if it is a change, else it counts as noise. A change while the
   // arm stays active is most likely other work that came to the core, which the lane does not see,
-  // less so the scene, whose load all arms share, and least this arm alone; what a newly active arm
-  // shows is its own. The first arm shows the scene's level, of which a sweep sees few frames.
+  // less so the scene, whose load all arms share, least this arm, if at all; what a newly active
+  // arm shows is its own. The first arm shows the scene's level, of which a sweep sees few frames.
   double noise = live_noise_;
   if (std::abs(normalised) > kOutlierDeviations) {
     if (!last_arm) {
@@ -144,7 +144,7 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool scene_c
     } else if (AreSameSideOutliers(last, normalised)) {
       AddVariance(costs(), Square(innovation), 0);
       if (has_lane()) covariance_(load(), load()) += kLoadShare * Square(innovation);
-      if (scene_changes || !has_lane()) covariance_(arm, arm) += kOwnShare * Square(innovation);
+      if (!lane_would_show) covariance_(arm, arm) += kOwnShare * Square(innovation);
       last_live_ = 0;
     } else {
       noise = Square(innovation);

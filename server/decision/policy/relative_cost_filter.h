@@ -50,9 +50,8 @@ class RelativeCostFilter {
   void Advance(double intervals);
   // Every arm's cost may have changed.
   void Widen(double variance);
-  // In a scene that does not change, no arm alone comes to cost more, if there is a lane to show
-  // it.
-  void ObserveLive(uint32_t arm, double log_cost, bool scene_changes = true);
+  // A change is not taken for this arm's alone where the lane would show that.
+  void ObserveLive(uint32_t arm, double log_cost, bool lane_would_show = false);
   // The arm costs live at least so much.
   void ObserveBound(uint32_t arm, double log_cost);
   // Successive visits with the same `sweep` share that sweep's offset.

@@ -65,4 +65,4 @@ def live_text(rows):
     text = table(("condition", "figure", "scenes", "rounds", "value", "at most", "worst", ""), [
         (row["condition"], row["figure"], str(row["scenes"]), str(row["rounds"]), number(row, row["value"]), number(row, row["goal"]),
          row["worst"], result(row)) for row in measured])
-    return text + (f"\nNot in this document: {missing}.\n" if missing else "")
+    return text + (f"\nNot in this document, or of fewer than {MIN_TRIALS} trials: {missing}.\n" if missing else "")

@@ -138,17 +138,17 @@ TEST_F(FilterTest, OtherWorkOnTheFrameThreadsCoreIsNoArms) {
   }
 }
 
-TEST_F(FilterTest, InASceneThatDoesNotChangeItIsNoArmsAtAll) {
-  for (const bool scene_changes : {false, true}) {
+TEST_F(FilterTest, WhereTheLaneWouldShowItAChangeIsNoArmsAlone) {
+  for (const bool lane_would_show : {false, true}) {
     RelativeCostFilter filter(kArms);
     for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
     const double before = filter.Difference(1, 0).mean;
     for (int i = 0; i < 3; ++i) {
       filter.Advance(1);
-      filter.ObserveLive(0, cost_[0] + load_ + std::log(4), scene_changes);
+      filter.ObserveLive(0, cost_[0] + load_ + std::log(4), lane_would_show);
     }
     const double shift = std::abs(filter.Difference(1, 0).mean - before);
-    EXPECT_EQ(shift < 0.02, !scene_changes) << shift;
+    EXPECT_EQ(shift < 0.02, lane_would_show) << shift;
   }
 }
 

@@ -242,6 +242,27 @@ TEST(Trial, ThatHasEndedIsNotRepeatedForWhatMayBeALittle) {
   EXPECT_GT(game.gate->gain, 0.005) << "of a first trial it would be enough";
 }
 
+// The third arm saves less than the second might.
+TEST(Trial, ThatIsNotRepeatedKeepsNoGameFromAnotherArm) {
+  TrialGame game({10'000, 13'000, 10'200}, {10'000, 11'000, 10'200});
+  game.RunTicks(100);
+  game.cost_us[2] = game.lane_cost_us[2] = 9'750;
+  game.RunTicks(60);
+  EXPECT_EQ(game.client.arm, 2u);
+}
+
+// While the lane is at work, what comes to an arm's live windows alone is other work.
+TEST(Trial, OnceTheLaneHasEndedAnArmThatComesToCostMoreIsLeft) {
+  TrialGame game({20'000, 10'000}, {22'000, 11'000});
+  game.RunTicks(20);
+  ASSERT_EQ(game.client.arm, 1u);
+  game.lane_reports = false;
+  game.RunTicks(150);
+  game.cost_us[1] = 40'000;
+  game.RunTicks(50);
+  EXPECT_EQ(game.client.arm, 0u);
+}
+
 TEST(Trial, AnEndIsALowerBoundAndNoBan) {
   TrialGame game({10'000, 40'000}, {11'000, 8'000});
   game.RunTicks(20);
