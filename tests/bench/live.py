@@ -21,7 +21,7 @@ dear to take part; where the machine disturbs frames it does so in both. The col
 do not exceed ÷ what the same frames of the best arm's two games, with the lane and without, give likewise.
 Conditions:
   quiet       nothing else runs
-  one-cpu     all of the game on one processor (taskset)
+  one-cpu     all of the game on one processor (taskset), where the shadow lane rests
   neighbours  two other processes copy 64 MiB from here to there without end
   bursts      four other processes compute for 1.2 s, and rest for 2.5 s
   quota       the game's control group has --cpu-quota processors' time; needs cgroups that may be written, as root's

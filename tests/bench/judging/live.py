@@ -31,7 +31,8 @@ def judge_goal(goal, played):
     rows = [row for row in played if row[column] is not None]
     value = over(rows) if rows else None
     if value is None:
-        return {"condition": goal["condition"], "figure": goal["figure"], "met": None}
+        unjudged = {"condition": goal["condition"], "figure": goal["figure"], "met": None}
+        return unjudged | {"trials": sum(row["trials"] for row in rows)} if rows else unjudged
     limit, number = limit_of(goal)
     rounds = min(row["rounds"] for row in played)
     scenes = len({(row["scene"], row["objects"]) for row in played})
@@ -61,8 +62,11 @@ def live_text(rows):
             return "too few " + ("rounds" if row["rounds"] < MIN_ROUNDS else "scenes")
         return "met" if row["met"] else "NOT MET"
     measured = [row for row in rows if row["met"] is not None]
-    missing = ", ".join(f"{row['condition']} {row['figure']}" for row in rows if row["met"] is None)
+    def names(trials):
+        return ", ".join(f"{row['condition']} {row['figure']}" for row in rows if row["met"] is None and ("trials" in row) == trials)
     text = table(("condition", "figure", "scenes", "rounds", "value", "at most", "worst", ""), [
         (row["condition"], row["figure"], str(row["scenes"]), str(row["rounds"]), number(row, row["value"]), number(row, row["goal"]),
          row["worst"], result(row)) for row in measured])
-    return text + (f"\nNot in this document, or of fewer than {MIN_TRIALS} trials: {missing}.\n" if missing else "")
+    few, missing = names(True), names(False)
+    return text + (f"\nToo few trials, {MIN_TRIALS} are wanted: {few}.\n" if few else "") + (
+        f"\nNot in this document: {missing}.\n" if missing else "")
