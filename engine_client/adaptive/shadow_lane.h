@@ -56,7 +56,7 @@ class ShadowLane {
     // How long the lane's thread has run, which is what arms cost it even where it has to share its
     // core; null: the clock.
     uint64_t (*thread_time_ns)() noexcept = nullptr;
-    // That of the core which the lane's thread is on ÷ the fastest one's; null: all are alike.
+    // The speed of the core that the lane's thread is on ÷ the fastest one's; null: all are alike.
     double (*core_speed)() noexcept = nullptr;
     // The lane rests where the engine's threads leave none of these cores; null: it never does.
     size_t engine_threads = 1;

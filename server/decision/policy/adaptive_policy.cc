@@ -39,7 +39,7 @@ constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the fr
 constexpr double kBanGrowth = 4;
 // The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
 constexpr double kMaxAdvance = 30;
-constexpr int64_t kLaneIntervals = 5;  // decision intervals without a visit in which it is at work
+constexpr int64_t kLaneIntervals = 5;  // the lane is at work so many intervals after a visit
 // If the lane has not reported after this many windows, arms are tried live. A sweep of an
 // expensive scene takes its time.
 constexpr uint64_t kPatienceWindows = 5;

@@ -32,7 +32,7 @@ class RegimeBeliefs {
   const RelativeCostFilter& filter() const { return filters_[regime_]; }
   // Those of all regimes.
   std::span<RelativeCostFilter> filters() { return filters_; }
-  bool scene_changes() const { return filters_.size() > 1; }
+  bool scene_changes() const { return filters_.size() > 1; }  // it has had several regimes
 
   // What choices are made by.
   NormalBelief LogCost(uint32_t arm) const;

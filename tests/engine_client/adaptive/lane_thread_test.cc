@@ -79,45 +79,46 @@ TEST(LaneThread, RestsWhileTheEnginesThreadsLeaveNoCore) {
   EXPECT_EQ(lane.stats().visit_count, visit_count);
 }
 
+// A lane's first sweep of two arms, and what it says of it.
+struct FirstSweep {
+  FirstSweep(const ArmScript& script, uint64_t (*thread_time_ns)() noexcept,
+             double (*core_speed)() noexcept) {
+    ScriptedClock clock;
+    RecordingSink sink;
+    const std::atomic<Mode> mode{Mode::kAi};
+    ShadowLane lane({.options = {},
+                     .arm_count = 2,
+                     .make = Making(script, clock),
+                     .sink = &sink,
+                     .clock = clock,
+                     .mode = mode,
+                     .thread_time_ns = thread_time_ns,
+                     .core_speed = core_speed});
+    lane.Step();
+    uint64_t frame = 0;
+    Play(lane, clock, frame, 1 + kShadowBurstFrames);
+    visits = sink.shadows;
+    busy_time_ns = lane.stats().busy_time_ns;
+  }
+
+  std::vector<ShadowSample> visits;
+  uint64_t busy_time_ns = 0;
+};
+
 TEST(LaneThread, MeasuresTheTimeThatItRan) {
-  ScriptedClock clock;
-  const ArmScript script{.update_ns = 7 * kMs};
-  RecordingSink sink;
-  const std::atomic<Mode> mode{Mode::kAi};
-  ShadowLane lane({.options = {},
-                   .arm_count = 2,
-                   .make = Making(script, clock),
-                   .sink = &sink,
-                   .clock = clock,
-                   .mode = mode,
-                   .thread_time_ns = ThreeMsAtATime});
-  lane.Step();
-  uint64_t frame = 0;
-  Play(lane, clock, frame, 1 + kShadowBurstFrames);
-  ASSERT_EQ(sink.shadows.size(), 2U);
-  for (const ShadowSample& sample : sink.shadows) EXPECT_EQ(sample.detection_time_ns, 3 * kMs);
-  EXPECT_EQ(lane.stats().busy_time_ns, (2 * kShadowBurstFrames + 1) * 3 * kMs);
+  const FirstSweep sweep({.update_ns = 7 * kMs}, ThreeMsAtATime, nullptr);
+  ASSERT_EQ(sweep.visits.size(), 2U);
+  for (const ShadowSample& visit : sweep.visits) EXPECT_EQ(visit.detection_time_ns, 3 * kMs);
+  EXPECT_EQ(sweep.busy_time_ns, (2 * kShadowBurstFrames + 1) * 3 * kMs);
 }
 
 TEST(LaneThread, TellsWhatTheFastestKindOfCoreWouldTake) {
-  ScriptedClock clock;
-  const ArmScript script{.build_ns = 12 * kMs, .update_ns = 8 * kMs};
-  RecordingSink sink;
-  const std::atomic<Mode> mode{Mode::kAi};
-  ShadowLane lane({.options = {},
-                   .arm_count = 2,
-                   .make = Making(script, clock),
-                   .sink = &sink,
-                   .clock = clock,
-                   .mode = mode,
-                   .core_speed = []() noexcept { return 0.25; }});
-  lane.Step();
-  uint64_t frame = 0;
-  Play(lane, clock, frame, 1 + kShadowBurstFrames);
-  ASSERT_EQ(sink.shadows.size(), 2U);
-  for (const ShadowSample& sample : sink.shadows) {
-    EXPECT_EQ(sample.detection_time_ns, 2 * kMs);
-    EXPECT_EQ(sample.build_time_ns, 3 * kMs);
+  const FirstSweep sweep({.build_ns = 12 * kMs, .update_ns = 8 * kMs}, nullptr,
+                         []() noexcept { return 0.25; });
+  ASSERT_EQ(sweep.visits.size(), 2U);
+  for (const ShadowSample& visit : sweep.visits) {
+    EXPECT_EQ(visit.detection_time_ns, 2 * kMs);
+    EXPECT_EQ(visit.build_time_ns, 3 * kMs);
   }
 }
 

@@ -44,6 +44,16 @@ TEST(RegimeBeliefs, AreThoseOfThePresentRegime) {
   EXPECT_GT(beliefs.Difference(0, 1).mean, 0.5);
 }
 
+TEST(RegimeBeliefs, KnowASceneThatChangesFromOneThatDoesNot) {
+  RegimeBeliefs beliefs{RelativeCostFilter(2)};
+  for (int tick = 0; tick < 20; ++tick) ObserveTick(beliefs, true);
+  EXPECT_FALSE(beliefs.scene_changes());
+  ObserveTick(beliefs, false);
+  EXPECT_TRUE(beliefs.scene_changes());
+  for (int tick = 0; tick < 20; ++tick) ObserveTick(beliefs, true);
+  EXPECT_TRUE(beliefs.scene_changes());
+}
+
 // A choice that is made in one regime takes effect in the next one.
 TEST(RegimeBeliefs, AreOfAMixtureOfRegimesThatChangeFasterThanChoices) {
   RegimeBeliefs beliefs = AfterRegimesOf(2);

@@ -263,6 +263,28 @@ TEST(Trial, OnceTheLaneHasEndedAnArmThatComesToCostMoreIsLeft) {
   EXPECT_EQ(game.client.arm, 0u);
 }
 
+// In a scene of several regimes an arm's live windows may tell of the next one before the lane
+// does.
+TEST(Trial, WhatComesToAnArmsWindowsIsInPartItsOwnInASceneThatChanges) {
+  const auto sure_after_a_rise = [](bool scene_changes) {
+    TrialGame game({12'000, 10'000}, {13'200, 11'000});
+    for (int tick = 0; tick < 60; ++tick) {
+      SceneDescriptor descriptor;
+      descriptor.object_count = 1'000;
+      descriptor.speed_mean = scene_changes && tick < 30 ? 0.001 : 0.1;
+      game.client.session.ObserveDescriptor(descriptor);
+      game.RunTick();
+    }
+    EXPECT_EQ(game.client.arm, 1u);
+    game.lane_reports = false;
+    game.cost_us[1] = 30'000;
+    game.RunTicks(2);
+    return game.client.session.diagnosis().best_probability[1];
+  };
+  EXPECT_GT(sure_after_a_rise(false), 0.9);
+  EXPECT_LT(sure_after_a_rise(true), 0.8);
+}
+
 TEST(Trial, AnEndIsALowerBoundAndNoBan) {
   TrialGame game({10'000, 40'000}, {11'000, 8'000});
   game.RunTicks(20);
