@@ -115,7 +115,8 @@ PLATFORM_FOLDERS = {
     "server/tls", "server/watch", "server/rpc", "server/web"}
 # What the system alone knows: names of threads, cores, the processor and the memory. Where it does not tell, these do nothing.
 PLATFORM_FILES = {
-    "engine_client/broad_phase/host/" + name for name in ("machine_class.cc", "processor_name.cc", "threads.cc", "usable_cores.cc")}
+    "engine_client/broad_phase/host/" + name
+    for name in ("core_speed.cc", "machine_class.cc", "processor_name.cc", "threads.cc", "usable_cores.cc")}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
