@@ -78,9 +78,9 @@ def replayed(program, games, traces, policies, words):
 
 
 def milliseconds(frame):
-    """Per frame: what was lost to the best fixed arm and saved against the median and the worst one, and what the lane took."""
+    """Per frame: the best fixed arm's, what was lost to it and saved against the median and the worst one, and the lane's."""
     saved = {arm: frame[arm] - frame["detection"] for arm in ("median", "worst")}
-    return {"ms_lost": frame["regret"], "ms_saved_median": saved["median"], "ms_saved_worst": saved["worst"],
+    return {"ms_best": frame["best"], "ms_lost": frame["regret"], "ms_saved_median": saved["median"], "ms_saved_worst": saved["worst"],
             "ms_lane": frame["lane"], "ms_lane_unpaid": frame["lane"] - saved["median"]}
 
 

@@ -45,7 +45,8 @@ import sys
 import tempfile
 import time
 
-from judging.common import nine_in_ten, or_dash, percent, table
+from judging.common import or_dash, percent, table
+from judging.live import MIN_ROUNDS, worst_of_trials
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONDITIONS = ("quiet", "one-cpu", "neighbours", "bursts", "quota")
@@ -285,7 +286,7 @@ class Cell:
                 "raw_regret": raw_regret, "raw_half_width": raw_half_width, "raw_regrets": self.raw_regrets,
                 "lane_share": statistics.fmean(self.lane_shares) if self.lane_shares else None,
                 "trials": len(self.trial_ratios),
-                "trial_worst_ratio": nine_in_ten(self.trial_ratios) / nine_in_ten(self.control_ratios) if self.trial_ratios else None,
+                "trial_worst_ratio": worst_of_trials(self.trial_ratios, self.control_ratios) if self.trial_ratios else None,
                 "trial_ratios": self.trial_ratios, "control_ratios": self.control_ratios,
                 "choice": statistics.fmean(self.choices) if self.choices else None, "choices": self.choices,
                 "lane_mean_ratio": statistics.median(self.lane_means), "lane_tail_ratio": math.exp(log_tail),
@@ -332,6 +333,8 @@ def half(value):
 
 
 def text(document):
+    rounds = min(row["rounds"] for row in document["rows"])
+    few = "" if rounds >= MIN_ROUNDS else f"\nRounds played: {rounds}. Fewer than {MIN_ROUNDS} tell too little for the goals.\n"
     return table(("condition", "scene", "objects", "rounds", "best arm", "regret", "± 95 %", "choice", "lane", "raw regret", "± 95 %",
                   "lane mean", "lane p99.9", "± 95 %", "trials", "worst frame"), [
         (row["condition"], row["scene"], str(row["objects"]), str(row["rounds"]), row["best_arm"], or_dash(row["regret"], percent),
@@ -339,7 +342,7 @@ def text(document):
          or_dash(row["raw_regret"], percent), half(row["raw_half_width"]), f"{row['lane_mean_ratio']:.3f}",
          f"{row['lane_tail_ratio']:.2f}",
          or_dash(row["lane_tail_half_width"], "{:.2f}".format), str(row["trials"]),
-         or_dash(row["trial_worst_ratio"], "{:.2f}".format)) for row in document["rows"]])
+         or_dash(row["trial_worst_ratio"], "{:.2f}".format)) for row in document["rows"]]) + few
 
 
 def add_game_options(parser, seconds, rounds=None, near=None):

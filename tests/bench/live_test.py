@@ -140,8 +140,9 @@ echo {}
         self.assertEqual({each["met"] for each in figures if each["condition"] == "one-cpu"}, {None}, "not measured is not met")
         for bad in (rows("quiet", 0.031), rows("quiet", 0.0, 1.2), rows("neighbours", 0.021), rows("quiet", 0.0, trial=1.3)):
             self.assertEqual(judged({"command": "live", "rows": bad})[0], 1, bad)
-        self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, rounds=4)})[0], 1, "four rounds tell too little")
-        self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, scenes="abca")})[0], 1, "three scenes tell too little")
+        for too_few, given in (("rounds", rows("quiet", 0.0, rounds=4)), ("scenes", rows("quiet", 0.0, scenes="abca"))):
+            code, out, _ = judged({"command": "live", "rows": given})
+            self.assertEqual((code, json.loads(out)["figures"][0]["too_few"]), (1, too_few), "four rounds or three scenes tell too little")
         self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, trial=None)})[0], 0, "without a trial none can hurt")
         one_without = {"command": "live", "rows": rows("quiet", 0.0, scenes="abcd") + rows("quiet", 0.0, scenes="e", trial=None)}
         figures = {each["figure"]: each["met"] for each in json.loads(judged(one_without)[1])["figures"] if each["condition"] == "quiet"}

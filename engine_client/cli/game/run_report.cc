@@ -55,7 +55,8 @@ std::string ArmTable(const RunSummary& summary) {
                   std::to_string(row.activity.frame_count), Fixed(row.detection_ms(), 4)});
     table.AddRow(std::move(cells));
   }
-  return table.Text() + StandingLegend();
+  return table.Text() + StandingLegend() +
+         "mean: of the reward's posterior Beta(alpha, beta), 1 at best\n";
 }
 
 // A decider that has no evidence reports Beta(1,1), as well as none.

@@ -10,10 +10,15 @@ MIN_SCENES = 4
 MIN_TRIALS = 10
 
 
+def worst_of_trials(ratios, controls):
+    """The ratio that nine in ten trials do not exceed ÷ that of their controls."""
+    return nine_in_ten(ratios) / nine_in_ten(controls)
+
+
 def pooled_trials(rows):
-    """The ratio that nine in ten trials of all scenes do not exceed ÷ that of their controls."""
+    """That of the trials of all scenes; None where they are too few."""
     ratios, controls = ([ratio for row in rows for ratio in row[name]] for name in ("trial_ratios", "control_ratios"))
-    return nine_in_ten(ratios) / nine_in_ten(controls) if len(ratios) >= MIN_TRIALS else None
+    return worst_of_trials(ratios, controls) if len(ratios) >= MIN_TRIALS else None
 
 
 # The column of a figure, and what becomes of the scenes' rows.
@@ -37,9 +42,10 @@ def judge_goal(goal, played):
     rounds = min(row["rounds"] for row in played)
     scenes = len({(row["scene"], row["objects"]) for row in played})
     worst = max(rows, key=lambda row: row[column])
+    too_few = "rounds" if rounds < MIN_ROUNDS else "scenes" if scenes < MIN_SCENES else None
     return {"condition": goal["condition"], "figure": goal["figure"], "scenes": scenes, "rounds": rounds, "value": value,
             "worst": f"{worst['scene']}-{worst['objects']}", "limit": limit, "goal": number,
-            "met": rounds >= MIN_ROUNDS and scenes >= MIN_SCENES and meets(goal, value),
+            "too_few": too_few, "met": too_few is None and meets(goal, value),
             "cells": [{"cell": f"{row['scene']}-{row['objects']}", "value": row[column]} for row in rows]}
 
 
@@ -58,8 +64,8 @@ def live_text(rows):
         return percent(value) if "regret" in row["figure"] else f"{value:.3f}"
 
     def result(row):
-        if row["rounds"] < MIN_ROUNDS or row["scenes"] < MIN_SCENES:
-            return "too few " + ("rounds" if row["rounds"] < MIN_ROUNDS else "scenes")
+        if row["too_few"]:
+            return f"too few {row['too_few']}"
         return "met" if row["met"] else "NOT MET"
     measured = [row for row in rows if row["met"] is not None]
     def names(trials):
