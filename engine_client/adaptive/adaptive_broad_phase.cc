@@ -88,6 +88,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
                         .sink = sink,
                         .clock = SteadyClock(),
                         .mode = mode,
+                        .frozen = &frozen_,
                         .thread_time_ns = ThreadTimeNs,
                         .core_speed = CoreSpeed,
                         .engine_threads = EngineThreads(options),
@@ -386,6 +387,7 @@ void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
 void AdaptiveBroadPhase::Impl::Freeze() {
   SetMode(Mode::kManual);
   frozen_.store(true, std::memory_order_relaxed);
+  if (lane_ != nullptr) lane_->Trim();
   if (local_command_ && local_command_->reason == SwitchReason::kBailOut) DropLocalCommand();
 }
 

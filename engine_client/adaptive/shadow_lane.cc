@@ -139,11 +139,6 @@ std::chrono::microseconds ShadowLane::StepWithMemory() {
   return collecting_ ? kBusyPoll : kIdlePoll;
 }
 
-bool ShadowLane::enabled() const {
-  return setup_.options.enabled == ShadowMode::kOn || was_ai_.load(std::memory_order_relaxed) ||
-         setup_.mode.load(std::memory_order_relaxed) == Mode::kAi;
-}
-
 // Asks once a second. Frames that are being copied are awaited before the lane rests.
 bool ShadowLane::HasCore() {
   const uint64_t now_ns = setup_.clock.NowNs();

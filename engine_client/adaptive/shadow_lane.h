@@ -19,9 +19,10 @@
 // Thread safety: Ask, Cancel, TakeOver, Trim and OnFrame on the frame thread; they never wait,
 // lock, allocate, or make a system call other than the clock. stats() on any thread. Step belongs
 // to the lane's thread and is public for tests, which call it instead of Start. Ownership: sink,
-// clock and mode are borrowed. The destructor, Ask and Cancel end what the lane's backend is doing
-// (StopRequest has the times), in the midst of a search too, and so do the caps of time and memory.
-// Errors: if memory runs out, the lane frees its own memory and tries again a second later.
+// clock, mode and frozen are borrowed. The destructor, Ask and Cancel end what the lane's backend
+// is doing (StopRequest has the times), in the midst of a search too, and so do the caps of time
+// and memory. Errors: if memory runs out, the lane frees its own memory and tries again a second
+// later.
 #pragma once
 
 #include <algorithm>
@@ -53,6 +54,7 @@ class ShadowLane {
     FrameSink* sink = nullptr;  // may be null
     Clock& clock;
     const std::atomic<Mode>& mode;
+    const std::atomic<bool>* frozen = nullptr;  // while it is true the lane rests; null: never
     // How long the lane's thread has run, which is what arms cost it even where it has to share its
     // core; null: the clock.
     uint64_t (*thread_time_ns)() noexcept = nullptr;
@@ -127,7 +129,11 @@ class ShadowLane {
   void Run();
   // Step, which frees the lane's memory where there is none left for this.
   std::chrono::microseconds StepWithMemory();
-  bool enabled() const;
+  bool enabled() const {
+    if (setup_.frozen != nullptr && setup_.frozen->load(std::memory_order_relaxed)) return false;
+    return setup_.options.enabled == ShadowMode::kOn || was_ai_.load(std::memory_order_relaxed) ||
+           setup_.mode.load(std::memory_order_relaxed) == Mode::kAi;
+  }
   bool HasCore();
   bool sweep_is_due() const;
   bool interrupted(const SwitchHandover::Order* followed) const;

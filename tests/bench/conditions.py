@@ -84,13 +84,23 @@ def milliseconds(frame):
             "ms_lane": frame["lane"], "ms_lane_unpaid": frame["lane"] - saved["median"]}
 
 
+def said(bins, low, high):
+    """Decisions whose P(best) was in this range, and of how many of them the leader was the fastest arm."""
+    decisions, right = 0, 0.0
+    for one in bins:
+        if low <= one["low"] and one["high"] <= high:
+            decisions += one["decisions"]
+            right += one["best"] * one["decisions"]
+    return {"p_best_said": decisions, "p_best_right": right}
+
+
 def cell_of(condition, game, rows, policy, peers, cold):
     own = rows[policy]
     cell = {"condition": condition, "cell": game["cell"], "category": game["category"], "flip_s": game["flip_s"],
             "headroom": own["headroom"], "regret": own["regret_best_fixed"], "ci95": own["ci95"],
             "regret_after_start": own["regret_after_start"], "captured": own["headroom_captured"], "switches": own["switches"],
             "switches_after_start": own["switches_after_start"],
-            **milliseconds(own["ms_per_frame"])}
+            **milliseconds(own["ms_per_frame"]), **said(own["reliability"], 0.8, 0.9)}
     for peer in peers:
         cell["regret_" + peer] = rows[peer]["regret_best_fixed"]
         cell["excess_" + peer] = cell["regret"] - cell["regret_" + peer]

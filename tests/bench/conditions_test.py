@@ -113,9 +113,13 @@ class Conditions(unittest.TestCase):
         self.assertEqual(conditions.milliseconds(frame), {
             "ms_best": 1, "ms_lost": 1, "ms_saved_median": 3, "ms_saved_worst": 7, "ms_lane": 4, "ms_lane_unpaid": 1})
         own = dict.fromkeys(("headroom", "regret_best_fixed", "ci95", "regret_after_start", "headroom_captured", "switches",
-                             "switches_after_start"), 0)
+                             "switches_after_start"), 0) | {"reliability": []}
         rows = {"default": own | {"ms_per_frame": frame}, "paper": own | {"ms_per_frame": frame | {"detection": 2.5}}}
         self.assertEqual(conditions.cell_of("clean", cell(), rows, "default", ["paper"], None)["ms_saved_paper"], 0.5)
+
+    def test_what_p_best_said_is_counted_in_its_range(self):
+        bins = [{"low": low, "high": high, "decisions": 10, "best": best} for low, high, best in ((0.7, 0.8, 1), (0.8, 0.9, 0.5))]
+        self.assertEqual(conditions.said(bins, 0.8, 0.9), {"p_best_said": 10, "p_best_right": 5})
 
     def test_a_lane_s_errors_reach_the_replay(self):
         regrets = []

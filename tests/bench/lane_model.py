@@ -6,7 +6,8 @@ the frame thread's on the frames that the visit measured is the lane's error: it
 ratio, the spread of its logarithm within a game the noise. Visits that the lane's cap ended tell nothing. Contention is the mean
 frame after a sweep's frames were copied, for as long as its visits take, ÷ as many frames before the sweep: the median over the
 sweeps, mean over the games. The lane looks for copied frames once a millisecond, so that a part of its work is missed. With
---condition the rest of the machine does what it does in live.py. Needs Linux and Python 3.11; else nothing should run meanwhile.
+--condition the rest of the machine does what it does in live.py; on one processor alone the lane rests, and there is nothing to measure.
+Needs Linux and Python 3.11; else nothing should run meanwhile.
 """
 
 import argparse
@@ -22,6 +23,9 @@ from judging.common import or_dash, table
 # Frames of a visit from its first one on: the build, the warm-up, and those that are measured (engine_client/adaptive/shadow_schedule.h).
 UNMEASURED_FRAMES = 3
 VISIT_FRAMES = 8
+# Below so many processors' time the lane leaves them to the game.
+MIN_QUOTA = 2
+CONDITIONS = [condition for condition in live.CONDITIONS if condition != "one-cpu"]
 ACTIVE, CAPPED = 1, 2
 # Of a normal distribution, quartiles are so many standard deviations apart; spikes do not move them.
 QUARTILES_APART = 1.349
@@ -147,16 +151,19 @@ def parse(words):
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="examples:\n  tests/bench/lane_model.py > mine.toml && tests/bench/conditions.py stationary --lane-model mine.toml\n"
         "  tests/bench/lane_model.py --condition neighbours --scenes hurricane:2000\n"
-        "  tests/bench/lane_model.py --condition quota --cpu-quota 1.5 --json\n"
+        "  tests/bench/lane_model.py --condition quota --cpu-quota 3 --json\n"
         "Ends with 0 when it has measured, with 2 when it could not.")
     parser.add_argument("--program", default=live.ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=live.SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
     parser.add_argument("--arms", type=lambda word: word.split(","), default=list(live.ARMS), metavar="ARM,…", help="(default: all)")
-    parser.add_argument("--condition", choices=live.CONDITIONS, default="quiet", help="(default: %(default)s)")
-    parser.add_argument("--cpu-quota", type=float, default=1, metavar="CORES", help="of the condition quota (default: %(default)s)")
+    parser.add_argument("--condition", choices=CONDITIONS, default="quiet", help="(default: %(default)s)")
+    parser.add_argument("--cpu-quota", type=float, default=MIN_QUOTA, metavar="CORES",
+                        help="of the condition quota, at least %(default)s")
     live.add_game_options(parser, seconds=5)
     options = parser.parse_args(words)
     live.check_game_options(parser, options, [options.program])
+    if options.cpu_quota < MIN_QUOTA:
+        parser.error(f"with a quota below {MIN_QUOTA} processors the lane rests: there is nothing to measure")
     if unknown := set(options.arms) - set(live.ARMS):
         parser.error(f"unknown arm '{unknown.pop()}', must be one of {', '.join(live.ARMS)}")
     return options

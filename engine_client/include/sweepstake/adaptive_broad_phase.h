@@ -163,8 +163,8 @@ class AdaptiveBroadPhase {
   void SetMode(Mode mode);
   // Sets kManual, and nothing that depends on time happens any more, so that runs repeat bit for
   // bit (builds, replays, tournaments): the clock is not read, samples have no detection time, the
-  // lane is shown no frames, and commands and orders are refused. SelectArm still chooses. SetMode
-  // ends it.
+  // lane rests without its structures, and commands and orders are refused. SelectArm still
+  // chooses. SetMode ends it.
   void Freeze();
   // Obeys an operator at the next BeginFrame, like SetMode and SelectArm; a later order replaces
   // one that was not obeyed yet. A kManual that was ordered holds until the next order, SetMode, or

@@ -79,6 +79,32 @@ TEST(LaneThread, RestsWhileTheEnginesThreadsLeaveNoCore) {
   EXPECT_EQ(lane.stats().visit_count, visit_count);
 }
 
+TEST(LaneThread, RestsWhileTheGameIsFrozen) {
+  ScriptedClock clock;
+  const ArmScript script{.update_ns = kMs};
+  const std::atomic<Mode> mode{Mode::kAi};
+  std::atomic<bool> frozen{false};
+  ShadowLane lane({.options = {},
+                   .arm_count = 2,
+                   .make = Making(script, clock),
+                   .clock = clock,
+                   .mode = mode,
+                   .frozen = &frozen});
+  uint64_t frame = 0;
+  while (lane.stats().sweep_count == 0) Play(lane, clock, frame, 1);
+  clock.Advance(3'600'000 * kMs);
+  lane.Step();
+  const auto awaiting_frames = lane.Step();
+  frozen = true;
+  EXPECT_GT(lane.Step(), awaiting_frames) << "frames that nobody copies any more";
+  EXPECT_EQ(lane.stats().state, ShadowState::kPaused);
+  EXPECT_EQ(lane.Ask(0), ShadowLane::Preparation::kNever);
+  frozen = false;
+  const uint64_t sweep_count = lane.stats().sweep_count;
+  Play(lane, clock, frame, 200);
+  EXPECT_GT(lane.stats().sweep_count, sweep_count);
+}
+
 // A lane's first sweep of two arms, and what it says of it.
 struct FirstSweep {
   FirstSweep(const ArmScript& script, uint64_t (*thread_time_ns)() noexcept,

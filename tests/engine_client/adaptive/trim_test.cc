@@ -157,5 +157,15 @@ TEST_F(TrimTest, FreesWhatTheLaneKeeps) {
   EXPECT_EQ(adaptive_->memory_bytes(), active_bytes());
 }
 
+TEST_F(TrimTest, FrozenItFreesWhatTheLaneKeeps) {
+  MakeWithLane(0);
+  while (lane().sweep_count == 0) Frame();
+  const uint64_t lane_bytes = lane().memory_bytes;
+  adaptive_->Freeze();
+  while (lane().memory_bytes >= lane_bytes) std::this_thread::yield();
+  EXPECT_EQ(lane().state, ShadowState::kPaused);
+  Frame();
+}
+
 }  // namespace
 }  // namespace sweepstake
