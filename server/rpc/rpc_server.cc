@@ -209,7 +209,7 @@ void RpcServer::WatchStore() {
     FollowOthers();
     KeepWaiting();
   }
-  loop_.PostAt(loop_.clock().NowNs() + kHealthIntervalNs, [this] { WatchStore(); });
+  loop_.PostAt(last_beat_ns_ + kHealthIntervalNs, [this] { WatchStore(); });
 }
 
 void RpcServer::FollowOthers() {
@@ -248,7 +248,7 @@ void RpcServer::ReportLostAuditRows() {
   const uint64_t lost_by_store = context_.store.lost_audit_row_count();
   counters_.lost_audit_row_count += lost_by_store - std::exchange(lost_by_store_, lost_by_store);
   const uint64_t lost = counters_.lost_audit_row_count;
-  const int64_t now_ns = loop_.clock().NowNs();
+  const int64_t now_ns = last_beat_ns_;
   if (lost == reported_lost_rows_ || now_ns < next_loss_report_ns_) return;
   context_.log.warn(
       "{} rows of the audit log could not be written, {} since the start: decisions after them "
