@@ -162,7 +162,7 @@ def parse(words):
     live.add_game_options(parser, seconds=5)
     options = parser.parse_args(words)
     live.check_game_options(parser, options, [options.program])
-    if options.cpu_quota < MIN_QUOTA:
+    if not options.cpu_quota >= MIN_QUOTA:
         parser.error(f"with a quota below {MIN_QUOTA} processors the lane rests: there is nothing to measure")
     if unknown := set(options.arms) - set(live.ARMS):
         parser.error(f"unknown arm '{unknown.pop()}', must be one of {', '.join(live.ARMS)}")

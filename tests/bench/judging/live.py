@@ -36,8 +36,8 @@ def judge_goal(goal, played):
     rows = [row for row in played if row[column] is not None]
     value = over(rows) if rows else None
     if value is None:
-        unjudged = {"condition": goal["condition"], "figure": goal["figure"], "met": None}
-        return unjudged | {"trials": sum(row["trials"] for row in rows)} if rows else unjudged
+        too_few = {"too_few": "trials", "trials": sum(row["trials"] for row in rows)} if rows else {"too_few": None}
+        return {"condition": goal["condition"], "figure": goal["figure"], "met": None, **too_few}
     limit, number = limit_of(goal)
     rounds = min(row["rounds"] for row in played)
     scenes = len({(row["scene"], row["objects"]) for row in played})
@@ -68,11 +68,10 @@ def live_text(rows):
             return f"too few {row['too_few']}"
         return "met" if row["met"] else "NOT MET"
     measured = [row for row in rows if row["met"] is not None]
-    def names(trials):
-        return ", ".join(f"{row['condition']} {row['figure']}" for row in rows if row["met"] is None and ("trials" in row) == trials)
+    few, missing = (", ".join(f"{row['condition']} {row['figure']}" for row in rows if row["met"] is None and row["too_few"] == reason)
+                    for reason in ("trials", None))
     text = table(("condition", "figure", "scenes", "rounds", "value", "at most", "worst", ""), [
         (row["condition"], row["figure"], str(row["scenes"]), str(row["rounds"]), number(row, row["value"]), number(row, row["goal"]),
          row["worst"], result(row)) for row in measured])
-    few, missing = names(True), names(False)
     return text + (f"\nToo few trials, {MIN_TRIALS} are wanted: {few}.\n" if few else "") + (
         f"\nNot in this document: {missing}.\n" if missing else "")
