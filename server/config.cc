@@ -12,13 +12,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "server/baselines/shipped_policies.h"
+#include "engine_client/decider/session/policy_registry.h"
+#include "engine_client/decider/session/session_setup.h"
+#include "engine_client/telemetry/tls/loopback.h"
+#include "engine_client/telemetry/tls/tls_files.h"
+#include "engine_client/text/names.h"
 #include "server/config_settings.h"
-#include "server/decision/session/session_setup.h"
 #include "server/storage/postgres/shared_store.h"
-#include "server/text/names.h"
-#include "server/tls/loopback.h"
-#include "server/tls/tls_files.h"
 
 namespace sweepstake::server {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake::server {
 namespace {

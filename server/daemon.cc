@@ -10,13 +10,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "engine_client/telemetry/tls/loopback.h"
 #include "server/daemon_files.h"
 #include "server/daemon_site.h"
 #include "server/descriptor_limit.h"
 #include "server/priors/unix_time.h"
 #include "server/storage/postgres/shared_store.h"
 #include "server/storage/sqlite_prior_store.h"
-#include "server/tls/loopback.h"
 
 namespace sweepstake::server {
 namespace fs = std::filesystem;

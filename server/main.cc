@@ -26,6 +26,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "engine_client/text/names.h"
 #include "server/config.h"
 #include "server/daemon.h"
 #include "server/exit_guard.h"
@@ -34,7 +35,6 @@
 #include "server/service_manager.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/postgres/shared_store.h"
-#include "server/text/names.h"
 #include "server/token_command.h"
 
 namespace {

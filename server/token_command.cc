@@ -14,10 +14,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "engine_client/text/names.h"
 #include "server/auth/token_store.h"
 #include "server/priors/unix_time.h"
 #include "server/storage/data_directory.h"
-#include "server/text/names.h"
 
 namespace sweepstake::server {
 namespace {

@@ -16,7 +16,7 @@ FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+", re.MULTI
 TIME_OF_DAY = re.compile(r"(?:^|_)(?:unix|utc|wall|date)(?:_|$)")
 # Where decisions are made. The wall clock dates sessions, rows and events, for people.
 WALL_CLOCK = re.compile(r"system_clock|\btime\(|gettimeofday|CLOCK_REALTIME|unix_time\.h|UnixNow")
-STEADY_FOLDERS = ("server/decision", "server/baselines", "server/priors/pooling", "server/rpc/common", "server/rpc/services")
+STEADY_FOLDERS = ("engine_client/decider", "server/baselines", "engine_client/decider/pooling", "server/rpc/common", "server/rpc/services")
 
 
 def table_errors(table, tests):

@@ -1,20 +1,16 @@
 #!/usr/bin/env python3
 """Fails on an #include that runs against the direction of dependencies.
 
-    broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
-    adaptive <- bullet
-    server/text, server/decision/math <- everything else, since they are pure
-    server/decision <- server/baselines <- server/audit <- telemetry, cli, rpc; server/decision <- priors/pooling <- the same
-    server/decision, priors/pooling <- priors <- storage, watch, rpc <- daemon <- main
-    storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
-    net, auth <- rpc, web, which do not know one another, <- daemon; dashboard <- web
+    text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet
+    decider <- server/sessions <- server/storage, watch, rpc <- daemon <- main      storage <- auth <- rpc, daemon
+    proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc      net, auth <- rpc, web <- daemon
 
-Within the decision core: math <- decision <- policy <- session. Above it are the baselines, and above these the laboratory, which
-cli alone may include.
+`a <- b`: b may include a. engine_client never includes server; of tests/laboratory everything may be included from there
+only. Within the decider: the decision core (decider, policy, session) and pooling <- audit, embedded.
 
-Besides: the server never includes engine_client; the decision core and the audit log include the standard library, Eigen
-and themselves (math and text without Eigen), and take no clock, thread, file, distribution or libm function whose last bit differs
-between platforms; headers of one operating system stay in telemetry, the server and the command line.
+Besides: the decision core, pooling and the audit log include the standard library, Eigen and themselves (math and text without
+Eigen), and take no clock, thread, file, distribution or libm function whose last bit differs between platforms; headers of one
+operating system stay in telemetry, the server and the command line.
 
     include_direction_test.py ROOT          checks the tree at ROOT
     include_direction_test.py --self-test   shows that each rule can fail
@@ -25,48 +21,45 @@ import re
 import sys
 import tempfile
 
-# The decision core without the ablations, which are the laboratory's.
-DECISION = {"server/decision", "server/decision/policy", "server/decision/session"}
+DECISION = {"engine_client/decider", "engine_client/decider/policy", "engine_client/decider/session"}
+DECIDER = DECISION | {"engine_client/decider/pooling", "engine_client/decider/audit"}
+ENGINE = {"engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive"}
 
 # A folder may include itself and these.
 ALLOWED = {
+    "engine_client/text": set(),
+    "engine_client/math": set(),
     "engine_client/broad_phase": set(),
     "engine_client/scene": {"engine_client/broad_phase"},
     "engine_client/adaptive": {"engine_client/broad_phase", "engine_client/scene"},
     "engine_client/bullet": {"engine_client/broad_phase", "engine_client/adaptive"},
-    "engine_client/telemetry": {
-        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", *DECISION, "server/baselines", "server/audit",
-        "server/priors/pooling", "server/tls", "proto"},
-    "engine_client/c_api": {
-        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry"},
+    "engine_client/decider": set(),
+    "engine_client/decider/policy": {"engine_client/decider"},
+    "engine_client/decider/session": DECISION,
+    "engine_client/decider/pooling": DECISION,
+    "engine_client/decider/audit": DECISION,
+    "engine_client/decider/embedded": DECIDER | ENGINE,
+    "engine_client/telemetry": DECIDER | ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry/tls", "proto"},
+    "engine_client/telemetry/tls": set(),
+    "engine_client/c_api": ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry"},
     "engine_client/c_api/flavours": set(),
-    "engine_client/cli": {
-        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
-        *DECISION, "server/baselines", "server/laboratory", "server/audit", "server/priors/pooling", "server/dashboard", "proto"},
+    "engine_client/cli": DECIDER | ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry", "proto"},
     "server/dashboard": set(),
-    "server/text": set(),
-    "server/decision/math": set(),
-    "server/decision": set(),
-    "server/decision/policy": {"server/decision"},
-    "server/decision/session": DECISION,
-    "server/baselines": DECISION,
-    "server/laboratory": DECISION | {"server/baselines"},
-    "server/audit": DECISION | {"server/baselines"},
-    "server/priors": DECISION | {"server/audit", "server/priors/pooling"},
-    "server/priors/pooling": DECISION,
-    "server/storage": DECISION | {"server/audit", "server/priors", "server/priors/pooling"},
-    "server/tls": set(),
+    "server/priors": DECIDER,
+    "server/storage": DECIDER | {"server/priors"},
+    "server/tls": {"engine_client/telemetry/tls"},
     "server/auth": {"server/storage"},
-    "server/watch": DECISION | {"server/audit", "server/priors"},
+    "server/watch": DECIDER | {"server/priors"},
     "server/net": set(),
     "server/web": {"server/auth", "server/dashboard", "server/net", "proto"},
-    "server/rpc": DECISION | {"server/baselines", "server/audit", "server/auth", "server/net", "server/priors", "server/priors/pooling", "server/tls", "server/watch", "proto"},
-    "server": DECISION | {
-        "server/baselines", "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "server/dashboard", "proto"},
+    "server/rpc": DECIDER | {"server/auth", "server/net", "server/priors", "engine_client/telemetry/tls", "server/watch", "proto"},
+    "server": DECIDER | {
+        "server/auth", "server/priors", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/watch", "server/rpc",
+        "server/web", "server/dashboard", "proto"},
 }
 
 # Pure functions that every folder may include; they need the standard library only.
-FOR_ALL = {"server/text", "server/decision/math"}
+FOR_ALL = {"engine_client/text", "engine_client/math"}
 
 # Each public header belongs to the layer that implements it.
 PUBLIC_HEADERS = {
@@ -87,7 +80,7 @@ PUBLIC_HEADERS = {
     "adaptive_broad_phase.h": "engine_client/adaptive",
     "shadow.h": "engine_client/adaptive",
     "bullet.h": "engine_client/bullet",
-    "embedded_decider.h": "engine_client/telemetry",
+    "embedded_decider.h": "engine_client/decider/embedded",
     "session.h": "engine_client/telemetry",
     "c_api.h": "engine_client/c_api",
     "c_worlds.h": "engine_client/c_api",
@@ -103,16 +96,16 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 # Of the rooms of a folder each includes itself and those before it; "" is the folder itself.
 ROOM_ORDER = {
     "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
-    "engine_client/cli": ("io", "game", "daemon", "priors", "load", "trace", "replay", "experiment", "peers", "bench", ""),
-    "engine_client/telemetry": ("common", "embedded", "protocol", ""),
+    "engine_client/cli": ("io", "game", "daemon", "priors", ""),
+    "engine_client/telemetry": ("tls", "common", "protocol", ""),
     "server/rpc": ("common", "sessions", "services", ""),
     "server/web": ("", "api"),
 }
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/cli", "server", "server/auth", "server/net", "server/priors", "server/storage",
-    "server/tls", "server/watch", "server/rpc", "server/web"}
+    "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/telemetry/tls", "engine_client/cli", "server",
+    "server/auth", "server/net", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web"}
 # What the system alone knows: names of threads, cores, the processor and the memory. Where it does not tell, these do nothing.
 PLATFORM_FILES = {
     "engine_client/broad_phase/host/" + name
@@ -123,7 +116,7 @@ PLATFORM_HEADER = re.compile(
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
 # These may know nothing but the standard library and Eigen.
-PURE_FOLDERS = DECISION | FOR_ALL | {"server/baselines", "server/laboratory", "server/priors/pooling", "server/audit"}
+PURE_FOLDERS = DECIDER | FOR_ALL
 DECISION_HEADERS = re.compile(
     r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
     r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
@@ -228,24 +221,25 @@ GOOD = {
     "engine_client/broad_phase/grid/grid.cc": '#include "sweepstake/broad_phase.h"\n#include <hwy/highway.h>\n',
     "engine_client/broad_phase/dbvt/dbvt.cc": '#include "engine_client/broad_phase/kd/leaf_tree.h"\n',
     "engine_client/broad_phase/registry.cc": '#include "engine_client/broad_phase/grid/grid.h"\n',
-    "engine_client/telemetry/embedded.cc": '#include "server/decision/types.h"\n#include <unistd.h>\n',
+    "engine_client/telemetry/embedded.cc": '#include "engine_client/decider/types.h"\n#include <unistd.h>\n',
     "engine_client/cli/watch.cc": '#include "sweepstake/v1/posteriors.pb.h"\n#include <grpcpp/grpcpp.h>\n',
-    "server/decision/policy/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
-    "server/decision/session/decision_session.cc": '#include "server/decision/policy/policy.h"\n',
-    "server/audit/audit_log.cc": '#include "server/decision/session/decision_session.h"\n',
-    "engine_client/cli/replay/replay_run.cc": '#include "server/laboratory/ablations.h"\n',
-    "server/rpc/telemetry_service.cc": '#include "server/audit/audit_log.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
-    "engine_client/broad_phase/simd.cc": '#include "server/text/names.h"\n',
-    "engine_client/scene/suite.cc": '#include "server/decision/math/hash.h"\n',
-    "server/decision/math/beta.cc": '#include "server/decision/math/portable_math.h"\n#include <cmath>\n',
+    "engine_client/decider/policy/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
+    "engine_client/decider/session/decision_session.cc": '#include "engine_client/decider/policy/policy.h"\n',
+    "engine_client/decider/audit/audit_log.cc": '#include "engine_client/decider/session/decision_session.h"\n',
+    "server/rpc/telemetry_service.cc": '#include "engine_client/decider/audit/audit_log.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
+    "engine_client/broad_phase/simd.cc": '#include "engine_client/text/names.h"\n',
+    "engine_client/scene/suite.cc": '#include "engine_client/math/hash.h"\n',
+    "engine_client/math/beta.cc": '#include "engine_client/math/portable_math.h"\n#include <cmath>\n',
     "server/main.cc": '#include "server/daemon.h"\n#include "server/storage/sqlite_prior_store.h"\n',
     "engine_client/include/sweepstake/scene.h": '#include "sweepstake/aabb.h"\n',
 }
 BAD = {
+    "engine_client/adaptive/z.cc": '#include "engine_client/decider/types.h"\n',
+    "engine_client/decider/embedded/z.cc": '#include "engine_client/telemetry/common/sample_queue.h"\n',
     "engine_client/broad_phase/a.cc": '#include "engine_client/scene/world.h"\n',
     "engine_client/broad_phase/common/b.cc": '#include "engine_client/broad_phase/grid/grid.h"\n',
     "engine_client/broad_phase/grid/b.cc": '#include "engine_client/broad_phase/brute_force.h"\n',
-    "engine_client/cli/replay/b.cc": '#include "engine_client/cli/experiment/experiment_run.h"\n',
+    "engine_client/cli/game/b.cc": '#include "engine_client/cli/daemon/daemon_client.h"\n',
     "engine_client/cli/attic/b.cc": '#include "engine_client/cli/io/text_table.h"\n',
     "engine_client/broad_phase/b.cc": '#  include "sweepstake/adaptive_broad_phase.h"\n',
     "engine_client/scene/c.cc": '#include "sweepstake/frame_sample.h"\n',
@@ -260,31 +254,31 @@ BAD = {
     "engine_client/telemetry/j.cc": '#include "server/storage/prior_store.h"\n',
     "server/rpc/k.cc": '#include "server/storage/prior_store.h"\n',
     "server/storage/l.cc": '#include "server/rpc/rpc_server.h"\n',
-    "server/priors/pooling/m.cc": '#include "server/priors/prior_store.h"\n',
+    "engine_client/decider/pooling/m.cc": '#include "server/priors/prior_store.h"\n',
     "server/rpc/n.cc": '#include "sweepstake/frame_sample.h"\n',
     "server/main.cc": '#include "engine_client/scene/world.h"\n',
     "server/rpc/o.cc": '#include "server/daemon.h"\n',
-    "server/decision/p.cc": "#include <chrono>\n",
-    "server/decision/q.cc": '#include "sweepstake/v1/telemetry.pb.h"\n',
-    "server/decision/r.cc": "double F(double x) { return std::exp(x); }\n",
-    "server/decision/s.cc": "double F(double x) { return 1 + pow(x, 2); }\n",
-    "server/decision/t.cc": "std::gamma_distribution<double> d;\n",
-    "server/decision/u.cc": "auto F(const Eigen::ArrayXd& x) { return x.log(); }\n",
+    "engine_client/decider/p.cc": "#include <chrono>\n",
+    "engine_client/decider/q.cc": '#include "sweepstake/v1/telemetry.pb.h"\n',
+    "engine_client/decider/r.cc": "double F(double x) { return std::exp(x); }\n",
+    "engine_client/decider/s.cc": "double F(double x) { return 1 + pow(x, 2); }\n",
+    "engine_client/decider/t.cc": "std::gamma_distribution<double> d;\n",
+    "engine_client/decider/u.cc": "auto F(const Eigen::ArrayXd& x) { return x.log(); }\n",
     "server/elsewhere/v.cc": "\n",
-    "engine_client/scene/w.cc": '#include "server/decision/types.h"\n',
-    "server/decision/math/x.cc": '#include "server/decision/types.h"\n',
-    "server/text/x.cc": '#include "server/decision/types.h"\n',
-    "server/decision/math/y.cc": "#include <Eigen/Core>\n",
-    "server/decision/math/z.cc": "double F(double x) { return std::exp(x); }\n",
-    "server/decision/session/w.cc": '#include "server/audit/audit_log.h"\n',
-    "server/decision/session/x.cc": '#include "server/baselines/shipped_policies.h"\n',
-    "server/decision/policy/x.cc": '#include "server/decision/session/decision_session.h"\n',
-    "server/decision/y.cc": '#include "server/decision/policy/policy.h"\n',
-    "server/rpc/z.cc": '#include "server/laboratory/ablations.h"\n',
-    "engine_client/telemetry/embedded/z.cc": '#include "engine_client/telemetry/proto_conversion.h"\n',
-    "engine_client/telemetry/aa.cc": '#include "server/laboratory/ablations.h"\n',
-    "server/audit/ab.cc": '#include "server/priors/prior_store.h"\n',
-    "server/audit/ac.cc": "#include <fstream>\n",
+    "engine_client/scene/w.cc": '#include "engine_client/decider/types.h"\n',
+    "engine_client/math/x.cc": '#include "engine_client/decider/types.h"\n',
+    "engine_client/text/x.cc": '#include "engine_client/decider/types.h"\n',
+    "engine_client/math/y.cc": "#include <Eigen/Core>\n",
+    "engine_client/math/z.cc": "double F(double x) { return std::exp(x); }\n",
+    "engine_client/decider/session/w.cc": '#include "engine_client/decider/audit/audit_log.h"\n',
+    "engine_client/decider/session/x.cc": '#include "server/sessions/session_start.h"\n',
+    "engine_client/decider/policy/x.cc": '#include "engine_client/decider/session/decision_session.h"\n',
+    "engine_client/decider/y.cc": '#include "engine_client/decider/policy/policy.h"\n',
+    "server/rpc/z.cc": '#include "tests/laboratory/policies/study_policies.h"\n',
+    "engine_client/telemetry/common/z.cc": '#include "engine_client/telemetry/proto_conversion.h"\n',
+    "engine_client/telemetry/aa.cc": '#include "tests/laboratory/policies/study_policies.h"\n',
+    "engine_client/decider/audit/ab.cc": '#include "server/priors/prior_store.h"\n',
+    "engine_client/decider/audit/ac.cc": "#include <fstream>\n",
     "server/tls/af.cc": '#include "server/rpc/common/options.h"\n',
     "server/watch/ad.cc": '#include "server/rpc/common/decision_loop.h"\n',
     "server/auth/ag.cc": '#include "server/rpc/common/options.h"\n',

@@ -17,7 +17,7 @@ import shutil
 import subprocess
 import sys
 
-LIBRARIES = re.compile(r"sweepstake_(?:adaptive|audit|broad_phase|c_objects|decision|embedded|math|scene)\.dir/")
+LIBRARIES = re.compile(r"sweepstake_(?:adaptive|broad_phase|c_objects|decider|embedded|embedded_decider|math|scene|text)\.dir/")
 KEPT = re.compile(r"-(?:D|I|isystem$|std=|fexceptions$)")
 # clang reports libc++'s and Eigen's own use of what C++20 deprecates.
 FLAGS = ["-stdlib=libc++", "-fno-exceptions", "-fno-rtti", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wno-deprecated-declarations",

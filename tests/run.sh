@@ -15,7 +15,7 @@ source tests/passed.sh
 
 readonly quick_tests='^(install_consumer|subproject|check_mixtures|c_api(_static)?[.].*|plugin[.].*|readme_program|GoldenLog.*)$'
 # What these run.
-readonly quick_targets=(proto/all server/all engine_client/all tests/engine_client/c_api/all decision_test)
+readonly quick_targets=(proto/all server/all engine_client/all tests/engine_client/c_api/all tests/laboratory/all decider_test)
 
 presets=()
 quick=
@@ -46,7 +46,7 @@ fi
 tree=$(tree_to_test)
 for preset in "${presets[@]}"; do forget_passed "$preset"; done
 
-# With the libraries that `sweepstake bench --peers` compares with, the browser that the reports are tested in, the
+# With the libraries that `sweepstake-lab bench --peers` compares with, the browser that the reports are tested in, the
 # Prometheus that reads the daemon's metrics, the HAProxy that stands before it, and the PostgreSQL that several share.
 deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libcgal-dev chromium prometheus haproxy postgresql clang libclang-rt-dev llvm
 # What the archive and the plug-in of the C ABI bring along. Without apt CMake takes the system's, or says what it leaves out.

@@ -91,7 +91,6 @@ class SweepstakeConan(ConanFile):
     def generate(self):
         toolchain = CMakeToolchain(self)
         toolchain.cache_variables["BUILD_TESTING"] = False
-        toolchain.cache_variables["SWEEPSTAKE_LABORATORY"] = False
         toolchain.cache_variables["SWEEPSTAKE_WITH_DAEMON"] = bool(self.options.get_safe("daemon"))
         toolchain.cache_variables["CMAKE_DISABLE_FIND_PACKAGE_gRPC"] = not self.options.telemetry
         toolchain.cache_variables["PROTOZERO_INCLUDE_DIR"] = self.dependencies["protozero"].cpp_info.includedirs[0]

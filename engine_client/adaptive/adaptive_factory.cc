@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine_client/adaptive/adaptive_impl.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake {
 namespace {

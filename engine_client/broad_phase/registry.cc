@@ -8,7 +8,7 @@
 #include "engine_client/broad_phase/sweep/axis_sweep.h"
 #include "engine_client/broad_phase/sweep/sap.h"
 #include "engine_client/broad_phase/tracy/tracy.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/simd.h"
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/simd.cc"

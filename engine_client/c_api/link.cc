@@ -7,10 +7,10 @@
 #include "engine_client/c_api/live.h"
 #include "engine_client/c_api/session.h"
 #include "engine_client/c_api/sized_struct.h"
+#include "engine_client/math/hash.h"
 #include "engine_client/telemetry/common/validation.h"
 #include "engine_client/telemetry/protocol/session_link.h"
-#include "server/decision/math/hash.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 using sweepstake::ConnectionState;
 using sweepstake::LinkAction;

@@ -5,7 +5,7 @@
 
 #include "engine_client/c_api/live.h"
 #include "engine_client/c_api/sized_struct.h"
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 using sweepstake::Aabb;
 using sweepstake::SceneNames;

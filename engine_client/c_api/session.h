@@ -8,8 +8,8 @@
 #include <span>
 
 #include "engine_client/c_api/live.h"
+#include "engine_client/telemetry/common/decider_loop.h"
 #include "engine_client/telemetry/common/sample_queue.h"
-#include "engine_client/telemetry/embedded/decider_loop.h"
 #include "sweepstake/adaptive_broad_phase.h"
 
 namespace sweepstake::c_api {

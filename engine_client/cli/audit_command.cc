@@ -1,5 +1,5 @@
 // `sweepstake audit list|export`: a daemon's log of decisions, to read and to derive again
-// (`sweepstake replay --log`).
+// (`sweepstake-lab replay --log`).
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
@@ -87,7 +87,7 @@ void AddAuditCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "Examples:\n"
       "  sweepstake audit list --daemon 127.0.0.1:7433\n"
       "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
-      "  sweepstake replay --log decisions.csv");
+      "  sweepstake-lab replay --log decisions.csv");
   AddCommand<AuditOptions>(
       *audit, "list", "Show which sessions' decisions there are",
       "  sweepstake audit list --daemon 127.0.0.1:7433 --scene hurricane-3000\n", exit_code,
@@ -96,7 +96,7 @@ void AddAuditCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       *audit, "export", "Write the decisions as CSV, to read and to derive again",
       "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
       "  sweepstake audit export --daemon 127.0.0.1:7433 --session ID --out one.csv\n"
-      "  sweepstake replay --log decisions.csv\n",
+      "  sweepstake-lab replay --log decisions.csv\n",
       exit_code,
       [](CLI::App& command, AuditOptions& options) {
         Declare(command, options);

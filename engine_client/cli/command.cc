@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -1,9 +1,10 @@
 #include "engine_client/cli/commands.h"
 
 #include <algorithm>
+#include <array>
 
 #include "engine_client/cli/game/scene_choice.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 #include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
@@ -56,28 +57,13 @@ Status CheckOptionNames(const CLI::App& app, std::span<char* const> words) {
   return {};
 }
 
-#ifdef SWEEPSTAKE_LABORATORY
-// The commands that measure and compare.
-void AddLaboratory(CLI::App& app, Terminal& terminal, const std::string& command_line,
-                   int& exit_code) {
-  AddCheckCommand(app, terminal, exit_code);
-  AddBenchCommand(app, terminal, command_line, exit_code);
-  AddExperimentCommand(app, terminal, command_line, exit_code);
-  AddLoadCommand(app, terminal, exit_code);
-  AddPairsCommand(app, terminal, exit_code);
-  AddRecordCommand(app, terminal, exit_code);
-  AddReplayCommand(app, terminal, exit_code);
-  AddReportCommand(app, terminal, exit_code);
-  AddTraceCommand(app, terminal, exit_code);
-}
-#else
-void AddLaboratory(CLI::App&, Terminal&, const std::string&, int&) {}
-#endif
+// The commands of the program sweepstake-lab, which people may type here by mistake.
+constexpr std::array<std::string_view, 9> kLaboratoryCommands = {
+    "bench", "check", "experiment", "load", "pairs", "record", "replay", "report", "trace"};
 
-void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_line,
+void AddCommands(CLI::App& app, Terminal& terminal, const std::string& /*command_line*/,
                  int& exit_code) {
   AddRunCommand(app, terminal, exit_code);
-  AddLaboratory(app, terminal, command_line, exit_code);
   AddAuditCommand(app, terminal, exit_code);
   AddWatchCommand(app, terminal, exit_code);
   AddPriorsCommand(app, terminal, exit_code);
@@ -87,14 +73,29 @@ void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_l
 }  // namespace
 
 int RunCommandLine(std::span<char* const> words, Terminal& terminal) {
-  CLI::App app("Sweepstake: adaptive broad-phase collision detection", "sweepstake");
+  if (words.size() > 1 && std::find(kLaboratoryCommands.begin(), kLaboratoryCommands.end(),
+                                    std::string_view(words[1])) != kLaboratoryCommands.end()) {
+    const std::string name = words[1];
+    return Fail(terminal, Status(StatusCode::kInvalidArgument,
+                                 "this is in sweepstake-lab: run `sweepstake-lab " + name +
+                                     "`; `cmake --workflow --preset release` builds it"));
+  }
+  return RunProgram({.name = "sweepstake",
+                     .description = "Sweepstake: adaptive broad-phase collision detection",
+                     .add_commands = AddCommands},
+                    words, terminal);
+}
+
+int RunProgram(const Program& program, std::span<char* const> words, Terminal& terminal) {
+  CLI::App app(program.description, program.name);
   app.set_version_flag("--version", SWEEPSTAKE_VERSION);
   app.require_subcommand(1);
   app.footer(SceneHelp() +
              "Exit codes: 0 done, 1 a check failed, 2 bad usage, 3 could not reach something.\n"
-             "`sweepstake COMMAND --help` shows options and examples.");
+             "`" +
+             program.name + " COMMAND --help` shows options and examples.");
   int exit_code = kDone;
-  AddCommands(app, terminal, CommandLine(words), exit_code);
+  program.add_commands(app, terminal, CommandLine(words), exit_code);
   const auto arguments = words.empty() ? words : words.subspan(1);
   Status status = CheckCommandName(app, arguments);
   if (status.ok()) status = CheckOptionNames(app, arguments);

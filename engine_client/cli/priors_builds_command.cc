@@ -12,7 +12,7 @@
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
-#include "server/priors/pooling/build_lineage.h"
+#include "engine_client/decider/pooling/build_lineage.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
 namespace sweepstake::cli {

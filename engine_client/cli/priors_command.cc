@@ -11,7 +11,7 @@
 #include "engine_client/cli/daemon/priors_transfer.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/priors/priors_diff.h"
-#include "engine_client/telemetry/embedded/priors_sums.h"
+#include "engine_client/decider/embedded/priors_sums.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -16,8 +16,8 @@
 #include "engine_client/cli/io/stop_signal.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/telemetry/daemon_session.h"
-#include "server/audit/audit_log.h"
 #include "sweepstake/machine_class.h"
 #include "sweepstake/session.h"
 
@@ -343,7 +343,7 @@ void DeclareFlightRecorder(CLI::App& command, FlightRecorderOptions& options) {
       .add_option(
           "--flight-recorder", options.memory_mb,
           "MiB of memory for the boxes of the last 5 s, written to a file after a frame over "
-          "the budget, for `sweepstake replay --recording`; 0: off")
+          "the budget, for `sweepstake-lab replay --recording`; 0: off")
       ->check(WholeUpTo(1024))
       ->capture_default_str();
   command

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake::aabbs {
 namespace {

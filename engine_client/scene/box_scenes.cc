@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "server/decision/math/portable_math.h"
+#include "engine_client/math/portable_math.h"
 
 namespace sweepstake {
 namespace {

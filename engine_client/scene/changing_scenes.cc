@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
+#include "engine_client/math/portable_math.h"
 #include "engine_client/scene/generated_scene.h"
 #include "engine_client/scene/random.h"
-#include "server/decision/math/portable_math.h"
 
 namespace sweepstake {
 namespace {

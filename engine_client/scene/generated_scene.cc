@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "engine_client/math/portable_math.h"
 #include "engine_client/scene/random.h"
-#include "server/decision/math/portable_math.h"
 
 namespace sweepstake {
 

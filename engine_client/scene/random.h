@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake {
 

@@ -12,7 +12,7 @@
 
 #include "engine_client/scene/aabbs_format.h"
 #include "engine_client/scene/utf8_path.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 #include "sweepstake/scene.h"
 
 namespace sweepstake {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine_client/math/portable_math.h"
 #include "engine_client/scene/generated_scene.h"
 #include "engine_client/scene/random.h"
-#include "server/decision/math/portable_math.h"
 
 namespace sweepstake {
 namespace {

@@ -14,7 +14,7 @@
 #include "engine_client/scene/scenarios.h"
 #include "engine_client/scene/suite_scene.h"
 #include "engine_client/scene/utf8_path.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 #include "sweepstake/scene.h"
 
 namespace sweepstake {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/tls/loopback.h"
-#include "server/tls/tls_files.h"
+#include "engine_client/telemetry/tls/loopback.h"
+#include "engine_client/telemetry/tls/tls_files.h"
 
 namespace sweepstake {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "engine_client/telemetry/embedded/priors_file.h"
+#include "engine_client/decider/embedded/priors_file.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/frame_sample.h"
 #include "sweepstake/v1/priors.pb.h"

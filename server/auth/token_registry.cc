@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake::auth {
 namespace {

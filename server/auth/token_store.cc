@@ -15,8 +15,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "engine_client/text/names.h"
 #include "server/storage/private_file.h"
-#include "server/text/names.h"
 
 namespace sweepstake::auth {
 namespace {

@@ -1,5 +1,5 @@
-// A session's audit log as a store keeps it: rows of text in segments (server/audit/audit_log.h).
-// Plain values.
+// A session's audit log as a store keeps it: rows of text in segments
+// (engine_client/decider/audit/audit_log.h). Plain values.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@ struct AuditRows {
 };
 
 // The limits of a store's audit log, of all sessions together but kAdminSession
-// (server/audit/audit_log.h). Beyond them the oldest rows are removed, in chunks of a 32nd.
+// (engine_client/decider/audit/audit_log.h). Beyond them the oldest rows are removed, in chunks of
+// a 32nd.
 struct AuditLimits {
   uint64_t bytes = 256ull << 20;    // of the rows' text, some 1 kB a row of 7 arms; 0 keeps nothing
   uint64_t age_s = 30ull * 86'400;  // by the wall clock's time of the commits

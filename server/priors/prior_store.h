@@ -21,8 +21,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "engine_client/decider/pooling/build_lineage.h"
 #include "server/priors/audit_rows.h"
-#include "server/priors/pooling/build_lineage.h"
 
 namespace sweepstake::priors {
 

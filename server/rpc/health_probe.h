@@ -8,7 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/tls/tls_files.h"
+#include "engine_client/telemetry/tls/tls_files.h"
 
 namespace sweepstake::rpc {
 

@@ -4,9 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "server/audit/audit_log.h"
-#include "server/priors/pooling/scene_prior.h"
-#include "server/text/names.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake::storage {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {

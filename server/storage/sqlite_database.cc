@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 #include "server/storage/private_file.h"
 
 namespace sweepstake::storage {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/priors/pooling/source_choice.h"
+#include "engine_client/decider/pooling/source_choice.h"
 #include "server/storage/sqlite_schema.h"
 
 namespace sweepstake::storage {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "server/storage/folding/sqlite_folding.h"
 #include "server/storage/private_file.h"
 #include "server/storage/record_limits.h"

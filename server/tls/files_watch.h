@@ -17,7 +17,7 @@
 #include <thread>
 
 #include "absl/status/status.h"
-#include "server/tls/tls_files.h"
+#include "engine_client/telemetry/tls/tls_files.h"
 
 namespace sweepstake::tls {
 

@@ -10,7 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 #include "server/web/query.h"
 
 namespace sweepstake::web {

@@ -2,7 +2,7 @@
 """Judges AI Decides in replays under conditions: what the lane gets wrong, other work, flips, extreme scenes, sizes, new ones, tails.
 
 ROW is one of data/conditions.toml: which scenes are played under which conditions, beside which policies. The scenes of LIST
-are traced where their traces are not there yet, `sweepstake replay` plays them, and every goal that data/goals.toml has for
+are traced where their traces are not there yet, `sweepstake-lab replay` plays them, and every goal that data/goals.toml has for
 the row is printed with what was reached and the cells behind it.
 """
 
@@ -34,7 +34,7 @@ def read_plan(path=DATA / "conditions.toml"):
 
 
 def lane_words(model):
-    """Options of `sweepstake replay` from a lane model, as data/lane_model.toml."""
+    """Options of `sweepstake-lab replay` from a lane model, as data/lane_model.toml."""
     words = []
     for name, value in model.items():
         if isinstance(value, dict):
@@ -72,7 +72,7 @@ def replayed(program, games, traces, policies, words):
     """The rows of one replay of all games, game by game and there policy by policy."""
     document = json.loads(called(
         [program, "replay", "--costs", ",".join(str(traces / (game["cell"] + ".costs")) for game in games),
-         "--pass", ",".join(game["pass"] for game in games), "--policy", ",".join(policies), "--json", *words], "sweepstake replay"))
+         "--pass", ",".join(game["pass"] for game in games), "--policy", ",".join(policies), "--json", *words], "sweepstake-lab replay"))
     rows = document["rows"]
     return [dict(zip(policies, rows[at:at + len(policies)])) for at in range(0, len(rows), len(policies))]
 
@@ -158,7 +158,7 @@ def run(options):
 
 
 def add_replay_options(parser):
-    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/bin/sweepstake", metavar="PATH",
+    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/bin/sweepstake-lab", metavar="PATH",
                         help="(default: %(default)s)")
     parser.add_argument("--policy", default="default", help="the judged one (default: %(default)s)")
     parser.add_argument("--seeds", type=int, default=30, help="games of each policy on each trace (default: %(default)s)")

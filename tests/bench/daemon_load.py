@@ -2,7 +2,7 @@
 """Measures what a daemon bears: many streams at two rates, a restart, watchers, files of priors, and a scene that many have taught.
 
 Starts `sweepstaked` from the folder of programs, on a free port of loopback with a data directory of its own, loads it with
-`sweepstake load`, and prints a table with the goals of data/goals.toml, or one JSON document, which `judge.py daemon` reads.
+`sweepstake-lab load`, and prints a table with the goals of data/goals.toml, or one JSON document, which `judge.py daemon` reads.
 The generator runs on the same machine and takes a part of its processors: where tick_lateness is large, or batches are fewer
 than streams × rate, the machine is too small for the load, whoever of the two needs it. server_cpu is the daemon's alone,
 generator_cpu the other's. Needs Linux, Python 3.11 and openssl. Exit code: 0 measured, 2 cannot.
@@ -92,7 +92,8 @@ class Daemon:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def sweepstake(self, *arguments):
-        return [self.programs / "sweepstake", *map(str, arguments), "--daemon", self.address, *self.client_options]
+        program = "sweepstake-lab" if arguments[0] == "load" else "sweepstake"
+        return [self.programs / program, *map(str, arguments), "--daemon", self.address, *self.client_options]
 
     def load(self, streams, rate, frames, duration_s, **options):
         words = [word for name, value in options.items() for word in ("--" + name.replace("_", "-"), value)]
@@ -163,7 +164,7 @@ def measure_restart(daemon, streams, options):
         daemon.start()
         output = load.communicate()[0]
     if load.returncode != 0:
-        raise Failure(f"sweepstake load ended with {load.returncode}")
+        raise Failure(f"sweepstake-lab load ended with {load.returncode}")
     figures = json.loads(output)
     kept = ("streams", "rejected", "finished", "reconnect_s", "hello_latency_ms_p99")
     return {name: figures[name] for name in kept if name in figures}
@@ -367,7 +368,7 @@ def parse(words):
 
 def main(words):
     options = parse(words)
-    for program in ("sweepstaked", "sweepstake"):
+    for program in ("sweepstaked", "sweepstake", "sweepstake-lab"):
         if not (options.programs / program).exists():
             print(f"No program {options.programs / program}: build preset release, or name the folder with --programs",
                   file=sys.stderr)

@@ -13,16 +13,16 @@ Traces the scenes of data/tuning_scenes.txt, data/held_out_scenes.txt (the defau
 they are not there yet, lets the policies play them in virtual time without priors, with what a store
 serves after a game of the same scene, with that reversed, after one on another class of machines and, as of a new scene, after
 games of the other traces, times a decision, and prints every goal with what was reached, the cells behind it and how each policy did.
-What follows -- goes to \`sweepstake replay\`, as --seeds 200 or --no-shadow; --json prints one JSON document.
+What follows -- goes to \`sweepstake-lab replay\`, as --seeds 200 or --no-shadow; --json prints one JSON document.
   --ablation        every policy that there is, not only AI Decides and the paper's
-  --program PATH    the program \`sweepstake\` (default: build/release/bin/sweepstake)
+  --program PATH    the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
   --traces FOLDER   (default: build/traces/tuning, held-out or LIST)
 Ends with 1 when a goal was missed, with 2 when something is missing. Tracing takes 5 to 20 minutes and wants the machine for
 itself; the rest takes some minute on two cores, two with --ablation.
 END
 }
 
-program=$root/build/release/bin/sweepstake
+program=$root/build/release/bin/sweepstake-lab
 list=held-out
 scenes=$here/data/held_out_scenes.txt
 traces=

@@ -20,7 +20,7 @@ SCENES = "brownian 60 40 3 1s stationary\n"
 # Keys of the programs' documents that the table of decisions is made of.
 KEYS = ("command", "seeds", "scenes", "costs", "control_regret", "rows", "policy", "priors", "pass_ns", "regret_best_fixed",
         "ci95", "regret_after_start", "headroom", "headroom_captured", "switches", "active_share", "bail_outs", "arms", "p99_ms")
-# Calls the real program and keeps what `sweepstake replay` prints: decisions.sh deletes it.
+# Calls the real program and keeps what `sweepstake-lab replay` prints: decisions.sh deletes it.
 RECORDER = """#!/usr/bin/env bash
 set -euo pipefail
 if [[ $1 == replay ]]; then

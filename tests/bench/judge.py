@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds what `sweepstake bench`, `sweepstake replay`, `live.py` and `daemon_load.py` measured against the goals.
+"""Holds what `sweepstake-lab bench`, `sweepstake-lab replay`, `live.py` and `daemon_load.py` measured against the goals.
 
 Reads documents that these commands print with --json, the goals of data/goals.toml and the times that were published or
 measured elsewhere, data/published_figures.csv. Needs Python 3.11 and nothing else. Exit code: 0 every goal is met, 1 a
@@ -69,7 +69,7 @@ def parse(words):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="examples:\n"
-        "  sweepstake bench --scene suite-b --objects 1000,10000 --peers --json | tests/bench/judge.py bench\n"
+        "  sweepstake-lab bench --scene suite-b --objects 1000,10000 --peers --json | tests/bench/judge.py bench\n"
         "  tests/bench/judge.py bench --json build/bench/suite.json\n"
         "  tests/bench/judge.py decisions --cells tests/bench/data/held_out_scenes.txt none.json right.json wrong.json time.json\n"
         "  tests/bench/daemon_load.py --json | tests/bench/judge.py daemon\n"
@@ -77,14 +77,14 @@ def parse(words):
         "  tests/bench/live.py --json | tests/bench/judge.py live\n"
         "tests/bench/run.sh and tests/bench/decisions.sh measure and call it.")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    bench = commands.add_parser("bench", help="backends against peers: the document of `sweepstake bench --peers --json`")
+    bench = commands.add_parser("bench", help="backends against peers: the document of `sweepstake-lab bench --peers --json`")
     bench.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     bench.add_argument("--published", default=DATA / "published_figures.csv", metavar="FILE.csv",
                        help="times measured elsewhere (default: %(default)s)")
     bench.set_defaults(judge=judge_bench)
     replays = commands.add_parser("decisions", help="the policy of AI Decides on replayed traces")
     replays.add_argument("documents", nargs="+", metavar="document",
-                           help="of `sweepstake replay --json` with --priors none, right and wrong, and of "
+                           help="of `sweepstake-lab replay --json` with --priors none, right and wrong, and of "
                            "`decision_tick_bench --json`")
     replays.add_argument("--cells", required=True, metavar="LIST.txt", help="the scenes, one in a line")
     replays.add_argument("--policy", help="the judged one (default: the first of the first document)")

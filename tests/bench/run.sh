@@ -17,7 +17,7 @@ FOLDER/PART.json instead. The page with charts of all its documents is FOLDER/PA
   --simd LIST     instruction sets that each backend runs with, in turns: \`avx512,avx2,sse4\`, or \`all\` that the
                   machine has (default: the best one)
   --cold          evict the caches before each frame
-  --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
+  --program PATH  the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
   --out FOLDER    (default: build/bench)
 Ends with 1 when a backend or a peer found wrong pairs, or the frame path allocated or waited.
 Takes some 10 minutes on two cores, one minute with --quick; nothing else should run meanwhile.
@@ -26,9 +26,9 @@ END
 
 quick=0
 json=0
-program=$root/build/release/bin/sweepstake
+program=$root/build/release/bin/sweepstake-lab
 out=$root/build/bench
-passed=()  # to `sweepstake bench`
+passed=()  # to `sweepstake-lab bench`
 chosen=()
 while (($# > 0)); do
   case $1 in

@@ -107,7 +107,7 @@ def trace(scenes, folder, options, progress):
                                str(scene["frames"]), "--seed", str(scene["seed"]), "--out", folder / (scene["cell"] + ".costs")],
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
         if done.returncode != 0:
-            raise Failure(f"sweepstake trace ended with {done.returncode} at {scene['cell']}")
+            raise Failure(f"sweepstake-lab trace ended with {done.returncode} at {scene['cell']}")
 
 
 def figures(goals):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs a daemon under load for a long time, and fails where it grows.
 
-Starts `sweepstaked` as daemon_load.py does and gives it what a day brings, again and again: `sweepstake load` plays a round and
+Starts `sweepstaked` as daemon_load.py does and gives it what a day brings, again and again: `sweepstake-lab load` plays a round and
 says goodbye or, every second time, is killed in the midst of it; a watcher comes and goes; /metrics is scraped. Meanwhile it
 samples the daemon's resident memory, descriptors and threads. A straight line is fitted to each over the second half, when the
 tables have filled: where a line rises by more than --max-growth of its mean, the daemon leaks. Needs Linux and Python 3.11.
@@ -63,7 +63,7 @@ class Round:
 
     def over(self):
         if self.load.poll() not in (None, 0):
-            raise Failure(f"sweepstake load ended with {self.load.returncode}: {self.load.stderr.read().strip()}")
+            raise Failure(f"sweepstake-lab load ended with {self.load.returncode}: {self.load.stderr.read().strip()}")
         return self.load.returncode == 0 if self.ends_politely else time.monotonic() > self.end_s
 
     def end(self):

@@ -3,7 +3,7 @@
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-program=$here/../../build/release/bin/sweepstake
+program=$here/../../build/release/bin/sweepstake-lab
 
 usage() {
   cat <<END
@@ -12,9 +12,9 @@ Usage: tests/bench/traces.sh [--again] [--quick] [--repeats N] [--program PATH] 
 Traces every scene of LIST (data/tuning_scenes.txt, data/held_out_scenes.txt or one of your own) into FOLDER/SCENE-OBJECTS-SEED.costs.
 A trace that is there already is kept, so that what was interrupted can go on.
   --again         make it anew
-  --repeats N     runs of each scene; with 1 the traces hold every disturbed frame (default: that of \`sweepstake trace\`)
+  --repeats N     runs of each scene; with 1 the traces hold every disturbed frame (default: that of \`sweepstake-lab trace\`)
   --quick         120 frames of 300 objects at most, to see that everything works
-  --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
+  --program PATH  the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
 Takes 5 to 20 minutes a list on two cores; nothing else should run meanwhile.
 END
 }

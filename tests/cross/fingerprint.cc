@@ -21,9 +21,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine_client/math/hash.h"
 #include "engine_client/scene/box_scenes.h"
 #include "engine_client/scene/changing_scenes.h"
-#include "server/decision/math/hash.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/scene.h"

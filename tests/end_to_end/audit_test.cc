@@ -5,7 +5,7 @@
 #include <functional>
 #include <thread>
 
-#include "server/audit/rederive.h"
+#include "engine_client/decider/audit/rederive.h"
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/end_to_end/store_reader.h"
 #include "tests/support/daemon_process.h"

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <future>
 
-#include "server/audit/rederive.h"
+#include "engine_client/decider/audit/rederive.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/end_to_end/store_reader.h"

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "server/storage/sqlite_prior_store.h"
-#include "tests/server/audit/audit_csv.h"
+#include "tests/engine_client/decider/audit/audit_csv.h"
 
 namespace sweepstake::test_support {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "server/audit/audit_log.h"
-#include "server/audit/rederive.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/audit/rederive.h"
 #include "server/storage/record_limits.h"
 #include "sweepstake/v1/telemetry.pb.h"
 #include "tests/fuzz/input.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake {
 namespace {

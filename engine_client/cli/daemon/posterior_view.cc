@@ -11,11 +11,11 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
-#include "engine_client/telemetry/embedded/decision_conversion.h"
+#include "engine_client/decider/audit/cell_text.h"
+#include "engine_client/decider/embedded/decision_conversion.h"
+#include "engine_client/decider/policy/diagnosis.h"
+#include "engine_client/decider/policy/log_cost.h"
 #include "engine_client/telemetry/proto_conversion.h"
-#include "server/audit/cell_text.h"
-#include "server/decision/policy/diagnosis.h"
-#include "server/decision/policy/log_cost.h"
 
 namespace sweepstake::cli {
 namespace {

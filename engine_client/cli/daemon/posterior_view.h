@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "server/decision/math/beta_distribution.h"
+#include "engine_client/math/beta_distribution.h"
 #include "sweepstake/v1/posteriors.pb.h"
 
 namespace sweepstake::cli {
@@ -18,8 +18,8 @@ std::string IntervalBar(double mean, decision::CredibleInterval interval, int wi
 // Returns a heading and a table with a line per arm: the mean, the central 95 % of the posterior,
 // the cost against the leader's where the rewards tell it, the probability of being the best arm,
 // and the windows and visits of all sessions. The verdict is computed from the evidence of all
-// sessions together (server/decision/policy/diagnosis.h), as if their windows were independent, and
-// compares only the newest version of each arm's backend.
+// sessions together (engine_client/decider/policy/diagnosis.h), as if their windows were
+// independent, and compares only the newest version of each arm's backend.
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 

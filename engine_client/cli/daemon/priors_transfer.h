@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine_client/cli/daemon/daemon_options.h"
-#include "engine_client/telemetry/embedded/priors_file.h"
+#include "engine_client/decider/embedded/priors_file.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {

@@ -2,8 +2,7 @@
 
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/io/duration.h"
-#include "server/baselines/shipped_policies.h"
-#include "server/decision/session/policy_registry.h"
+#include "engine_client/decider/session/policy_registry.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/audit/cell_text.h"
+#include "engine_client/decider/audit/cell_text.h"
 
 namespace sweepstake::cli {
 namespace {

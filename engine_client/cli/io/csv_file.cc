@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "server/audit/csv.h"
+#include "engine_client/decider/audit/csv.h"
 
 namespace sweepstake::cli {
 

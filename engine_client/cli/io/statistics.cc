@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
-#include "server/decision/policy/log_cost.h"
+#include "engine_client/decider/policy/log_cost.h"
 
 namespace sweepstake::cli {
 namespace {

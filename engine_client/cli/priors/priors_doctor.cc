@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine_client/cli/io/text_table.h"
-#include "server/priors/pooling/source_prior.h"
+#include "engine_client/decider/pooling/source_prior.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/decision/policy/log_cost.h"
+#include "engine_client/decider/policy/log_cost.h"
 
 namespace sweepstake::cli {
 namespace {

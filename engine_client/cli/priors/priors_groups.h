@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/telemetry/embedded/priors_file.h"
-#include "server/priors/pooling/scene_prior.h"
+#include "engine_client/decider/embedded/priors_file.h"
+#include "engine_client/decider/pooling/scene_prior.h"
 
 namespace sweepstake::cli {
 

@@ -1,9 +1,9 @@
 // The notes of a flight recorder's file. Frames are rows of numbers, since there are thousands.
 #include <nlohmann/json.hpp>
 
+#include "engine_client/decider/audit/cell_text.h"
+#include "engine_client/decider/types.h"
 #include "engine_client/telemetry/common/flight_recorder.h"
-#include "server/audit/cell_text.h"
-#include "server/decision/types.h"
 
 namespace sweepstake {
 namespace {

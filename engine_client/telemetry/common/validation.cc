@@ -11,7 +11,7 @@
 
 #include "engine_client/scene/utf8_path.h"
 #include "engine_client/telemetry/common/sample_queue.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake {
 namespace {

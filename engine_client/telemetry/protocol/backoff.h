@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine_client/telemetry/protocol/wire.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake::protocol {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "engine_client/telemetry/embedded/decider_loop.h"
+#include "engine_client/telemetry/common/decider_loop.h"
 #include "engine_client/telemetry/protocol/wire.h"
-#include "server/text/names.h"
+#include "engine_client/text/names.h"
 #include "sweepstake/machine_class.h"
 
 namespace sweepstake {

@@ -8,10 +8,10 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "engine_client/text/names.h"
 #include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/own_connection.h"
-#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {

@@ -7,13 +7,12 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "server/baselines/shipped_policies.h"
-#include "server/decision/session/policy_registry.h"
-#include "server/decision/session/session_setup.h"
-#include "server/priors/pooling/scene_prior.h"
+#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/decider/session/policy_registry.h"
+#include "engine_client/decider/session/session_setup.h"
+#include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/options.h"
-#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {

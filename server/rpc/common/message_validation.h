@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "absl/status/status.h"
-#include "server/decision/types.h"
+#include "engine_client/decider/types.h"
 #include "server/rpc/common/options.h"
 #include "sweepstake/v1/priors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"

@@ -11,11 +11,11 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/decider/options.h"
+#include "engine_client/telemetry/tls/tls_files.h"
 #include "server/auth/principal.h"
-#include "server/decision/options.h"
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/adjustable.h"
-#include "server/tls/tls_files.h"
 #include "sweepstake/v1/errors.pb.h"
 
 namespace sweepstake::rpc {

@@ -9,8 +9,7 @@
 #include <set>
 #include <string>
 
-#include "server/baselines/shipped_policies.h"
-#include "server/decision/session/policy_registry.h"
+#include "engine_client/decider/session/policy_registry.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -317,7 +316,7 @@ decision::ShadowSample FromProto(const v1::ShadowSample& sample) {
 }
 
 decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor) {
-  // `measured` in engine_client/telemetry/embedded/decision_conversion.cc has the same rule.
+  // `measured` in engine_client/decider/embedded/decision_conversion.cc has the same rule.
   const auto measured = [](bool present, float value) -> std::optional<double> {
     if (!present || !std::isfinite(value) || value < 0) return std::nullopt;
     return value;

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "server/decision/session/decision_observer.h"
-#include "server/decision/types.h"
+#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/decider/session/decision_observer.h"
+#include "engine_client/decider/types.h"
 #include "server/priors/audit_rows.h"
-#include "server/priors/pooling/scene_prior.h"
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/session_identity.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/decision/options.h"
+#include "engine_client/decider/options.h"
 #include "server/priors/prior_store.h"
 
 namespace sweepstake::rpc {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/decision/policy/log_cost.h"
-#include "server/priors/pooling/source_prior.h"
+#include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/pooling/source_prior.h"
 
 namespace sweepstake::rpc {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/priors/pooling/build_family.h"
+#include "engine_client/decider/pooling/build_family.h"
 #include "server/priors/prior_store.h"
 
 namespace sweepstake::rpc {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/page_stream.h"
 

@@ -5,14 +5,13 @@
 #include <string>
 #include <utility>
 
-#include "server/baselines/shipped_policies.h"
-#include "server/decision/session/policy_registry.h"
+#include "engine_client/decider/session/policy_registry.h"
+#include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/posterior_watcher.h"
 #include "server/rpc/services/unary_call.h"
 #include "server/rpc/sessions/session_table.h"
-#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/leader_preview.h"
 #include "server/rpc/common/message_validation.h"
@@ -18,7 +19,6 @@
 #include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/scene_quota.h"
 #include "server/rpc/sessions/session_table.h"
-#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {

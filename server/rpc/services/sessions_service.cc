@@ -11,13 +11,13 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
+#include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/session_watcher.h"
 #include "server/rpc/services/unary_call.h"
 #include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/session_table.h"
-#include "server/text/names.h"
 
 namespace sweepstake::rpc {
 namespace {

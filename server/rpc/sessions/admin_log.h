@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"

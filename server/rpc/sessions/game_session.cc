@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/baselines/shipped_policies.h"
-#include "server/decision/session/arm_runs.h"
-#include "server/priors/pooling/scene_prior.h"
+#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/decider/session/arm_runs.h"
+#include "engine_client/decider/session/policy_registry.h"
 #include "server/priors/unix_time.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"

@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/audit/audit_log.h"
-#include "server/decision/session/decision_session.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/session/decision_session.h"
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"

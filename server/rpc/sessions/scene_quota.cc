@@ -1,7 +1,7 @@
 #include "server/rpc/sessions/scene_quota.h"
 
 #include "absl/strings/str_cat.h"
-#include "server/decision/session/session_setup.h"
+#include "engine_client/decider/session/session_setup.h"
 #include "server/rpc/common/error_reasons.h"
 
 namespace sweepstake::rpc {

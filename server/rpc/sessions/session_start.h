@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/priors/pooling/scene_prior.h"
+#include "engine_client/decider/pooling/scene_prior.h"
 #include "server/rpc/sessions/game_session.h"
 #include "server/rpc/sessions/new_scenes.h"
 

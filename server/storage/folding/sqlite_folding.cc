@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake::storage {
 namespace {

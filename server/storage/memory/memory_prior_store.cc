@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/audit/audit_log.h"
-#include "server/priors/pooling/source_choice.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/pooling/source_choice.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {

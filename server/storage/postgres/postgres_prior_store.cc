@@ -10,7 +10,7 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "server/storage/postgres/postgres_audit_log.h"
 #include "server/storage/postgres/postgres_builds.h"
 #include "server/storage/postgres/postgres_connection.h"

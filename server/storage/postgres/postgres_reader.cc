@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/priors/pooling/source_choice.h"
+#include "engine_client/decider/pooling/source_choice.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {

@@ -1,6 +1,6 @@
 #include "server/storage/sources/sqlite_sources.h"
 
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {

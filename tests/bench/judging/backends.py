@@ -1,4 +1,4 @@
-"""Backends against peers: the comparisons of `sweepstake bench --json`, each with its goal."""
+"""Backends against peers: the comparisons of `sweepstake-lab bench --json`, each with its goal."""
 
 import csv
 import fnmatch
@@ -59,7 +59,7 @@ class BenchJudge:
 
     def __init__(self, document, goals, published):
         if document.get("command") != "bench" or not document.get("rows"):
-            raise InputError("this is no document of `sweepstake bench --json` with rows")
+            raise InputError("this is no document of `sweepstake-lab bench --json` with rows")
         self.document, self.goals = document, goals
         self.figures, self.published_families, self.bridges = published
         self.speedups = {(cell_of(row), *arm_key(row), row["peer"]): row for row in document.get("speedups", [])}
@@ -236,5 +236,5 @@ def bench_text(document, ratios):
 
 
 def judge(document, goals, published):
-    """The comparisons of a document of `sweepstake bench`, in its order."""
+    """The comparisons of a document of `sweepstake-lab bench`, in its order."""
     return BenchJudge(document, goals, published).ratios()

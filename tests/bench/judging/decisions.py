@@ -1,4 +1,4 @@
-"""The policy of AI Decides: rows of `sweepstake replay --json` against its goals."""
+"""The policy of AI Decides: rows of `sweepstake-lab replay --json` against its goals."""
 
 import math
 import pathlib
@@ -53,9 +53,9 @@ class Replays:
             elif document.get("command") == "replay" and "scenes" in document:
                 self.add(document)
             else:
-                raise InputError("a document is neither of `sweepstake replay --json` nor of `decision_tick_bench --json`")
+                raise InputError("a document is neither of `sweepstake-lab replay --json` nor of `decision_tick_bench --json`")
         if not self.rows:
-            raise InputError("there is no document of `sweepstake replay --json`")
+            raise InputError("there is no document of `sweepstake-lab replay --json`")
 
     def add(self, document):
         self.seeds = document["seeds"]
@@ -182,7 +182,7 @@ def decisions_text(goals, cells, policy, replays):
     return (f"Policy {policy}, {replays.seeds} seeds in each of {len(cells)} cells; regret is frame time against the best "
             f"fixed arm's.\n\n{goals_text(goals)}\n{cells_text(cells, policy, replays)}\n"
             "floor: the same arm measured twice. headroom: of the best sequence of arms that pays for\n"
-            "its switches; captured: how much of it was reached. right, wrong, class, scenes: with what a\nstore serves after other games (`sweepstake replay --priors`).\n\n"
+            "its switches; captured: how much of it was reached. right, wrong, class, scenes: with what a\nstore serves after other games (`sweepstake-lab replay --priors`).\n\n"
             + policies_text(cells, replays))
 
 

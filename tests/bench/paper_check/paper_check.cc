@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "engine_client/cli/io/parallel.h"
 #include "engine_client/cli/io/statistics.h"
+#include "tests/laboratory/io/parallel.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -21,8 +21,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine_client/cli/experiment/paper_tables.h"
 #include "tests/bench/paper_check/paper_game.h"
+#include "tests/laboratory/experiment/paper_tables.h"
 
 namespace sweepstake::cli {
 

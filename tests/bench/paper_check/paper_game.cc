@@ -6,12 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "server/baselines/reward_baselines.h"
-#include "server/baselines/shipped_policies.h"
-#include "server/decision/math/random.h"
-#include "server/decision/policy/paper_policy.h"
-#include "server/decision/session/decision_session.h"
-#include "server/decision/session/policy_registry.h"
+#include "engine_client/decider/policy/paper_policy.h"
+#include "engine_client/decider/session/decision_session.h"
+#include "engine_client/math/random.h"
+#include "tests/laboratory/policies/reward_baselines.h"
+#include "tests/laboratory/policies/study_policies.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -34,7 +33,7 @@ class Undiagnosed : public Kind {
 
 template <typename Kind>
 decision::PolicyEntry EntryOf(std::string_view name) {
-  return {decision::PolicyKindOf(name, decision::ShippedPolicies()),
+  return {decision::PolicyKindOf(name, decision::ComparedPolicies()),
           [](const decision::PolicySetup& setup) -> std::unique_ptr<decision::Policy> {
             return std::make_unique<Undiagnosed<Kind>>(setup);
           }};

@@ -16,10 +16,10 @@
 #include <string_view>
 #include <vector>
 
-#include "server/audit/audit_log.h"
-#include "server/baselines/shipped_policies.h"
-#include "server/decision/math/random.h"
-#include "server/decision/session/decision_session.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/session/decision_session.h"
+#include "engine_client/math/random.h"
+#include "tests/laboratory/policies/study_policies.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -60,7 +60,7 @@ class Game {
  public:
   // Without a sink there is no audit log.
   Game(const std::string& policy, uint32_t arm_count, AuditSink* sink)
-      : session_(Setup(policy, arm_count), ShippedPolicies()) {
+      : session_(Setup(policy, arm_count), ComparedPolicies()) {
     if (sink != nullptr) StartAudit(session_, *sink, {});
   }
 
@@ -191,7 +191,7 @@ int Run(std::vector<std::string> words) {
   for (const std::string& policy : words) {
     DecisionOptions options;
     options.policy = policy;
-    if (const auto error = Validate(options, ShippedPolicies())) {
+    if (const auto error = Validate(options, ComparedPolicies())) {
       std::fprintf(stderr, "%s\n", error->c_str());
       return 2;
     }

@@ -3,11 +3,9 @@
 #include <sstream>
 #include <vector>
 
-#include "engine_client/cli/commands.h"
-
 namespace sweepstake::cli {
 
-CommandRun RunCommand(const std::string& arguments) {
+CommandRun RunCommand(const std::string& arguments, int (*run)(std::span<char* const>, Terminal&)) {
   std::istringstream text("sweepstake " + arguments);
   std::vector<std::string> words;
   for (std::string word; std::getline(text, word, ' ');) words.push_back(word);
@@ -16,7 +14,7 @@ CommandRun RunCommand(const std::string& arguments) {
   std::ostringstream out;
   std::ostringstream err;
   Terminal terminal{.out = out, .err = err};
-  const int exit_code = RunCommandLine(pointers, terminal);
+  const int exit_code = run(pointers, terminal);
   return {exit_code, out.str(), err.str()};
 }
 

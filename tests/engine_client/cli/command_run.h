@@ -1,8 +1,10 @@
-// Runs a command line of `sweepstake` within the test's process and keeps what it wrote. It is much
-// faster than to start the program; what needs a process of its own is in program/.
+// Runs a command line within the test's process and keeps what it wrote. It is much faster than to
+// start the program; what needs a process of its own is in program/.
 #pragma once
 
 #include <string>
+
+#include "engine_client/cli/commands.h"
 
 namespace sweepstake::cli {
 
@@ -12,7 +14,9 @@ struct CommandRun {
   std::string err;
 };
 
-// `arguments` are words without the program's name, separated by single spaces.
-CommandRun RunCommand(const std::string& arguments);
+// Runs `sweepstake`, or another program by its `run`. `arguments` are words without the program's
+// name, separated by single spaces.
+CommandRun RunCommand(const std::string& arguments,
+                      int (*run)(std::span<char* const>, Terminal&) = RunCommandLine);
 
 }  // namespace sweepstake::cli

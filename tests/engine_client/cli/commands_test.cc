@@ -41,15 +41,14 @@ void ExpectBadUsage(const std::vector<BadUsage>& cases) {
 }
 
 TEST(Commands, HelpOfEveryCommandShowsExamplesOnStdout) {
-  for (const std::string command :
-       {"run",           "check",           "bench",         "load",
-        "pairs",         "record",          "replay",        "trace",
-        "watch",         "experiment",      "report",        "audit",
-        "audit list",    "audit export",    "priors",        "priors list",
-        "priors export", "priors import",   "priors revoke", "priors promote",
-        "priors show",   "priors doctor",   "priors diff",   "priors merge",
-        "priors arm",    "priors describe", "priors builds", "sessions",
-        "sessions list", "sessions watch",  "sessions kick"}) {
+  for (const std::string command : {"run",           "watch",           "audit",
+                                    "audit list",    "audit export",    "priors",
+                                    "priors list",   "priors export",   "priors import",
+                                    "priors revoke", "priors promote",  "priors show",
+                                    "priors doctor", "priors diff",     "priors merge",
+                                    "priors arm",    "priors describe", "priors builds",
+                                    "sessions",      "sessions list",   "sessions watch",
+                                    "sessions kick"}) {
     const CommandRun run = RunCommand(command + " --help");
     EXPECT_EQ(run.exit_code, kDone) << command;
     const size_t examples = run.out.find("Examples:\n");
@@ -62,16 +61,23 @@ TEST(Commands, HelpOfEveryCommandShowsExamplesOnStdout) {
 TEST(Commands, TheProgramsHelpListsTheCommandsAndExitCodes) {
   const CommandRun run = RunCommand("--help");
   EXPECT_EQ(run.exit_code, kDone);
-  EXPECT_THAT(run.out, AllOf(HasSubstr("check"), HasSubstr("priors"), HasSubstr("watch"),
+  EXPECT_THAT(run.out, AllOf(HasSubstr("priors"), HasSubstr("watch"),
                              HasSubstr("3 could not reach something")));
   const CommandRun version = RunCommand("--version");
   EXPECT_EQ(version.exit_code, kDone);
   EXPECT_THAT(version.out, testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
+TEST(Commands, ACommandOfTheLaboratoryNamesItsProgramAndHowToBuildIt) {
+  for (const std::string command :
+       {"bench", "check", "experiment", "load", "pairs", "record", "replay", "report", "trace"}) {
+    ExpectBadUsage({{command, "this is in sweepstake-lab: run `sweepstake-lab " + command + "`"},
+                    {command + " --help", "`cmake --workflow --preset release` builds it"}});
+  }
+}
+
 TEST(Commands, AnUnknownCommandGetsTheNearestOneFirst) {
   ExpectBadUsage({
-      {"chekc", "unknown command of sweepstake 'chekc', must be one of check"},
       {"prior list", "unknown command of sweepstake 'prior', must be one of priors"},
       {"priors exports", "unknown command of priors 'exports', must be one of export"},
       {"audit lost", "unknown command of audit 'lost', must be one of list"},
@@ -81,8 +87,6 @@ TEST(Commands, AnUnknownCommandGetsTheNearestOneFirst) {
 TEST(Commands, AnUnknownOptionGetsTheNearestOneFirst) {
   ExpectBadUsage({
       {"watch --onec", "unknown option of watch '--onec', must be one of --once"},
-      {"load --stream 5", "unknown option of load '--stream', must be one of --streams"},
-      {"load --batch-frames=5", "unknown option of load '--batch-frames', must be one of "},
       {"priors list --jsn --daemon 127.0.0.1:1", "must be one of --json"},
       {"--versoin", "unknown option of sweepstake '--versoin', must be one of --version"},
   });
@@ -98,17 +102,11 @@ TEST(Commands, AMissingCommandListsAll) {
   std::ostringstream err;
   Terminal terminal{.out = out, .err = err};
   EXPECT_EQ(RunCommandLine({}, terminal), kBadUsage);
-  EXPECT_THAT(err.str(), HasSubstr("give a command; the commands of sweepstake are run, check"));
+  EXPECT_THAT(err.str(), HasSubstr("give a command; the commands of sweepstake are run, audit"));
 }
 
 TEST(Commands, AnUnknownOptionOrAMissingOneIsNamed) {
   ExpectBadUsage({
-      {"check --scene suite-b --colour", "--colour"},
-      {"check", "--scene is required"},
-      {"pairs --scene suite-b --arm SAP", "--frame is required"},
-      {"pairs --scene suite-b --frame 1", "--arm is required"},
-      {"record --scene suite-b --frames 1", "--out is required"},
-      {"record --scene suite-b --out x.aabbs", "--frames is required"},
       {"watch", "--daemon is required"},
       {"watch --daemon localhost:1 --follow", "--json"},
       {"priors list", "--daemon is required"},
@@ -121,15 +119,6 @@ TEST(Commands, AnUnknownOptionOrAMissingOneIsNamed) {
 
 TEST(Commands, ANumberOutOfRangeIsNamedWithItsOption) {
   ExpectBadUsage({
-      {"check --scene suite-b --frames 1000001", "--frames"},
-      {"check --scene suite-b --frames=-1", "--frames"},
-      {"check --scene suite-b --seed=-1", "--seed: -1 is negative"},
-      {"check --scene suite-b --objects many", "--objects"},
-      {"check --scene suite-b --frames many", "--frames: many is no whole number"},
-      {"check --scene suite-b --frames 1.5", "--frames: 1.5 is no whole number"},
-      {"check --scene suite-b --frames 99999999999999999999", "not in range 0 to 1000000"},
-      {"pairs --scene suite-b --arm SAP --frame=-3", "--frame"},
-      {"record --scene suite-b --out x.aabbs --frames 2147483648", "--frames"},
       {"run --scene suite-b --embedded --time-scale nan", "--time-scale: nan is no number"},
       {"run --scene suite-b --embedded --time-scale 1001", "--time-scale"},
       {"run --scene suite-b --embedded --time-scale x", "--time-scale: x is no number"},
@@ -139,12 +128,6 @@ TEST(Commands, ANumberOutOfRangeIsNamedWithItsOption) {
 
 TEST(Commands, AnUnknownNameGetsTheValidOnes) {
   ExpectBadUsage({
-      {"check --scene huricane", "must be one of hurricane"},
-      {"check --scene suite-b --arms Octree", "AxisSweep"},
-      {"check --scene suite-b --arms SAP,Octree", "AxisSweep"},
-      {"pairs --scene suite-b --frame 0 --arm KDTre", "KDTree"},
-      {"pairs --scene suite-x --frame 0 --arm SAP", "suite-"},
-      {"record --scene nowhere --frames 1 --out x.aabbs", "hurricane"},
       {"run --scene nowhere --embedded", "hurricane"},
       {"run --scene suite-b --embedded --arm Octree", "KDTree"},
       {"run --scene suite-b --embedded --policy coin", "paper"},
@@ -203,32 +186,17 @@ class BrokenFiles : public testing::Test {
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
   }
-  std::string Read(const std::string& path) {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
-  }
   std::string Path(const std::string& name) { return (folder_.path() / name).string(); }
 
  private:
   TemporaryDirectory folder_;
 };
 
-TEST_F(BrokenFiles, AreNamedByEveryCommandThatReadsAScene) {
-  const std::string recorded = Path("whole.aabbs");
-  ASSERT_EQ(RunCommand("record --scene suite-b --objects 5 --frames 2 --out " + recorded).exit_code,
-            kDone);
-  const std::string whole = Read(recorded);
-  for (const std::string& path :
-       {Path("absent.aabbs"), Write("empty.aabbs", ""), Write("text.aabbs", std::string(500, 'x')),
-        Write("short.aabbs", whole.substr(0, whole.size() - 1)),
-        Write("long.aabbs", whole + "x")}) {
-    ExpectBadUsage({{"check --scene " + path, path},
-                    {"pairs --frame 0 --arm SAP --scene " + path, path},
-                    {"record --frames 1 --out " + Path("never.aabbs") + " --scene " + path, path},
-                    {"run --embedded --duration 1s --scene " + path, path}});
+TEST_F(BrokenFiles, AreNamedWhereTheyAreScenes) {
+  for (const std::string& path : {Path("absent.aabbs"), Write("empty.aabbs", ""),
+                                  Write("text.aabbs", std::string(500, 'x'))}) {
+    ExpectBadUsage({{"run --embedded --duration 1s --scene " + path, path}});
   }
-  EXPECT_FALSE(std::ifstream(Path("never.aabbs")).good());
 }
 
 TEST_F(BrokenFiles, AreNamedWhereTheyArePriors) {
@@ -249,92 +217,9 @@ TEST_F(BrokenFiles, AreNamedWhereTheyArePriors) {
 TEST_F(BrokenFiles, ThatCannotBeWrittenAreNamed) {
   const std::string folder = Path("no-such-folder");
   ExpectBadUsage({
-      {"record --scene suite-b --objects 5 --frames 1 --out " + folder + "/x.aabbs", folder},
       {"audit export --daemon localhost:1 --out " + folder + "/x.csv", folder},
       {"run --scene suite-b --embedded --duration 1s --csv " + Write("file", "") + "/x", "file"},
   });
-}
-
-TEST(CheckCommand, PassesAndPrintsATableForPeople) {
-  const CommandRun run =
-      RunCommand("check --scene suite-b --objects 60 --frames 3 --arms SAP,Grid");
-  EXPECT_EQ(run.exit_code, kDone);
-  EXPECT_THAT(run.out, StartsWith("scene"));
-  EXPECT_THAT(run.out, AllOf(HasSubstr("SAP"), HasSubstr("Grid"), HasSubstr("passed")));
-  EXPECT_THAT(run.out, Not(HasSubstr("FAILED")));
-}
-
-TEST(CheckCommand, PrintsARowPerSceneCountAndArmAsJson) {
-  const CommandRun run =
-      RunCommand("check --scene suite-b,suite-g --objects 20,30 --frames 2 --arms SAP,Grid --json");
-  ASSERT_EQ(run.exit_code, kDone) << run.err;
-  const json document = json::parse(run.out);
-  EXPECT_EQ(document["command"], "check");
-  EXPECT_EQ(document["passed"], true);
-  ASSERT_EQ(document["rows"].size(), 8U);
-  EXPECT_EQ(document["rows"][0]["scene"], "suite-b");
-  EXPECT_EQ(document["rows"][0]["objects"], 20);
-  EXPECT_EQ(document["rows"][0]["arm"], "SAP");
-  EXPECT_EQ(document["rows"][0]["frames"], 3);
-  EXPECT_EQ(document["rows"][2]["objects"], 30);
-  EXPECT_EQ(document["rows"][4]["scene"], "suite-g");
-  EXPECT_FALSE(document["rows"][0].contains("first_difference"));
-}
-
-TEST(CheckCommand, RefusesAFrameWithTooManyPairsAndSaysWhatToDo) {
-  const CommandRun run = RunCommand("check --scene all-coincident --objects 6500 --frames 0");
-  EXPECT_EQ(run.exit_code, kBadUsage);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("frame 0 is too crowded"), HasSubstr("take fewer objects")));
-}
-
-TEST(PairsCommand, PrintsTheSamePairsAsTextAndAsJson) {
-  const std::string command = "pairs --scene suite-g --objects 300 --frame 4 --arm DBVT";
-  const CommandRun text = RunCommand(command);
-  const CommandRun document = RunCommand(command + " --json");
-  ASSERT_EQ(text.exit_code, kDone) << text.err;
-  const json parsed = json::parse(document.out);
-  EXPECT_EQ(parsed["frame"], 4);
-  EXPECT_EQ(parsed["arm"], "DBVT");
-  std::string lines;
-  for (const json& pair : parsed["pairs"]) {
-    lines += pair[0].dump() + " " + pair[1].dump() + "\n";
-  }
-  EXPECT_GT(parsed["pairs"].size(), 0U);
-  EXPECT_EQ(text.out, lines);
-}
-
-TEST(PairsCommand, FindsTheSamePairsWithEveryArm) {
-  const std::string command = "pairs --scene clusters --objects 150 --frame 6 --arm ";
-  const std::string right = RunCommand(command + "BruteForce").out;
-  EXPECT_NE(right, "");
-  for (const std::string_view arm : BroadPhaseNames()) {
-    EXPECT_EQ(RunCommand(command + std::string(arm)).out, right) << arm;
-  }
-}
-
-TEST(RecordCommand, WritesTheFramesThatPairsThenReads) {
-  const TemporaryDirectory folder;
-  const std::string file = (folder.path() / "r.aabbs").string();
-  const CommandRun run =
-      RunCommand("record --scene suite-b --objects 300 --frames 3 --seed 5 --out " + file);
-  ASSERT_EQ(run.exit_code, kDone) << run.err;
-  EXPECT_EQ(run.out, file + ": 1 + 3 frames of 300 boxes, " + std::to_string(304 + 4 * 300 * 32) +
-                         " bytes\n");
-  const std::string frame = " --frame 2 --arm SAP --objects 300 --seed 5";
-  EXPECT_EQ(RunCommand("pairs --scene " + file + frame).out,
-            RunCommand("pairs --scene suite-b" + frame).out);
-}
-
-TEST(RecordCommand, CountsTheFullestFrameOfAGrowingScene) {
-  const TemporaryDirectory folder;
-  const std::string file = (folder.path() / "g.aabbs").string();
-  const CommandRun run =
-      RunCommand("record --scene spawning --objects 640 --frames 30 --json --out " + file);
-  ASSERT_EQ(run.exit_code, kDone) << run.err;
-  const json document = json::parse(run.out);
-  EXPECT_GE(document["objects"], 640);
-  EXPECT_EQ(document["frames"], 30);
-  EXPECT_EQ(document["bytes"], std::filesystem::file_size(file));
 }
 
 TEST(RunOfAScene, PrintsOneDocumentAndWritesItsFiles) {
@@ -352,18 +237,6 @@ TEST(RunOfAScene, PrintsOneDocumentAndWritesItsFiles) {
   for (const char* name : {"frames.csv", "switches.csv", "posteriors.csv", "decisions.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(folder.path() / name)) << name;
   }
-}
-
-TEST(Commands, AnOutputThatCannotBeWrittenEndsWithTwo) {
-  std::ostream broken(nullptr);
-  std::ostringstream err;
-  Terminal terminal{.out = broken, .err = err};
-  std::string words[] = {"sweepstake", "pairs",   "--scene", "two",   "--objects",
-                         "2",          "--frame", "0",       "--arm", "SAP"};
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  EXPECT_EQ(RunCommandLine(pointers, terminal), kBadUsage);
-  EXPECT_THAT(err.str(), HasSubstr("could not write to stdout"));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 #include "sweepstake/scene.h"
 
 namespace sweepstake {

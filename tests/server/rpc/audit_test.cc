@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "absl/strings/str_split.h"
-#include "server/audit/rederive.h"
-#include "server/decision/policy/log_cost.h"
+#include "engine_client/decider/audit/rederive.h"
+#include "engine_client/decider/policy/log_cost.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 

@@ -1,5 +1,5 @@
 // Posteriors and priors are listed, watched, exported and imported.
-#include "server/baselines/shipped_policies.h"
+#include "engine_client/decider/session/policy_registry.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 #include <grpcpp/generic/generic_stub.h>
@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "server/decision/session/policy_registry.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 

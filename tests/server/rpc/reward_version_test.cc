@@ -4,8 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/baselines/shipped_policies.h"
-#include "server/decision/session/policy_registry.h"
+#include "engine_client/decider/session/policy_registry.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"

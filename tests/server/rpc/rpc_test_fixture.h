@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/telemetry/error_reason.h"
-#include "server/audit/audit_log.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/store_thread.h"

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
-#include "server/audit/rederive.h"
+#include "engine_client/decider/audit/rederive.h"
 #include "server/storage/backup/sqlite_backup.h"
-#include "tests/server/audit/audit_csv.h"
+#include "tests/engine_client/decider/audit/audit_csv.h"
 #include "tests/server/simulation/simulation.h"
 
 namespace sweepstake::simulation {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "tests/server/storage/prior_store_conformance.h"
 
 namespace sweepstake::storage {

@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-#include "server/priors/pooling/source_choice.h"
+#include "engine_client/decider/pooling/source_choice.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/data_directory.h"

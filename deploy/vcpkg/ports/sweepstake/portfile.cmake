@@ -15,7 +15,6 @@ vcpkg_cmake_configure(
   OPTIONS
     ${feature_options}
     -DBUILD_TESTING=OFF
-    -DSWEEPSTAKE_LABORATORY=OFF
   MAYBE_UNUSED_VARIABLES
     CMAKE_DISABLE_FIND_PACKAGE_gRPC)
 vcpkg_cmake_install()

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine_client/cli/experiment/paper_tables.h"
+#include "tests/laboratory/experiment/paper_tables.h"
 
 namespace sweepstake::cli {
 namespace {

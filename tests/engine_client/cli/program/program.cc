@@ -36,6 +36,8 @@ ProgramRun Run(const std::string& program, const std::string& arguments) {
 
 ProgramRun RunProgram(const std::string& arguments) { return Run(SWEEPSTAKE_PROGRAM, arguments); }
 
+ProgramRun RunLab(const std::string& arguments) { return Run(SWEEPSTAKE_LAB_PROGRAM, arguments); }
+
 ProgramRun RunDaemonProgram(const std::string& arguments) {
   return Run(SWEEPSTAKED_PATH, arguments);
 }

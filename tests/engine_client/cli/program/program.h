@@ -1,4 +1,4 @@
-// Runs the real program `sweepstake` and keeps what it wrote.
+// Runs the real programs and keeps what they wrote.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,11 @@ struct ProgramRun {
   std::string err;
 };
 
-// `arguments` is a line for the shell.
+// Runs `sweepstake`; `arguments` is a line for the shell.
 ProgramRun RunProgram(const std::string& arguments);
+
+// The same with `sweepstake-lab`.
+ProgramRun RunLab(const std::string& arguments);
 
 // The same with `sweepstaked`.
 ProgramRun RunDaemonProgram(const std::string& arguments);

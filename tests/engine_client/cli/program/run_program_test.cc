@@ -66,7 +66,7 @@ TEST(RunProgram, RecordsTheFramesBeforeOneOverTheBudgetForReplay) {
   ASSERT_EQ(recordings.size(), 1U);
   const std::string file = recordings[0]["file"];
   EXPECT_EQ(recordings[0]["bytes"], std::filesystem::file_size(file));
-  const ProgramRun replay = RunProgram("replay --json --recording " + file);
+  const ProgramRun replay = RunLab("replay --json --recording " + file);
   ASSERT_EQ(replay.exit_code, 0) << replay.err;
   const json document = json::parse(replay.out);
   EXPECT_EQ(document["scene"], "suite-b-100");
@@ -184,8 +184,7 @@ TEST(RunProgram, WritesFourCsvFiles) {
   EXPECT_EQ(Lines(FileText(folder / "posteriors.csv")), 1 + document["arms"].size());
   EXPECT_THAT(FileText(folder / "posteriors.csv"), HasSubstr("arm,backend_version,alpha"));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 4);
-  const ProgramRun replay =
-      RunProgram("replay --json --log " + (folder / "decisions.csv").string());
+  const ProgramRun replay = RunLab("replay --json --log " + (folder / "decisions.csv").string());
   EXPECT_EQ(replay.exit_code, 0) << replay.out;
   EXPECT_GT(json::parse(replay.out)["decisions"], 0);
   std::filesystem::remove_all(folder);

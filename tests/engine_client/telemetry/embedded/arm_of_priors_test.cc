@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine_client/telemetry/embedded/priors_file.h"
+#include "engine_client/decider/embedded/priors_file.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/machine_class.h"
 

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <set>
 
-#include "engine_client/telemetry/embedded/priors_file.h"
-#include "server/decision/options.h"
-#include "server/decision/types.h"
+#include "engine_client/decider/embedded/priors_file.h"
+#include "engine_client/decider/options.h"
+#include "engine_client/decider/types.h"
 #include "sweepstake/machine_class.h"
 
 namespace sweepstake {

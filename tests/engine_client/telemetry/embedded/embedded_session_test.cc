@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "engine_client/adaptive/adaptive_factory.h"
-#include "engine_client/telemetry/embedded/priors_file.h"
+#include "engine_client/decider/embedded/priors_file.h"
 #include "sweepstake/session.h"
 #include "tests/support/scripted_broad_phase.h"
 

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/embedded/evidence_ledger.h"
+#include "engine_client/decider/embedded/evidence_ledger.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

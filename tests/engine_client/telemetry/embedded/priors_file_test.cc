@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/embedded/priors_file.h"
+#include "engine_client/decider/embedded/priors_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

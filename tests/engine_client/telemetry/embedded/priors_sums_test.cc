@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/embedded/priors_sums.h"
+#include "engine_client/decider/embedded/priors_sums.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake {
 namespace {

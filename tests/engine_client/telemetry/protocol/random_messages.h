@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "server/decision/math/hash.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake::test_support {
 

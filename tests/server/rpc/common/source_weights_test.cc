@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/decision/policy/log_cost.h"
+#include "engine_client/decider/policy/log_cost.h"
 #include "server/storage/memory/memory_prior_store.h"
 
 namespace sweepstake::rpc {

@@ -1,7 +1,7 @@
 // How many bail-outs of a token and of an address are evidence, however many sessions they begin.
 #include <string>
 
-#include "server/audit/rederive.h"
+#include "engine_client/decider/audit/rederive.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/server/rpc/services/prompt_daemon.h"
 

@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/audit/rederive.h"
+#include "engine_client/decider/audit/rederive.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"

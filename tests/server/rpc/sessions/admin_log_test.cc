@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "server/audit/rederive.h"
+#include "engine_client/decider/audit/rederive.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"

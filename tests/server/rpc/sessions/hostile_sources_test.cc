@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "server/decision/math/random.h"
-#include "server/decision/policy/diagnosis.h"
-#include "server/decision/policy/log_cost.h"
+#include "engine_client/decider/policy/diagnosis.h"
+#include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/math/random.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "server/decision/policy/log_cost.h"
+#include "engine_client/decider/policy/log_cost.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {

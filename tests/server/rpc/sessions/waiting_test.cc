@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {

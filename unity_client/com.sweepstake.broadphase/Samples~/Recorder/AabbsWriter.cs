@@ -8,7 +8,7 @@ using System.Text;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Writes frames of boxes to an .aabbs file, which `sweepstake trace`, `bench` and `replay` take, and the library plays as a scene. It
+    /// Writes frames of boxes to an .aabbs file, which `sweepstake-lab trace`, `bench` and `replay` take, and the library plays as a scene. It
     /// takes the extension for counts that change if they do. The file appears when it is complete, under its own name.
     /// </summary>
     public sealed class AabbsWriter : IDisposable

@@ -7,8 +7,8 @@ using UnityEngine;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Records what a manager searches in, frame by frame, to an .aabbs file: then `sweepstake trace --scene FILE` measures every backend on
-    /// this very level, and `sweepstake replay` every policy. It writes on the main thread: it is for recording, not for players.
+    /// Records what a manager searches in, frame by frame, to an .aabbs file: then `sweepstake-lab trace --scene FILE` measures every backend on
+    /// this very level, and `sweepstake-lab replay` every policy. It writes on the main thread: it is for recording, not for players.
     /// </summary>
     [RequireComponent(typeof(SweepstakeManager))]
     [DefaultExecutionOrder(10_100)]

@@ -1,0 +1,40 @@
+#include "engine_client/cli/io/run_main.h"
+
+#include <grpc/support/log.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <exception>
+#include <iostream>
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr size_t kDefaultColumns = 80;
+
+size_t ColumnsOfStderr() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : kDefaultColumns;
+}
+
+}  // namespace
+
+int RunMain(int argc, char** argv, int (*run)(std::span<char* const> words, Terminal& terminal)) {
+  // gRPC's own log lines repeat what the commands' messages say.
+  gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
+  const bool err_is_tty = isatty(STDERR_FILENO) == 1;
+  Terminal terminal{.out = std::cout,
+                    .err = std::cerr,
+                    .out_is_tty = isatty(STDOUT_FILENO) == 1,
+                    .err_is_tty = err_is_tty,
+                    .err_columns = err_is_tty ? ColumnsOfStderr() : 0};
+  try {
+    return run({argv, static_cast<size_t>(argc)}, terminal);
+  } catch (const std::exception& error) {
+    std::cerr << argv[0] << ": " << error.what() << '\n';
+    return kCheckFailed;
+  }
+}
+
+}  // namespace sweepstake::cli

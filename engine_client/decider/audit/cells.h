@@ -1,0 +1,81 @@
+// The cells of the audit log that hold more than one value: the members of the input structs, the
+// state of the arms' runs, and a session's setup. Pure functions.
+#pragma once
+
+#include <concepts>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/session/arm_runs.h"
+#include "engine_client/decider/session/session_setup.h"
+#include "engine_client/decider/types.h"
+
+namespace sweepstake::decision {
+
+// Each FieldsOf returns references to every member in the order of declaration. It names every
+// member, so that a new one does not compile until it is in the log.
+template <typename T, typename Value>
+concept EitherConst = std::same_as<std::remove_const_t<T>, Value>;
+
+template <EitherConst<Frame> T>
+auto FieldsOf(T& frame) {
+  auto& [frame_time_ns, detection_time_ns, check_count, native_bytes, object_count, arm, epoch,
+         flags] = frame;
+  return std::tie(frame_time_ns, detection_time_ns, check_count, native_bytes, object_count, arm,
+                  epoch, flags);
+}
+
+template <EitherConst<TrialEnd> T>
+auto FieldsOf(T& end) {
+  auto& [arm, detection_time_ns] = end;
+  return std::tie(arm, detection_time_ns);
+}
+
+template <EitherConst<ShadowSample> T>
+auto FieldsOf(T& sample) {
+  auto& [first_frame_index, detection_time_ns, build_time_ns, check_count, native_bytes, arm,
+         object_count, frame_count, flags] = sample;
+  return std::tie(first_frame_index, detection_time_ns, build_time_ns, check_count, native_bytes,
+                  arm, object_count, frame_count, flags);
+}
+
+template <EitherConst<SceneDescriptor> T>
+auto FieldsOf(T& scene) {
+  auto& [object_count, density, size_spread, speed_mean, speed_spread, clustering, static_ratio] =
+      scene;
+  return std::tie(object_count, density, size_spread, speed_mean, speed_spread, clustering,
+                  static_ratio);
+}
+
+// The cell of the arms' runs, "1 2:5:…", has whether the current tick has seen frames of the active
+// run; the members of that run, with those of its window last; and, if frames have shown a later
+// run, its members.
+void AppendRuns(std::string& out, const ArmRuns& runs);
+
+// Returns nothing if the text is not that of runs of so many arms. Sums that are negative or not
+// finite are refused.
+std::optional<ArmRuns> ParseRuns(std::string_view text, uint32_t arm_count);
+
+// The setup's cell has key=value pairs in a fixed order, separated by semicolons; the items of a
+// list are separated by commas. In a text each of \ ; , has a backslash before it. The session's id
+// and the segment have columns of their own.
+void AppendSetup(std::string& out, const SessionSetup& setup, const AuditOrigin& origin);
+
+// Appends a text so escaped.
+void AppendEscaped(std::string& out, std::string_view text);
+
+// Before the operator's name in the setup column of an order.
+inline constexpr std::string_view kOperatorKey = "operator=";
+
+struct AuditSetup {
+  SessionSetup setup;
+  AuditOrigin origin;
+};
+// If it returns nothing, `problem` says what is wrong.
+std::optional<AuditSetup> ParseSetup(std::string_view text, std::string& problem);
+
+}  // namespace sweepstake::decision

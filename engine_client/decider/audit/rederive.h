@@ -1,0 +1,48 @@
+// Derives every decision of an audit log (audit_log.h) again and compares.
+//
+// Each segment gets a DecisionSession made from its setup row. The inputs of each row are given to
+// it, with the runs standing in for the frames, and the row that it makes must equal the logged
+// one, cell by cell. A difference is either an edit, or this program decides differently from the
+// one that wrote the log. Rows of a segment after a `missing` row are not derived; of them only the
+// hashes are checked, as of what administrators did. No text makes it crash. It takes the time of
+// the decisions, and memory for the session of one segment.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine_client/decider/session/policy_registry.h"
+
+namespace sweepstake::decision {
+
+struct AuditDifference {
+  uint64_t line = 0;    // line of the file; the first one is 1
+  std::string session;  // empty if the text is not a row
+  std::string segment;
+  std::string row;
+  std::string column;   // empty if the row as a whole is wrong
+  std::string message;  // what is wrong, in words
+
+  // Returns all of it in one line.
+  std::string Text() const;
+};
+
+struct AuditReport {
+  // Counts up to the difference.
+  uint64_t session_count = 0;
+  uint64_t segment_count = 0;   // those whose first row is there
+  uint64_t row_count = 0;       // rows that are there
+  uint64_t decision_count = 0;  // decisions that were derived
+  uint64_t incomplete_segment_count = 0;
+  uint64_t underived_decision_count = 0;      // decisions after missing rows
+  std::optional<AuditDifference> difference;  // the first one; absent if everything is equal
+};
+
+// `csv` begins with the header. Segments may be in any order, each in one piece that begins with
+// its setup row, or with a `missing` row; their last rows may be missing. Policies are looked up in
+// `policies`.
+AuditReport Rederive(std::string_view csv, PolicyRegistry policies = ShippedPolicies());
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,391 @@
+#include "engine_client/decider/policy/adaptive_policy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine_client/decider/policy/diagnosis.h"
+#include "engine_client/decider/policy/posterior_update.h"
+#include "engine_client/math/normal_distribution.h"
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr double SquareOf(double x) { return x * x; }
+
+// These constants concern priors.
+constexpr double kFlatEvidence = 2.5;              // a prior below it says nothing; Beta(1,1) has 2
+constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
+constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost
+constexpr double kFlatShare = 0.2;         // weight of the belief that ignores the prior
+constexpr double kContradiction = 0.3;  // log-cost by which the expected best arm is too expensive
+// These constants define the safety limit.
+constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit
+constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
+// These constants define the gate.
+constexpr double kHorizonCooldowns = 5;
+constexpr double kTie = 0.005;            // a smaller expected gain does not matter
+constexpr double kEndedTrialTie = 0.05;   // the same of a trial of an arm of which one has ended
+constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
+constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
+constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
+constexpr uint32_t kTrialLimitPercent = 120;
+// By how many standard deviations an arm that was live has to be better to be chosen again.
+constexpr double kReturnDeviations = 0.25;
+// An arm is tried if the probability that it costs twice as much as the active one is below 10 %.
+constexpr double kTrialDeviations = 1.282;
+constexpr double kMaxTrialLogRatio = 0.693;
+constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the frame time
+constexpr double kBanGrowth = 4;
+// The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
+constexpr double kMaxAdvance = 30;
+constexpr int64_t kLaneIntervals = 5;  // the lane is at work so many intervals after a visit
+// If the lane has not reported after this many windows, arms are tried live. A sweep of an
+// expensive scene takes its time.
+constexpr uint64_t kPatienceWindows = 5;
+
+double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+double LogCostOfNs(uint64_t ns) { return LogCostOf(static_cast<double>(ns) * 1e-3); }
+
+bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidence; }
+
+}  // namespace
+
+AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components)
+    : options_(setup.options),
+      components_(components),
+      beliefs_(RelativeCostFilter(static_cast<uint32_t>(setup.arms.size()), components.filter)),
+      has_prior_(setup.arms.size(), false),
+      observed_(setup.arms.size(), false),
+      bans_(setup.arms.size()),
+      was_live_(setup.arms.size(), false),
+      trial_ended_(setup.arms.size(), false),
+      first_visits_(setup.arms.size()),
+      posteriors_(setup.arms.size()),
+      switch_cost_s_(kFirstCostShare * Seconds(setup.options.settling_ns)) {
+  if (setup.has_priors) SetPriors(setup.priors);
+  UpdatePosteriors();
+}
+
+// An arm without a prior gets the mean of the others.
+void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
+  double sum = 0;
+  double count = 0;
+  for (const BetaPosterior& prior : priors) {
+    if (IsFlat(prior)) continue;
+    sum += BeliefOf(prior).mean;
+    ++count;
+  }
+  if (count == 0) return;
+  for (uint32_t arm = 0; arm < priors.size(); ++arm) {
+    has_prior_[arm] = !IsFlat(priors[arm]);
+    NormalBelief belief{sum / count, SquareOf(kUnknownDeviation)};
+    if (has_prior_[arm]) belief = BeliefOf(priors[arm]);
+    belief.variance = std::max(belief.variance, kPriorVariance);
+    filter().SetPrior(arm, belief);
+    if (!has_prior_[arm]) continue;
+    if (!expected_arm_ || belief.mean < filter().LogCost(*expected_arm_).mean) expected_arm_ = arm;
+  }
+}
+
+AdaptivePolicy::Visit AdaptivePolicy::VisitOf(const ShadowSample& sample) {
+  return {.sweep = sample.first_frame_index,
+          .log_cost = LogCostOfNs(sample.detection_time_ns),
+          .is_bound = (sample.flags & kShadowCapped) != 0};
+}
+
+// Compares the arm that the priors expect to be the cheapest with the cheapest one of the lane's
+// first visit to each arm, which may come with several ticks.
+void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
+  if (!expected_arm_) return;
+  const std::vector<std::optional<Visit>> earlier = first_visits_;
+  for (const ShadowSample& sample : samples) {
+    std::optional<Visit>& first = first_visits_[sample.arm];
+    if (!first && has_prior_[sample.arm]) first = VisitOf(sample);
+  }
+  const std::optional<Visit> expected = first_visits_[*expected_arm_];
+  const bool contradicted =
+      expected && std::any_of(first_visits_.begin(), first_visits_.end(), [&](const auto& visit) {
+        return visit && !visit->is_bound && expected->log_cost - visit->log_cost >= kContradiction;
+      });
+  if (!contradicted) return;
+  const RelativeCostFilter fresh(filter().arm_count(), components_.filter);
+  for (RelativeCostFilter& filter : beliefs_.filters()) filter = fresh;
+  for (uint32_t arm = 0; arm < earlier.size(); ++arm) {
+    if (earlier[arm]) Observe(arm, *earlier[arm]);
+  }
+  std::fill(has_prior_.begin(), has_prior_.end(), false);
+  expected_arm_.reset();
+}
+
+void AdaptivePolicy::Observe(uint32_t arm, const Visit& visit) {
+  if (visit.is_bound) return filter().ObserveShadowBound(arm, visit.sweep, visit.log_cost);
+  filter().ObserveShadow(arm, visit.sweep, visit.log_cost);
+}
+
+// Returns the evidence of a visit, without what the lane is believed to exceed the frame thread by:
+// for this arm if it was live, else for those that were, since what was believed before would be
+// learnt again.
+Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
+  double bias = 0;
+  double count = 0;
+  for (uint32_t other = 0; other < filter().arm_count(); ++other) {
+    if (!was_live_[other] || (was_live_[arm] && other != arm)) continue;
+    bias += filter().LaneBias(other);
+    ++count;
+  }
+  if (count > 0) log_cost -= bias / count;
+  return LogCostIncrement(arm, RewardOf(log_cost), filter().shadow_noise());
+}
+
+void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) {
+  if (!components_.regimes) return;
+  AdvanceTo(now_ns);
+  if (beliefs_.Observe(descriptor)) UpdatePosteriors();
+}
+
+// Of every regime: what an arm that bailed out may do does not depend on it.
+void AdaptivePolicy::Assume(uint32_t arm, double log_cost) {
+  for (RelativeCostFilter& filter : beliefs_.filters()) filter.Assume(arm, log_cost);
+}
+
+void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
+  if (last_advance_ns_ && now_ns > *last_advance_ns_) {
+    const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(*last_advance_ns_);
+    const double intervals = passed_ns / static_cast<double>(options_.decision_interval_ns);
+    const double advance = std::min(intervals, kMaxAdvance);
+    for (RelativeCostFilter& filter : beliefs_.filters()) filter.Advance(advance);
+    AdvanceBans(advance);
+  }
+  last_advance_ns_ = now_ns;
+}
+
+void AdaptivePolicy::AdvanceBans(double intervals) {
+  for (uint32_t arm = 0; arm < bans_.size(); ++arm) {
+    double& left = bans_[arm].intervals_left;
+    if (left <= 0) continue;
+    left -= intervals;
+    if (left <= 0 && !last_shadow_ns_) Assume(arm, bans_[arm].log_cost);
+  }
+}
+
+std::vector<Increment> AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples,
+                                                   int64_t now_ns) {
+  if (!components_.shadow) return {};
+  std::vector<Increment> increments;
+  DropContradictedPriors(samples);
+  last_shadow_ns_ = now_ns;
+  AdvanceTo(now_ns);
+  for (const ShadowSample& sample : samples) {
+    const Visit visit = VisitOf(sample);
+    observed_[sample.arm] = true;
+    const bool is_news = !visit.is_bound || visit.log_cost > filter().LogCost(sample.arm).mean;
+    Observe(sample.arm, visit);
+    if (is_news) increments.push_back(VisitIncrement(sample.arm, visit.log_cost));
+  }
+  UpdatePosteriors();
+  return increments;
+}
+
+std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation& observation) {
+  const WindowMetrics metrics = observation.window.Metrics();
+  if (!metrics.IsFinite()) return std::nullopt;
+  AdvanceTo(observation.now_ns);
+  const double log_cost = LogCostOf(metrics.calm_detection_ms * 1e3);
+  const int64_t lane_ns = kLaneIntervals * options_.decision_interval_ns;
+  const bool is_at_work = last_shadow_ns_ && observation.now_ns - *last_shadow_ns_ <= lane_ns;
+  const bool has_one_regime = components_.regimes && !beliefs_.scene_changes();
+  filter().ObserveLive(observation.arm, log_cost, is_at_work && has_one_regime);
+  observed_[observation.arm] = true;
+  was_live_[observation.arm] = true;
+  ++window_count_;
+  const double share = std::clamp(metrics.detection_ms * metrics.fps * 1e-3, 1e-4, 1.0);
+  const auto windows = static_cast<double>(std::min(window_count_, kShareWindows));
+  detection_share_ += (share - detection_share_) / windows;
+  UpdatePosteriors();
+  const double reward = RewardOf(log_cost);
+  return WindowUpdate{.increment = LogCostIncrement(observation.arm, reward, filter().live_noise()),
+                      .reward = reward};
+}
+
+double AdaptivePolicy::WindowEvidence(uint32_t arm) const {
+  return EvidenceOf(posteriors_[arm].mean(), filter().live_noise());
+}
+
+// The penalty is that number of windows of reward 0: a window is worth thousands of observations,
+// beside which the paper's ten would not be seen in stored priors.
+Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
+  const double window_evidence = WindowEvidence(arm);
+  Ban& ban = bans_[arm];
+  if (ban.intervals_left <= 0) ban.log_cost = filter().LogCost(arm).mean;
+  ban.intervals_left = ban.next_intervals;
+  ban.next_intervals *= kBanGrowth;
+  Assume(arm, LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns)));
+  observed_[arm] = true;
+  UpdatePosteriors();
+  return BailOutIncrement(arm, options_.bail_out_penalty * window_evidence);
+}
+
+void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
+  // The settling frames include the one that rebuilds.
+  const double cost_s =
+      static_cast<double>(std::max(cost.rebuild_time_ns, cost.settling_cost_ns)) * 1e-9;
+  const double max_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
+  switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
+}
+
+// An arm without a window is tried again as a trial, if at all. A first end is no evidence: two
+// frames of a good arm may be what else the machine was at.
+void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
+  AdvanceTo(now_ns);
+  if (trial_ended_[end.arm]) filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
+  trial_ended_[end.arm] = true;
+  observed_[end.arm] = true;
+  UpdatePosteriors();
+}
+
+std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
+  if (!components_.short_cooldown) return std::nullopt;
+  const int64_t min_ns = options_.settling_ns + options_.decision_interval_ns;
+  const auto earned_ns = static_cast<int64_t>(kCostsPerCooldown * switch_cost_s_ * 1e9);
+  return std::min(std::max(min_ns, earned_ns), options_.cooldown_ns);
+}
+
+// For how long a switch is reckoned with, and a visit of the lane: no cooldown is shorter than what
+// an arm takes to settle and be measured, whatever the options allow.
+double AdaptivePolicy::HorizonSeconds() const {
+  const int64_t shortest_ns = options_.settling_ns + options_.decision_interval_ns;
+  return kHorizonCooldowns * Seconds(std::max(options_.cooldown_ns, shortest_ns));
+}
+
+bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
+  return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <= HorizonSeconds();
+}
+
+// Returns whether the arm may be chosen: it was observed, it has a prior, or the lane will not
+// measure it.
+bool AdaptivePolicy::IsKnownEnough(uint32_t arm, int64_t now_ns) const {
+  if (observed_[arm] || has_prior_[arm]) return true;
+  return !LaneReports(now_ns) && window_count_ >= kPatienceWindows;
+}
+
+// Returns whether the arm stays below the safety limit. Without the lane, an arm never seen counts
+// as safe if it is believed to cost no more than the active one; otherwise the width of its belief
+// alone would keep the game on a slow arm for ever.
+bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
+  const NormalBelief cost = filter().LiveCost(arm);
+  const bool unseen = !observed_[arm] && !LaneReports(input.now_ns);
+  if (unseen && cost.mean <= filter().LiveCost(input.active_arm).mean) return true;
+  const double limit_us = kUnsafeShare * static_cast<double>(options_.bail_out_ns) * 1e-3;
+  return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
+}
+
+// Returns whether a switch to the arm is a trial. Without a settling time there are none.
+bool AdaptivePolicy::IsTrial(const ChoiceInput& input, uint32_t arm) const {
+  return !was_live_[arm] && !input.bailed_out && options_.settling_ns > 0;
+}
+
+AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
+                                                  uint32_t candidate) const {
+  // Expected gain and loss of the switch.
+  const NormalBelief difference = beliefs_.Difference(input.active_arm, candidate);
+  const double deviation = std::sqrt(difference.variance);
+  Assessment result{.arm = candidate};
+  GateTerms& terms = result.terms;
+  terms.gain = ExpectedGain(difference.mean, deviation);
+  terms.loss = ExpectedGain(-difference.mean, deviation);
+  terms.horizon_s = HorizonSeconds();
+  if (!observed_[candidate]) {
+    // Part of the belief about an unobserved arm ignores what is assumed of it.
+    const double flat = ExpectedGain(0, kUnknownDeviation);
+    const double share = has_prior_[candidate] ? kFlatShare : 1;
+    terms.gain += share * (flat - terms.gain);
+    terms.loss += share * (flat - terms.loss);
+  }
+  // The gate: gain over the horizon against loss over the cooldown and the cost of the switch.
+  terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
+  terms.cost_s = switch_cost_s_ / detection_share_;
+  result.advantage = terms.gain - terms.loss;
+  if (observed_[candidate] && IsTrial(input, candidate)) {
+    terms.loss = std::min(terms.loss, kTrialBudget / detection_share_);
+  }
+  result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
+  const bool again = IsTrial(input, candidate) && trial_ended_[candidate];
+  result.matters = !components_.gate || terms.gain >= (again ? kEndedTrialTie : kTie);
+  if (!components_.gate) result.worth_s = result.advantage;
+  return result;
+}
+
+// Returns whether to consider the arm: it is believed to be better, or a live window of it may be
+// worth having. While the lane reports, that is so only until there is one, which tells the lane's
+// bias for this arm; after that, what is uncertain about it must not lead back and forth. A trial
+// shows frames whatever they take, so that little is tried of which the lane could tell but little.
+bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
+  if (!LaneReports(input.now_ns)) return true;
+  const NormalBelief difference = beliefs_.Difference(input.active_arm, arm);
+  const double deviation = std::sqrt(difference.variance);
+  if (input.bailed_out) return !was_live_[arm] || difference.mean > 0;
+  if (was_live_[arm]) return difference.mean > kReturnDeviations * deviation;
+  return kTrialDeviations * deviation - difference.mean < kMaxTrialLogRatio;
+}
+
+std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
+    const ChoiceInput& input) const {
+  std::optional<Assessment> best;
+  for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
+    if (arm == input.active_arm) continue;
+    if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
+    if (!IsContender(input, arm)) continue;
+    const Assessment assessment = Assess(input, arm);
+    if (!best || assessment.rank() > best->rank()) best = assessment;
+  }
+  return best;
+}
+
+Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
+  Choice choice;
+  choice.candidate = input.active_arm;
+  const std::optional<Assessment> best = BestSwitch(input);
+  if (!best) return choice;
+  choice.gate = best->terms;
+  const bool better = best->advantage > 0;
+  const bool worthwhile = best->worth_s > 0;
+  // An arm that does not pass the gate is still shown as the candidate if it is believed better.
+  if (worthwhile || better) choice.candidate = best->arm;
+  if (IsTrial(input, choice.candidate)) choice.trial_limit_percent = kTrialLimitPercent;
+  if (!worthwhile) choice.hold = Outcome::kHeldGate;
+  if (worthwhile && !best->matters) choice.hold = Outcome::kHeldTie;
+  return choice;
+}
+
+Diagnosis AdaptivePolicy::Diagnose() const {
+  std::vector<double> means;
+  std::vector<double> covariance;
+  for (uint32_t a = 0; a < filter().arm_count(); ++a) {
+    means.push_back(beliefs_.LogCost(a).mean);
+    for (uint32_t b = 0; b < filter().arm_count(); ++b)
+      covariance.push_back(beliefs_.Covariance(a, b));
+  }
+  return DiagnoseCorrelatedLogCosts(means, covariance);
+}
+
+// Shows the beliefs as Beta posteriors.
+void AdaptivePolicy::UpdatePosteriors() {
+  uint32_t leader = 0;
+  for (uint32_t arm = 1; arm < filter().arm_count(); ++arm) {
+    if (beliefs_.LogCost(arm).mean < beliefs_.LogCost(leader).mean) leader = arm;
+  }
+  // Half of the smallest difference's variance is shown as the leader's.
+  double smallest = SquareOf(kUnknownDeviation);
+  for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
+    if (arm != leader) smallest = std::min(smallest, beliefs_.Difference(arm, leader).variance);
+  }
+  for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
+    const double variance =
+        arm == leader ? smallest / 2 : beliefs_.Difference(arm, leader).variance - smallest / 2;
+    posteriors_[arm] = BetaOf({beliefs_.LogCost(arm).mean, variance});
+  }
+}
+
+}  // namespace sweepstake::decision

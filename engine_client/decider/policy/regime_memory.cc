@@ -1,0 +1,84 @@
+#include "engine_client/decider/policy/regime_memory.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine_client/math/portable_math.h"
+
+namespace sweepstake::decision {
+namespace {
+
+// A distance of 1 between two values of a feature makes them two regimes.
+constexpr double kCountStep = 0.7;  // of the logarithm
+constexpr double kSpeedStep = 1;    // of the logarithm
+constexpr double kStaticStep = 0.3;
+constexpr double kMinSpeed = 1e-6;     // world units per frame
+constexpr double kUnmeasured = -1000;  // a value that no feature has
+constexpr uint64_t kMemory = 10;       // descriptors that a regime's centre remembers
+
+}  // namespace
+
+RegimeMemory::Features RegimeMemory::FeaturesOf(const SceneDescriptor& descriptor) {
+  Features features{kUnmeasured, kUnmeasured, kUnmeasured};
+  if (descriptor.object_count)
+    features[0] = math::Log(std::max(*descriptor.object_count, 1.0)) / kCountStep;
+  if (descriptor.speed_mean)
+    features[1] = math::Log(std::max(*descriptor.speed_mean, kMinSpeed)) / kSpeedStep;
+  if (descriptor.static_ratio) features[2] = *descriptor.static_ratio / kStaticStep;
+  return features;
+}
+
+double RegimeMemory::Distance(const Features& a, const Features& b) {
+  double distance = 0;
+  for (size_t i = 0; i < a.size(); ++i) distance = std::max(distance, std::abs(a[i] - b[i]));
+  return distance;
+}
+
+// Returns the regime that the features belong to, the nearest one, if any.
+std::optional<uint32_t> RegimeMemory::Find(const Features& features) const {
+  std::optional<uint32_t> found;
+  double nearest = 1;
+  for (uint32_t regime = 0; regime < regimes_.size(); ++regime) {
+    const double distance = Distance(regimes_[regime].centre, features);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    found = regime;
+  }
+  return found;
+}
+
+RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descriptor) {
+  const Features features = FeaturesOf(descriptor);
+  ++count_;
+  const std::optional<uint32_t> found = Find(features);
+  const bool is_mixture = found != current_ && !regimes_.empty() && regimes_[current_].count == 1;
+  if (!found) {
+    if (!is_mixture) return Begin(features);
+    regimes_[current_] = {.centre = features, .count = 1, .last = count_};
+    return {.regime = current_};
+  }
+  if (is_mixture) regimes_[current_].last = 0;
+  current_ = *found;
+  Regime& regime = regimes_[current_];
+  regime.last = count_;
+  ++regime.count;
+  const auto weight = 1 / static_cast<double>(std::min(regime.count, kMemory));
+  for (size_t i = 0; i < features.size(); ++i)
+    regime.centre[i] += weight * (features[i] - regime.centre[i]);
+  return {.regime = current_};
+}
+
+// Begins a regime in the place of none, of a mixture, or of the one that was left the longest ago.
+RegimeMemory::Recognition RegimeMemory::Begin(const Features& features) {
+  const auto oldest =
+      std::min_element(regimes_.begin(), regimes_.end(),
+                       [](const Regime& a, const Regime& b) { return a.last < b.last; });
+  const bool is_full = regimes_.size() == kMaxRegimes || (!regimes_.empty() && oldest->last == 0);
+  const auto regime = static_cast<uint32_t>((is_full ? oldest : regimes_.end()) - regimes_.begin());
+  if (!is_full) regimes_.emplace_back();
+  current_ = regime;
+  regimes_[regime] = {.centre = features, .count = 1, .last = count_};
+  return {.regime = regime, .is_new = true};
+}
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,314 @@
+#include "engine_client/decider/policy/relative_cost_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine_client/math/normal_distribution.h"
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr double Square(double x) { return x * x; }
+
+// Variances are squares of standard deviations of logarithms: 0.01 is 1 %. They were chosen on the
+// traces of tests/bench/data/tuning_scenes.txt, where halving or doubling any of them changes
+// little.
+constexpr double kFirstLevel = 7.6;               // mean log-cost before any observation: 2 ms
+constexpr double kLevelVariance = Square(2);      // variance of the unknown common level
+constexpr double kUnknownVariance = Square(0.8);  // variance of an arm relative to the others
+constexpr double kLaneVariance = Square(0.3);  // variance of the lane relative to the frame thread
+constexpr double kAssumedVariance = Square(0.5);  // variance of a cost given by Assume
+// These are noise variances.
+constexpr double kFirstNoise = Square(0.05);
+constexpr double kFirstSweepNoise = Square(0.2);  // a sweep sees five frames, a window a hundred
+constexpr double kMinNoise = Square(0.005);
+constexpr double kMaxNoise = Square(0.5);
+// These are drift variances per interval.
+constexpr double kBiasDrift = Square(0.003);
+constexpr double kFirstDrift = Square(0.005);
+constexpr double kFirstLevelDrift = Square(0.03);
+constexpr double kFirstLaneDrift = Square(0.01);
+constexpr double kMinDrift = Square(0.001);
+constexpr double kMaxDrift = Square(0.1);
+
+constexpr double kOutlierDeviations = 3;
+constexpr double kNoiseRate = 0.05;  // step size of the noise estimates
+constexpr double kDriftRate = 0.1;   // step size of the drift estimates
+constexpr double kMaxProduct = 4;    // maximum product of two normalised innovations
+// The variances of what may have changed in the active arm's live windows: the load of the frame
+// thread's core and this arm alone, relative to the scene.
+constexpr double kLoadShare = 3;
+constexpr double kOwnShare = 0.3;
+// By which the variance of a load grows in an interval, relative to its square, since it may end.
+constexpr double kLoadEnd = 0.3;
+
+double Clamped(double log_cost) {
+  return log_cost <= kMaxLogCost ? std::max(log_cost, kMinLogCost) : kMaxLogCost;
+}
+
+// Returns whether both normalised innovations are outliers on the same side.
+bool AreSameSideOutliers(double a, double b) {
+  return std::min(a, b) > kOutlierDeviations || std::max(a, b) < -kOutlierDeviations;
+}
+
+}  // namespace
+
+RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponents& components)
+    : arm_count_(arm_count),
+      components_(components),
+      mean_(Eigen::VectorXd::Constant(arm_count + 1, kFirstLevel)),
+      covariance_(Eigen::MatrixXd::Zero(arm_count + 1, arm_count + 1)),
+      live_noise_(kFirstNoise),
+      shadow_noise_(kFirstNoise),
+      sweep_noise_(kFirstSweepNoise),
+      drift_(kFirstDrift),
+      level_drift_(kFirstLevelDrift),
+      lane_drift_(kFirstLaneDrift),
+      last_visit_(arm_count) {
+  mean_[load()] = 0;
+  AddVariance(costs(), kLevelVariance, kUnknownVariance);
+  AddVariance(first_biases_, kLaneVariance, kLaneBiasVariance);
+}
+
+// Begins to estimate the lane's biases, and the offset.
+void RelativeCostFilter::AddLane() {
+  const uint32_t state_count = offset() + 1;
+  mean_.conservativeResizeLike(Eigen::VectorXd::Zero(state_count));
+  covariance_.conservativeResizeLike(Eigen::MatrixXd::Zero(state_count, state_count));
+  biases().setConstant(first_biases_(0, 1));
+  biases().diagonal().setConstant(first_biases_(0, 0));
+}
+
+void RelativeCostFilter::SetPrior(uint32_t arm, const NormalBelief& log_cost) {
+  mean_[arm] = Clamped(log_cost.mean);
+  covariance_(arm, arm) = kLevelVariance + log_cost.variance;
+}
+
+void RelativeCostFilter::Advance(double intervals) {
+  AddVariance(costs(), level_drift_ * intervals, drift_ * intervals);
+  covariance_(load(), load()) += kLoadEnd * Square(mean_[load()]) * intervals;
+  const double lane = lane_drift_ * intervals, own = kBiasDrift * intervals;
+  has_lane() ? AddVariance(biases(), lane, own) : AddVariance(first_biases_, lane, own);
+}
+
+void RelativeCostFilter::Widen(double variance) { AddVariance(costs(), variance, variance); }
+
+void RelativeCostFilter::AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double common,
+                                     double own) const {
+  if (components_.common_mode) {
+    states.array() += common;
+  } else {
+    states.diagonal().array() += common;
+  }
+  states.diagonal().array() += own;
+}
+
+// Moves a noise variance towards what explains innovations of this size. If the belief itself is
+// wide, they say little about the noise, and the step is small.
+void RelativeCostFilter::UpdateNoise(double& noise, double innovation, double variance) const {
+  if (!components_.calibration) return;
+  const double excess = std::min(Square(innovation) / variance, Square(kOutlierDeviations)) - 1;
+  noise *= 1 + kNoiseRate * noise / variance * excess;
+  noise = std::clamp(noise, kMinNoise, kMaxNoise);
+}
+
+// Moves a drift variance by the product of two successive normalised innovations. If these agree in
+// sign, the belief lags behind, and the drift is larger than estimated.
+void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
+  if (!components_.calibration) return;
+  drift *= 1 + kDriftRate * std::clamp(product, -kMaxProduct, kMaxProduct);
+  drift = std::clamp(drift, kMinDrift, kMaxDrift);
+}
+
+void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_would_show) {
+  // Innovation, and the drift that successive ones show.
+  const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
+  const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
+  const std::optional<uint32_t> last_arm = std::exchange(live_arm_, arm);
+  const bool stays = last_arm == arm;
+  const double variance = variance_in(LiveColumn(arm)) + live_noise_;
+  const double normalised = innovation / std::sqrt(variance);
+  const double last = std::exchange(last_live_, normalised);
+  if (stays) UpdateDrift(level_drift_, normalised * last);
+  // An outlier widens the belief if it is a change, else it counts as noise. A change while the
+  // arm stays active is most likely other work that came to the core, which the lane does not see,
+  // less so the scene, whose load all arms share, least this arm, if at all; what a newly active
+  // arm shows is its own. The first arm shows the scene's level, of which a sweep sees few frames.
+  double noise = live_noise_;
+  if (std::abs(normalised) > kOutlierDeviations) {
+    if (!last_arm) {
+      AddVariance(costs(), Square(innovation), 0);
+    } else if (!stays) {
+      covariance_(arm, arm) += Square(innovation);
+    } else if (AreSameSideOutliers(last, normalised)) {
+      AddVariance(costs(), Square(innovation), 0);
+      if (has_lane()) covariance_(load(), load()) += kLoadShare * Square(innovation);
+      if (!lane_would_show) covariance_(arm, arm) += kOwnShare * Square(innovation);
+      last_live_ = 0;
+    } else {
+      noise = Square(innovation);
+    }
+  }
+  UpdateNoise(live_noise_, innovation, variance);
+  const Eigen::VectorXd widened = LiveColumn(arm);
+  Update(widened, innovation, variance_in(widened) + noise);
+  KeepLoadPositive();
+}
+
+// A belief above the bound loses its part below. One below it comes to it: the lane's visits stay
+// true, so that what they did not tell of the arm is its bias; a trial says nothing about the noise
+// of a window.
+void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
+  const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
+  if (innovation <= 0) {
+    const Eigen::VectorXd column = LiveColumn(arm);
+    Truncate(column, innovation, column[arm] + column[load()]);
+    return KeepLoadPositive();
+  }
+  covariance_(arm, arm) += Square(innovation);
+  if (has_lane()) {
+    covariance_(bias(arm), bias(arm)) += Square(innovation);
+    covariance_(arm, bias(arm)) -= Square(innovation);
+    covariance_(bias(arm), arm) -= Square(innovation);
+  }
+  const Eigen::VectorXd column = LiveColumn(arm);
+  Update(column, innovation, column[arm] + column[load()] + live_noise_);
+  KeepLoadPositive();
+}
+
+// Replaces the belief about a quantity by that of its values above a bound, which lies at
+// `innovation` from its mean: with the first two moments of the truncated normal distribution.
+void RelativeCostFilter::Truncate(const Eigen::VectorXd& column, double innovation,
+                                  double variance) {
+  if (variance <= 0) return;
+  const double deviation = std::sqrt(variance);
+  const double z = innovation / deviation;
+  const double shift = NormalDensity(z) / NormalCdf(-z);  // in deviations
+  const double share = shift * (shift - z);               // of the variance
+  if (share > 0) Update(column, deviation / (shift - z), variance / share);
+}
+
+// Returns the covariances of what a live window of the arm measures with every state.
+Eigen::VectorXd RelativeCostFilter::LiveColumn(uint32_t arm) const {
+  return covariance_.col(arm) + covariance_.col(load());
+}
+
+// Observes that there is no load, where the belief has come to one below.
+void RelativeCostFilter::KeepLoadPositive() {
+  if (mean_[load()] >= 0) return;
+  const Eigen::VectorXd column = covariance_.col(load());
+  Update(column, -mean_[load()], column[load()] + kMinNoise);
+  mean_[load()] = 0;
+}
+
+void RelativeCostFilter::BeginSweep(uint64_t sweep) {
+  if (sweep_ == sweep) return;
+  sweep_ = sweep;
+  reference_visited_ = false;
+  mean_[offset()] = 0;
+  covariance_.row(offset()).setZero();
+  covariance_.col(offset()).setZero();
+  covariance_(offset(), offset()) = sweep_noise_;
+}
+
+// Returns the covariances of x_i + b_i + c with every state.
+Eigen::VectorXd RelativeCostFilter::VisitColumn(uint32_t arm) const {
+  return covariance_.col(arm) + covariance_.col(bias(arm)) + covariance_.col(offset());
+}
+
+double RelativeCostFilter::VisitInnovation(uint32_t arm, double log_cost) const {
+  return Clamped(log_cost) - mean_[arm] - mean_[bias(arm)] - mean_[offset()];
+}
+
+// Returns the variance of x_i + b_i + c, given its covariances with every state in `column`.
+double RelativeCostFilter::VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const {
+  return column[arm] + column[bias(arm)] + column[offset()];
+}
+
+void RelativeCostFilter::ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost) {
+  if (!has_lane()) AddLane();
+  BeginSweep(sweep);
+  const double innovation = VisitInnovation(arm, log_cost);
+  const double variance = VisitVariance(VisitColumn(arm), arm) + shadow_noise_;
+  const bool is_reference = !std::exchange(reference_visited_, true);
+  const double noise = is_reference ? NoiseOfReferenceVisit(innovation, variance)
+                                    : NoiseOfVisit(arm, innovation, variance);
+  const Eigen::VectorXd widened = VisitColumn(arm);
+  Update(widened, innovation, VisitVariance(widened, arm) + noise);
+}
+
+// A belief far below the bound comes to it, as to a cost.
+void RelativeCostFilter::ObserveShadowBound(uint32_t arm, uint64_t sweep, double log_cost) {
+  if (!has_lane()) AddLane();
+  BeginSweep(sweep);
+  const double innovation = VisitInnovation(arm, log_cost);
+  const Eigen::VectorXd column = VisitColumn(arm);
+  const double variance = VisitVariance(column, arm) + shadow_noise_;
+  if (innovation > kOutlierDeviations * std::sqrt(variance))
+    return ObserveShadow(arm, sweep, log_cost);
+  reference_visited_ = true;
+  Truncate(column, innovation, variance);
+}
+
+// Learns from the innovation of a sweep's first visit, which all arms may share, and returns the
+// noise variance for its update. An outlier may be the scene's or the sweep's alone, whose frames
+// may be unlike the others; the next live window tells.
+double RelativeCostFilter::NoiseOfReferenceVisit(double innovation, double variance) {
+  const double normalised = innovation / std::sqrt(variance);
+  const double last = std::exchange(last_reference_, normalised);
+  UpdateDrift(lane_drift_, normalised * last);
+  if (std::abs(normalised) > kOutlierDeviations) {
+    covariance_(offset(), offset()) += Square(innovation);
+    AddVariance(costs(), Square(innovation), 0);
+  } else {
+    UpdateNoise(sweep_noise_, innovation, variance);
+  }
+  return shadow_noise_;
+}
+
+// Learns from the innovation of a later visit, which is this arm's own, and returns the noise
+// variance for its update.
+double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double variance) {
+  const double normalised = innovation / std::sqrt(variance);
+  const bool is_outlier = std::abs(normalised) > kOutlierDeviations;
+  const std::optional<double> last = std::exchange(last_visit_[arm], normalised);
+  if (last) UpdateDrift(drift_, normalised * *last);
+  if (is_outlier && (!last || AreSameSideOutliers(*last, normalised))) {
+    last_visit_[arm] = 0;
+    covariance_(arm, arm) += Square(innovation);
+    return shadow_noise_;
+  }
+  const double noise = is_outlier ? Square(innovation) : shadow_noise_;
+  UpdateNoise(shadow_noise_, innovation, variance);
+  return noise;
+}
+
+// The Kalman update. `column` holds the covariances of the observed quantity with every state.
+void RelativeCostFilter::Update(const Eigen::VectorXd& column, double innovation, double variance) {
+  const Eigen::VectorXd gain = column / variance;
+  mean_ += gain * innovation;
+  covariance_.noalias() -= column * gain.transpose();
+  mean_.head(arm_count_) = mean_.head(arm_count_).cwiseMax(kMinLogCost).cwiseMin(kMaxLogCost);
+  covariance_.diagonal() = covariance_.diagonal().cwiseMax(0);
+}
+
+void RelativeCostFilter::Assume(uint32_t arm, double log_cost) {
+  mean_[arm] = Clamped(log_cost);
+  covariance_.row(arm).setZero();
+  covariance_.col(arm).setZero();
+  covariance_(arm, arm) = kAssumedVariance;
+}
+
+NormalBelief RelativeCostFilter::LiveCost(uint32_t arm) const {
+  const double variance =
+      covariance_(arm, arm) + covariance_(load(), load()) + 2 * covariance_(arm, load());
+  return {mean_[arm] + mean_[load()], std::max(variance, 0.0)};
+}
+
+NormalBelief RelativeCostFilter::Difference(uint32_t a, uint32_t b) const {
+  const double variance = covariance_(a, a) + covariance_(b, b) - 2 * covariance_(a, b);
+  return {mean_[a] - mean_[b], std::max(variance, 0.0)};
+}
+
+}  // namespace sweepstake::decision

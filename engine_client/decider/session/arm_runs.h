@@ -1,0 +1,115 @@
+// Which arm runs in which switch epoch: the active run and, as soon as frames show it, the run
+// after it. A run divides its frames into settling and measured ones and keeps the window of the
+// measured ones.
+//
+// A run's time is frame time: it starts at the end of the run's first frame and adds up the frame
+// times after it. The first frame, which builds the structure, always belongs to the settling
+// unless that has length 0.
+//
+// Not thread-safe. The memory is fixed: of several later epochs only the latest is kept.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+#include "engine_client/decider/types.h"
+#include "engine_client/decider/window.h"
+
+namespace sweepstake::decision {
+
+// The frames of one arm in one switch epoch.
+class ArmRun {
+ public:
+  // Frames that begin before `settling_ns` of the run has passed are settling frames.
+  ArmRun(uint32_t arm, uint32_t switch_epoch, uint64_t settling_ns);
+
+  // Takes a frame of this run and returns true if it was measured, false if it settles.
+  //
+  // If `rebuild_settling_ns` > 0, a rebuild (the object count changed) of a measured run makes it
+  // settle again for that long; the window keeps what it has. This happens only after at least as
+  // much frame time was measured since the last settling, so that at most half of the time is
+  // settling and an object count that changes all the time does not stop the learning.
+  bool Observe(const Frame& frame, uint64_t rebuild_settling_ns);
+  // Lets a frame's time pass without measuring it, because it was over the bail-out limit.
+  void Pass(const Frame& frame);
+
+  // Settles anew, as if the run began with the next frame.
+  void Restart(uint64_t settling_ns) { *this = ArmRun(arm_, switch_epoch_, settling_ns); }
+  // Begins the window of the next tick.
+  void ClearWindow();
+
+  uint32_t arm() const { return arm_; }
+  uint32_t switch_epoch() const { return switch_epoch_; }
+  uint64_t elapsed_ns() const { return elapsed_ns_; }
+  const Window& window() const { return window_; }
+  // Whether the current tick had settling frames of this run.
+  bool settling_frames_seen() const { return settling_frames_seen_; }
+
+  // Returns references to every member of an ArmRun or const ArmRun, for the audit log.
+  template <typename Self>
+  static auto Fields(Self& run) {
+    auto& [arm, switch_epoch, started, settling_frames_seen, elapsed_ns, settling_end_ns,
+           measured_ns, window] = run;
+    return std::tuple_cat(std::tie(arm, switch_epoch, started, settling_frames_seen, elapsed_ns,
+                                   settling_end_ns, measured_ns),
+                          Window::Fields(window));
+  }
+
+ private:
+  bool SettlesAgain(const Frame& frame, uint64_t rebuild_settling_ns) const;
+  void Advance(const Frame& frame);
+
+  uint32_t arm_;
+  uint32_t switch_epoch_;
+  bool started_ = false;
+  bool settling_frames_seen_ = false;
+  uint64_t elapsed_ns_ = 0;
+  uint64_t settling_end_ns_;
+  uint64_t measured_ns_ = 0;  // frame time measured since the last settling
+  Window window_;
+};
+
+// Returns whether `epoch` comes after `than`. Epochs wrap around; the later one is less than half
+// of their range ahead.
+bool IsLaterEpoch(uint32_t epoch, uint32_t than);
+
+class ArmRuns {
+ public:
+  ArmRuns(uint32_t arm_count, ArmRun active) : arm_count_(arm_count), active_(active) {}
+
+  // Returns the run that this frame belongs to. A frame of a later epoch than all before begins a
+  // later run, which settles for `settling_ns`. Returns null if the frame is of an earlier epoch,
+  // or of an arm that does not run in its epoch.
+  ArmRun* Find(const Frame& frame, uint64_t settling_ns);
+
+  ArmRun& active() { return active_; }
+  const ArmRun& active() const { return active_; }
+  // A run that frames have shown and that is not active yet.
+  const std::optional<ArmRun>& later() const { return later_; }
+  bool IsActive(const Frame& frame) const;
+
+  // Makes `run` the active one and forgets the later one.
+  void Activate(const ArmRun& run);
+
+  // Begins the window of the next tick.
+  void ClearWindow();
+  // Whether the current tick had frames of the active run, measured or not.
+  bool active_frames_seen() const { return active_frames_seen_; }
+
+  // Returns references to every member of ArmRuns or const ArmRuns except the number of arms, for
+  // the audit log.
+  template <typename Self>
+  static auto Fields(Self& runs) {
+    auto& [arm_count, active, later, active_frames_seen] = runs;
+    return std::tie(active, later, active_frames_seen);
+  }
+
+ private:
+  uint32_t arm_count_;
+  ArmRun active_;
+  std::optional<ArmRun> later_;
+  bool active_frames_seen_ = false;
+};
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,426 @@
+#include "engine_client/decider/session/decision_session.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/math/saturating_sum.h"
+
+namespace sweepstake::decision {
+namespace {
+
+std::vector<BetaPosterior> PriorsOf(const SessionSetup& setup) {
+  return setup.priors.empty() ? std::vector<BetaPosterior>(setup.arms.size()) : setup.priors;
+}
+
+std::optional<int64_t> LastSwitchOf(const SessionSetup& setup) {
+  return setup.decision_count > 0 ? std::optional(setup.start_ns) : std::nullopt;
+}
+
+std::unique_ptr<Policy> PolicyOf(const SessionSetup& setup, PolicyRegistry policies) {
+  return MakePolicy({.options = setup.options,
+                     .arms = setup.arms,
+                     .priors = PriorsOf(setup),
+                     .has_priors = !setup.priors.empty()},
+                    policies);
+}
+
+// Returns whether the first decision waits for no frame, because priors are known.
+bool StartsFromPriors(const SessionSetup& setup, const PolicyKind& kind) {
+  return kind.starts_from_priors && !setup.priors.empty();
+}
+
+int64_t FirstTickOf(const SessionSetup& setup, const PolicyKind& kind) {
+  return StartsFromPriors(setup, kind)
+             ? setup.start_ns
+             : SaturatingSum(setup.start_ns, setup.options.decision_interval_ns);
+}
+
+uint32_t ArmCount(const SessionSetup& setup) { return static_cast<uint32_t>(setup.arms.size()); }
+
+}  // namespace
+
+DecisionSession::DecisionSession(SessionSetup setup, PolicyRegistry policies)
+    : setup_(std::move(setup)),
+      policy_kind_(PolicyKindOf(setup_.options.policy, policies)),
+      policy_(PolicyOf(setup_, policies)),
+      standings_(setup_.arms.size()),
+      frame_rate_floor_(setup_.options.fps_floor, ArmCount(setup_)),
+      exploration_(setup_.seed, ArmCount(setup_), setup_.explored_arm_count),
+      gate_(LastSwitchOf(setup_)),
+      bail_out_budget_(setup_.options.bail_out_ns, setup_.start_ns),
+      observation_(setup_.arms.size(), setup_.active_arm),
+      mode_(setup_.mode),
+      runs_(ArmCount(setup_), ArmRun(setup_.active_arm, setup_.switch_epoch, SettlingOfNewRun())),
+      next_tick_ns_(FirstTickOf(setup_, policy_kind_)),
+      last_tick_ns_(setup_.start_ns),
+      last_event_ns_(setup_.start_ns),
+      decision_count_(setup_.decision_count),
+      command_count_(setup_.decision_count) {
+  assert(!Validate(setup_, policies));
+  if (!exploring()) observation_.Start(setup_.start_ns);
+}
+
+bool DecisionSession::waits_for_frames() const {
+  return decision_count_ == 0 && !StartsFromPriors(setup_, policy_kind_);
+}
+
+void DecisionSession::ObserveFrames(std::span<const Frame> frames) {
+  for (const Frame& frame : frames) ObserveFrame(frame);
+}
+
+bool DecisionSession::RestoreRuns(const ArmRuns& runs) {
+  const ArmRun& active = runs.active();
+  if (active.arm() != run().arm() || active.switch_epoch() != run().switch_epoch()) return false;
+  runs_ = runs;
+  return true;
+}
+
+void DecisionSession::ObserveFrame(const Frame& frame) {
+  ArmRun* run = runs_.Find(frame, SettlingOfNewRun());
+  if (run == nullptr) {
+    ++counts_.other_epoch_frame_count;
+    return;
+  }
+  if ((frame.flags & (kFramePaused | kFrameLoading)) != 0) {
+    ++counts_.suspended_frame_count;
+  } else if (IsOverBailOutLimit(frame, setup_.options.bail_out_ns)) {
+    ++counts_.over_limit_frame_count;
+    run->Pass(frame);
+  } else {
+    CountRebuild(frame);
+    const int64_t rebuild_settling_ns = exploring() ? 0 : setup_.options.settling_ns;
+    const bool measured = run->Observe(frame, static_cast<uint64_t>(rebuild_settling_ns));
+    ++(measured ? counts_.measured_frame_count : counts_.settling_frame_count);
+  }
+}
+
+void DecisionSession::CountRebuild(const Frame& frame) {
+  if ((frame.flags & kFrameRebuild) == 0) return;
+  ++counts_.rebuild_frame_count;
+  counts_.rebuild_detection_time_ns =
+      SaturatingSum(counts_.rebuild_detection_time_ns, frame.detection_time_ns);
+}
+
+uint64_t DecisionSession::SettlingOfNewRun() const {
+  const DecisionOptions& options = setup_.options;
+  return static_cast<uint64_t>(exploring() ? options.exploration_warm_up_ns : options.settling_ns);
+}
+
+void DecisionSession::ObserveShadow(std::span<const ShadowSample> samples) {
+  for (const ShadowSample& sample : samples) {
+    if (sample.arm >= setup_.arms.size() || sample.detection_time_ns == 0) continue;
+    if (shadow_samples_.size() == kMaxShadowSamples) shadow_samples_.erase(shadow_samples_.begin());
+    shadow_samples_.push_back(sample);
+  }
+}
+
+void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason,
+                                    int64_t now_ns, const SwitchCost& cost) {
+  assert(arm < setup_.arms.size());
+  assert(!cost.ended_trial || cost.ended_trial->arm < setup_.arms.size());
+  if (observer_) observer_->OnSwitch({arm, switch_epoch, reason, now_ns, cost}, runs_);
+  AdoptLaterRun(now_ns);
+  const bool learns = mode_ == Mode::kAi;
+  if (learns && cost.ended_trial) policy_->LearnTrialEnd(*cost.ended_trial, now_ns);
+  // The epoch has already ended: frames of a later one arrived before this report.
+  if (IsLaterEpoch(run().switch_epoch(), switch_epoch)) return;
+  if (run().arm() == arm && run().switch_epoch() == switch_epoch) {
+    if (!run_reported_) observation_.CorrectReason(reason);
+  } else {
+    Activate(ArmRun(arm, switch_epoch, SettlingOfNewRun()), reason, now_ns);
+  }
+  run_reported_ = true;
+  if (learns && !cost.ended_trial) policy_->LearnSwitchCost(arm, cost);
+}
+
+void DecisionSession::AdoptLaterRun(int64_t now_ns) {
+  if (runs_.later()) {
+    const ArmRun later = *runs_.later();
+    Activate(later, commanded_reason_, now_ns);
+    run_reported_ = false;
+  }
+  last_event_ns_ = std::max(last_event_ns_, now_ns);
+}
+
+void DecisionSession::Activate(const ArmRun& run, SwitchReason reason, int64_t now_ns) {
+  const uint64_t since_last_event =
+      now_ns > last_event_ns_
+          ? static_cast<uint64_t>(now_ns) - static_cast<uint64_t>(last_event_ns_)
+          : 0;
+  const uint64_t age_ns = std::min(run.elapsed_ns(), since_last_event);
+  const int64_t executed_ns = static_cast<int64_t>(static_cast<uint64_t>(now_ns) - age_ns);
+  gate_.OnExecuted(executed_ns);
+  observation_.Activate(run.arm(), reason, executed_ns);
+  runs_.Activate(run);
+}
+
+void DecisionSession::ObserveRefusal(uint64_t command_id) {
+  if (observer_) observer_->OnRefusal(command_id);
+  if (command_id == command_count_) gate_.OnRefused();
+}
+
+void DecisionSession::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
+  assert(active_arm < setup_.arms.size());
+  if (observer_) observer_->OnMode(mode, active_arm, now_ns, runs_);
+  AdoptLaterRun(now_ns);
+  mode_ = mode;
+  runs_.ClearWindow();
+  if (active_arm != run().arm()) {
+    Activate(ArmRun(active_arm, run().switch_epoch(), SettlingOfNewRun()), SwitchReason::kManual,
+             now_ns);
+  }
+}
+
+Decision DecisionSession::Tick(int64_t now_ns) {
+  assert(now_ns >= next_tick_ns_);
+  if (observer_) ReportTick(now_ns);
+  ScheduleNextTick(now_ns);
+  AdoptLaterRun(now_ns);
+  gate_.OnTick(runs_.active_frames_seen(), now_ns);
+  Decision decision = Open(now_ns);
+  LearnScene(decision);
+  if (mode_ == Mode::kManual) {
+    decision.record.outcome = Outcome::kManual;
+  } else if (exploring()) {
+    TickExploration(decision);
+  } else {
+    const std::optional<Outcome> hold = Learn(decision);
+    SampleAndGate(decision, hold);
+  }
+  Diagnose(window_teaches() ? std::optional(run().window().Metrics().fps) : std::nullopt);
+  shadow_samples_.clear();
+  descriptor_.reset();
+  runs_.ClearWindow();
+  last_tick_ns_ = now_ns;
+  return Close(std::move(decision));
+}
+
+void DecisionSession::ReportTick(int64_t now_ns) {
+  observer_->OnTick({now_ns, shadow_samples_, descriptor_}, runs_);
+}
+
+// Learns from the scene descriptor and the shadow lane's samples. In manual mode they are no
+// evidence.
+void DecisionSession::LearnScene(Decision& decision) {
+  const int64_t now_ns = decision.record.time_ns;
+  if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
+  if (shadow_samples_.empty()) return;
+  std::vector<Increment> increments = policy_->LearnShadow(shadow_samples_, now_ns);
+  // A client has no more evidence of an arm than a lane can measure in an interval.
+  std::vector<uint32_t> counts(setup_.arms.size());
+  std::erase_if(increments,
+                [&](const Increment& visit) { return ++counts[visit.arm] > kMaxVisitsPerTick; });
+  for (const Increment& visit : increments) ++standings_[visit.arm].lane_visit_count;
+  if (mode_ == Mode::kAi) decision.lane_increments = std::move(increments);
+}
+
+void DecisionSession::ScheduleNextTick(int64_t now_ns) {
+  const int64_t interval_ns = setup_.options.decision_interval_ns;
+  const int64_t due_ns = SaturatingSum(next_tick_ns_, interval_ns);
+  next_tick_ns_ = due_ns > now_ns ? due_ns : SaturatingSum(now_ns, interval_ns);
+}
+
+Decision DecisionSession::Open(int64_t now_ns) {
+  Decision decision;
+  decision.record.decision_id = ++decision_count_;
+  decision.record.time_ns = now_ns;
+  decision.record.active_arm = run().arm();
+  return decision;
+}
+
+void DecisionSession::UpdateStandings() {
+  const std::vector<BetaPosterior>& posteriors = policy_->posteriors();
+  const bool tells_costs = goes_by_cost() && !diagnosis_.best_probability.empty();
+  for (uint32_t arm = 0; arm < standings_.size(); ++arm) {
+    const double evidence = std::max(posteriors[arm].evidence() - BetaPosterior().evidence(), 0.0);
+    standings_[arm].effective_window_count = evidence / policy_->WindowEvidence(arm);
+    standings_[arm].cost_ratio.reset();
+    if (!tells_costs) continue;
+    standings_[arm].cost_ratio = arm == diagnosis_.leader
+                                     ? CostRatio{}
+                                     : CostRatioOf(posteriors[arm], posteriors[diagnosis_.leader]);
+  }
+}
+
+Decision DecisionSession::Close(Decision decision) {
+  decision.record.posteriors = policy_->posteriors();
+  decision.record.diagnosis = diagnosis_;
+  UpdateStandings();
+  decision.record.standings = standings_;
+  if (observer_) observer_->OnDecision(decision);
+  return decision;
+}
+
+// `fps` is the active arm's frame rate, absent if there is no new window.
+void DecisionSession::Diagnose(std::optional<double> fps) {
+  diagnosis_ = policy_->Diagnose();
+  diagnosis_.verdict = verdict_.Observe(diagnosis_.verdict);
+  if (diagnosis_.best_probability.empty()) return;
+  if (fps) frame_rate_floor_.Observe(run().arm(), *fps, diagnosis_.leader);
+  if (frame_rate_floor_.degraded()) diagnosis_.verdict = Verdict::kDegraded;
+}
+
+bool DecisionSession::goes_by_cost() const {
+  return policy_kind_.reward_version == kLogCostRewardVersion;
+}
+
+// What a game does without searching says nothing of what an arm costs.
+bool DecisionSession::window_teaches() const {
+  const Window& window = run().window();
+  return !window.empty() && (!goes_by_cost() || window.tells_cost());
+}
+
+std::optional<Outcome> DecisionSession::Learn(Decision& decision) {
+  if (!window_teaches()) {
+    const bool first = decision.record.decision_id == setup_.decision_count + 1;
+    if (first && StartsFromPriors(setup_, policy_kind_)) return std::nullopt;
+    return run().settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;
+  }
+  const std::optional<WindowUpdate> update = policy_->LearnWindow(
+      {.arm = run().arm(), .window = run().window(), .now_ns = decision.record.time_ns});
+  if (!update) return Outcome::kRejected;
+  ++standings_[run().arm()].live_window_count;
+  decision.increment = update->increment;
+  decision.record.reward = update->reward;
+  return std::nullopt;
+}
+
+// Asks the policy for a candidate, and returns why the policy itself does not want the switch now.
+std::optional<Outcome> DecisionSession::Choose(DecisionRecord& record, bool bailed_out) const {
+  Choice choice = policy_->Choose({.active_arm = run().arm(),
+                                   .seed = setup_.seed,
+                                   .decision_id = record.decision_id,
+                                   .now_ns = record.time_ns,
+                                   .last_tick_ns = last_tick_ns_,
+                                   .last_switch_ns = gate_.last_switch_ns(),
+                                   .start_ns = setup_.start_ns,
+                                   .bailed_out = bailed_out});
+  record.candidate = choice.candidate;
+  record.draws = std::move(choice.draws);
+  record.gate = choice.gate;
+  record.propensity = choice.propensity;
+  record.trial_limit_percent = choice.trial_limit_percent;
+  return choice.hold;
+}
+
+// `hold` is a reason that holds every candidate back.
+void DecisionSession::SampleAndGate(Decision& decision, std::optional<Outcome> hold) {
+  const std::optional<Outcome> own_hold = Choose(decision.record, false);
+  decision.record.outcome = Gate(decision.record, hold, own_hold);
+  if (decision.record.outcome == Outcome::kSwitched) {
+    Command(decision, *decision.record.candidate, SwitchReason::kPolicy);
+  }
+}
+
+Outcome DecisionSession::Gate(const DecisionRecord& record, std::optional<Outcome> hold,
+                              std::optional<Outcome> own_hold) const {
+  if (hold) return *hold;
+  if (record.candidate == run().arm()) return Outcome::kKept;
+  if (gate_.switch_under_way()) return Outcome::kHeldSettling;
+  if (own_hold) return *own_hold;
+  const int64_t cooldown_ns = policy_->cooldown_ns().value_or(setup_.options.cooldown_ns);
+  return gate_.CooldownPassed(record.time_ns, cooldown_ns) ? Outcome::kSwitched
+                                                           : Outcome::kHeldCooldown;
+}
+
+void DecisionSession::Command(Decision& decision, uint32_t arm, SwitchReason reason) {
+  decision.command = SwitchCommand{.command_id = ++command_count_,
+                                   .arm = arm,
+                                   .reason = reason,
+                                   .trial_limit_percent = decision.record.trial_limit_percent};
+  decision.record.reason = reason;
+  commanded_reason_ = reason;
+  gate_.OnCommand(decision.record.time_ns);
+}
+
+void DecisionSession::TickExploration(Decision& decision) {
+  decision.record.outcome = Outcome::kExploring;
+  std::optional<Outcome> hold;
+  if (run().arm() == exploration_.slot_arm()) {
+    hold = Learn(decision);
+    const auto slot_ns = static_cast<uint64_t>(setup_.options.exploration_warm_up_ns) +
+                         static_cast<uint64_t>(setup_.options.exploration_measure_ns);
+    if (run().elapsed_ns() >= slot_ns) EndSlot(decision.record.time_ns);
+  }
+  if (exploring() && !gate_.switch_under_way())
+    CommandNextSlot(decision, SwitchReason::kExploration);
+  if (!exploring()) {
+    SampleAndGate(decision, hold);
+  } else if (hold == Outcome::kRejected) {
+    decision.record.outcome = Outcome::kRejected;
+  }
+}
+
+// Commands the arm whose turn it is, and skips arms whose commands had no effect.
+void DecisionSession::CommandNextSlot(Decision& decision, SwitchReason reason) {
+  while (exploring() && run().arm() != exploration_.slot_arm()) {
+    if (exploration_.CountCommand()) {
+      Command(decision, exploration_.slot_arm(), reason);
+      return;
+    }
+    EndSlot(decision.record.time_ns);
+  }
+}
+
+void DecisionSession::EndSlot(int64_t now_ns) {
+  exploration_.EndSlot();
+  if (!exploring()) {
+    observation_.Start(now_ns);
+  } else if (run().arm() == exploration_.slot_arm()) {
+    runs_.active().Restart(SettlingOfNewRun());
+  }
+}
+
+Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
+  if (observer_) observer_->OnBailOut(frame, now_ns, runs_);
+  runs_.Find(frame, SettlingOfNewRun());  // begins a later run if the frame shows one
+  AdoptLaterRun(now_ns);
+  Decision decision = Open(now_ns);
+  decision.record.outcome = exploring() ? Outcome::kExploring : Outcome::kKept;
+  if (mode_ == Mode::kManual) {
+    decision.record.outcome = Outcome::kManual;
+  } else if (IsCharged(frame)) {
+    Blame(frame, decision);
+  } else {
+    ++counts_.excused_bail_out_count;
+  }
+  const bool charged = decision.increment && runs_.IsActive(frame);
+  Diagnose(charged ? std::optional(0.0) : std::nullopt);
+  return Close(std::move(decision));
+}
+
+bool DecisionSession::IsCharged(const Frame& frame) const {
+  if (mode_ != Mode::kAi || frame.arm >= setup_.arms.size()) return false;
+  const int64_t limit_ns = setup_.options.bail_out_ns;
+  return policy_kind_.blames_any_cause ? IsOverBailOutLimit(frame, limit_ns)
+                                       : BlamesArm(frame, limit_ns);
+}
+
+void DecisionSession::Blame(const Frame& frame, Decision& decision) {
+  ++counts_.charged_bail_out_count;
+  // The session itself always learns: whatever the report is worth, its game leaves the arm.
+  const Increment increment = policy_->LearnBailOut(frame.arm);
+  const bool may_be_evidence = (frame.flags & kFrameNoEvidence) == 0;
+  if (may_be_evidence && bail_out_budget_.Spend(decision.record.time_ns)) {
+    decision.increment = increment;
+  } else {
+    ++counts_.surplus_bail_out_count;
+  }
+  if (!runs_.IsActive(frame)) return;
+  if (exploring()) {
+    if (run().arm() == exploration_.slot_arm()) EndSlot(decision.record.time_ns);
+    CommandNextSlot(decision, SwitchReason::kBailOut);
+  }
+  if (!exploring()) Resample(decision);
+}
+
+void DecisionSession::Resample(Decision& decision) {
+  Choose(decision.record, true);
+  const uint32_t candidate = *decision.record.candidate;
+  decision.record.outcome = candidate == run().arm() ? Outcome::kKept : Outcome::kSwitched;
+  if (candidate != run().arm()) Command(decision, candidate, SwitchReason::kBailOut);
+}
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,37 @@
+// Policies by name. The laboratory passes a registry with more policies than a daemon or a game can
+// choose (tests/laboratory/policies/study_policies.h).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "engine_client/decider/policy/policy.h"
+
+namespace sweepstake::decision {
+
+struct PolicyEntry {
+  PolicyKind kind;
+  std::unique_ptr<Policy> (*make)(const PolicySetup&);
+};
+
+using PolicyRegistry = std::span<const PolicyEntry>;
+
+// Returns the policies that a daemon or a game can choose: `adaptive` and `paper`.
+PolicyRegistry ShippedPolicies();
+
+// Returns the names in the registry's order, preceded by "default", which stands for the policy of
+// "AI Decides".
+std::vector<std::string_view> PolicyNames(PolicyRegistry policies);
+
+// Returns null if no policy has this name.
+const PolicyEntry* FindPolicy(std::string_view name, PolicyRegistry policies);
+
+// REQUIRES: FindPolicy(name, policies) finds it.
+const PolicyKind& PolicyKindOf(std::string_view name, PolicyRegistry policies);
+
+// Makes the policy of setup.options.policy. REQUIRES: FindPolicy finds it.
+std::unique_ptr<Policy> MakePolicy(const PolicySetup& setup, PolicyRegistry policies);
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,41 @@
+// The setup of a session, and its validation.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine_client/decider/options.h"
+#include "engine_client/decider/session/policy_registry.h"
+#include "engine_client/decider/types.h"
+
+namespace sweepstake::decision {
+
+inline constexpr uint32_t kMaxArms = 32;
+inline constexpr double kMaxPriorEvidence = 1e15;  // exclusive maximum of a prior's alpha and beta
+
+struct SessionSetup {
+  DecisionOptions options;
+  std::vector<std::string> arms;  // 1–kMaxArms unique, non-empty names
+  // One prior per arm, or none for Beta(1,1) each. Both parameters are in (0, kMaxPriorEvidence).
+  std::vector<BetaPosterior> priors;
+  uint64_t seed = 1;  // determines the exploration order and all draws
+  Mode mode = Mode::kAi;
+  uint32_t active_arm = 0;
+  uint32_t switch_epoch = 0;
+  int64_t start_ns = 0;
+  // A session that goes on after a restart has both counts of the run before it.
+  uint32_t explored_arm_count = 0;
+  uint64_t decision_count = 0;
+};
+
+// Returns all that is wrong and how to correct it, a line for each. It looks up the policy's name
+// in `policies`.
+std::vector<std::string> Problems(const DecisionOptions& options, PolicyRegistry policies);
+// Validate returns the first thing that is wrong and how to correct it, in one line, or nothing if
+// all is valid. It looks up policy names in `policies`.
+std::optional<std::string> Validate(const DecisionOptions& options, PolicyRegistry policies);
+std::optional<std::string> Validate(const SessionSetup& setup, PolicyRegistry policies);
+
+}  // namespace sweepstake::decision

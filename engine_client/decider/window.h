@@ -1,0 +1,77 @@
+// The frames since the last decision tick in one switch epoch, and their mean costs (paper §4).
+//
+// The sums are doubles, so that no input overflows them. They are added in the order of the frames,
+// so that the result has the same bits everywhere.
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+
+#include "engine_client/decider/types.h"
+
+namespace sweepstake::decision {
+
+// The metrics of a window that a reward is computed from.
+struct WindowMetrics {
+  double fps = 0;           // frames ÷ unscaled time; infinite if the frames took no time
+  double detection_ms = 0;  // mean of update and search per frame
+  // The same mean over the frames with a search alone, none of which counts for more than twice the
+  // typical one of the run, unless more than a fifth of them are longer: what interrupts the frame
+  // thread lengthens a few frames to many times their time, and is no arm's; nor is how often a
+  // game searches.
+  double calm_detection_ms = 0;
+  double native_mib = 0;  // peak
+  // Checks ÷ n(n−1)/2, both summed over the frames. Without any pair it is 0 if nothing was
+  // checked, else 1.
+  double check_ratio = 0;
+  bool IsFinite() const;
+};
+
+class Window {
+ public:
+  // A frame with kFrameRebuild counts in every metric except the detection means, which are those
+  // of the arm's ordinary frames. If every frame of the window rebuilt because the object count
+  // changes all the time, rebuilding is what the arm costs, and the mean is over all frames.
+  void Add(const Frame& frame);
+  // Begins the next window of the same run, which keeps what is typical of it.
+  void Clear();
+
+  bool empty() const { return frame_count_ == 0; }
+  uint64_t frame_count() const { return frame_count_; }
+  // Whether it says what its arm costs: a frame searched without a rebuild, or all of them rebuilt.
+  // In a menu none may have searched.
+  bool tells_cost() const {
+    return calm_frame_count_ > 0 || (ordinary_frame_count_ == 0 && rebuild_detection_ns_ > 0);
+  }
+  // REQUIRES: !empty().
+  WindowMetrics Metrics() const;
+
+  // Returns references to every member of a Window or const Window, for the audit log.
+  template <typename Self>
+  static auto Fields(Self& window) {
+    auto& [frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns, calm_detection_ns,
+           calm_frame_count, long_frame_count, typical_detection_ns, rebuild_detection_ns,
+           check_count, pair_count, peak_bytes] = window;
+    return std::tie(frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns,
+                    calm_detection_ns, calm_frame_count, long_frame_count, typical_detection_ns,
+                    rebuild_detection_ns, check_count, pair_count, peak_bytes);
+  }
+
+ private:
+  void AddCalm(double detection_ns);
+
+  uint64_t frame_count_ = 0;
+  uint64_t ordinary_frame_count_ = 0;  // frames that did not rebuild
+  double time_ns_ = 0;
+  double ordinary_detection_ns_ = 0;
+  double calm_detection_ns_ = 0;     // as far as a frame does not exceed twice the typical one
+  uint64_t calm_frame_count_ = 0;    // ordinary frames with a search
+  uint64_t long_frame_count_ = 0;    // those that exceed it
+  double typical_detection_ns_ = 0;  // near the median of the run's searches; 0: none yet
+  double rebuild_detection_ns_ = 0;
+  double check_count_ = 0;
+  double pair_count_ = 0;  // n(n−1)/2, summed over the frames
+  uint64_t peak_bytes_ = 0;
+};
+
+}  // namespace sweepstake::decision

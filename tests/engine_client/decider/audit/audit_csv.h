@@ -1,0 +1,34 @@
+// The audit log of a store as one CSV.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "server/priors/prior_store.h"
+
+namespace sweepstake::test_support {
+
+// Returns the rows of all sessions, up to 10,000 segments. As the audit service does it, a
+// `missing` row stands where the disk has not taken some in time. Errors: those of the store.
+inline absl::StatusOr<std::string> AuditCsv(priors::PriorReader& store) {
+  const auto segments = store.ListAudit({}, 0, 10'000);
+  if (!segments.ok()) return segments.status();
+  std::string csv = decision::AuditHeader() + "\n";
+  for (const priors::AuditSegment& segment : *segments) {
+    const auto rows = store.LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
+    if (!rows.ok()) return rows.status();
+    uint64_t next = 1;
+    for (const priors::AuditRow& row : *rows) {
+      if (row.number != next)
+        csv += decision::MissingRow(segment.session_id, segment.segment, next) + "\n";
+      next = row.number + 1;
+      csv += row.text + "\n";
+    }
+  }
+  return csv;
+}
+
+}  // namespace sweepstake::test_support

@@ -1,0 +1,34 @@
+// Logs of real games with a real daemon, over gRPC on Linux x86-64 (logs/make.sh), are derived
+// again bit for bit on every platform that these tests run on.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "engine_client/decider/audit/rederive.h"
+
+namespace sweepstake::decision {
+namespace {
+
+class AuditLogOfARealGame : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(AuditLogOfARealGame, IsDerivedAgainBitForBit) {
+  const std::filesystem::path path =
+      std::filesystem::path(SWEEPSTAKE_LOGS_DIR) / (GetParam() + ".csv");
+  std::ifstream file(path, std::ios::binary);
+  ASSERT_TRUE(file) << path;
+  const std::string csv{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const AuditReport report = Rederive(csv);
+  EXPECT_FALSE(report.difference)
+      << report.difference->Text()
+      << "\nIf decisions were meant to change, make the logs anew: logs/make.sh";
+  EXPECT_GE(report.decision_count, 30u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Policies, AuditLogOfARealGame, ::testing::Values("paper", "adaptive"),
+                         [](const auto& instance) { return instance.param; });
+
+}  // namespace
+}  // namespace sweepstake::decision

@@ -1,0 +1,64 @@
+// A session with an audit log, and a game that does everything a client can do to it, at random
+// from a seed: frames of any epoch, switches executed, refused, local or reported late, modes,
+// bail-outs, shadow samples, descriptors.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/session/decision_session.h"
+#include "engine_client/math/random.h"
+
+namespace sweepstake::decision {
+
+// Rows as lines of a file.
+class AuditFile final : public AuditSink {
+ public:
+  void OnAuditRow(std::string_view row) override {
+    text.append(row).append("\n");
+    ++row_count;
+  }
+
+  std::string text = AuditHeader() + "\n";
+  uint64_t row_count = 0;
+};
+
+// Seven arms whose names need quotes and escapes, the paper's options.
+SessionSetup AuditedSetup(uint64_t seed, std::string_view policy);
+
+class AuditedGame {
+ public:
+  // Without a file there is no log.
+  AuditedGame(const SessionSetup& setup, AuditFile* file, uint32_t segment = 1);
+
+  void Run(int steps);
+
+  DecisionSession& session() { return session_; }
+  const std::vector<Decision>& decisions() const { return decisions_; }
+
+ private:
+  bool OneIn(uint32_t n) { return random_.NextBelow(n) == 0; }
+  uint32_t AnyArm() { return random_.NextBelow(arm_count_); }
+  Frame NextFrame();
+  void Step();
+  void Observe(uint32_t frame_count);
+  void Answer();
+  void SeeScene();
+  void Take(Decision decision);
+
+  RandomStream random_;
+  DecisionSession session_;
+  uint32_t arm_count_;
+  int64_t now_ns_;
+  uint32_t arm_;
+  uint32_t epoch_;
+  bool reported_ = true;
+  std::optional<SwitchCommand> command_;
+  std::vector<Decision> decisions_;
+};
+
+}  // namespace sweepstake::decision

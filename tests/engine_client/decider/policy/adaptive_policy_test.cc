@@ -1,0 +1,499 @@
+// The policy of "AI Decides" in whole sessions of a scripted game, with the shadow lane and
+// without.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/session/decision_session.h"
+#include "engine_client/math/random.h"
+#include "tests/engine_client/decider/scripted_client.h"
+
+namespace sweepstake::decision {
+namespace {
+
+SessionSetup AdaptiveSetup(uint32_t arm_count) {
+  SessionSetup setup = PlainSetup(arm_count);
+  setup.options.policy = "adaptive";
+  return setup;
+}
+
+// Beta priors of reward version 3 with these costs, as a store sums them up.
+std::vector<BetaPosterior> PriorsOf(const std::vector<double>& cost_us) {
+  std::vector<BetaPosterior> priors;
+  for (const double cost : cost_us) {
+    const double reward = 1 - std::log(1e3 * cost) / std::log(5e9);
+    priors.push_back({1e7 * reward, 1e7 * (1 - reward)});
+  }
+  return priors;
+}
+
+SceneDescriptor MovingAt(double speed) { return {{}, {}, {}, speed, {}, {}, {}}; }
+
+// A game all of whose frame time is detection, unless it is given other work.
+class Game {
+ public:
+  explicit Game(std::vector<double> costs_us, bool lane = true)
+      : Game(AdaptiveSetup(static_cast<uint32_t>(costs_us.size())), costs_us, lane) {}
+  Game(const SessionSetup& setup, std::vector<double> costs_us, bool lane = true)
+      : client(setup), cost_us(std::move(costs_us)), lane_on(lane) {}
+
+  Decision RunToTick() {
+    SetFrame();
+    if (lane_on) Sweep();
+    return client.RunToTick();
+  }
+  void RunTicks(int count) {
+    for (int i = 0; i < count; ++i) RunToTick();
+  }
+  // The active arm takes six seconds for a frame.
+  Decision BailOut() {
+    const Frame stall{.frame_time_ns = 6'000'000'000,
+                      .detection_time_ns = 6'000'000'000,
+                      .object_count = 1'000,
+                      .arm = client.arm,
+                      .switch_epoch = client.epoch};
+    return client.session.ObserveBailOut(stall, client.now_ns);
+  }
+  // Ticks of the next `count` after which this arm is active.
+  int TicksOn(uint32_t arm, int count) {
+    int ticks = 0;
+    for (int i = 0; i < count; ++i) {
+      RunToTick();
+      ticks += client.arm == arm ? 1 : 0;
+    }
+    return ticks;
+  }
+
+  ScriptedClient client;
+  std::vector<double> cost_us;
+  bool lane_on;
+  std::vector<double> lane_ratio = std::vector<double>(cost_us.size(), 1.1);  // lane ÷ frame thread
+  double frame_load = 1;  // time of a frame ÷ that of one without other work on its core
+
+ private:
+  // 100 frames per interval, each a little different.
+  void SetFrame() {
+    const double cost = frame_load * cost_us[client.arm] * std::exp(0.01 * DrawNormal(random_));
+    client.frame.detection_time_ns = static_cast<uint64_t>(cost * 1e3);
+    client.frame.frame_time_ns = client.frame.detection_time_ns;
+  }
+
+  void Sweep() {
+    ++sweep_;
+    for (uint32_t arm = 0; arm < cost_us.size(); ++arm) {
+      const double cost = lane_ratio[arm] * cost_us[arm] * std::exp(0.03 * DrawNormal(random_));
+      const ShadowSample sample{.first_frame_index = sweep_,
+                                .detection_time_ns = static_cast<uint64_t>(cost * 1e3),
+                                .arm = arm,
+                                .object_count = 1'000,
+                                .frame_count = 5};
+      client.session.ObserveShadow({&sample, 1});
+    }
+  }
+
+  RandomStream random_{3, RandomPurpose::kChoice, 0, 0};
+  uint64_t sweep_ = 0;
+};
+
+TEST(AdaptivePolicy, IsOnTheCheapestArmAfterTheFirstSweepHoweverShortTheCooldown) {
+  SessionSetup setup = AdaptiveSetup(4);
+  for (const int64_t cooldown_ns : {40 * kSecond, 1 * kSecond, 0 * kSecond}) {
+    setup.options.cooldown_ns = cooldown_ns;
+    Game game(setup, {90'000, 12'000, 10'000, 20'000});
+    game.RunTicks(2);  // the first one has settling frames only
+    EXPECT_EQ(game.client.arm, 2u) << cooldown_ns;
+    EXPECT_GE(game.TicksOn(2, 100), 90) << cooldown_ns;
+  }
+}
+
+TEST(AdaptivePolicy, NeverRunsAnArmThatTheLaneShowsToBeFarWorse) {
+  Game game({90'000, 12'000, 10'000, 80'000});
+  game.RunTicks(100);
+  for (const SwitchCommand& command : game.client.commands) EXPECT_NE(command.arm % 3, 0u);
+}
+
+TEST(AdaptivePolicy, TriesAnArmThatTheLaneMayMisjudge) {
+  Game game({10'000, 11'000, 30'000});
+  game.lane_ratio = {1.1, 0.9, 1};  // it finds the second arm cheaper by a tenth
+  game.RunTicks(20);
+  EXPECT_EQ(game.client.arm, 0u);
+  EXPECT_GE(game.TicksOn(0, 100), 99);
+}
+
+double CostUs(const Increment& increment) {
+  return std::exp(LogCostOfReward(increment.alpha / (increment.alpha + increment.beta)));
+}
+
+// The lane takes 1.1 times the frame thread's time, but for the last arm, which is never live.
+TEST(AdaptivePolicy, StoresVisitsAsWhatTheArmsWouldCostLive) {
+  Game game({10'000, 30'000, 60'000});
+  game.lane_ratio[2] = 1.3;
+  game.RunTicks(100);
+  const std::vector<Increment> visits = game.RunToTick().lane_increments;
+  ASSERT_EQ(visits.size(), 3u);
+  for (size_t i : {0, 1}) EXPECT_NEAR(CostUs(visits[i]) / game.cost_us[i], 1, 0.1);
+  EXPECT_NEAR(CostUs(visits[2]) / 60'000, 1.3 / 1.1, 0.1);
+}
+
+TEST(AdaptivePolicy, AFloodOfVisitsIsNoMoreEvidenceThanALaneCanMeasure) {
+  Game game({10'000, 30'000}, /*lane=*/false);
+  const std::vector<ShadowSample> visits(200, {.detection_time_ns = 5'000, .arm = 1});
+  game.client.session.ObserveShadow(visits);
+  EXPECT_EQ(game.RunToTick().lane_increments.size(), 8u);
+}
+
+TEST(AdaptivePolicy, VisitsInManualModeAreNoEvidence) {
+  Game game({10'000, 30'000});
+  game.client.session.SetMode(Mode::kManual, 0, game.client.now_ns);
+  EXPECT_TRUE(game.RunToTick().lane_increments.empty());
+  game.client.session.SetMode(Mode::kAi, 0, game.client.now_ns);
+  EXPECT_EQ(game.RunToTick().lane_increments.size(), 2u);
+}
+
+// The second visit shows that the priors are wrong.
+TEST(AdaptivePolicy, KeepsWhatEarlierTicksHaveSeenWhereItDropsThePriors) {
+  SessionSetup setup = AdaptiveSetup(2);
+  setup.priors = PriorsOf({1'000, 100'000});
+  Game game(setup, {50'000, 10'000}, /*lane=*/false);
+  for (uint32_t arm : {1u, 0u}) {
+    const ShadowSample sample{.detection_time_ns = static_cast<uint64_t>(game.cost_us[arm] * 1e3),
+                              .arm = arm};
+    game.client.session.ObserveShadow({&sample, 1});
+    game.RunToTick();
+  }
+  const auto beliefs = game.client.session.posteriors();
+  EXPECT_GT(beliefs[1].mean(), beliefs[0].mean() + 0.05);
+}
+
+// Half an hour, in which each of them is the cheaper one in turns.
+TEST(AdaptivePolicy, StaysWhereAnotherArmCostsAlmostTheSame) {
+  Game game({10'000, 10'050, 30'000});
+  game.RunTicks(60);
+  const size_t switch_count = game.client.commands.size();
+  for (int i = 0; i < 30; ++i) {
+    std::swap(game.cost_us[0], game.cost_us[1]);
+    game.RunTicks(30);
+  }
+  EXPECT_LE(game.client.commands.size() - switch_count, 6u);
+}
+
+// Other work comes to the frame thread's core for 10 s, again and again.
+TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
+  Game game({10'000, 14'000, 18'200});
+  game.RunTicks(60);
+  ASSERT_EQ(game.client.arm, 0u);
+  const size_t switch_count = game.client.commands.size();
+  int ticks = 0;
+  for (int i = 0; i < 10; ++i) {
+    game.frame_load = 3;
+    ticks += game.TicksOn(0, 5);
+    game.frame_load = 1;
+    ticks += game.TicksOn(0, 25);
+  }
+  EXPECT_EQ(ticks, 300);
+  EXPECT_EQ(game.client.commands.size(), switch_count);
+}
+
+// So that a game which has gone manual knows when it is worth its while to be decided for again.
+TEST(AdaptivePolicy, LearnsFromTheLaneInManualModeAndCommandsNothing) {
+  SessionSetup setup = AdaptiveSetup(3);
+  setup.mode = Mode::kManual;
+  Game game(setup, {20'000, 12'000, 10'000}, /*lane=*/true);
+  game.RunTicks(20);
+  EXPECT_TRUE(game.client.commands.empty());
+  EXPECT_GT(game.client.session.diagnosis().best_probability[2], 0.8);
+  game.client.session.SetMode(Mode::kAi, 0, game.client.now_ns);
+  game.RunTicks(2);
+  EXPECT_EQ(game.client.arm, 2U);
+}
+
+TEST(AdaptivePolicy, ACappedVisitSaysThatAnArmCostsAtLeastSoMuch) {
+  const auto cost_us = [](uint64_t capped_us) {
+    Game game({10'000, 40'000});
+    game.RunTicks(20);
+    const auto before = game.client.session.posteriors()[1].mean();
+    game.lane_on = false;
+    for (uint64_t sweep = 1000; sweep < 1010; ++sweep) {
+      const ShadowSample sample{.first_frame_index = sweep,
+                                .detection_time_ns = capped_us * 1000,
+                                .arm = 1,
+                                .object_count = 1'000,
+                                .frame_count = 1,
+                                .flags = kShadowCapped};
+      game.client.session.ObserveShadow({&sample, 1});
+    }
+    game.RunToTick();
+    return game.client.session.posteriors()[1].mean() - before;
+  };
+  EXPECT_NEAR(cost_us(15'000), 0, 0.01);
+  EXPECT_LT(cost_us(400'000), -0.05);
+}
+
+TEST(AdaptivePolicy, FollowsASceneThatMakesAnotherArmCheaper) {
+  Game game({10'000, 12'000, 30'000});
+  game.RunTicks(30);
+  ASSERT_EQ(game.client.arm, 0u);
+  game.cost_us = {14'000, 11'000, 30'000};
+  game.RunTicks(6);
+  EXPECT_EQ(game.client.arm, 1u);
+}
+
+// A scene that moves where the first arm is the best, and rests where the second one is; the lane
+// reports in the first two minutes alone, so that only beliefs can tell.
+TEST(AdaptivePolicy, ARegimeThatReturnsBringsItsBeliefs) {
+  Game game({10'000, 14'000});
+  const auto run_regime = [&](bool rests) {
+    game.cost_us = rests ? std::vector<double>{15'000, 9'000} : std::vector<double>{10'000, 14'000};
+    for (int tick = 0; tick < 15; ++tick) {
+      game.client.session.ObserveDescriptor(MovingAt(rests ? 0.001 : 0.1));
+      game.RunToTick();
+      if (tick == 2 && !game.lane_on) {
+        EXPECT_EQ(game.client.arm, rests ? 1u : 0u);
+      }
+    }
+  };
+  for (const bool rests : {false, true, false, true}) run_regime(rests);
+  game.lane_on = false;
+  for (const bool rests : {false, true, false, true}) run_regime(rests);
+}
+
+TEST(AdaptivePolicy, SaysHowSureItIs) {
+  Game game({20'000, 12'000, 10'000});
+  game.RunTicks(100);
+  const Diagnosis& sure = game.client.session.diagnosis();
+  EXPECT_EQ(sure.leader, 2u);
+  EXPECT_GT(sure.best_probability[2], 0.95);
+  Game tied({20'000, 10'010, 10'000});
+  tied.RunTicks(100);
+  EXPECT_LT(tied.client.session.diagnosis().expected_loss_ratio, 0.03);
+}
+
+TEST(AdaptivePolicy, WithoutALaneTriesEachArmLiveAndEndsOnTheCheapest) {
+  Game game({20'000, 12'000, 10'000, 30'000}, /*lane=*/false);
+  game.RunTicks(40);
+  std::vector<uint32_t> tried;
+  for (const SwitchCommand& command : game.client.commands) tried.push_back(command.arm);
+  for (const uint32_t arm : {1u, 2u, 3u})
+    EXPECT_NE(std::find(tried.begin(), tried.end(), arm), tried.end()) << arm;
+  EXPECT_GE(game.TicksOn(2, 100), 90);
+}
+
+TEST(AdaptivePolicy, TakesUpALaneThatAppearsLate) {
+  Game game({20'000, 12'000, 10'000, 30'000}, /*lane=*/false);
+  game.RunTicks(8);
+  EXPECT_FALSE(game.client.commands.empty());
+  game.lane_on = true;
+  game.RunTicks(20);
+  EXPECT_EQ(game.client.arm, 2u);
+}
+
+TEST(AdaptivePolicy, AnArmThatMayStallTheGameIsNotTriedLive) {
+  Game game({3'500'000, 10'000});
+  game.client.Execute(1, SwitchReason::kManual);
+  game.RunTicks(10);
+  game.cost_us[1] = 4'500'000;  // now the other one would be better
+  game.RunTicks(20);
+  EXPECT_TRUE(game.client.commands.empty());
+}
+
+TEST(AdaptivePolicy, LeavesAnArmThatBailsOutAtOnceForAnotherOne) {
+  Game game({10'000, 12'000, 30'000});
+  game.RunTicks(10);
+  ASSERT_EQ(game.client.arm, 0u);
+  const Decision decision = game.BailOut();
+  ASSERT_TRUE(decision.command);
+  EXPECT_EQ(decision.command->arm, 1u);
+  EXPECT_EQ(decision.increment->bail_out_count, 1u);
+}
+
+TEST(AdaptivePolicy, ABailOutWeighsAsTenWindowsInWhatIsStored) {
+  Game game({10'000, 12'000});
+  game.RunTicks(10);
+  const auto window = game.RunToTick().increment;
+  ASSERT_TRUE(window);
+  const Decision decision = game.BailOut();
+  EXPECT_EQ(decision.increment->alpha, 0);
+  EXPECT_GT(window->alpha + window->beta, 1000);
+  EXPECT_NEAR(decision.increment->beta / (window->alpha + window->beta), 10, 0.5);
+}
+
+TEST(AdaptivePolicy, ABailOutLeavesForAnArmThatIsNotSafeEither) {
+  Game game({4'000'000, 4'500'000});
+  game.RunTicks(10);
+  ASSERT_EQ(game.client.arm, 0u);
+  EXPECT_TRUE(game.BailOut().command);
+}
+
+TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlow) {
+  for (const double slow_us : {3e5, 6e5, 9e5, 1.2e6, 2e6, 4e6}) {
+    Game game({slow_us, 1e4, 2e4}, false);
+    game.RunTicks(100);
+    EXPECT_NE(game.client.arm, 0U) << slow_us;
+  }
+}
+
+// The arm was not to blame.
+TEST(AdaptivePolicy, WithoutALaneOneBailOutKeepsAnArmOutForSomeMinutesOnly) {
+  Game game({10'000, 12'000}, /*lane=*/false);
+  game.RunTicks(20);
+  ASSERT_EQ(game.client.arm, 0u);
+  game.client.Execute(game.BailOut().command->arm, SwitchReason::kBailOut);
+  EXPECT_EQ(game.TicksOn(0, 150), 0) << "five minutes";
+  EXPECT_GT(game.TicksOn(0, 100), 40);
+  game.client.Execute(game.BailOut().command->arm, SwitchReason::kBailOut);
+  EXPECT_EQ(game.TicksOn(0, 600), 0) << "a second one counts four times as much";
+}
+
+TEST(AdaptivePolicy, APriorOfThisMachineDecidesBeforeTheFirstFrame) {
+  SessionSetup setup = AdaptiveSetup(4);
+  setup.priors = PriorsOf({9'000, 1'200, 1'000, 3'000});  // of a faster machine
+  Game game(setup, {90'000, 12'000, 10'000, 30'000});
+  EXPECT_EQ(game.client.session.Tick(game.client.now_ns).command->arm, 2u);
+}
+
+// What is unknown of an arm is not worth five frames of a tenth of a second each.
+TEST(AdaptivePolicy, WithoutALaneAnArmThatItsPriorFindsAHundredTimesDearerIsNotTried) {
+  SessionSetup setup = AdaptiveSetup(2);
+  setup.priors = PriorsOf({1'000, 100'000});
+  Game game(setup, {1'000, 100'000}, /*lane=*/false);
+  EXPECT_EQ(game.TicksOn(1, 200), 0);
+}
+
+TEST(AdaptivePolicy, AWrongPriorIsDroppedAtTheFirstSweep) {
+  SessionSetup setup = AdaptiveSetup(4);
+  setup.priors = PriorsOf({1'000, 12'000, 10'000, 3'000});
+  Game game(setup, {90'000, 12'000, 10'000, 30'000});
+  game.RunTicks(2);
+  EXPECT_EQ(game.client.arm, 2u);
+  EXPECT_GE(game.TicksOn(2, 50), 45);
+}
+
+TEST(AdaptivePolicy, AWrongPriorIsDroppedWhenTheFirstSweepTakesSeveralTicks) {
+  SessionSetup setup = AdaptiveSetup(3);
+  setup.priors = PriorsOf({1'000, 12'000, 10'000});
+  Game game(setup, {20'000, 12'000, 10'000}, /*lane=*/false);
+  for (const uint32_t arm : {0u, 1u, 2u}) {
+    const ShadowSample sample{.first_frame_index = 1,
+                              .detection_time_ns = static_cast<uint64_t>(game.cost_us[arm] * 1e3),
+                              .arm = arm,
+                              .object_count = 1'000,
+                              .frame_count = 5};
+    game.client.session.ObserveShadow({&sample, 1});
+    game.RunToTick();
+  }
+  // A prior that is held says nine tenths, with a deviation of a sixth.
+  EXPECT_LT(game.client.session.posteriors()[0].mean(), game.client.session.posteriors()[2].mean());
+  game.RunTicks(2);
+  EXPECT_NE(game.client.arm, 0u);
+}
+
+TEST(AdaptivePolicy, AWrongPriorIsFoundOutWithoutALaneToo) {
+  SessionSetup setup = AdaptiveSetup(3);
+  setup.priors = PriorsOf({1'000, 2'000, 4'000});
+  Game game(setup, {30'000, 20'000, 10'000}, /*lane=*/false);
+  game.RunTicks(50);
+  EXPECT_EQ(game.client.arm, 2u);
+}
+
+TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
+  SessionSetup setup = AdaptiveSetup(3);
+  Game game(setup, {30'000, 11'500, 10'000});
+  setup.options = setup.options.Scaled(10);
+  Game fast(setup, {3'000, 1'150, 1'000});
+  for (int i = 0; i < 60; ++i) {
+    const Decision slow_decision = game.RunToTick();
+    const Decision fast_decision = fast.RunToTick();
+    ASSERT_EQ(fast_decision.record.outcome, slow_decision.record.outcome) << i;
+    ASSERT_EQ(fast_decision.record.candidate, slow_decision.record.candidate) << i;
+  }
+}
+
+TEST(AdaptivePolicy, TheCooldownGrowsWithWhatSwitchesCost) {
+  const auto cooldown_s = [](uint64_t cost_ns) {
+    Game game({20'000, 10'000, 10'500}, /*lane=*/false);
+    game.RunTicks(40);  // no arm is left to be tried, which has a budget
+    const SwitchCost cost{.rebuild_time_ns = cost_ns};
+    for (int i = 0; i < 20; ++i) {
+      game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
+                                        game.client.now_ns, cost);
+    }
+    game.RunToTick();
+    game.RunToTick();
+    return game.RunToTick().record.gate->cooldown_s;
+  };
+  EXPECT_EQ(cooldown_s(1'000'000), 4);            // settling and a window
+  EXPECT_NEAR(cooldown_s(500'000'000), 10, 0.1);  // twenty times what they cost
+  EXPECT_EQ(cooldown_s(kSecond * 100), 40);       // never longer than the paper's
+}
+
+TEST(AdaptivePolicy, CountsARebuildAmongTheSettlingFramesOnce) {
+  const auto cost_s = [](const SwitchCost& cost) {
+    Game game({20'000, 10'000, 10'500});
+    game.RunToTick();
+    game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
+                                      game.client.now_ns, cost);
+    game.RunToTick();
+    game.RunToTick();
+    return game.RunToTick().record.gate->cost_s;
+  };
+  const double settled = cost_s({.rebuild_time_ns = 0, .settling_cost_ns = 300'000'000});
+  EXPECT_EQ(cost_s({.rebuild_time_ns = 300'000'000, .settling_cost_ns = 300'000'000}), settled);
+  EXPECT_LT(cost_s({.rebuild_time_ns = 0, .settling_cost_ns = 0}), settled);
+}
+
+TEST(AdaptivePolicy, TheSpreadOfTheShownBeliefsNarrowsWithEvidence) {
+  Game game({10'000, 12'000});
+  const double early = game.client.session.posteriors()[1].evidence();
+  game.RunTicks(50);
+  EXPECT_GT(game.client.session.posteriors()[1].evidence(), 2 * early);
+}
+
+TEST(AdaptivePolicy, StoresWhatALiveWindowSaysAsABetaOfItsWidth) {
+  Game game({10'000, 12'000}, /*lane=*/false);
+  game.RunTicks(4);
+  const Decision decision = game.RunToTick();
+  ASSERT_TRUE(decision.increment);
+  const double evidence = decision.increment->alpha + decision.increment->beta;
+  const double reward = 1 - std::log(1e3 * game.cost_us[decision.increment->arm]) / std::log(5e9);
+  EXPECT_NEAR(decision.increment->alpha / evidence, reward, 0.01);
+  EXPECT_GT(evidence, 1'000);  // noise of a few % of the cost is a few ‰ of the reward
+}
+
+// Arm 0 runs, arm 1 is cheaper by a quarter, arm 2 costs twice as much.
+TEST(Standings, TellLiveWindowsFromVisitsAndHowMuchBothAreWorth) {
+  Game game({400, 300, 800});
+  game.client.obedient = false;
+  game.RunTicks(20);
+  const auto standings = game.client.session.standings();
+  EXPECT_EQ(standings[0].live_window_count, 19u) << "of the first, all frames settle";
+  EXPECT_EQ(standings[1].live_window_count, 0u);
+  for (const ArmStanding& standing : standings) EXPECT_GE(standing.lane_visit_count, 20u);
+  // The lane's bias is unknown: many visits of an arm tell no more than a window or so.
+  EXPECT_GT(standings[2].effective_window_count, 0.001);
+  EXPECT_LT(standings[2].effective_window_count, 2);
+  ASSERT_EQ(game.client.session.diagnosis().leader, 1u);
+  EXPECT_EQ(standings[1].cost_ratio, CostRatio{});
+  const CostRatio ratio = *standings[2].cost_ratio;
+  EXPECT_NEAR(ratio.median, 800.0 / 300, 0.3);
+  EXPECT_LT(ratio.low, 800.0 / 300);
+  EXPECT_GT(ratio.high, 800.0 / 300);
+  EXPECT_GT(ratio.low, 1);
+}
+
+// Evidence of ten thousand windows does not stay: costs drift.
+TEST(Standings, LiveWindowsAreWorthFewerThanThereWere) {
+  Game game({300, 400}, /*lane=*/false);
+  game.client.obedient = false;
+  game.RunTicks(400);
+  const ArmStanding standing = game.client.session.standings()[0];
+  EXPECT_EQ(standing.live_window_count, 399u);
+  EXPECT_EQ(standing.lane_visit_count, 0u);
+  EXPECT_LT(standing.effective_window_count, 40);
+}
+
+}  // namespace
+}  // namespace sweepstake::decision

@@ -1,0 +1,309 @@
+#include "engine_client/decider/policy/relative_cost_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "engine_client/math/normal_distribution.h"
+#include "engine_client/math/random.h"
+
+namespace sweepstake::decision {
+namespace {
+
+// Arms of known costs, seen through a lane with biases, in a scene whose load moves all of them.
+class FilterTest : public testing::Test {
+ protected:
+  static constexpr uint32_t kArms = 4;
+
+  double Noise(double deviation) { return deviation * DrawNormal(random_); }
+
+  // One decision interval: load, a sweep, a live window of the active arm.
+  void RunInterval(RelativeCostFilter& filter, uint32_t active) {
+    load_ += Noise(load_step_);
+    filter.Advance(1);
+    if (with_lane_) Sweep(filter, active);
+    filter.ObserveLive(active, cost_[active] + load_ + core_load_ + Noise(0.01));
+  }
+
+  void Sweep(RelativeCostFilter& filter, uint32_t active) {
+    ++sweep_;
+    const double offset = 0.2 + Noise(0.03);
+    Visit(filter, active, offset);
+    for (uint32_t arm = 0; arm < kArms; ++arm) {
+      if (arm != active) Visit(filter, arm, offset);
+    }
+  }
+
+  void Visit(RelativeCostFilter& filter, uint32_t arm, double offset) {
+    filter.ObserveShadow(arm, sweep_, cost_[arm] + bias_[arm] + load_ + offset + Noise(0.03));
+  }
+
+  static double Deviation(const NormalBelief& belief) { return std::sqrt(belief.variance); }
+
+  RandomStream random_{7, RandomPurpose::kChoice, 0, 0};
+  std::vector<double> cost_ = {5, 5.1, 5.4, 8.5};
+  std::vector<double> bias_ = std::vector<double>(kArms, 0.0);
+  double load_ = 0;
+  double core_load_ = 0;  // what else runs on the frame thread's core
+  double load_step_ = 0.05;
+  bool with_lane_ = true;
+  uint64_t sweep_ = 0;
+};
+
+TEST_F(FilterTest, KnowsNothingAtFirst) {
+  const RelativeCostFilter filter(kArms);
+  EXPECT_EQ(filter.Difference(0, 3).mean, 0);
+  EXPECT_GT(Deviation(filter.Difference(0, 3)), 1);
+}
+
+TEST_F(FilterTest, SweepsTellTheDifferencesWithinTheirOwnWidth) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  for (uint32_t arm = 1; arm < kArms; ++arm) {
+    const NormalBelief difference = filter.Difference(arm, 0);
+    EXPECT_LT(Deviation(difference), 0.25) << arm;
+    EXPECT_NEAR(difference.mean, cost_[arm] - cost_[0], 3 * Deviation(difference)) << arm;
+  }
+}
+
+TEST_F(FilterTest, ASwingingLoadLeavesTheDifferencesAlone) {
+  RelativeCostFilter filter(kArms);
+  load_step_ = 0.3;
+  for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
+  EXPECT_GT(std::abs(load_), 0.3);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.1);
+  EXPECT_NEAR(filter.LogCost(0).mean, cost_[0] + load_, 0.1);
+}
+
+TEST_F(FilterTest, RunningAnArmLiveRevealsWhatTheLaneGetsWrong) {
+  RelativeCostFilter filter(kArms);
+  bias_[1] = -0.2;  // the lane shows arm 1 ahead of arm 0, which it is not
+  for (int i = 0; i < 10; ++i) RunInterval(filter, 0);
+  EXPECT_LT(filter.Difference(1, 0).mean, 0);
+  EXPECT_GT(Deviation(filter.Difference(1, 0)), 0.05);
+  for (int i = 0; i < 5; ++i) RunInterval(filter, 1);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.05);
+  EXPECT_LT(Deviation(filter.Difference(1, 0)), 0.05);
+}
+
+TEST_F(FilterTest, OneOutlierMovesLittleAndAChangeIsFollowedAtItsSecondSight) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  const double before = filter.Difference(1, 0).mean;
+  cost_[1] += 1;
+  RunInterval(filter, 0);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, before, 0.3);
+  RunInterval(filter, 0);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, before + 1, 0.2);
+}
+
+TEST_F(FilterTest, ASweepUnlikeTheOthersLeavesTheLevelAlone) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  const double before = filter.LogCost(0).mean;
+  load_ += 1;
+  Sweep(filter, 0);
+  load_ -= 1;
+  filter.ObserveLive(0, cost_[0] + load_);
+  EXPECT_NEAR(filter.LogCost(0).mean, before, 0.1);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1);
+}
+
+// The load falls while the game is on its way from arm 0 to arm 1.
+TEST_F(FilterTest, AChangeOfLoadAtASwitchLeavesTheDifferencesAlone) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  load_ -= 0.5;
+  for (int i = 0; i < 3; ++i) RunInterval(filter, 1);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.2);
+}
+
+// Other work comes to the core of the frame thread and goes, the second time while the game is on
+// its way from arm 0 to arm 1.
+TEST_F(FilterTest, OtherWorkOnTheFrameThreadsCoreIsNoArms) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  for (const uint32_t next : {0U, 1U}) {
+    core_load_ = std::log(4);
+    for (int i = 0; i < 6; ++i) RunInterval(filter, 0);
+    EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.15);
+    EXPECT_NEAR(filter.LogCost(0).mean, cost_[0] + load_, 0.4);
+    core_load_ = 0;
+    for (int i = 0; i < 3; ++i) RunInterval(filter, next);
+    EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.15);
+    EXPECT_NEAR(filter.LogCost(next).mean, cost_[next] + load_, 0.1);
+  }
+}
+
+TEST_F(FilterTest, WhereTheLaneWouldShowItAChangeIsNoArmsAlone) {
+  for (const bool lane_would_show : {false, true}) {
+    RelativeCostFilter filter(kArms);
+    for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+    const double before = filter.Difference(1, 0).mean;
+    for (int i = 0; i < 3; ++i) {
+      filter.Advance(1);
+      filter.ObserveLive(0, cost_[0] + load_ + std::log(4), lane_would_show);
+    }
+    const double shift = std::abs(filter.Difference(1, 0).mean - before);
+    EXPECT_EQ(shift < 0.02, lane_would_show) << shift;
+  }
+}
+
+TEST_F(FilterTest, AStallOfAFewWindowsIsForgottenOnceTheLaneHasSeenTheArmAgain) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  for (int i = 0; i < 3; ++i) {
+    filter.Advance(1);
+    filter.ObserveLive(0, cost_[0] + load_ + 2.5);
+  }
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 1);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.3);
+}
+
+TEST_F(FilterTest, WithoutALaneLiveWindowsOfEachArmTellTheDifference) {
+  RelativeCostFilter filter(kArms);
+  with_lane_ = false;
+  load_step_ = 0;
+  for (const uint32_t active : {0, 3, 1, 0}) {
+    for (int i = 0; i < 3; ++i) RunInterval(filter, active);
+  }
+  EXPECT_NEAR(filter.Difference(3, 0).mean, 3.5, 0.3);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.1);
+  EXPECT_GT(Deviation(filter.Difference(2, 0)), 0.5);  // never seen
+}
+
+TEST_F(FilterTest, ALaneThatComesLateHasDriftedAsMuchAsOneThatWasThere) {
+  RelativeCostFilter early(kArms), late(kArms);
+  late.Advance(400);
+  for (RelativeCostFilter* filter : {&early, &late}) {
+    filter->ObserveShadow(0, 1, 5);
+    filter->ObserveShadow(1, 1, 5.1);
+  }
+  // Both arms' biases, and the noise of both visits.
+  EXPECT_NEAR(Deviation(early.Difference(0, 1)), std::hypot(0.15, 0.15, std::hypot(0.05, 0.05)),
+              0.01);
+  EXPECT_NEAR(Deviation(late.Difference(0, 1)),
+              std::hypot(std::hypot(0.15, 0.15), std::hypot(0.06, 0.06), std::hypot(0.05, 0.05)),
+              0.01);
+}
+
+TEST_F(FilterTest, ThePriorIsAboutDifferencesNotAboutTheLevel) {
+  RelativeCostFilter filter(kArms);
+  filter.SetPrior(0, {.mean = 2, .variance = 0.02});
+  filter.SetPrior(1, {.mean = 3, .variance = 0.02});
+  EXPECT_NEAR(Deviation(filter.Difference(1, 0)), 0.2, 1e-9);
+  filter.ObserveLive(0, 5);
+  EXPECT_NEAR(filter.LogCost(1).mean, 6, 0.1);
+}
+
+TEST_F(FilterTest, AnAssumedCostStandsUntilTheArmIsSeenAgain) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  filter.Assume(0, 15);
+  EXPECT_EQ(filter.LogCost(0).mean, 15);
+  EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.2);
+}
+
+TEST_F(FilterTest, ABoundIsTheLanesBiasSoThatItsVisitsDoNotTakeItBack) {
+  bias_[1] = -1;  // the lane finds the second arm the cheapest
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
+  EXPECT_LT(filter.Difference(1, 0).mean, -0.5);
+  const double level = filter.LogCost(0).mean;
+  filter.ObserveBound(1, cost_[1] + load_);
+  EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.1);
+  EXPECT_NEAR(filter.LogCost(0).mean, level, 0.1);
+  for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1);
+  filter.ObserveBound(1, cost_[1] + load_ - 2);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1) << "it is known to cost more";
+}
+
+TEST_F(FilterTest, WithoutALaneABoundStandsToo) {
+  RelativeCostFilter filter(kArms);
+  with_lane_ = false;
+  for (int i = 0; i < 10; ++i) RunInterval(filter, 0);
+  filter.ObserveBound(1, 8 + load_);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 8 - cost_[0], 0.2);
+}
+
+// What two arms cost says little of a third one: it may cost less than either.
+TEST_F(FilterTest, ABoundBelowAVagueBeliefTakesWhatIsBelowIt) {
+  RelativeCostFilter filter(3);
+  for (int i = 0; i < 3; ++i) filter.ObserveLive(0, 5);
+  for (int i = 0; i < 3; ++i) filter.ObserveLive(2, 7);
+  const NormalBelief before = filter.Difference(0, 1);
+  ASSERT_GT(ExpectedGain(before.mean, std::sqrt(before.variance)), 0.05);
+  filter.ObserveBound(1, 5.7);
+  const NormalBelief after = filter.Difference(0, 1);
+  EXPECT_LT(after.mean, before.mean);
+  EXPECT_LT(ExpectedGain(after.mean, std::sqrt(after.variance)), 0.005);
+  EXPECT_NEAR(filter.LogCost(0).mean, 5, 0.1);
+}
+
+// A sweep sees eight frames, of a scene whose frames differ tenfold. Of two arms it could not say
+// what they cost.
+TEST_F(FilterTest, TheFirstLiveWindowTellsTheLevelOfAllArms) {
+  RelativeCostFilter filter(kArms);
+  filter.ObserveShadow(0, 1, cost_[0] - 2.3);
+  filter.ObserveShadow(1, 1, cost_[1] - 2.3);
+  filter.ObserveLive(0, cost_[0]);
+  EXPECT_NEAR(filter.LogCost(0).mean, cost_[0], 0.1);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.3);
+  EXPECT_NEAR(filter.Difference(2, 0).mean, 0, 0.5);
+}
+
+TEST_F(FilterTest, ABoundOfTheLaneTakesWhatIsBelowItAndNoMore) {
+  RelativeCostFilter filter(kArms);
+  for (uint64_t sweep = 1; sweep <= 5; ++sweep) {
+    filter.ObserveShadow(0, sweep, 5);
+    filter.ObserveShadowBound(1, sweep, 5.5);
+    filter.ObserveLive(0, 5);
+  }
+  const NormalBelief difference = filter.Difference(1, 0);
+  EXPECT_GT(difference.mean, 0.7);
+  EXPECT_GT(Deviation(difference), 0.3) << "it may cost many times as much";
+  filter.ObserveShadow(0, 6, 5);
+  filter.ObserveShadowBound(1, 6, 1);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, difference.mean, 0.01) << "nothing is below that";
+  filter.ObserveShadow(0, 7, 5);
+  filter.ObserveShadowBound(1, 7, 15);
+  EXPECT_GT(filter.Difference(1, 0).mean, 5) << "as a cost";
+}
+
+// As a sweep's first visit: what the other arms' differ by afterwards is their own.
+TEST_F(FilterTest, ABoundIsASweepsReference) {
+  RelativeCostFilter filter(kArms);
+  filter.ObserveLive(0, 5);
+  const double before = filter.shadow_noise();
+  for (uint64_t sweep = 1; sweep <= 20; ++sweep) {
+    filter.ObserveShadowBound(0, sweep, 1);
+    filter.ObserveShadow(1, sweep, sweep % 2 == 0 ? 5.0 : 5.001);
+  }
+  EXPECT_NE(filter.shadow_noise(), before);
+}
+
+TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
+  RelativeCostFilter filter(kArms);
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 2'000; ++i) {
+    filter.Advance(i % 100 == 0 ? 1e6 : 1);
+    const double cost = i % 3 == 0 ? infinity : i % 3 == 1 ? -infinity : std::nan("");
+    filter.ObserveShadow(static_cast<uint32_t>(i) % kArms, static_cast<uint64_t>(i / 7), cost);
+    filter.ObserveLive(static_cast<uint32_t>(i / 5) % kArms, cost);
+    filter.ObserveBound(static_cast<uint32_t>(i / 3) % kArms, cost);
+    filter.ObserveShadowBound(static_cast<uint32_t>(i / 2) % kArms, static_cast<uint64_t>(i / 7),
+                              cost);
+    for (uint32_t arm = 0; arm < kArms; ++arm) {
+      ASSERT_GE(filter.LogCost(arm).mean, kMinLogCost);
+      ASSERT_LE(filter.LogCost(arm).mean, kMaxLogCost);
+      ASSERT_TRUE(filter.Difference(arm, 0).variance < 1e9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::decision

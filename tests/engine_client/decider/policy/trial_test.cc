@@ -1,0 +1,318 @@
+// The trials of "AI Decides": a game whose lane misjudges an arm, and that ends trials by itself as
+// clients do.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine_client/adaptive/guards/trial_guard.h"
+#include "engine_client/adaptive/shadow_schedule.h"
+#include "engine_client/decider/policy/adaptive_policy.h"
+#include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/math/random.h"
+#include "tests/engine_client/decider/scripted_client.h"
+
+namespace sweepstake::decision {
+namespace {
+
+// A trial lasts for two settling times, of which the policy reckons with what clients grant.
+static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 1);
+
+// Of a trial, however long they take: those not judged, and two over the limit.
+constexpr uint32_t kLeastFrames = 1 + kShadowWarmUpFrames + 2;
+
+SessionSetup TrialSetup(uint32_t arm_count) {
+  SessionSetup setup = PlainSetup(arm_count);
+  setup.options.policy = "adaptive";
+  return setup;
+}
+
+// All of a frame is detection. What an arm costs, and what the lane says of it, may differ.
+class TrialGame {
+ public:
+  TrialGame(std::vector<double> costs_us, std::vector<double> lane_costs_us)
+      : client(TrialSetup(static_cast<uint32_t>(costs_us.size()))),
+        cost_us(std::move(costs_us)),
+        lane_cost_us(std::move(lane_costs_us)) {
+    client.obedient = false;
+  }
+
+  void RunTicks(int count) {
+    for (int i = 0; i < count; ++i) RunTick();
+  }
+
+  void RunTick() {
+    if (lane_reports) Sweep();
+    while (client.now_ns < client.session.next_tick_ns()) RunFrame();
+    const size_t before = client.commands.size();
+    const DecisionRecord record = client.RunToTick().record;
+    gate = record.gate;
+    outcome = record.outcome;
+    if (client.commands.size() > before) Execute(client.commands.back());
+  }
+
+  ScriptedClient client;
+  std::vector<double> cost_us;
+  std::vector<double> lane_cost_us;
+  std::vector<uint32_t> lane_flags = std::vector<uint32_t>(lane_cost_us.size());
+  bool lane_reports = true;
+  bool ends_trials = true;
+  std::optional<GateTerms> gate;  // of the latest decision
+  Outcome outcome = Outcome::kKept;
+  int disturbed_trial_count = 0;  // trials of which two frames take five times as long
+  int ended_trial_count = 0;
+  std::vector<uint32_t> frame_counts = std::vector<uint32_t>(cost_us.size());
+
+ private:
+  double Noisy(double cost, double deviation) {
+    return cost * std::exp(deviation * DrawNormal(random_));
+  }
+
+  void Sweep() {
+    ++sweep_;
+    for (uint32_t arm = 0; arm < lane_cost_us.size(); ++arm) {
+      const ShadowSample sample{
+          .first_frame_index = sweep_,
+          .detection_time_ns = static_cast<uint64_t>(1e3 * Noisy(lane_cost_us[arm], 0.03)),
+          .arm = arm,
+          .object_count = 1'000,
+          .frame_count = 5,
+          .flags = lane_flags[arm]};
+      client.session.ObserveShadow({&sample, 1});
+    }
+  }
+
+  void RunFrame() {
+    Frame& frame = client.frame;
+    frame.detection_time_ns = static_cast<uint64_t>(1e3 * Noisy(cost_us[client.arm], 0.01));
+    ++frame_of_run_;
+    if (disturbed_trial_count > 0 && is_trial_ && frame_of_run_ > kLeastFrames - 2) {
+      frame.detection_time_ns *= 5;
+      if (frame_of_run_ == kLeastFrames) --disturbed_trial_count;
+    }
+    frame.frame_time_ns = frame.detection_time_ns;
+    ++frame_counts[client.arm];
+    client.RunFrame();
+    FrameSample sample{};
+    sample.arm = client.arm;
+    sample.frame_time_ns = frame.frame_time_ns;
+    sample.detection_time_ns = frame.detection_time_ns;
+    const auto end = guard_.OnFrame(sample);
+    if (end && ends_trials) EndTrial(*end);
+  }
+
+  void Execute(const SwitchCommand& command) {
+    is_trial_ = command.trial_limit_percent > 0;
+    EXPECT_TRUE(!is_trial_ || command.trial_limit_percent == 120);
+    frame_of_run_ = 0;
+    guard_.Begin(client.arm, {.trial_limit_percent = command.trial_limit_percent}, 4 * kSecond);
+    client.Execute(command.arm, command.reason);
+  }
+
+  void EndTrial(const TrialGuard::End& guard_end) {
+    ++ended_trial_count;
+    is_trial_ = false;
+    const TrialEnd end{.arm = client.arm, .detection_time_ns = guard_end.detection_time_ns};
+    client.arm = guard_end.arm_before;
+    client.session.ObserveSwitch(client.arm, ++client.epoch, SwitchReason::kPolicy, client.now_ns,
+                                 {.ended_trial = end});
+  }
+
+  RandomStream random_{5, RandomPurpose::kChoice, 0, 0};
+  uint64_t sweep_ = 0;
+  TrialGuard guard_;
+  bool is_trial_ = false;
+  uint32_t frame_of_run_ = 0;
+};
+
+TEST(Trial, AnArmHasALimitUntilItsFirstWindow) {
+  TrialGame game({20'000, 10'000}, {22'000, 11'000});
+  game.RunTicks(10);
+  ASSERT_EQ(game.client.commands.size(), 1u);
+  EXPECT_EQ(game.client.commands[0].arm, 1u);
+  EXPECT_EQ(game.client.commands[0].trial_limit_percent, 120u);
+  EXPECT_EQ(game.ended_trial_count, 0);
+  game.cost_us = game.lane_cost_us = {10'000, 30'000};
+  game.RunTicks(20);
+  game.cost_us = game.lane_cost_us = {30'000, 10'000};
+  game.RunTicks(20);
+  ASSERT_EQ(game.client.commands.size(), 3u);
+  EXPECT_EQ(game.client.commands[1].trial_limit_percent, 0u) << "it was live at the start";
+  EXPECT_EQ(game.client.commands[2].trial_limit_percent, 0u);
+}
+
+TEST(Trial, WhileLearningAnArmThatIsTooExpensiveHasFiveFrames) {
+  const std::vector<double> costs_us = {10'000, 40'000, 30'000, 9'000};
+  const std::vector<double> lane_costs_us = {11'000, 8'000, 9'000, 10'000};
+  TrialGame game(costs_us, lane_costs_us);
+  game.RunTicks(300);
+  EXPECT_EQ(game.ended_trial_count, 4) << "an arm is tried twice, not over and over";
+  EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], 4 * kLeastFrames);
+  EXPECT_EQ(game.client.arm, 3u);
+  TrialGame patient(costs_us, lane_costs_us);
+  patient.ends_trials = false;
+  patient.RunTicks(300);
+  EXPECT_GT(patient.frame_counts[1] + patient.frame_counts[2], 100u);
+}
+
+TEST(Trial, AnArmThatTheLaneFindsTwoFifthsDearerIsWorthItsBudget) {
+  TrialGame game({10'000, 7'000}, {10'000, 14'000});
+  game.RunTicks(30);
+  EXPECT_EQ(game.client.arm, 1u);
+}
+
+TEST(Trial, AnArmThatTheLaneFindsTwiceAsDearIsNotWorthIt) {
+  TrialGame game({10'000, 7'000}, {10'000, 20'000});
+  game.RunTicks(100);
+  EXPECT_EQ(game.frame_counts[1], 0u);
+}
+
+// Of the second arm the lane can tell only that it takes 11 ms or more: it may take seconds.
+TEST(Trial, AnArmThatTheLaneCouldTellTooLittleOfIsNotTried) {
+  const std::vector<double> costs_us = {10'000, 500'000};
+  const std::vector<double> lane_costs_us = {10'000, 11'000};
+  TrialGame game(costs_us, lane_costs_us);
+  game.lane_flags[1] = kShadowCapped;
+  game.RunTicks(100);
+  EXPECT_EQ(game.frame_counts[1], 0u);
+  TrialGame measured(costs_us, lane_costs_us);
+  measured.RunTicks(100);
+  EXPECT_GT(measured.frame_counts[1], 0u);
+}
+
+// Five cooldowns of 40 s are 100 ticks. After that it is as if there were no lane.
+TEST(Trial, ALaneThatVisitsSeldomStillReports) {
+  TrialGame game({10'000, 500'000}, {10'000, 9'000});
+  game.lane_flags[1] = kShadowCapped;
+  game.RunTicks(3);
+  game.lane_reports = false;
+  game.RunTicks(99);
+  EXPECT_EQ(game.frame_counts[1], 0u);
+  game.RunTicks(3);
+  EXPECT_GT(game.frame_counts[1], 0u);
+}
+
+TEST(Trial, WhatACapHasEndedContradictsNoPriors) {
+  SessionSetup setup = TrialSetup(2);
+  setup.priors = {BetaOf({LogCostOf(10'000), 0.01}), BetaOf({LogCostOf(20'000), 0.01})};
+  ScriptedClient client(setup);
+  client.frame.detection_time_ns = client.frame.frame_time_ns = 10'000'000;
+  const std::vector<ShadowSample> samples = {
+      {.first_frame_index = 1, .detection_time_ns = 10'000'000, .arm = 0, .frame_count = 5},
+      {.first_frame_index = 1, .detection_time_ns = 1'000'000, .arm = 1, .flags = kShadowCapped}};
+  client.session.ObserveShadow(samples);
+  client.RunToTick();
+  client.RunToTick();
+  EXPECT_GT(client.session.diagnosis().best_probability.at(0), 0.9);
+  EXPECT_TRUE(client.commands.empty());
+}
+
+// What is lost by an arm that stays because it is within the budget goes on until the cooldown
+// ends.
+TEST(Trial, TheGateReckonsWithTheBudgetForAllOfTheCooldown) {
+  TrialGame game({10'000, 13'000}, {10'000, 14'000});
+  const SwitchCost cost{.rebuild_time_ns = 100 * kSecond};
+  for (int i = 0; i < 20; ++i) {
+    game.client.session.ObserveSwitch(0, game.client.epoch, SwitchReason::kPolicy,
+                                      game.client.now_ns, cost);
+  }
+  game.RunTicks(5);
+  ASSERT_TRUE(game.gate);
+  EXPECT_EQ(game.gate->cooldown_s, 40);
+  EXPECT_NEAR(game.gate->loss, AdaptivePolicy::kTrialBudget, 1e-4);
+}
+
+TEST(Trial, WhatInterruptsOneKeepsNoGameFromTheBestArm) {
+  TrialGame game({20'000, 10'000}, {22'000, 11'000});
+  game.disturbed_trial_count = 1;
+  game.RunTicks(20);
+  EXPECT_EQ(game.ended_trial_count, 1);
+  EXPECT_EQ(game.client.arm, 1u);
+}
+
+TEST(Trial, ThatHasEndedIsNotRepeatedForWhatMayBeALittle) {
+  TrialGame game({10'000, 13'000}, {10'000, 13'000});
+  game.RunTicks(300);
+  EXPECT_EQ(game.ended_trial_count, 1);
+  EXPECT_EQ(game.outcome, Outcome::kHeldTie);
+  ASSERT_TRUE(game.gate);
+  EXPECT_GT(game.gate->gain, 0.005) << "of a first trial it would be enough";
+}
+
+// The third arm saves less than the second might.
+TEST(Trial, ThatIsNotRepeatedKeepsNoGameFromAnotherArm) {
+  TrialGame game({10'000, 13'000, 10'200}, {10'000, 11'000, 10'200});
+  game.RunTicks(100);
+  game.cost_us[2] = game.lane_cost_us[2] = 9'750;
+  game.RunTicks(60);
+  EXPECT_EQ(game.client.arm, 2u);
+}
+
+// While the lane is at work, what comes to an arm's live windows alone is other work.
+TEST(Trial, OnceTheLaneHasEndedAnArmThatComesToCostMoreIsLeft) {
+  TrialGame game({20'000, 10'000}, {22'000, 11'000});
+  game.RunTicks(20);
+  ASSERT_EQ(game.client.arm, 1u);
+  game.lane_reports = false;
+  game.RunTicks(150);
+  game.cost_us[1] = 40'000;
+  game.RunTicks(50);
+  EXPECT_EQ(game.client.arm, 0u);
+}
+
+// In a scene of several regimes an arm's live windows may tell of the next one before the lane
+// does.
+TEST(Trial, WhatComesToAnArmsWindowsIsInPartItsOwnInASceneThatChanges) {
+  const auto sure_after_a_rise = [](bool scene_changes) {
+    TrialGame game({12'000, 10'000}, {13'200, 11'000});
+    for (int tick = 0; tick < 60; ++tick) {
+      SceneDescriptor descriptor;
+      descriptor.object_count = 1'000;
+      descriptor.speed_mean = scene_changes && tick < 30 ? 0.001 : 0.1;
+      game.client.session.ObserveDescriptor(descriptor);
+      game.RunTick();
+    }
+    EXPECT_EQ(game.client.arm, 1u);
+    game.lane_reports = false;
+    game.cost_us[1] = 30'000;
+    game.RunTicks(2);
+    return game.client.session.diagnosis().best_probability[1];
+  };
+  EXPECT_GT(sure_after_a_rise(false), 0.9);
+  EXPECT_LT(sure_after_a_rise(true), 0.8);
+}
+
+TEST(Trial, AnEndIsALowerBoundAndNoBan) {
+  TrialGame game({10'000, 40'000}, {11'000, 8'000});
+  game.RunTicks(20);
+  EXPECT_GE(game.ended_trial_count, 1);
+  const std::vector<BetaPosterior> posteriors(game.client.session.posteriors().begin(),
+                                              game.client.session.posteriors().end());
+  EXPECT_LT(posteriors[1].mean(), posteriors[0].mean());
+  EXPECT_EQ(game.client.session.counts().charged_bail_out_count, 0u);
+  // Of what was true before nothing is left, and the lane shows it.
+  game.cost_us = {10'000, 3'000};
+  game.lane_cost_us = {11'000, 600};
+  game.RunTicks(60);
+  EXPECT_EQ(game.client.arm, 1u);
+  EXPECT_GT(game.frame_counts[1], 100u);
+}
+
+TEST(Trial, AnEndIsLearntInManualModeByNobody) {
+  TrialGame game({10'000, 12'000}, {11'000, 13'000});
+  game.RunTicks(5);
+  game.client.session.SetMode(Mode::kManual, 0, game.client.now_ns);
+  const std::vector<BetaPosterior> before(game.client.session.posteriors().begin(),
+                                          game.client.session.posteriors().end());
+  game.client.session.ObserveSwitch(
+      0, ++game.client.epoch, SwitchReason::kPolicy, game.client.now_ns,
+      {.ended_trial = TrialEnd{.arm = 1, .detection_time_ns = 50'000'000}});
+  const auto after = game.client.session.posteriors();
+  EXPECT_TRUE(std::equal(before.begin(), before.end(), after.begin(), after.end()));
+}
+
+}  // namespace
+}  // namespace sweepstake::decision

@@ -1,0 +1,120 @@
+// The verdict that takes the frame rate: the leader runs and misses the floor.
+#include <gtest/gtest.h>
+
+#include "engine_client/decider/session/safeguards.h"
+#include "tests/engine_client/decider/scripted_client.h"
+
+namespace sweepstake::decision {
+namespace {
+
+// Windows of arm 0, which leads unless it is said otherwise.
+void Observe(FrameRateFloor& floor, double fps, int count, uint32_t leader = 0) {
+  for (int i = 0; i < count; ++i) floor.Observe(0, fps, leader);
+}
+
+TEST(FrameRateFloor, TakesThreeWindowsInARowToSaySo) {
+  FrameRateFloor floor(30, 2);
+  Observe(floor, 29, 2);
+  Observe(floor, 31, 1);
+  Observe(floor, 29, 2);
+  EXPECT_FALSE(floor.degraded());
+  Observe(floor, 29, 1);
+  EXPECT_TRUE(floor.degraded());
+}
+
+TEST(FrameRateFloor, TakesThreeWindowsInARowToTakeItBack) {
+  FrameRateFloor floor(30, 2);
+  Observe(floor, 10, 3);
+  Observe(floor, 60, 2);
+  Observe(floor, 10, 1);
+  Observe(floor, 30, 2);
+  EXPECT_TRUE(floor.degraded());
+  Observe(floor, 30, 1);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(FrameRateFloor, LearnsNothingFromASlowArmWhileTheLeaderWasFastOrNeverRan) {
+  FrameRateFloor floor(30, 2);
+  Observe(floor, 10, 9, 1);
+  EXPECT_FALSE(floor.degraded());
+  floor.Observe(1, 60, 1);
+  Observe(floor, 10, 9, 1);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(FrameRateFloor, CountsSlowWindowsOfAnyArmWhereTheLeaderWasSlowToo) {
+  FrameRateFloor floor(30, 2);
+  floor.Observe(1, 10, 1);
+  Observe(floor, 10, 2, 1);
+  EXPECT_TRUE(floor.degraded());
+  Observe(floor, 60, 3, 1);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(FrameRateFloor, OfZeroIsNeverMissed) {
+  FrameRateFloor floor(0, 2);
+  Observe(floor, 0, 9);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(SteadyVerdict, ChangesAfterThreeTicksInARow) {
+  SteadyVerdict steady;
+  const auto observe = [&](Verdict verdict, int count) {
+    for (int i = 1; i < count; ++i) steady.Observe(verdict);
+    return steady.Observe(verdict);
+  };
+  EXPECT_EQ(observe(Verdict::kUnknown, 5), Verdict::kUnknown);
+  EXPECT_EQ(observe(Verdict::kTie, 1), Verdict::kTie) << "the first is taken at once";
+  EXPECT_EQ(observe(Verdict::kStable, 2), Verdict::kTie);
+  EXPECT_EQ(observe(Verdict::kTie, 1), Verdict::kTie);
+  EXPECT_EQ(observe(Verdict::kStable, 2), Verdict::kTie) << "not in a row";
+  EXPECT_EQ(observe(Verdict::kStable, 1), Verdict::kStable);
+  EXPECT_EQ(observe(Verdict::kUnknown, 1), Verdict::kUnknown);
+}
+
+TEST(Verdict, IsUnknownUntilAWindowTaughtSomething) {
+  ScriptedClient client(PlainSetup(2));
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kUnknown);
+  client.Settle();
+  client.RunTicks(2);
+  EXPECT_NE(client.session.diagnosis().verdict, Verdict::kUnknown);
+}
+
+TEST(Verdict, IsDegradedWhileTheOnlyArmMissesTheFloor) {
+  ScriptedClient client(PlainSetup(1));
+  client.Settle();
+  client.frame.frame_time_ns = 50 * kMillisecond;
+  client.RunTicks(2);
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kStable);
+  EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kDegraded);
+  client.frame.frame_time_ns = 10 * kMillisecond;
+  EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kDegraded);
+  EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kStable);
+}
+
+// Nothing of what a menu shows is the arms'.
+TEST(Verdict, TakesNoFrameRateFromFramesThatDoNotSearch) {
+  SessionSetup setup = PlainSetup(1);
+  setup.options.policy = "adaptive";
+  ScriptedClient client(setup);
+  client.Settle();
+  client.RunToTick();
+  client.frame.frame_time_ns = 50 * kMillisecond;
+  client.frame.detection_time_ns = 0;
+  EXPECT_EQ(client.RunTicks(5).record.diagnosis.verdict, Verdict::kStable);
+}
+
+TEST(Verdict, IsDegradedByBailOutsThatLeaveNoWindow) {
+  ScriptedClient client(PlainSetup(1));
+  client.Settle();
+  client.RunTicks(2);
+  const Frame stall{.frame_time_ns = 6'000'000'000, .detection_time_ns = 5'900'000'000};
+  client.session.ObserveBailOut(stall, client.now_ns);
+  client.session.ObserveBailOut(stall, client.now_ns);
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kStable);
+  client.session.ObserveBailOut(stall, client.now_ns);
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kDegraded);
+}
+
+}  // namespace
+}  // namespace sweepstake::decision

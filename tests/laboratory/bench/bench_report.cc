@@ -1,0 +1,228 @@
+#include "tests/laboratory/bench/bench_report.h"
+
+#include <algorithm>
+#include <span>
+
+#include "engine_client/cli/io/statistics.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Rows = std::vector<const BenchRow*>;
+
+bool IsComparable(const BenchRow& row) { return row.frame_count > 0 && row.difference.empty(); }
+
+Rows RowsWhere(const BenchReport& report, const auto& wanted) {
+  Rows rows;
+  for (const BenchRow& row : report.rows) {
+    if (IsComparable(row) && wanted(row)) rows.push_back(&row);
+  }
+  return rows;
+}
+
+// A range of the scene's steps, [begin, end).
+struct Steps {
+  uint64_t begin;
+  uint64_t end;
+};
+
+Steps TakenBy(const BenchRow& row) { return {row.first_step, row.first_step + row.step_ms.size()}; }
+
+Steps MeasuredBy(const BenchRow& row) {
+  const Steps taken = TakenBy(row);
+  return {taken.end - row.frame_count, taken.end};
+}
+
+std::span<const double> TimesIn(const BenchRow& row, Steps steps) {
+  return std::span(row.step_ms).subspan(steps.begin - row.first_step, steps.end - steps.begin);
+}
+
+// How many times faster one contestant is than another.
+struct Speedup {
+  double median;
+  double mean;
+};
+
+// Compares two contestants on the frames measured by the one that measured fewer. Absent if they
+// have no frame in common.
+std::optional<Speedup> SpeedupOver(const BenchRow& ours, const BenchRow& other) {
+  const bool ours_is_shorter = ours.frame_count < other.frame_count;
+  const Steps measured = MeasuredBy(ours_is_shorter ? ours : other);
+  const Steps taken = TakenBy(ours_is_shorter ? other : ours);
+  const Steps common = {std::max(measured.begin, taken.begin), std::min(measured.end, taken.end)};
+  if (common.begin >= common.end) return std::nullopt;
+  const TimeSummary our_times = Summarize(TimesIn(ours, common));
+  const TimeSummary other_times = Summarize(TimesIn(other, common));
+  if (our_times.ms_median <= 0 || our_times.ms_mean <= 0) return std::nullopt;
+  return Speedup{other_times.ms_median / our_times.ms_median,
+                 other_times.ms_mean / our_times.ms_mean};
+}
+
+BenchRatio RatioOf(RatioKind kind, const BenchRow& ours, std::string_view other, double value) {
+  BenchRatio ratio;
+  ratio.cell = ours.cell;
+  ratio.kind = kind;
+  ratio.family = ours.family;
+  ratio.ours = ours.name;
+  ratio.simd = ours.simd;
+  ratio.other = other;
+  ratio.thread_count = ours.thread_count;
+  ratio.value = value;
+  return ratio;
+}
+
+BenchRatio Against(RatioKind kind, const BenchRow& ours, std::string_view other, Speedup speedup) {
+  BenchRatio ratio = RatioOf(kind, ours, other, speedup.median);
+  ratio.value_mean = speedup.mean;
+  return ratio;
+}
+
+std::optional<BenchRatio> AgainstBest(RatioKind kind, const BenchRow& ours, const Rows& peers) {
+  std::optional<BenchRatio> lowest;
+  for (const BenchRow* peer : peers) {
+    const auto speedup = SpeedupOver(ours, *peer);
+    if (!speedup || (lowest && lowest->value <= speedup->median)) continue;
+    lowest = Against(kind, ours, peer->name, *speedup);
+  }
+  return lowest;
+}
+
+// Compares an arm with one thread to the best peer of its family.
+void AddFamily(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  const Rows peers = RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == ours.cell && row.kind == ContestantKind::kPeer && row.thread_count == 1;
+  });
+  Rows family = peers;
+  std::erase_if(family, [&](const BenchRow* peer) { return peer->family != ours.family; });
+  if (const auto ratio = AgainstBest(RatioKind::kFamily, ours, family)) {
+    ratios.push_back(*ratio);
+  }
+}
+
+const BenchRow* Fastest(const Rows& rows) {
+  const auto fastest = std::min_element(
+      rows.begin(), rows.end(),
+      [](const BenchRow* a, const BenchRow* b) { return a->ms_median < b->ms_median; });
+  return fastest == rows.end() ? nullptr : *fastest;
+}
+
+// Compares our best arm with this instruction set and thread count to the best of all peers with at
+// most as many threads.
+void AddOverall(const BenchReport& report, size_t cell, std::string_view simd,
+                uint32_t thread_count, std::vector<BenchRatio>& ratios) {
+  const BenchRow* ours = Fastest(RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == cell && row.kind == ContestantKind::kArm && row.simd == simd &&
+           row.thread_count == thread_count;
+  }));
+  if (ours == nullptr) return;
+  const Rows peers = RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == cell && row.kind == ContestantKind::kPeer &&
+           row.thread_count <= thread_count;
+  });
+  if (const auto ratio = AgainstBest(RatioKind::kOverall, *ours, peers)) {
+    ratios.push_back(*ratio);
+  }
+}
+
+bool IsSameArm(const BenchRow& row, const BenchRow& ours) {
+  return row.name == ours.name && row.kind == ours.kind;
+}
+
+void AddThreads(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  const Rows alone = RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == ours.cell && IsSameArm(row, ours) && row.simd == ours.simd &&
+           row.thread_count == 1;
+  });
+  if (alone.empty()) return;
+  const auto speedup = SpeedupOver(ours, *alone.front());
+  if (!speedup) return;
+  ratios.push_back(Against(RatioKind::kThreads, ours, "1 thread", *speedup));
+}
+
+bool IsNearLinear(std::string_view family) {
+  return family == "Grid" || family == "DBVT" || family == "Tracy" || family == "KDTree";
+}
+
+// Compares the time per object at 1,000,000 objects to that at 10,000 objects of the same scene.
+void AddGrowth(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  constexpr uint32_t kFrom = 10'000;
+  constexpr uint32_t kTo = 1'000'000;
+  const BenchCell& cell = report.cells[ours.cell];
+  if (cell.object_count != kTo || !IsNearLinear(ours.family)) return;
+  const Rows small = RowsWhere(report, [&](const BenchRow& row) {
+    return report.cells[row.cell].scene == cell.scene &&
+           report.cells[row.cell].object_count == kFrom && IsSameArm(row, ours) &&
+           row.simd == ours.simd && row.thread_count == ours.thread_count;
+  });
+  if (small.empty() || small.front()->ms_median <= 0) return;
+  const double per_object = (ours.ms_median / kTo) / (small.front()->ms_median / kFrom);
+  ratios.push_back(RatioOf(RatioKind::kGrowth, ours, "10000 objects", per_object));
+}
+
+void AddSpike(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  constexpr uint64_t kEnoughFrames = 100;
+  if (ours.family != "KDTree" || ours.frame_count < kEnoughFrames || ours.ms_median <= 0) return;
+  if (!report.cells[ours.cell].scene.starts_with("suite-")) return;
+  ratios.push_back(RatioOf(RatioKind::kSpike, ours, "median", ours.ms_p99 / ours.ms_median));
+}
+
+// Compares an arm to itself with the next better instruction set that was measured.
+void AddSimd(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  const auto& sets = report.options.simd;
+  const auto own = std::find(sets.begin(), sets.end(), ours.simd);
+  if (own == sets.begin() || own == sets.end()) return;
+  const std::string& better = *std::prev(own);
+  const Rows with_better = RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == ours.cell && IsSameArm(row, ours) && row.simd == better &&
+           row.thread_count == ours.thread_count;
+  });
+  if (with_better.empty()) return;
+  if (const auto speedup = SpeedupOver(*with_better.front(), ours)) {
+    ratios.push_back(Against(RatioKind::kSimd, ours, better, *speedup));
+  }
+}
+
+}  // namespace
+
+std::vector<BenchRatio> RatiosOf(const BenchReport& report) {
+  std::vector<BenchRatio> ratios;
+  const Rows arms =
+      RowsWhere(report, [](const BenchRow& row) { return row.kind == ContestantKind::kArm; });
+  for (size_t cell = 0; cell < report.cells.size(); ++cell) {
+    for (const std::string& simd : report.options.simd) {
+      for (const uint32_t thread_count : report.options.thread_counts) {
+        AddOverall(report, cell, simd, thread_count, ratios);
+      }
+    }
+    for (const BenchRow* arm : arms) {
+      if (arm->cell != cell) continue;
+      if (arm->thread_count == 1) AddFamily(report, *arm, ratios);
+      if (arm->thread_count != 1) AddThreads(report, *arm, ratios);
+      AddGrowth(report, *arm, ratios);
+      AddSpike(report, *arm, ratios);
+      AddSimd(report, *arm, ratios);
+    }
+  }
+  return ratios;
+}
+
+std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report) {
+  const auto rows_of = [&](ContestantKind kind) {
+    return RowsWhere(
+        report, [&](const BenchRow& row) { return row.kind == kind && row.thread_count == 1; });
+  };
+  std::vector<BenchSpeedup> speedups;
+  const Rows peers = rows_of(ContestantKind::kPeer);
+  for (const BenchRow* arm : rows_of(ContestantKind::kArm)) {
+    for (const BenchRow* peer : peers) {
+      if (peer->cell != arm->cell) continue;
+      const auto speedup = SpeedupOver(*arm, *peer);
+      if (!speedup) continue;
+      speedups.push_back(
+          {arm->cell, arm->name, arm->simd, peer->name, speedup->median, speedup->mean});
+    }
+  }
+  return speedups;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,123 @@
+// The result of one run of `sweepstake-lab bench` as plain values: the machine, the options, a cell
+// per scene and object count, a row per contestant in a cell, and the ratios derived from the rows.
+// All outputs of the command are made from it alone.
+//
+// Times are in milliseconds per frame, sizes in bytes. Optional values are absent if they are
+// unknown or were not measured.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/laboratory/game/machine.h"
+
+namespace sweepstake::cli {
+
+struct BenchOptions {
+  std::vector<std::string> scenes;
+  std::vector<uint32_t> object_counts{1000};
+  uint64_t frames = 120;
+  uint64_t warmup = 20;
+  uint64_t seed = 1;
+  std::vector<std::string> arms{"all"};
+  std::vector<uint32_t> thread_counts{1};
+  bool cold = false;  // caches are evicted before each frame (scene_timing.h)
+  // Instruction sets to measure each arm with: `all` or some of SimdTargets() (simd.h), or empty
+  // for SimdTarget(). In a report: those that were measured, the best first.
+  std::vector<std::string> simd;
+  bool peers = false;
+  double peer_cap_s = 5;  // maximum of a peer's own time in a cell
+  bool json = false;
+  std::optional<std::string> report_file;  // an HTML file with charts and tables
+  std::string command_line;                // as it was given
+};
+
+// One scene with one object count. All contestants of a cell saw the same frames.
+struct BenchCell {
+  std::string scene;
+  uint32_t object_count = 0;  // in the first frame
+  bool is_file = false;       // `scene` is the path of a recording
+};
+
+enum class ContestantKind { kArm, kPeer };
+
+// The result of one contestant in one cell.
+struct BenchRow {
+  size_t cell = 0;  // index in BenchReport::cells
+  ContestantKind kind = ContestantKind::kArm;
+  std::string family;  // BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy or KDTree
+  std::string name;    // of the arm or the peer
+  std::string simd;    // the instruction set; empty for peers, which have their own
+  uint32_t thread_count = 1;
+  uint64_t frame_count = 0;  // measured; 0: it was left out, and `note` says why
+  double ms_median = 0;
+  double ms_mean = 0;
+  double ms_min = 0;
+  double ms_p99 = 0;
+  double pairs_mean = 0;
+  std::optional<double> aabb_checks_mean;    // arms only
+  std::optional<uint64_t> bytes;             // arms only: maximum over the measured frames
+  std::optional<uint64_t> bytes_with_pairs;  // `bytes` plus the pair buffer
+  std::string difference;                    // if its pairs were wrong: where; else empty
+  std::string note;                          // why there are fewer frames than asked for
+  uint64_t first_step = 0;                   // the scene's step that step_ms starts at
+  std::vector<double> step_ms;               // time per step, warm-up included
+};
+
+enum class RatioKind {
+  kFamily,   // an arm and the best peer of its family
+  kOverall,  // the best arm and the best of all peers
+  kGrowth,   // time per object at the largest count and at 10,000 objects
+  kThreads,  // one thread and several
+  kSpike,    // the 99th percentile frame and the median
+  kSimd,     // an instruction set and the next better one that was measured
+};
+// Returns the kind's name in JSON and tables.
+const char* RatioKindName(RatioKind kind);
+
+// A comparison between rows of one run. In kFamily, kOverall and kThreads `value` is how many times
+// faster `ours` is than `other` by the median over the frames that both measured; in the other
+// kinds it is a quotient that should be small. All kinds but kSimd compare arms that ran with one
+// instruction set; kSimd is how many times longer the arm takes with `simd` than with `other`.
+struct BenchRatio {
+  size_t cell = 0;
+  RatioKind kind = RatioKind::kFamily;
+  std::string family;  // that of `ours`
+  std::string ours;    // the arm
+  std::string simd;    // the arm's instruction set
+  std::string other;   // the peer, or what else it is compared with
+  uint32_t thread_count = 1;
+  double value = 0;
+  std::optional<double> value_mean;  // by the mean instead of the median
+};
+
+// How many times faster an arm is than a peer over the frames that both measured, one thread each.
+struct BenchSpeedup {
+  size_t cell = 0;
+  std::string arm;
+  std::string simd;  // the arm's instruction set
+  std::string peer;
+  double median = 0;
+  double mean = 0;
+};
+
+struct BenchReport {
+  Machine machine;
+  BenchOptions options;
+  std::vector<BenchCell> cells;
+  std::vector<BenchRow> rows;  // by cell, family, kind, name, threads and instruction set
+  std::vector<BenchRatio> ratios;
+  std::vector<BenchSpeedup> speedups;  // one per arm and peer of a cell
+};
+
+// Returns the comparisons of the report's rows. Rows with a difference are left out. Both functions
+// are pure and safe from any thread.
+std::vector<BenchRatio> RatiosOf(const BenchReport& report);
+
+// Returns how many times faster each arm is than each peer of its cell, with one thread each.
+std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,346 @@
+#include "tests/laboratory/experiment/experiment_live.h"
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "engine_client/cli/game/frame_log.h"
+#include "engine_client/cli/game/game_run.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/duration.h"
+#include "engine_client/decider/options.h"
+#include "engine_client/telemetry/common/study_session.h"
+#include "sweepstake/session.h"
+#include "tests/laboratory/game/machine.h"
+#include "tests/laboratory/policies/study_policies.h"
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr uint32_t kStopDeadlineMs = 2000;
+constexpr uint64_t kGoOnIntervalNs = 2'000'000;
+// With frames of 10 µs the queue holds a sixth of a second, for which the sender thread may wait
+// for a core.
+constexpr uint32_t kQueueFrames = 16'384;
+
+// The controls run the arms in turn, in kControlRounds rounds of one block per arm. A block lasts
+// for 1/kBlocksPerWindow of the window, and longer if it has fewer than kBlockFrames frames by then
+// (two turns of rotating gravity), but at most kBlockPatience times as long. The first fifth of
+// each block is warm-up.
+constexpr uint64_t kControlRounds = 2;
+constexpr uint64_t kBlocksPerWindow = 210;  // 7 arms × 2 rounds take a fifteenth of the window
+constexpr uint64_t kBlockFrames = 360;
+constexpr uint64_t kBlockPatience = 10;
+
+RecordedDecision Recorded(const DecisionEvent& event, uint64_t begin_ns) {
+  RecordedDecision kept;
+  kept.time_s = Seconds(event.time_ns - begin_ns);
+  kept.active_arm = event.active_arm;
+  if (event.candidate_arm) kept.candidate = *event.candidate_arm;
+  kept.outcome = static_cast<uint32_t>(event.outcome);
+  if (event.command) kept.reason = static_cast<uint32_t>(event.command->reason);
+  if (event.reward) kept.reward = *event.reward;
+  kept.leader = event.verdict.leader_arm;
+  kept.expected_loss_ratio = event.expected_loss_ratio;
+  kept.verdict = static_cast<uint32_t>(event.verdict.verdict);
+  for (const ArmBelief& belief : event.beliefs) {
+    kept.alpha.push_back(belief.alpha);
+    kept.beta.push_back(belief.beta);
+  }
+  kept.best_probability = event.best_probability;
+  return kept;
+}
+
+// Records the decisions, which arrive on the sender thread and are read after the session has
+// stopped. The observation window begins with the decision that ends the exploration or, if there
+// is no exploration, with the run.
+class DecisionRecorder {
+ public:
+  static constexpr uint64_t kNotYet = ~uint64_t{0};
+
+  void Add(const DecisionEvent& event) {
+    const bool exploring = event.outcome == DecisionOutcome::kExploring;
+    if (!exploring && observed_from_ns() == kNotYet) {
+      const bool never_explored = decisions_.empty();
+      observed_from_ns_.store(never_explored ? 0 : event.time_ns, std::memory_order_relaxed);
+    }
+    decisions_.push_back(event);
+  }
+
+  // When the observation window began, on the clock of the decisions; 0 if it began with the run.
+  uint64_t observed_from_ns() const { return observed_from_ns_.load(std::memory_order_relaxed); }
+  const std::vector<DecisionEvent>& decisions() const { return decisions_; }
+
+ private:
+  std::atomic<uint64_t> observed_from_ns_{kNotYet};
+  std::vector<DecisionEvent> decisions_;
+};
+
+std::vector<ArmTotals> Totals(const GameRun& run) {
+  std::vector<ArmTotals> totals;
+  for (const ArmActivity& activity : run.activities()) {
+    totals.push_back({activity.frame_count, activity.active_ns, activity.detection_ns});
+  }
+  return totals;
+}
+
+std::vector<ArmTotals> Difference(std::vector<ArmTotals> later,
+                                  const std::vector<ArmTotals>& earlier) {
+  for (size_t arm = 0; arm < later.size(); ++arm) {
+    later[arm].frame_count -= earlier[arm].frame_count;
+    later[arm].frame_ns -= earlier[arm].frame_ns;
+    later[arm].detection_ns -= earlier[arm].detection_ns;
+  }
+  return later;
+}
+
+std::vector<RecordedSwitch> Switches(const GameRun& run) {
+  std::vector<RecordedSwitch> switches;
+  for (const SwitchEvent& event : run.switches()) {
+    RecordedSwitch kept{Seconds(event.time_ns), event.frame_index, event.from, event.to,
+                        static_cast<uint32_t>(event.reason)};
+    const SwitchOutcome outcome = OutcomeOf(run.outcomes(), event.switch_epoch);
+    kept.rebuild_ns = outcome.rebuild_time_ns;
+    kept.settling_ns = outcome.settling_cost_ns;
+    switches.push_back(kept);
+  }
+  return switches;
+}
+
+class LiveRun {
+ public:
+  LiveRun(const PlannedRun& planned, const LiveOptions& options)
+      : options_(options),
+        decisions_(decision::DecisionOptions{}.Scaled(options.time_scale)),
+        meter_(static_cast<uint64_t>(decisions_.decision_interval_ns)) {
+    record_.cell = planned.cell;
+    record_.policy = planned.policy;
+    record_.run = planned.run;
+    record_.seed = planned.seed;
+    record_.initial_arm = planned.initial_arm;
+    record_.time_scale = options.time_scale;
+  }
+
+  Status Prepare();
+  // Returns whether the run was finished, false if it was stopped.
+  Result<bool> Play();
+  RunRecord Take() { return std::move(record_); }
+
+ private:
+  bool MayGoOn(uint64_t now_ns);
+  Result<bool> Observe();
+  uint64_t MaxExplorationNs() const;
+  void Keep(uint64_t end_ns);
+  bool Control();
+  bool ControlBlock(uint32_t arm, std::vector<ArmTotals>& sums);
+
+  const LiveOptions& options_;
+  const decision::DecisionOptions decisions_;
+  MetricWindowMeter meter_;
+  RunRecord record_;
+  DecisionRecorder decision_recorder_;
+  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<FrameLog> frames_;
+  std::unique_ptr<Session> session_;
+  std::unique_ptr<GameRun> run_;
+  uint64_t begin_ns_ = 0;  // the run's start, on the steady clock
+  uint64_t next_check_ns_ = 0;
+};
+
+Status LiveRun::Prepare() {
+  auto scene = OpenScene({record_.cell.scene, record_.cell.object_count, record_.cell.scene_seed});
+  if (!scene.ok()) return scene.status();
+  scene_ = std::move(*scene);
+  SessionOptions options;
+  options.queue_frames = kQueueFrames;
+  EmbeddedOptions embedded;
+  embedded.policy = record_.policy;
+  embedded.seed = record_.seed;
+  embedded.time_scale = options_.time_scale;
+  embedded.on_decision = [this](const DecisionEvent& event) { decision_recorder_.Add(event); };
+  auto session = MakeStudySession(decision::StudyPolicies(), embedded, options);
+  if (!session.ok()) return session.status();
+  session_ = std::move(*session);
+  AdaptiveOptions adaptive;
+  adaptive.initial_arm = BroadPhaseNames()[record_.initial_arm];
+  // Policies that learn from live frames only, such as the paper's, have no lane and switch cold.
+  const bool learns_from_lane =
+      decision::PolicyKindOf(record_.policy, decision::StudyPolicies()).uses_shadow;
+  adaptive.shadow =
+      ScaledShadow(learns_from_lane ? ShadowMode::kAuto : ShadowMode::kOff, options_.time_scale);
+  auto run = GameRun::Create(adaptive, *scene_, session_->sink());
+  if (!run.ok()) return run.status();
+  run_ = std::move(*run);
+  begin_ns_ = SteadyClock().NowNs() - run_->elapsed_ns();
+  const auto arms = run_->adaptive().arms();
+  record_.arms.assign(arms.begin(), arms.end());
+  record_.start_utc = DescribeMachine().date_utc;
+  if (options_.frames_file.empty()) return {};
+  auto frames = FrameLog::Create(options_.frames_file);
+  if (!frames.ok()) return frames.status();
+  frames_ = std::move(*frames);
+  return {};
+}
+
+Result<bool> LiveRun::Play() {
+  if (Status status = session_->Start(run_->adaptive()); !status.ok()) return status;
+  auto observed = Observe();
+  session_->Stop(kStopDeadlineMs);
+  if (!observed.ok() || !*observed) return observed;
+  Keep(run_->elapsed_ns());
+  if (frames_ != nullptr) {
+    if (Status status = frames_->Commit(); !status.ok()) return status;
+  }
+  return Control();
+}
+
+bool LiveRun::MayGoOn(uint64_t now_ns) {
+  if (now_ns < next_check_ns_) return true;
+  next_check_ns_ = now_ns + kGoOnIntervalNs;
+  return options_.go_on(now_ns);
+}
+
+uint64_t LiveRun::MaxExplorationNs() const {
+  constexpr uint64_t kPatience = 10;
+  constexpr uint64_t kMinNs = 60'000'000'000;  // slow arms at a large time scale need this long
+  const auto slot_ns =
+      static_cast<uint64_t>(decisions_.exploration_warm_up_ns + decisions_.exploration_measure_ns);
+  return std::max(kMinNs, kPatience * slot_ns * record_.arms.size());
+}
+
+// Runs frames until the observation window has passed. Returns false if it was stopped.
+Result<bool> LiveRun::Observe() {
+  std::optional<uint64_t> end_ns;  // since the run began; absent until it is known
+  for (uint64_t now_ns = 0; !end_ns || now_ns < *end_ns;) {
+    run_->Frame();
+    now_ns = run_->elapsed_ns();
+    const FrameSample& sample = run_->adaptive().last_sample();
+    meter_.Add(sample, now_ns);
+    if (frames_ != nullptr) frames_->Write(sample, run_->adaptive());
+    if (!MayGoOn(now_ns)) return false;
+    if (end_ns) continue;
+    if (const uint64_t from_ns = decision_recorder_.observed_from_ns();
+        from_ns != DecisionRecorder::kNotYet) {
+      const uint64_t since_begin_ns = from_ns == 0 ? 0 : from_ns - begin_ns_;
+      record_.exploration_s = Seconds(since_begin_ns);
+      record_.explored = Totals(*run_);
+      if (from_ns == 0) record_.explored.assign(record_.arms.size(), {});
+      end_ns = since_begin_ns + options_.window_ns;
+    } else if (now_ns > MaxExplorationNs()) {
+      return Status(StatusCode::kInternal, "the exploration of " + RunLabel(record_) +
+                                               " does not end; try a smaller --time-scale");
+    }
+  }
+  return true;
+}
+
+void LiveRun::Keep(uint64_t end_ns) {
+  record_.end_s = Seconds(end_ns);
+  record_.observed = Difference(Totals(*run_), record_.explored);
+  record_.switches = Switches(*run_);
+  record_.windows = meter_.Take(end_ns);
+  for (const DecisionEvent& each : decision_recorder_.decisions()) {
+    record_.decisions.push_back(Recorded(each, begin_ns_));
+  }
+  const FrameProfile& frames = run_->profile();
+  const SessionStats stats = session_->stats();
+  const ShadowStats lane = run_->adaptive().shadow_stats();
+  record_.time = {.scene_step_ns = frames.step_ns,
+                  .detection_ns = frames.detection_ns,
+                  .rebuild_ns = frames.rebuild_ns,
+                  .copying_ns = std::min(lane.copy_time_ns, frames.around_ns),
+                  .around_ns = frames.around_ns - std::min(lane.copy_time_ns, frames.around_ns),
+                  .frame_end_ns = frames.end_ns,
+                  .intake_ns = stats.intake_time_ns,
+                  .decision_ns = stats.decision_time_ns,
+                  .longest_decision_ns = stats.longest_decision_ns,
+                  .lane_ns = lane.busy_time_ns};
+  record_.shadow_visit_count = lane.visit_count;
+  record_.warm_switch_count = lane.warm_switch_count;
+  record_.dropped_frame_count = stats.dropped_frame_count;
+}
+
+bool LiveRun::Control() {
+  run_->adaptive().SetMode(Mode::kManual);
+  std::vector<ArmTotals> sums(record_.arms.size());
+  for (uint64_t round = 0; round < kControlRounds; ++round) {
+    for (uint32_t arm = 0; arm < record_.arms.size(); ++arm) {
+      if (!ControlBlock(arm, sums)) return false;
+    }
+  }
+  for (const ArmTotals& sum : sums) {
+    const auto count = static_cast<double>(std::max<uint64_t>(sum.frame_count, 1));
+    record_.controls.push_back({sum.frame_count, static_cast<double>(sum.detection_ns) / count,
+                                static_cast<double>(sum.frame_ns) / count});
+  }
+  return true;
+}
+
+bool LiveRun::ControlBlock(uint32_t arm, std::vector<ArmTotals>& sums) {
+  if (!run_->adaptive().SelectArm(record_.arms[arm]).ok()) return false;
+  const uint64_t start_ns = run_->elapsed_ns();
+  const uint64_t block_ns = options_.window_ns / kBlocksPerWindow;
+  uint64_t passed_ns = 0;
+  for (uint64_t frame = 0; passed_ns < block_ns || frame < kBlockFrames; ++frame) {
+    run_->Frame();
+    const uint64_t now_ns = run_->elapsed_ns();
+    if (!MayGoOn(now_ns)) return false;
+    passed_ns = now_ns - start_ns;
+    const FrameSample& sample = run_->adaptive().last_sample();
+    const bool warm = 5 * passed_ns > block_ns && (sample.flags & kFrameRebuild) == 0;
+    if (warm) {
+      ++sums[arm].frame_count;
+      sums[arm].frame_ns += sample.frame_time_ns;
+      sums[arm].detection_ns += sample.detection_time_ns;
+    }
+    if (sums[arm].frame_count > 0 && passed_ns > kBlockPatience * block_ns) break;
+  }
+  return true;
+}
+
+}  // namespace
+
+void MetricWindowMeter::Add(const FrameSample& sample, uint64_t now_ns) {
+  if (sums_.frame_count > 0 && (sample.arm != sums_.arm || now_ns - begin_ns_ >= interval_ns_)) {
+    Close(now_ns);
+  }
+  const double frame_us = static_cast<double>(sample.frame_time_ns) * 1e-3;
+  ++sums_.frame_count;
+  sums_.arm = sample.arm;
+  sums_.object_count = sample.object_count;
+  sums_.frame_us_mean += frame_us;
+  sums_.frame_us_max = std::max(sums_.frame_us_max, frame_us);
+  sums_.detection_us_mean += static_cast<double>(sample.detection_time_ns) * 1e-3;
+  sums_.check_count_mean += static_cast<double>(sample.aabb_check_count);
+  sums_.pair_count_mean += static_cast<double>(sample.pair_count);
+  sums_.native_bytes_max = std::max(sums_.native_bytes_max, sample.native_bytes);
+}
+
+std::vector<MetricWindow> MetricWindowMeter::Take(uint64_t now_ns) {
+  if (sums_.frame_count > 0) Close(now_ns);
+  return std::exchange(windows_, {});
+}
+
+void MetricWindowMeter::Close(uint64_t now_ns) {
+  const double count = static_cast<double>(sums_.frame_count);
+  sums_.time_s = static_cast<double>(now_ns) * 1e-9;
+  sums_.frame_us_mean /= count;
+  sums_.detection_us_mean /= count;
+  sums_.check_count_mean /= count;
+  sums_.pair_count_mean /= count;
+  windows_.push_back(sums_);
+  sums_ = {};
+  begin_ns_ = now_ns;
+}
+
+Result<std::optional<RunRecord>> PlayLive(const PlannedRun& planned, const LiveOptions& options) {
+  LiveRun live(planned, options);
+  if (Status status = live.Prepare(); !status.ok()) return status;
+  const auto played = live.Play();
+  if (!played.ok()) return played.status();
+  if (!*played) return std::optional<RunRecord>();
+  return std::optional(live.Take());
+}
+
+}  // namespace sweepstake::cli

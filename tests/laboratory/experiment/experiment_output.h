@@ -1,0 +1,50 @@
+// The result of an experiment and its outputs: text tables, CSV files and one JSON document. Pure
+// except for the files; safe from any thread.
+#pragma once
+
+#include <filesystem>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "sweepstake/status.h"
+#include "tests/laboratory/experiment/experiment_folder.h"
+#include "tests/laboratory/experiment/experiment_summary.h"
+#include "tests/laboratory/experiment/experiment_truth.h"
+#include "tests/laboratory/game/machine.h"
+
+namespace sweepstake::cli {
+
+// All outputs are made from this alone.
+struct ExperimentReport {
+  ExperimentPlan plan;
+  std::vector<ExperimentSession> sessions;  // the last one made this report
+  Machine machine;
+  std::vector<RunRecord> records;  // the finished runs
+  std::vector<CellSummary> cells;  // by policy, then cell; point into `records`
+  ExperimentTruths truths;
+
+  bool complete() const { return records.size() == plan.runs.size(); }
+};
+
+// Returns "12.2±2.8" with this number of decimals, or only "12.2" for a single value.
+std::string SpreadText(const Spread& spread, int decimals);
+
+// Prints Tables 3 and 4 in the paper's layout for each policy, beside the paper's own figures, then
+// the true ranking, the regret by policy, live against replay, and the comparisons. Parts without
+// data are left out. `folder` is the path of the experiment.
+void PrintExperiment(const ExperimentReport& report, const std::filesystem::path& folder,
+                     std::ostream& out);
+
+// Writes the tables (table3.csv, table4.csv), the raw rows of the runs (activations.csv,
+// switches.csv, decisions.csv, posteriors.csv, final.csv, metrics.csv, time.csv) and the truth
+// (ranking.csv, regret.csv, live_regret.csv, agreement.csv, comparisons.csv) into `folder`.
+// Errors: those of CsvFile.
+Status WriteExperimentCsv(const ExperimentReport& report, const std::filesystem::path& folder);
+
+// Prints the document of `--json`: a row per cell and policy, then the runs and the truths from
+// which the report draws its charts.
+void PrintExperimentJson(const ExperimentReport& report, const std::filesystem::path& folder,
+                         std::ostream& out);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,77 @@
+// Summarizes live runs by the paper's measures (section 6.2): the dominant arm of each run, and the
+// values of Tables 3 and 4 for each cell and policy. Plain values and pure functions, safe from any
+// thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sweepstake/frame_sample.h"
+#include "tests/laboratory/experiment/experiment_record.h"
+
+namespace sweepstake::cli {
+
+// A mean, its sample standard deviation and the number of values.
+struct Spread {
+  double mean = 0;
+  double deviation = 0;
+  size_t count = 0;
+};
+Spread SpreadOf(const std::vector<double>& values);
+
+// A period in which one arm was active.
+struct ArmPeriod {
+  uint32_t arm = 0;
+  double from_s = 0;  // since the run began
+  double to_s = 0;
+  uint32_t reason = 0;  // SwitchReason of the switch that began it; 0: the run's start
+};
+
+// Returns the periods of the whole run, exploration included.
+std::vector<ArmPeriod> ArmPeriods(const RunRecord& record);
+
+struct PlayedRun {
+  const RunRecord* record = nullptr;
+  std::vector<double> active_shares;   // per arm, in the observation window; sum 1
+  uint32_t dominant = 0;               // the arm with the largest share
+  std::array<uint32_t, 5> switches{};  // executed in the window, by SwitchReason
+  uint32_t switch_count = 0;
+  double posterior_mean = 0;            // μ* of the dominant arm at the end of the run
+  double evidence = 0;                  // n*
+  Verdict verdict = Verdict::kUnknown;  // that of the last decision that has one
+
+  const std::string& dominant_name() const { return record->arms[dominant]; }
+};
+
+// Summarizes a run. The result keeps a pointer to `record`.
+PlayedRun Summarize(const RunRecord& record);
+
+// A row of the tables: all runs of one cell and policy.
+struct CellSummary {
+  ExperimentCell cell;
+  std::string policy;
+  std::vector<PlayedRun> runs;                              // by run number
+  std::vector<std::pair<std::string, uint32_t>> dominance;  // arm and run count, descending
+  // Over all runs.
+  Spread switches;
+  // Over the runs in which dominance.front() dominated.
+  Spread active_percent;
+  Spread posterior_mean;
+  Spread evidence;
+  Verdict verdict = Verdict::kUnknown;  // the most frequent one of the runs
+
+  // Returns "KDTree 3/5; AxisSweep 2/5".
+  std::string DominanceText() const;
+  // Returns Table 3's interpretation, derived from dominance, shares and verdicts.
+  std::string Interpretation() const;
+};
+
+// Summarizes all runs in the order of the plan. Cells and policies without a finished run are left
+// out. The result keeps pointers to `records`.
+std::vector<CellSummary> SummarizeCells(const ExperimentPlan& plan,
+                                        const std::vector<RunRecord>& records);
+
+}  // namespace sweepstake::cli

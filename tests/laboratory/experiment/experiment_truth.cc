@@ -1,0 +1,321 @@
+#include "tests/laboratory/experiment/experiment_truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <string_view>
+
+#include "engine_client/decider/options.h"
+#include "engine_client/decider/session/policy_registry.h"
+#include "tests/laboratory/policies/study_policies.h"
+#include "tests/laboratory/replay/replay_plan.h"
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr double kNormal95 = 1.96;
+
+// Returns the players: AI Decides, its baselines, each arm alone, and the oracle.
+std::vector<ReplayPlayer> JudgedPlayers(std::span<const std::string> arms) {
+  std::vector<std::string> words;
+  for (const std::string_view policy : decision::PolicyNames(decision::ComparedPolicies())) {
+    if (policy != "default") words.emplace_back(policy);
+  }
+  words.insert(words.end(), {"fixed", "oracle"});
+  return *ReplayPlayers(words, arms);
+}
+
+std::vector<double> Regrets(const StudyRow& row) {
+  std::vector<double> regrets;
+  for (const StudyGame& game : row.games) regrets.push_back(game.regret_best_fixed);
+  return regrets;
+}
+
+std::vector<double> Shares(const StudyRow& row) {
+  std::vector<double> shares;
+  for (const StudyGame& game : row.games) shares.push_back(game.active_share);
+  return shares;
+}
+
+ReplayedPlayer PlayerOf(const ReplayPlayer& player, const StudyRow& row) {
+  ReplayedPlayer replayed;
+  replayed.name = player.name;
+  replayed.is_policy = player.kind == ReplayPlayer::Kind::kPolicy;
+  replayed.regrets = Regrets(row);
+  replayed.regret = row.regret_best_fixed;
+  replayed.ci95 = row.ci95;
+  replayed.after_start_up = row.regret_after_start_up;
+  replayed.switches = row.switches;
+  replayed.active_share = row.active_share;
+  replayed.ms = row.ms;
+  replayed.paper_ms = row.paper_ms;
+  return replayed;
+}
+
+PairedComparison Compare(const std::string& policy, std::span<const double> ours,
+                         const std::string& baseline, std::span<const double> theirs) {
+  std::vector<double> differences;
+  differences.reserve(ours.size());
+  for (size_t i = 0; i < ours.size(); ++i) differences.push_back(ours[i] - theirs[i]);
+  PairedComparison comparison;
+  comparison.policy = policy;
+  comparison.baseline = baseline;
+  comparison.difference = Mean(differences);
+  comparison.ci95 = BootstrapMean(differences);
+  comparison.wilcoxon = WilcoxonSignedRank(differences);
+  comparison.corrected_probability = comparison.wilcoxon.probability;
+  return comparison;
+}
+
+void CorrectByHolm(std::vector<PairedComparison>& family) {
+  std::vector<double> probabilities;
+  for (const PairedComparison& each : family) {
+    probabilities.push_back(each.wilcoxon.probability);
+  }
+  const std::vector<double> corrected = HolmCorrected(probabilities);
+  for (size_t i = 0; i < family.size(); ++i) family[i].corrected_probability = corrected[i];
+}
+
+std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& players) {
+  const std::string own = OwnPolicyName("default");
+  std::vector<PairedComparison> comparisons;
+  const auto ours = std::find_if(players.begin(), players.end(),
+                                 [&](const ReplayedPlayer& each) { return each.name == own; });
+  for (const ReplayedPlayer& theirs : players) {
+    if (!theirs.is_policy || theirs.name == own) continue;
+    comparisons.push_back(Compare(own, ours->regrets, theirs.name, theirs.regrets));
+  }
+  CorrectByHolm(comparisons);
+  return comparisons;
+}
+
+// The scale of the live runs of one cell and policy, which replay's virtual game is given too.
+struct LiveScale {
+  uint64_t frame_ns = 1;       // the best arm's frame, all work included
+  uint64_t other_work_ns = 0;  // the part of it that is not detection
+  uint64_t run_ns = 1;
+};
+
+uint64_t Whole(double value) { return static_cast<uint64_t>(std::max(1.0, std::round(value))); }
+
+LiveScale ScaleOf(const std::vector<PlayedRun>& runs) {
+  std::vector<double> frame_ns, other_ns, run_ns;
+  for (const PlayedRun& run : runs) {
+    const auto& controls = run.record->controls;
+    const auto best = std::min_element(controls.begin(), controls.end(),
+                                       [](const ArmControl& a, const ArmControl& b) {
+                                         return a.detection_ns_mean < b.detection_ns_mean;
+                                       });
+    frame_ns.push_back(best->frame_ns_mean);
+    other_ns.push_back(best->frame_ns_mean - best->detection_ns_mean);
+    run_ns.push_back(run.record->end_s * 1e9);
+  }
+  const uint64_t frame = std::max<uint64_t>(2, Whole(Median(frame_ns)));
+  return {frame, std::min(frame - 1, Whole(Median(other_ns))), Whole(Median(run_ns))};
+}
+
+// Returns the mean regret over the frames of the whole run, exploration included.
+double MeasuredRegret(const RunRecord& record, uint32_t best_arm) {
+  double frame_ns = 0, frames = 0;
+  for (size_t arm = 0; arm < record.arms.size(); ++arm) {
+    frame_ns += static_cast<double>(record.explored[arm].frame_ns + record.observed[arm].frame_ns);
+    frames +=
+        static_cast<double>(record.explored[arm].frame_count + record.observed[arm].frame_count);
+  }
+  return frame_ns / frames / record.controls[best_arm].frame_ns_mean - 1;
+}
+
+double RegretByTrace(const RunRecord& record, std::span<const double> costs_ns,
+                     double other_work_ns) {
+  double ns = 0, frames = 0;
+  for (size_t arm = 0; arm < record.arms.size(); ++arm) {
+    const auto count =
+        static_cast<double>(record.explored[arm].frame_count + record.observed[arm].frame_count);
+    ns += count * (costs_ns[arm] + other_work_ns);
+    frames += count;
+  }
+  const double best_ns = *std::min_element(costs_ns.begin(), costs_ns.end()) + other_work_ns;
+  return ns / frames / best_ns - 1;
+}
+
+std::vector<double> MeanCosts(const CostTrace& trace) {
+  std::vector<double> costs(trace.arm_count());
+  for (uint32_t frame = 0; frame < trace.frame_count; ++frame) {
+    for (uint32_t arm = 0; arm < trace.arm_count(); ++arm) {
+      costs[arm] += static_cast<double>(trace.detection(frame, arm)) / trace.frame_count;
+    }
+  }
+  return costs;
+}
+
+Interval Predicted(const std::vector<double>& games, size_t run_count) {
+  const double width =
+      kNormal95 * SampleDeviation(games) *
+      std::sqrt(1.0 / static_cast<double>(run_count) + 1.0 / static_cast<double>(games.size()));
+  return {Mean(games) - width, Mean(games) + width};
+}
+
+std::vector<double> Column(const std::vector<LiveRegret>& runs, double LiveRegret::*column) {
+  std::vector<double> values;
+  values.reserve(runs.size());
+  for (const LiveRegret& run : runs) values.push_back(run.*column);
+  return values;
+}
+
+// Returns the live runs' own figures. Replay adds the intervals.
+Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double other_work_ns) {
+  const std::vector<double> costs = MeanCosts(trace);
+  const auto best =
+      static_cast<uint32_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
+  Agreement agreement;
+  agreement.policy = cell.policy;
+  for (const PlayedRun& run : cell.runs) {
+    agreement.runs.push_back({run.record->run, MeasuredRegret(*run.record, best),
+                              RegretByTrace(*run.record, costs, other_work_ns),
+                              run.active_shares[run.dominant]});
+  }
+  agreement.measured_regret = Mean(Column(agreement.runs, &LiveRegret::measured));
+  agreement.regret = Mean(Column(agreement.runs, &LiveRegret::by_trace));
+  agreement.active_share = Mean(Column(agreement.runs, &LiveRegret::active_share));
+  return agreement;
+}
+
+// Replays the policy under the live runs' conditions: frame time, other work, window and time
+// scale.
+Result<Agreement> Agree(const CostTrace& trace, const CellSummary& cell,
+                        const TruthOptions& options) {
+  const LiveScale scale = ScaleOf(cell.runs);
+  GameOptions game;
+  game.frame_ns = scale.frame_ns;
+  game.other_work_ns = scale.other_work_ns;
+  game.run_ns = std::max(scale.run_ns, scale.frame_ns);
+  game.pass_ns = std::min(game.run_ns, scale.frame_ns * trace.frame_count);
+  auto scene = ReplayScene::Create(trace, game);
+  if (!scene.ok()) return scene.status();
+  StudyOptions study;
+  study.players = {{.name = cell.policy}};
+  study.decision = decision::DecisionOptions{}.Scaled(options.time_scale);
+  study.shadow.sweep_interval_min_ns = static_cast<uint64_t>(
+      static_cast<double>(study.shadow.sweep_interval_min_ns) / options.time_scale);
+  study.seed_count = options.seed_count;
+  study.thread_count = options.thread_count;
+  const std::vector<StudyScene> scenes{{cell.cell.label(), std::move(*scene)}};
+  const auto rows = RunStudy(scenes, study, [](uint64_t, uint64_t) {});
+  Agreement agreement = LiveFigures(cell, trace, static_cast<double>(scale.other_work_ns));
+  agreement.replayed_regret = Predicted(Regrets(rows.front()), cell.runs.size());
+  agreement.replayed_active_share = Predicted(Shares(rows.front()), cell.runs.size());
+  agreement.replayed_active_share.low = std::max(0.0, agreement.replayed_active_share.low);
+  agreement.replayed_active_share.high = std::min(1.0, agreement.replayed_active_share.high);
+  return agreement;
+}
+
+bool Holds(const Interval& interval, double value) {
+  return value >= interval.low && value <= interval.high;
+}
+
+}  // namespace
+
+bool Agreement::regret_agrees() const { return Holds(replayed_regret, regret); }
+bool Agreement::share_agrees() const { return Holds(replayed_active_share, active_share); }
+
+const CellTruth* ExperimentTruths::Of(const ExperimentCell& cell) const {
+  const auto truth = std::find_if(cells.begin(), cells.end(),
+                                  [&](const CellTruth& each) { return each.cell == cell; });
+  return truth == cells.end() ? nullptr : &*truth;
+}
+
+std::string OwnPolicyName(const std::string& policy) {
+  return std::string(decision::PolicyKindOf(policy, decision::StudyPolicies()).name);
+}
+
+CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace) {
+  CellTruth truth;
+  truth.cell = cell;
+  const std::vector<double> costs = MeanCosts(trace);
+  for (uint32_t arm = 0; arm < trace.arm_count(); ++arm) {
+    truth.ranking.push_back({trace.arms[arm].name, costs[arm], 1});
+  }
+  std::sort(truth.ranking.begin(), truth.ranking.end(),
+            [](const ArmCost& a, const ArmCost& b) { return a.mean_ns < b.mean_ns; });
+  for (ArmCost& each : truth.ranking) each.ratio = each.mean_ns / truth.ranking.front().mean_ns;
+  const auto control = std::accumulate(trace.control_ns.begin(), trace.control_ns.end(), 0.0);
+  truth.control_ratio = control / trace.frame_count / costs[trace.control_arm];
+  return truth;
+}
+
+Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> cells,
+                  const TruthOptions& options, const std::function<void(double share)>& done,
+                  CellTruth& truth) {
+  auto scene = ReplayScene::Create(trace, {});
+  if (!scene.ok()) return scene.status();
+  StudyOptions study;
+  study.players = JudgedPlayers(scene->arms());
+  study.seed_count = options.seed_count;
+  study.thread_count = options.thread_count;
+  const std::vector<StudyScene> scenes{{truth.cell.label(), std::move(*scene)}};
+  const auto rows = RunStudy(scenes, study, [&](uint64_t games, uint64_t all) {
+    done(static_cast<double>(games) / static_cast<double>(all));
+  });
+  truth.players.clear();
+  for (const StudyRow& row : rows) {
+    truth.players.push_back(PlayerOf(study.players[row.player], row));
+    truth.headroom = row.headroom;
+  }
+  truth.comparisons = CompareInCell(truth.players);
+  truth.agreements.clear();
+  for (const CellSummary* cell : cells) {
+    auto agreement = Agree(trace, *cell, options);
+    if (!agreement.ok()) return agreement.status();
+    truth.agreements.push_back(*agreement);
+  }
+  return {};
+}
+
+std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths) {
+  const std::string own = OwnPolicyName("default");
+  // The key is policy, then cell and run.
+  std::map<std::string, std::map<std::string, double>> regrets;
+  for (const CellTruth& truth : truths) {
+    for (const Agreement& each : truth.agreements) {
+      for (const LiveRegret& run : each.runs) {
+        regrets[OwnPolicyName(each.policy)][truth.cell.label() + " " + std::to_string(run.run)] =
+            run.by_trace;
+      }
+    }
+  }
+  std::vector<PairedComparison> comparisons;
+  for (const auto& [policy, theirs] : regrets) {
+    std::vector<double> ours, others;
+    for (const auto& [run, regret] : theirs) {
+      if (policy == own || !regrets[own].contains(run)) continue;
+      ours.push_back(regrets[own][run]);
+      others.push_back(regret);
+    }
+    if (!ours.empty()) comparisons.push_back(Compare(own, ours, policy, others));
+  }
+  CorrectByHolm(comparisons);
+  return comparisons;
+}
+
+std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths) {
+  const std::string own = OwnPolicyName("default");
+  std::vector<std::string> order;                    // the baselines, as they first appear
+  std::map<std::string, std::vector<double>> means;  // by policy, per cell
+  for (const CellTruth& truth : truths) {
+    for (const ReplayedPlayer& player : truth.players) {
+      if (!player.is_policy) continue;
+      if (means[player.name].empty() && player.name != own) order.push_back(player.name);
+      means[player.name].push_back(player.regret);
+    }
+  }
+  std::vector<PairedComparison> comparisons;
+  comparisons.reserve(order.size());
+  for (const std::string& baseline : order) {
+    comparisons.push_back(Compare(own, means[own], baseline, means[baseline]));
+  }
+  CorrectByHolm(comparisons);
+  return comparisons;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,122 @@
+// Assesses what live runs alone cannot show: the true cost of each arm on a cell's scene, by a
+// trace of it, and the regret of each policy against the best fixed arm, by replay on that trace.
+// It compares these with the live runs' own regret.
+//
+// Regret is frame time ÷ that of the best fixed arm, minus 1. The functions are pure: the same
+// traces and records give the same figures.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine_client/cli/io/statistics.h"
+#include "sweepstake/status.h"
+#include "tests/laboratory/experiment/experiment_summary.h"
+#include "tests/laboratory/replay/replay_study.h"
+#include "tests/laboratory/trace/cost_trace.h"
+
+namespace sweepstake::cli {
+
+struct ArmCost {
+  std::string arm;
+  double mean_ns = 0;  // update and search, over the trace's frames
+  double ratio = 1;    // mean_ns ÷ that of the fastest arm
+};
+
+// The result of one player in replay: a policy, a fixed arm, or the oracle.
+struct ReplayedPlayer {
+  std::string name;
+  bool is_policy = false;
+  std::vector<double> regrets;           // by seed
+  double regret = 0;                     // the mean of `regrets`
+  Interval ci95;                         // by bootstrap
+  std::optional<double> after_start_up;  // absent if nothing was measured after it
+  double switches = 0;
+  double active_share = 0;  // of the dominant arm
+  FrameMs ms;
+  std::optional<double> paper_ms;  // detection of the policy paper
+};
+
+// Compares a policy with a baseline on the same seeds by the paired differences of regret, which
+// are negative if the policy loses less.
+struct PairedComparison {
+  std::string policy;
+  std::string baseline;
+  double difference = 0;
+  Interval ci95;
+  WilcoxonResult wilcoxon;
+  double corrected_probability = 1;  // Holm's correction over all comparisons
+};
+
+// The regret of one live run.
+struct LiveRegret {
+  uint32_t run = 0;
+  double measured = 0;      // against the best arm's control; includes machine noise
+  double by_trace = 0;      // the same frames at the trace's costs, without noise
+  double active_share = 0;  // of the dominant arm
+};
+
+// The regret of the live runs of one policy, and the interval in which replay expects their mean:
+// mean ± 1.96 standard deviations of the games × √(1/runs + 1/games).
+struct Agreement {
+  std::string policy;
+  std::vector<LiveRegret> runs;
+  double measured_regret = 0;  // mean of LiveRegret::measured over the runs
+  double regret = 0;           // mean of LiveRegret::by_trace over the runs
+  double active_share = 0;     // mean of LiveRegret::active_share over the runs
+  Interval replayed_regret;
+  Interval replayed_active_share;
+
+  bool regret_agrees() const;
+  bool share_agrees() const;
+};
+
+struct CellTruth {
+  ExperimentCell cell;
+  std::vector<ArmCost> ranking;  // in ascending order of cost
+  double control_ratio = 1;      // of an arm that was measured twice: noise alone
+  double headroom = 0;           // of an oracle that pays for switches, over the best fixed arm
+  std::vector<ReplayedPlayer> players;        // empty if not replayed
+  std::vector<PairedComparison> comparisons;  // of AI Decides with each other policy
+  std::vector<Agreement> agreements;          // per policy that has live runs
+};
+
+// All traced cells, and the comparisons of AI Decides with each baseline over them.
+struct ExperimentTruths {
+  std::vector<CellTruth> cells;
+  std::vector<PairedComparison> over_cells;  // by replay
+  std::vector<PairedComparison> over_live;   // by the live runs
+
+  // Returns null if the cell was not traced.
+  const CellTruth* Of(const ExperimentCell& cell) const;
+};
+
+struct TruthOptions {
+  uint32_t seed_count = 30;
+  uint32_t thread_count = 1;
+  double time_scale = 1;  // the live runs'
+};
+
+// Returns what the trace alone shows: ranking and control.
+CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace);
+
+// Adds what replay shows. `cells` are the live summaries of this cell, one per policy; `done` is
+// called with the share that is done.
+Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> cells,
+                  const TruthOptions& options, const std::function<void(double share)>& done,
+                  CellTruth& truth);
+
+// Compares the live runs of AI Decides with those of each other policy, paired by cell and number.
+std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths);
+
+// Compares AI Decides with each other policy over the cells; the mean regrets of a cell are a pair.
+std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths);
+
+// Returns the name of the policy; for "default" that of the policy it stands for.
+std::string OwnPolicyName(const std::string& policy);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,398 @@
+#include "tests/laboratory/load/load_run.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+#include "engine_client/cli/daemon/daemon_client.h"
+#include "engine_client/telemetry/error_reason.h"
+#include "tests/laboratory/load/load_stream.h"
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr int64_t kSecondNs = 1'000'000'000;
+constexpr int64_t kPatienceNs = 10 * kSecondNs;
+constexpr double kMaxHellosPerSecond = 2000;
+constexpr double kLongestSpreadS = 10;
+
+void SleepUntil(int64_t ns) {
+  std::this_thread::sleep_until(std::chrono::steady_clock::time_point(
+      std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+          std::chrono::nanoseconds(ns))));
+}
+
+// Returns the CPU time of a process of this machine, from /proc/PID/stat (proc(5), fields 14 and
+// 15), or nothing if there is no such process.
+std::optional<double> CpuSeconds(int64_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string line;
+  if (pid == 0 || !std::getline(file, line)) return std::nullopt;
+  // The name in parentheses may hold spaces.
+  std::istringstream fields(line.substr(line.rfind(')') + 1));
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;
+  double user = 0;
+  double system = 0;
+  if (!(fields >> user >> system)) return std::nullopt;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+// Many refusals of tokens bring it about: the first of them says why.
+bool IsFollowUp(const grpc::Status& status) {
+  return ReasonOf(status) == v1::ERROR_REASON_TOO_MANY_FAILURES;
+}
+
+v1::FrameBatch MakeBatch(uint32_t frame_count) {
+  v1::FrameBatch batch;
+  for (uint32_t i = 0; i < frame_count; ++i) {
+    batch.add_frame_time_ns(10'000'000 + 10'000 * (i % 7));
+    batch.add_detection_time_ns(3'000'000 + 10'000 * (i % 11));
+    batch.add_aabb_check_count(20'000);
+    batch.add_native_bytes(1 << 20);
+    batch.add_object_count(3'000);
+    batch.add_arm(0);
+    batch.add_switch_epoch(0);
+    batch.add_flags(0);
+  }
+  return batch;
+}
+
+// The streams of a run and its timer. Its own thread calls Run; what gRPC's threads tell is guarded
+// by mutex_.
+class LoadRun final : public LoadEvents {
+ public:
+  LoadRun(const LoadPlan& plan, const std::function<bool()>& stop,
+          const std::function<void(const std::string&)>& progress)
+      : plan_(plan), stop_(stop), progress_(progress), batch_(MakeBatch(plan.batch_frames)) {}
+  ~LoadRun() override;
+
+  Result<LoadResult> Run();
+
+  void OnWelcome(int64_t latency_ns) override;
+  void OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) override;
+  void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
+             uint32_t delay_ms) override;
+  void OnSwitch(std::optional<int64_t> latency_ns) override;
+
+ private:
+  struct Timer {
+    size_t stream = 0;
+    uint64_t batch = 0;  // its number within the stream; 0 begins the stream
+  };
+
+  Status OpenStreams();
+  void ScheduleStarts();
+  // Runs timers until `done` returns true or the time is over. Returns whether it became true.
+  template <typename Done>
+  bool RunUntil(int64_t end_ns, Done done);
+  void RunDue(int64_t now_ns);
+  void Fire(const Timer& timer, int64_t due_ns);
+  void Reconnect(int64_t now_ns);
+  void ShowProgress(int64_t now_ns);
+  void Measure();
+  // Waits for the acknowledgements of what was sent while measuring.
+  void AwaitAcknowledgements(int64_t end_ns);
+  Status Shortfall();
+  void SayGoodbye();
+  uint64_t UpCount();
+  // Returns whether every stream has its welcome, or was kicked, so that it does not come back.
+  // REQUIRES: mutex_ is held.
+  bool AllThere() const { return up_count_ + kicked_count_ == plan_.stream_count; }
+  // Returns whether all are there, or none ever had a welcome and all have failed.
+  bool AllUpOrRefused();
+  // Waits until no connection is open, also when the run was told to stop.
+  void AwaitEnd(int64_t end_ns);
+
+  const LoadPlan& plan_;
+  const std::function<bool()>& stop_;
+  const std::function<void(const std::string&)>& progress_;
+  const v1::FrameBatch batch_;
+  std::vector<std::unique_ptr<LoadStream>> streams_;
+  std::multimap<int64_t, Timer> timers_;
+  std::minstd_rand random_{1};  // of the jitter
+  int64_t progress_due_ns_ = 0;
+  std::atomic<bool> measuring_{false};
+  std::atomic<bool> counting_{true};  // acknowledgements; until they have been waited for
+
+  std::atomic<uint64_t> open_count_{0};  // connections
+
+  std::mutex mutex_;  // guards all below
+  LoadResult result_;
+  std::vector<std::pair<int64_t, LoadStream*>> lost_;  // when each may connect again
+  uint64_t up_count_ = 0;                              // streams with a welcome
+  uint64_t kicked_count_ = 0;                          // streams
+  int64_t lost_since_ns_ = 0;                          // 0: no stream is lost
+  bool ending_ = false;
+  grpc::Status last_error_;
+};
+
+LoadRun::~LoadRun() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  for (const auto& stream : streams_) stream->Cancel();
+  AwaitEnd(std::numeric_limits<int64_t>::max());
+}
+
+void LoadRun::OnWelcome(int64_t latency_ns) {
+  const std::lock_guard lock(mutex_);
+  ++result_.welcome_count;
+  result_.hello_latency_ms.push_back(static_cast<double>(latency_ns) * 1e-6);
+  ++up_count_;
+  if (!AllThere() || lost_since_ns_ == 0) return;
+  const double seconds = static_cast<double>(NowNs() - std::exchange(lost_since_ns_, 0)) * 1e-9;
+  result_.reconnect_s = std::max(result_.reconnect_s.value_or(0), seconds);
+}
+
+void LoadRun::OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) {
+  const std::lock_guard lock(mutex_);
+  if (!counting_) return;  // a goodbye brings the rest to the disk, however late
+  result_.acknowledged_count += message_count;
+  if (lag_ns) result_.commit_lag_ms.push_back(static_cast<double>(*lag_ns) * 1e-6);
+}
+
+void LoadRun::OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
+                    uint32_t delay_ms) {
+  const std::lock_guard lock(mutex_);
+  --open_count_;  // the destructor, which waits for it, then waits for the lock
+  if (was_up) --up_count_;
+  if (!status.ok() && (last_error_.ok() || !IsFollowUp(status))) last_error_ = status;
+  if (ending_) {
+    if (status.ok()) ++result_.finished_count;
+    return;
+  }
+  const int64_t now_ns = NowNs();
+  if (status.error_code() != grpc::StatusCode::UNAVAILABLE) ++result_.rejected_count;
+  if (ReasonOf(status) == v1::ERROR_REASON_SESSION_KICKED) {
+    ++kicked_count_;
+    return;
+  }
+  if (was_up && lost_since_ns_ == 0) lost_since_ns_ = now_ns;
+  const int64_t min_ns = int64_t{1'000'000} * std::max(delay_ms, 500U);
+  std::uniform_int_distribution<int64_t> jitter_ns(0, min_ns);
+  lost_.emplace_back(now_ns + min_ns + jitter_ns(random_), &stream);
+}
+
+void LoadRun::OnSwitch(std::optional<int64_t> latency_ns) {
+  const std::lock_guard lock(mutex_);
+  ++result_.switch_count;
+  if (latency_ns) result_.decision_latency_ms.push_back(static_cast<double>(*latency_ns) * 1e-6);
+}
+
+Status LoadRun::OpenStreams() {
+  const uint64_t per_channel = LoadPlan::kMaxStreamsPerChannel;
+  const uint64_t channel_count = plan_.channel_count != 0
+                                     ? plan_.channel_count
+                                     : (plan_.stream_count + per_channel - 1) / per_channel;
+  std::vector<std::shared_ptr<grpc::Channel>> channels;
+  for (uint64_t i = 0; i < channel_count; ++i) {
+    auto channel = OpenChannel(plan_.daemon, /*own_connection=*/true);
+    if (!channel.ok()) return channel.status();
+    channels.push_back(*std::move(channel));
+  }
+  for (uint64_t i = 0; i < plan_.stream_count; ++i) {
+    streams_.push_back(
+        std::make_unique<LoadStream>(channels[i % channel_count], plan_.project,
+                                     "scene " + std::to_string(i % plan_.scene_count), *this));
+  }
+  return {};
+}
+
+// The starts are even over one interval of batches, or more where that would be too many at once,
+// or less where streams that hardly send would take minutes to begin.
+void LoadRun::ScheduleStarts() {
+  const auto count = static_cast<double>(plan_.stream_count);
+  const double spread_s = std::max(std::min(1 / plan_.batches_per_second, kLongestSpreadS),
+                                   count / kMaxHellosPerSecond);
+  const int64_t now_ns = NowNs();
+  for (size_t i = 0; i < streams_.size(); ++i) {
+    const double share = static_cast<double>(i) / count;
+    timers_.emplace(now_ns + static_cast<int64_t>(share * spread_s * 1e9), Timer{i, 0});
+  }
+}
+
+template <typename Done>
+bool LoadRun::RunUntil(int64_t end_ns, Done done) {
+  constexpr int64_t kLongestSleepNs = 5'000'000;  // until a lost stream is looked at
+  while (true) {
+    const int64_t now_ns = NowNs();
+    RunDue(now_ns);
+    Reconnect(now_ns);
+    ShowProgress(now_ns);
+    if (done()) return true;
+    if (now_ns >= end_ns || stop_()) return false;
+    const int64_t next_ns = timers_.empty() ? end_ns : timers_.begin()->first;
+    SleepUntil(std::min({next_ns, end_ns, now_ns + kLongestSleepNs}));
+  }
+}
+
+void LoadRun::RunDue(int64_t now_ns) {
+  while (!timers_.empty() && timers_.begin()->first <= now_ns) {
+    const auto [due_ns, timer] = *timers_.begin();
+    timers_.erase(timers_.begin());
+    Fire(timer, due_ns);
+    const auto interval_ns = static_cast<int64_t>(1e9 / plan_.batches_per_second);
+    timers_.emplace(due_ns + interval_ns, Timer{timer.stream, timer.batch + 1});
+  }
+}
+
+void LoadRun::Fire(const Timer& timer, int64_t due_ns) {
+  LoadStream& stream = *streams_[timer.stream];
+  if (timer.batch == 0) {
+    ++open_count_;
+    return stream.Connect();
+  }
+  // Every n-th batch of a stream has one, and the streams take turns. Those that are n apart
+  // differ, too, since many of them send at the same moment.
+  const double share = plan_.bail_out_share;
+  const uint64_t period = share > 0 ? std::max<uint64_t>(1, std::llround(1 / share)) : 0;
+  const bool with_bail_out =
+      period > 0 && (timer.batch + timer.stream + timer.stream / period) % period == 0;
+  const bool sent = stream.SendBatch(batch_, with_bail_out);
+  const std::lock_guard lock(mutex_);
+  if (measuring_) result_.tick_lateness_ms.push_back(static_cast<double>(NowNs() - due_ns) * 1e-6);
+  if (!sent) {
+    ++result_.unsent_count;
+    return;
+  }
+  ++result_.batch_count;
+  if (with_bail_out) ++result_.bail_out_count;
+  if (measuring_) ++result_.measured_batch_count;
+}
+
+void LoadRun::Reconnect(int64_t now_ns) {
+  std::vector<LoadStream*> due;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(lost_, [&](const auto& lost) {
+      if (lost.first > now_ns) return false;
+      due.push_back(lost.second);
+      return true;
+    });
+  }
+  for (LoadStream* stream : due) {
+    ++open_count_;
+    stream->Connect();
+  }
+}
+
+uint64_t LoadRun::UpCount() {
+  const std::lock_guard lock(mutex_);
+  return up_count_;
+}
+
+bool LoadRun::AllUpOrRefused() {
+  const std::lock_guard lock(mutex_);
+  return AllThere() || (result_.welcome_count == 0 && lost_.size() == plan_.stream_count);
+}
+
+void LoadRun::AwaitEnd(int64_t end_ns) {
+  const auto ended = [this] {
+    const std::lock_guard lock(mutex_);
+    return open_count_ == 0;
+  };
+  while (!ended() && NowNs() < end_ns) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+void LoadRun::ShowProgress(int64_t now_ns) {
+  if (now_ns < progress_due_ns_) return;
+  progress_due_ns_ = now_ns + kSecondNs;
+  progress_(std::to_string(UpCount()) + " of " + std::to_string(plan_.stream_count) + " streams, " +
+            std::to_string(result_.batch_count) + " batches sent");
+}
+
+void LoadRun::Measure() {
+  const std::optional<double> cpu_before_s = CpuSeconds(plan_.server_pid);
+  const std::optional<double> own_before_s = CpuSeconds(getpid());
+  const int64_t start_ns = NowNs();
+  measuring_ = true;
+  for (const auto& stream : streams_) stream->BeginMeasuring();
+  RunUntil(start_ns + static_cast<int64_t>(plan_.duration_ns), [] { return false; });
+  measuring_ = false;
+  for (const auto& stream : streams_) stream->EndMeasuring();
+  result_.measured_s = static_cast<double>(NowNs() - start_ns) * 1e-9;
+  const std::optional<double> cpu_after_s = CpuSeconds(plan_.server_pid);
+  const std::optional<double> own_after_s = CpuSeconds(getpid());
+  if (cpu_before_s && cpu_after_s) result_.server_cpu_s = *cpu_after_s - *cpu_before_s;
+  if (own_before_s && own_after_s) result_.generator_cpu_s = *own_after_s - *own_before_s;
+  AwaitAcknowledgements(NowNs() + static_cast<int64_t>(plan_.commit_patience_ns));
+}
+
+void LoadRun::AwaitAcknowledgements(int64_t end_ns) {
+  const auto awaited = [](const auto& stream) { return stream->AwaitsAcknowledgement(); };
+  while (NowNs() < end_ns && std::any_of(streams_.begin(), streams_.end(), awaited))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  counting_ = false;
+}
+
+Status LoadRun::Shortfall() {
+  const std::lock_guard lock(mutex_);
+  if (result_.finished_count >= plan_.stream_count ||
+      (last_error_.ok() && lost_.empty() && stop_()))
+    return {};
+  const std::string reason = last_error_.ok()
+                                 ? "the daemon ended them, or did not answer their goodbye in time"
+                                 : "the last error: " + MessageWithReason(last_error_);
+  return {StatusCode::kUnavailable, std::to_string(result_.finished_count) + " of " +
+                                        std::to_string(plan_.stream_count) + " games finished; " +
+                                        reason};
+}
+
+void LoadRun::SayGoodbye() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  for (const auto& stream : streams_) stream->SayGoodbye();
+  AwaitEnd(NowNs() + kPatienceNs);
+}
+
+Result<LoadResult> LoadRun::Run() {
+  if (plan_.server_pid != 0 && !CpuSeconds(plan_.server_pid)) {
+    return Status(StatusCode::kInvalidArgument,
+                  "no process of this machine has the id " + std::to_string(plan_.server_pid) +
+                      "; give --server-pid that of the daemon, or leave it out");
+  }
+  if (Status status = OpenStreams(); !status.ok()) return status;
+  ScheduleStarts();
+  const int64_t last_start_ns = timers_.rbegin()->first;
+  RunUntil(last_start_ns + kPatienceNs, [this] { return AllUpOrRefused(); });
+  if (const std::lock_guard lock(mutex_); result_.welcome_count == 0) {
+    if (last_error_.ok()) last_error_ = {grpc::StatusCode::UNAVAILABLE, "no answer in time"};
+    const Status status = ToStatus(last_error_, plan_.daemon);
+    if (status.code() == StatusCode::kInvalidArgument) return status;
+    return Status(StatusCode::kUnavailable, status.message());
+  }
+  Measure();
+  SayGoodbye();
+  result_.shortfall = Shortfall();
+  const std::lock_guard lock(mutex_);
+  for (auto* figures : {&result_.hello_latency_ms, &result_.decision_latency_ms,
+                        &result_.commit_lag_ms, &result_.tick_lateness_ms}) {
+    std::sort(figures->begin(), figures->end());
+  }
+  return result_;
+}
+
+}  // namespace
+
+Result<LoadResult> RunLoad(const LoadPlan& plan, const std::function<bool()>& stop,
+                           const std::function<void(const std::string&)>& progress) {
+  return LoadRun(plan, stop, progress).Run();
+}
+
+}  // namespace sweepstake::cli

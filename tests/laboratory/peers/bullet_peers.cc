@@ -1,0 +1,197 @@
+#include "tests/laboratory/peers/peer_registry.h"
+
+#include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+
+namespace sweepstake::cli {
+namespace {
+
+btVector3 Corner(const float (&corner)[3]) { return {corner[0], corner[1], corner[2]}; }
+
+// Bullet's user pointer holds the id itself.
+// NOLINTNEXTLINE(performance-no-int-to-ptr)
+void* AsUserPointer(size_t id) { return reinterpret_cast<void*>(id); }
+
+uint32_t IdOf(const btBroadphaseProxy& proxy) {
+  return static_cast<uint32_t>(reinterpret_cast<size_t>(proxy.m_clientObject));
+}
+
+// Bullet's pairs are those of padded or quantized boxes, but each proxy keeps its exact box.
+bool BoxesMeet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
+  return a.m_aabbMin.x() <= b.m_aabbMax.x() && b.m_aabbMin.x() <= a.m_aabbMax.x() &&
+         a.m_aabbMin.y() <= b.m_aabbMax.y() && b.m_aabbMin.y() <= a.m_aabbMax.y() &&
+         a.m_aabbMin.z() <= b.m_aabbMax.z() && b.m_aabbMin.z() <= a.m_aabbMax.z();
+}
+
+void AppendIfMeeting(const btBroadphaseProxy& a, const btBroadphaseProxy& b, PairBuffer& out) {
+  if (BoxesMeet(a, b)) AppendPair(out, IdOf(a), IdOf(b));
+}
+
+// Collects the pairs of a deferred collision. The deferred tree reports all of them every frame, so
+// the hash table in which Bullet would keep them would only cost time.
+class PairCollector final : public btNullPairCache {
+ public:
+  void CollectInto(PairBuffer& out) { out_ = &out; }
+
+  btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override {
+    AppendIfMeeting(*a, *b, *out_);
+    return nullptr;
+  }
+
+ private:
+  PairBuffer* out_ = nullptr;
+};
+
+// The base of all Bullet peers: it creates, moves and destroys the proxies.
+class BulletPeer : public Peer {
+ public:
+  explicit BulletPeer(std::string_view name) : Peer(name) {}
+
+  void Build(std::span<const Aabb> boxes) override {
+    Discard();
+    broadphase_ = MakeBroadphase(boxes);
+    for (const Aabb& box : boxes) Add(box);
+  }
+
+  void Update(std::span<const Aabb> boxes) override {
+    if (boxes.size() > max_proxies()) return Build(boxes);
+    while (proxies_.size() > boxes.size()) RemoveLast();
+    for (size_t i = 0; i < proxies_.size(); ++i) {
+      broadphase_->setAabb(proxies_[i], Corner(boxes[i].min), Corner(boxes[i].max), nullptr);
+    }
+    for (const Aabb& box : boxes.subspan(proxies_.size())) Add(box);
+  }
+
+  // The broad phase's pair cache holds conservative pairs, some of which are out of date.
+  void FindPairs(PairBuffer& out) override {
+    broadphase_->calculateOverlappingPairs(nullptr);
+    const btBroadphasePairArray& pairs =
+        broadphase_->getOverlappingPairCache()->getOverlappingPairArray();
+    for (int i = 0; i < pairs.size(); ++i) {
+      AppendIfMeeting(*pairs[i].m_pProxy0, *pairs[i].m_pProxy1, out);
+    }
+  }
+
+ protected:
+  virtual std::unique_ptr<btBroadphaseInterface> MakeBroadphase(std::span<const Aabb> boxes) = 0;
+  virtual size_t max_proxies() const { return UINT32_MAX; }
+
+  btBroadphaseInterface* broadphase() { return broadphase_.get(); }
+
+  // The pairs are dropped first, because removing a proxy searches all remaining pairs.
+  void Discard() {
+    if (broadphase_ == nullptr) return;
+    broadphase_->getOverlappingPairCache()->getOverlappingPairArray().clear();
+    if (owns_proxies()) {
+      while (!proxies_.empty()) RemoveLast();
+    }
+    proxies_.clear();
+    broadphase_.reset();
+  }
+
+  // False if the broad phase allocates all proxies in one block.
+  virtual bool owns_proxies() const { return true; }
+
+ private:
+  // btAxisSweep3 stores the exact box of a new proxy only when the proxy moves.
+  void Add(const Aabb& box) {
+    constexpr int kAnyShape = 0;
+    btBroadphaseProxy* const proxy = broadphase_->createProxy(
+        Corner(box.min), Corner(box.max), kAnyShape, AsUserPointer(proxies_.size()), 1, 1, nullptr);
+    proxy->m_aabbMin = Corner(box.min);
+    proxy->m_aabbMax = Corner(box.max);
+    proxies_.push_back(proxy);
+  }
+
+  void RemoveLast() {
+    broadphase_->destroyProxy(proxies_.back(), nullptr);
+    proxies_.pop_back();
+  }
+
+  std::unique_ptr<btBroadphaseInterface> broadphase_;
+  std::vector<btBroadphaseProxy*> proxies_;
+};
+
+// This is the tree as Bullet's world uses it: an object that leaves its padded box is collided at
+// once, and the pairs stay in a hash table. An object at rest costs one comparison of its box.
+class DbvtPeer final : public BulletPeer {
+ public:
+  using BulletPeer::BulletPeer;
+  ~DbvtPeer() override { Discard(); }
+
+ protected:
+  std::unique_ptr<btBroadphaseInterface> MakeBroadphase(std::span<const Aabb>) override {
+    return std::make_unique<btDbvtBroadphase>();
+  }
+};
+
+// The tree is collided with itself once per frame, which is faster if many objects move.
+class DeferredDbvtPeer final : public BulletPeer {
+ public:
+  using BulletPeer::BulletPeer;
+  ~DeferredDbvtPeer() override { Discard(); }
+
+  void FindPairs(PairBuffer& out) override {
+    collector_.CollectInto(out);
+    broadphase()->calculateOverlappingPairs(nullptr);
+  }
+
+ protected:
+  std::unique_ptr<btBroadphaseInterface> MakeBroadphase(std::span<const Aabb>) override {
+    auto tree = std::make_unique<btDbvtBroadphase>(&collector_);
+    tree->m_deferedcollide = true;
+    return tree;
+  }
+
+ private:
+  PairCollector collector_;
+};
+
+// The sweep along three sorted axes in the quantized coordinates of `Sweep`, which owns the
+// proxies.
+template <typename Sweep, typename Handle, size_t kMaxHandles>
+class AxisSweepPeer final : public BulletPeer {
+ public:
+  using BulletPeer::BulletPeer;
+  ~AxisSweepPeer() override { Discard(); }
+
+ protected:
+  std::unique_ptr<btBroadphaseInterface> MakeBroadphase(std::span<const Aabb> boxes) override {
+    const Aabb world = RoomyBounds(boxes);
+    max_proxies_ = std::min(kMaxHandles, 2 * boxes.size() + 1024);
+    constexpr bool kNoRayTree = true;
+    return std::make_unique<Sweep>(Corner(world.min), Corner(world.max),
+                                   static_cast<Handle>(max_proxies_), nullptr, kNoRayTree);
+  }
+  size_t max_proxies() const override { return max_proxies_; }
+  bool owns_proxies() const override { return false; }
+
+ private:
+  size_t max_proxies_ = 0;
+};
+
+constexpr size_t kMax16BitHandles = 16'000;
+using AxisSweep16Peer = AxisSweepPeer<btAxisSweep3, unsigned short, kMax16BitHandles>;
+using AxisSweep32Peer = AxisSweepPeer<bt32BitAxisSweep3, unsigned int, 1'000'000>;
+
+template <typename T>
+std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
+  return std::make_unique<T>(name);
+}
+
+}  // namespace
+
+void AddBulletPeers(PeerLibrary& library) {
+  // Building is quadratic, because each new object is moved to its place along three axes.
+  constexpr uint32_t kMaxInSweep = 30'000;
+  library.version =
+      std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
+  library.kinds = {
+      {"BulletAxisSweep3", "AxisSweep", kMax16BitHandles, false, Make<AxisSweep16Peer>},
+      {"Bullet32BitAxisSweep3", "AxisSweep", kMaxInSweep, false, Make<AxisSweep32Peer>},
+      {"BulletDbvt", "DBVT", 200'000, false, Make<DbvtPeer>},
+      {"BulletDbvtDeferred", "DBVT", 1'000'000, false, Make<DeferredDbvtPeer>},
+  };
+}
+
+}  // namespace sweepstake::cli

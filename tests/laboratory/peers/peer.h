@@ -1,0 +1,71 @@
+// Broad phases of other libraries behind our own interface, so that `sweepstake-lab bench --peers`
+// can time them beside ours.
+//
+// A peer is used as its library intends it for many moving objects: every object gets its new box,
+// then all overlapping pairs are found. Where the library's own answer is conservative, the peer
+// drops the pairs whose exact boxes do not overlap. A peer counts no AABB checks and no bytes, and
+// its pairs come in any order. Not thread-safe.
+// REQUIRES, beyond BroadPhase: every box is valid (finite and not inverted, see aabb.h).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sweepstake/broad_phase.h"
+
+namespace sweepstake::cli {
+
+class Peer : public BroadPhase {
+ public:
+  // `name` outlives the peer.
+  explicit Peer(std::string_view name) : name_(name) {}
+
+  std::string_view name() const final { return name_; }
+  uint32_t version() const final { return 1; }
+  uint64_t aabb_check_count() const final { return 0; }
+  size_t native_bytes() const final { return 0; }
+
+ private:
+  std::string_view name_;
+};
+
+// One broad phase of a library.
+struct PeerKind {
+  std::string_view name;
+  // Our backend that it is compared with, one of BroadPhaseNames.
+  std::string_view family;
+  // More objects do not fit, or take longer than is practical.
+  uint32_t max_object_count = 0;
+  bool takes_threads = false;
+  std::unique_ptr<Peer> (*make)(std::string_view name, uint32_t thread_count) = nullptr;
+};
+
+struct PeerLibrary {
+  std::string_view name;
+  std::string_view package;     // the name of Debian's package
+  std::string version;          // empty if this build leaves the library out
+  std::vector<PeerKind> kinds;  // none if this build leaves the library out
+};
+
+// Appends the pair of `a` and `b`, the smaller id first.
+inline void AppendPair(PairBuffer& out, uint32_t a, uint32_t b) {
+  out.Append({std::min(a, b), std::max(a, b)});
+}
+
+// Returns whether two valid boxes overlap, like the function of this name in Tracy
+// (broad_phase/tracy/tracy_rest.cc), but stops at the first axis on which they do not.
+inline bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
+  return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] &&
+         b.min[1] <= a.max[1] && a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
+}
+
+// Returns the bounds of all boxes, enlarged on each side by a quarter of that edge; a unit box if
+// there are no boxes.
+Aabb RoomyBounds(std::span<const Aabb> boxes);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,16 @@
+// The policies that the laboratory compares. Only its commands link this library: a daemon or a
+// game can choose a shipped policy only (engine_client/decider/session/policy_registry.h).
+#pragma once
+
+#include "engine_client/decider/session/policy_registry.h"
+
+namespace sweepstake::decision {
+
+// Returns the shipped policies, followed by the baselines that AI Decides is compared with.
+PolicyRegistry ComparedPolicies();
+
+// Returns ComparedPolicies(), followed by the ablations `adaptive-without-…`: AI Decides with one
+// of its components disabled, to measure the contribution of that component.
+PolicyRegistry StudyPolicies();
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,89 @@
+// Simulates the shadow lane of a replayed game in virtual time: one worker that visits the arms in
+// the order of the real lane's schedule (shadow_schedule.h) and warms up the next arm.
+//
+// The times of a visit are those of a running structure in the frames of its sweep, multiplied by
+// the slowdown of a fresh structure in the trace's nearest burst. The position in the scene is
+// therefore exact also between bursts. LaneErrors falsify them, as they are on a real machine.
+// Deterministic; not thread-safe. Borrows the scene. Times are nanoseconds of virtual time.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine_client/adaptive/shadow_schedule.h"
+#include "engine_client/decider/types.h"
+#include "tests/laboratory/replay/replay_scene.h"
+
+namespace sweepstake::cli {
+
+// How a visit's times differ from those of the frame thread, and what visits take from it. By
+// default not at all.
+struct LaneErrors {
+  // The standard deviation of ln(lane ÷ frame thread) between arms. Each game draws its own.
+  double bias_deviation = 0;
+  // That between the visits of an arm.
+  double noise_deviation = 0;
+  // The share of visits that something else interrupts: their times are multiplied by a draw of the
+  // Pareto distribution of shape 1.5 from 1 on, at most by 100.
+  double spike_ratio = 0;
+  // Time of a frame during a visit ÷ that of a frame without; >= 1.
+  double contention_ratio = 1;
+  // Time of a visit on the lane ÷ on the frame thread by arm, before everything above; empty: 1.
+  std::vector<double> arm_ratios{};
+};
+
+class ReplayLane {
+ public:
+  // REQUIRES: errors.arm_ratios is empty or has a ratio for each arm.
+  ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& options, LaneErrors errors = {},
+             uint64_t seed = 1);
+
+  // The time at which the next sweep begins or the current visit ends.
+  int64_t next_event_ns() const { return next_event_ns_; }
+
+  // The position of the game.
+  struct Place {
+    int64_t now_ns = 0;      // the end of this frame
+    uint64_t search_ns = 0;  // what all searches have taken
+    uint32_t game_frame = 0;
+    uint32_t trace_frame = 0;
+    uint32_t active_arm = 0;
+  };
+  // Begins a sweep, if the searches allow for it, or ends the current visit, and returns what an
+  // ended visit measured. REQUIRES:
+  // place.now_ns >= next_event_ns().
+  std::optional<decision::ShadowSample> Advance(const Place& place);
+
+  // Builds `arm` and keeps it up to date with the game; the current visit continues afterwards.
+  // Returns the time at which the arm is ready to take over.
+  int64_t WarmUp(uint32_t arm, const Place& place);
+
+  // Time of a frame ÷ what it takes without a lane.
+  double frame_ratio() const { return visit_ ? errors_.contention_ratio : 1; }
+
+  uint64_t visit_count() const { return visit_count_; }
+  uint64_t busy_ns() const { return busy_ns_; }
+
+ private:
+  void BeginVisit(int64_t start_ns);
+  void RepeatVisit();
+  void Charge(int64_t begin_ns, int64_t end_ns);
+  std::span<const uint64_t> FreshFrames(uint32_t trace_frame, uint32_t arm, double ratio = 1);
+  double ErrorOfVisit(uint32_t arm) const;
+
+  const ReplayScene& scene_;
+  const LaneErrors errors_;
+  const uint64_t seed_;
+  ShadowSchedule schedule_;
+  int64_t next_event_ns_ = 0;
+  // Where the current sweep began; its visits use the frames from there on.
+  Place sweep_;
+  std::optional<ShadowVisit> visit_;  // ends at next_event_ns_; absent between sweeps
+  std::vector<uint64_t> fresh_ns_;    // the result of FreshFrames
+  uint64_t visit_count_ = 0;
+  uint64_t busy_ns_ = 0;
+};
+
+}  // namespace sweepstake::cli

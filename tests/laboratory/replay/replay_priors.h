@@ -1,0 +1,43 @@
+// What a game begins with after others, as a daemon serves it
+// (server/rpc/sessions/session_start.h): from what they have taught, not from what they believe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/laboratory/replay/replay_run.h"
+#include "tests/laboratory/replay/replay_scene.h"
+
+namespace sweepstake::cli {
+
+enum class ReplayPriors {
+  kNone,
+  kRight,   // of a game of the same scene, build and class of machines
+  kWrong,   // kRight with the arms' ranking reversed
+  kClass,   // of a game of the same scene and build on another class of machines
+  kScenes,  // of games of all other scenes, the scene itself being new
+};
+inline constexpr std::array<std::string_view, 5> kReplayPriorsNames = {"none", "right", "wrong",
+                                                                       "class", "scenes"};
+
+// The deviation of an arm's relative log-cost from one class of machines to another: that from
+// AVX-512 to SSE4, the median over the cells of
+// tests/bench/results/amd-zen4-2cores-instruction-sets.csv.
+inline constexpr double kClassDeviation = 0.17;
+
+// Plays a game of a scene.
+using Teach = std::function<ReplayResult(const ReplayScene& scene)>;
+
+// Returns one prior per arm, or none where nothing was taught. `others` are the project's other
+// scenes. `seed` determines how the other class of machines differs.
+std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::string& policy,
+                                                  const ReplayScene& scene,
+                                                  std::span<const ReplayScene* const> others,
+                                                  uint64_t seed, const Teach& teach);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,94 @@
+// Lets a policy play a traced scene in virtual time: a simulated client drives the real
+// decision::DecisionSession.
+//
+// Deterministic: the same scene and setup give the same result bit for bit. No clock, no I/O; safe
+// to call from many threads with one scene. Times are nanoseconds of virtual time, which starts at
+// 0 with the first frame and advances by the frames' times.
+//
+// The client behaves as a real one. It sends frames to the session in batches (250 ms or 30
+// frames). Ticks happen when they are due, even within a long frame. A command is executed at the
+// start of the next frame. Without a shadow lane this is a cold switch, after which the frames cost
+// what a freshly built structure costs. With a lane the structure is warmed up first, and the
+// switch costs what the last frame of the warm-up does. The client's own SwitchCostMeter measures
+// switch costs. A frame over the limit is reported at once.
+//
+// Cost: linear in the frames, plus the policy's own time.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/decider/session/decision_session.h"
+#include "tests/laboratory/replay/replay_lane.h"
+#include "tests/laboratory/replay/replay_load.h"
+#include "tests/laboratory/replay/replay_reliability.h"
+#include "tests/laboratory/replay/replay_scene.h"
+
+namespace sweepstake::cli {
+
+struct ReplaySetup {
+  decision::DecisionOptions options;
+  // The session's seed. It also determines the initial arm and the game's start in the trace.
+  uint64_t seed = 1;
+  std::optional<bool> shadow_lane;                // absent: on if the policy learns from it
+  std::vector<decision::BetaPosterior> priors{};  // one per arm; empty: none
+  bool keep_timeline = false;
+  // For the lane, if there is one.
+  ShadowScheduleOptions shadow = {};
+  LaneErrors lane_errors = {};
+  FrameLoad frame_load = {};
+};
+
+struct Activation {
+  int64_t time_ns = 0;
+  uint32_t arm = 0;
+  decision::SwitchReason reason = decision::SwitchReason::kPolicy;
+};
+
+// What a report shows of a run over time.
+struct ReplayTimeline {
+  uint32_t initial_arm = 0;
+  std::vector<Activation> activations;              // executed switches
+  std::vector<decision::DecisionRecord> decisions;  // ticks and bail-outs, in order
+};
+
+struct ReplayResult {
+  // The frames' times count without FrameLoad.
+  uint64_t total_ns = 0;  // sum over all frames
+  // The start-up ends with the live exploration, but not before kStartUpNs.
+  uint32_t start_up_frame_count = 0;
+  uint64_t after_start_up_ns = 0;            // sum over the frames after it
+  uint64_t after_start_up_switch_count = 0;  // executed after it
+  uint32_t opening_frame_count = 0;          // frames that begin before kOpeningNs
+  uint64_t opening_ns = 0;                   // sum over them
+  decision::ObservationSummary observation;  // active time and switches after the exploration
+  std::array<uint64_t, 5> switch_counts{};   // executed in the whole run, by SwitchReason
+  std::vector<uint64_t> active_ns;           // frame time per arm in the whole run; sum: total_ns
+  uint64_t bail_out_count = 0;               // frames over the limit
+  std::vector<std::optional<int64_t>> first_active_ns;  // per arm, outside of the exploration
+  // What the first tick chose: the arm that it commanded, or the active one. Absent without a tick.
+  std::optional<uint32_t> first_choice;
+  std::vector<decision::BetaPosterior> posteriors;  // at the end
+  std::vector<decision::ArmEvidence> taught;        // what a store has of the game, per arm
+  std::array<uint64_t, 5> verdict_counts{};         // of ticks, by Verdict
+  Reliability reliability;                          // of what the ticks say
+  uint64_t decision_count = 0;
+  uint64_t shadow_visit_count = 0;
+  uint64_t shadow_ns = 0;  // time that the lane worked
+  ReplayTimeline timeline;
+
+  // The arm with the most active time after the exploration, and its share of that time.
+  uint32_t dominant_arm() const;
+  double active_share() const;
+};
+
+inline constexpr int64_t kStartUpNs = 60'000'000'000;
+inline constexpr int64_t kOpeningNs = 10'000'000'000;
+
+// Plays the game. REQUIRES: setup.options are valid; there are as many priors as arms, or none.
+ReplayResult Replay(const ReplayScene& scene, const ReplaySetup& setup);
+
+}  // namespace sweepstake::cli

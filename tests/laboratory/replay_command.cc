@@ -1,0 +1,243 @@
+#include "tests/laboratory/laboratory.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "engine_client/cli/io/json_output.h"
+#include "tests/laboratory/bench/flight_replay.h"
+#include "tests/laboratory/io/report_file.h"
+#include "tests/laboratory/policies/study_policies.h"
+#include "tests/laboratory/replay/replay_log.h"
+#include "tests/laboratory/replay/replay_output.h"
+#include "tests/laboratory/replay/replay_plan.h"
+
+namespace sweepstake::cli {
+namespace {
+
+struct ReplayCommandOptions {
+  ReplayRequest request{.thread_count = std::max(std::thread::hardware_concurrency(), 1U)};
+  std::string log_file;
+  std::string recording;
+  std::string csv_file;
+  std::string report_file;
+  bool json = false;
+};
+
+// Shows the progress and the estimated remaining time.
+class StudyProgress {
+ public:
+  explicit StudyProgress(Terminal& terminal) : terminal_(terminal) {}
+
+  std::function<void(uint64_t done, uint64_t all)> listener() {
+    return [this](uint64_t done, uint64_t all) { Show(done, all); };
+  }
+
+ private:
+  void Show(uint64_t done, uint64_t all) {
+    if (!progress_) progress_.emplace(terminal_, "replay", all);
+    if (!progress_->due()) return;
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
+    const double left_s =
+        spent.count() * static_cast<double>(all - done) / static_cast<double>(done);
+    progress_->Show(done, std::to_string(done) + " of " + std::to_string(all) + " games, " +
+                              std::to_string(static_cast<uint64_t>(left_s) + 1) + " s left");
+  }
+
+  Terminal& terminal_;
+  std::optional<Progress> progress_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+void Print(const ReplayReport& report, bool json, Terminal& terminal) {
+  if (json) {
+    PrintReplayJson(report, terminal.out);
+  } else {
+    PrintReplayTable(report, terminal.out);
+  }
+}
+
+Status WriteReport(const ReplayReport& report, ReportFile& file, Terminal& terminal) {
+  std::ostringstream json;
+  PrintReplayJson(report, json);
+  return file.Commit(std::array{json.str()}, terminal);
+}
+
+int ReplayTraces(const ReplayCommandOptions& options, Terminal& terminal) {
+  const auto plan = MakeReplayPlan(options.request);
+  if (!plan.ok()) return Fail(terminal, plan.status());
+  std::unique_ptr<CsvFile> csv;
+  if (!options.csv_file.empty()) {
+    auto created = CreateReplayCsv(options.csv_file);
+    if (!created.ok()) return Fail(terminal, created.status());
+    csv = std::move(*created);
+  }
+  std::unique_ptr<ReportFile> file;
+  if (!options.report_file.empty()) {
+    auto created = ReportFile::Create(options.report_file);
+    if (!created.ok()) return Fail(terminal, created.status());
+    file = std::move(*created);
+  }
+  std::optional<StudyProgress> progress(terminal);
+  const std::vector<StudyRow> rows = RunStudy(plan->scenes, plan->study, progress->listener());
+  progress.reset();
+  const ReplayReport report{plan->scenes, plan->study, rows};
+  Print(report, options.json, terminal);
+  Status status;
+  if (csv != nullptr) {
+    WriteReplayCsv(report, *csv);
+    status = csv->Commit();
+  }
+  if (status.ok() && file != nullptr) status = WriteReport(report, *file, terminal);
+  return status.ok() ? kDone : Fail(terminal, status);
+}
+
+int RederiveLog(const ReplayCommandOptions& options, Terminal& terminal) {
+  const auto report = ReplayLog(options.log_file);
+  if (!report.ok()) return Fail(terminal, report.status());
+  PrintResult(terminal, options.json, ReplayLogJson(*report, options.log_file),
+              ReplayLogText(*report));
+  return report->difference ? kCheckFailed : kDone;
+}
+
+int ReplayRecording(const ReplayCommandOptions& options, Terminal& terminal) {
+  const auto replay = ReplayFlight(options.recording);
+  if (!replay.ok()) return Fail(terminal, replay.status());
+  PrintResult(terminal, options.json, FlightReplayJson(*replay, options.recording),
+              FlightReplayText(*replay, options.recording));
+  return kDone;
+}
+
+int RunReplay(const ReplayCommandOptions& options, Terminal& terminal) {
+  const int given_count = (options.request.costs.empty() ? 0 : 1) +
+                          (options.log_file.empty() ? 0 : 1) + (options.recording.empty() ? 0 : 1);
+  if (given_count != 1) {
+    return Fail(terminal, Status(StatusCode::kInvalidArgument,
+                                 "give one of --costs FILE.costs, --log FILE.csv and --recording "
+                                 "FILE.aabbs"));
+  }
+  if (!options.recording.empty()) return ReplayRecording(options, terminal);
+  return options.log_file.empty() ? ReplayTraces(options, terminal)
+                                  : RederiveLog(options, terminal);
+}
+
+void Declare(CLI::App& command, ReplayCommandOptions& options) {
+  ReplayRequest& request = options.request;
+  command.add_option("--costs", request.costs, "Cost traces, made by `sweepstake-lab trace`")
+      ->delimiter(',');
+  CLI::Option* log = command.add_option(
+      "--log", options.log_file, "Derive every decision of this audit log again, and compare");
+  CLI::Option* recording =
+      command.add_option("--recording", options.recording,
+                         "Time every arm on what a flight recorder has kept, and say what was "
+                         "decided in it");
+  command
+      .add_option("--policy", request.policies,
+                  "Policies, or all; fixed for every arm, fixed:ARM, oracle")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--seeds", request.seed_count, "Games of each policy on each trace")
+      ->check(CLI::Range(uint32_t{1}, uint32_t{100'000}))
+      ->capture_default_str();
+  command.add_option("--run", request.run, "Virtual time of a game on the best fixed arm")
+      ->capture_default_str();
+  command
+      .add_option("--pass", request.passes,
+                  "Virtual time of one pass through the trace (default: the run), for all traces "
+                  "or one for each")
+      ->delimiter(',');
+  command.add_option("--frame", request.frame, "Mean frame of the best fixed arm")
+      ->capture_default_str();
+  command.add_option("--other-work", request.other_work,
+                     "Of the frame, beside detection (default: nothing)");
+  command.add_flag("--no-shadow", request.no_shadow,
+                   "Without the shadow lane; else the policies that learn from it have it");
+  LaneErrors& errors = request.lane_errors;
+  command
+      .add_option("--lane-ratio", request.lane_ratios,
+                  "What the lane measures of an arm ÷ what the frame thread takes (default: 1)")
+      ->type_name("ARM RATIO");
+  command
+      .add_option("--lane-bias", errors.bias_deviation,
+                  "Standard deviation of that ratio's logarithm between arms, drawn for each game")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str();
+  command
+      .add_option("--lane-noise", errors.noise_deviation,
+                  "Standard deviation of the logarithm of what visits of one arm measure")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str();
+  command
+      .add_option("--lane-spikes", errors.spike_ratio,
+                  "Share of visits that are interrupted (Pareto, shape 1.5)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option("--lane-contention", errors.contention_ratio,
+                  "Frame time during a visit ÷ without one")
+      ->check(CLI::Range(1.0, 10.0))
+      ->capture_default_str();
+  command
+      .add_option("--frame-load", request.frame_load.ratio,
+                  "Frame time while other work uses the frame thread's core ÷ without it; regret "
+                  "does not count it")
+      ->check(CLI::Range(1.0, 100.0))
+      ->capture_default_str();
+  command
+      .add_option("--frame-load-share", request.frame_load.share,
+                  "Share of the time with that work, which stays for 10 s on average")
+      ->check(CLI::Range(0.001, 0.999))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--priors", request.priors,
+          "What a store serves after another game: of the same scene (right), with the ranking "
+          "reversed (wrong), on another class of machines (class), or after games of all other "
+          "traces (scenes; nothing where there is but one)")
+      ->check(OneOf(kReplayPriorsNames))
+      ->capture_default_str();
+  command.add_option("--threads", request.thread_count, "Games played at a time")
+      ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
+      ->capture_default_str();
+  command.add_option("--csv", options.csv_file, "Every game as a row of this file")
+      ->excludes(log)
+      ->excludes(recording);
+  command
+      .add_option("--report", options.report_file,
+                  "Charts and tables as one HTML file that needs no network")
+      ->excludes(log)
+      ->excludes(recording);
+  command.add_flag("--json", options.json, "One JSON document on stdout");
+}
+
+}  // namespace
+
+void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  std::string policies;
+  for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies()))
+    policies.append(" ").append(name);
+  AddCommand<ReplayCommandOptions>(
+      app, "replay",
+      "Let policies play recorded cost traces in virtual time, decisions be derived again, or a "
+      "flight recording be looked into",
+      "  sweepstake-lab replay --costs hurricane.costs --policy default,paper,fixed --seeds 200\n"
+      "  sweepstake-lab replay --costs a.costs,b.costs --policy default,oracle --priors wrong "
+      "--json\n"
+      "  sweepstake-lab replay --costs a.costs --policy fixed:SAP,default --pass 3m --csv "
+      "games.csv\n"
+      "  sweepstake-lab replay --log decisions.csv\n"
+      "  sweepstake-lab replay --recording flight-20261123-234641-250.aabbs\n"
+      "Policies:" +
+          policies +
+          "\nRegret is frame time against the best fixed arm's on the same frames; negative is "
+          "better.\n",
+      exit_code, Declare,
+      [&terminal](const ReplayCommandOptions& options) { return RunReplay(options, terminal); });
+}
+
+}  // namespace sweepstake::cli

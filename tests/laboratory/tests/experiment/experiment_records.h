@@ -1,0 +1,22 @@
+// What tests of experiments share: plans, and live runs made up of three arms, an exploration of 6
+// s and a window of 100 s.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/laboratory/experiment/experiment_plan.h"
+#include "tests/laboratory/experiment/experiment_record.h"
+
+namespace sweepstake::test_support {
+
+inline const std::vector<std::string> kRecordArms{"SAP", "KDTree", "Grid"};
+
+// After the exploration `arm` runs for `share_percent` of the window and the next arm for the rest.
+cli::RunRecord MakeRecord(const cli::ExperimentCell& cell, const std::string& policy, uint32_t run,
+                          uint32_t arm, double share_percent);
+
+// The plan of options that have one; a test fails otherwise.
+cli::ExperimentPlan PlanOf(const cli::ExperimentOptions& options);
+
+}  // namespace sweepstake::test_support

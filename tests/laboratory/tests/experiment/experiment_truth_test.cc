@@ -1,0 +1,262 @@
+// The truth about an experiment and its JSON document, made from a report with everything in it
+// that can occur.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/laboratory/experiment/experiment_output.h"
+#include "tests/laboratory/tests/experiment/experiment_records.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::json;
+using test_support::MakeRecord;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr uint32_t kFrames = 400;
+
+// KDTree takes 20 µs, SAP 30, Grid 60; each frame a little more or less.
+CostTrace Trace() {
+  CostTrace trace;
+  trace.scene = "brownian";
+  trace.arms = {{"SAP", 1}, {"KDTree", 1}, {"Grid", 1}};
+  trace.frame_count = kFrames;
+  trace.control_arm = 1;
+  trace.burst_frame_count = 8;
+  const uint64_t costs_ns[] = {30'000, 20'000, 60'000};
+  for (uint32_t frame = 0; frame < kFrames; ++frame) {
+    trace.object_count.push_back(1000);
+    trace.pair_count.push_back(10);
+    trace.step_ns.push_back(5000);
+    trace.control_ns.push_back(20'200);
+    for (const uint64_t cost_ns : costs_ns) {
+      trace.detection_ns.push_back(cost_ns + frame % 7 * 10);
+      trace.aabb_check_count.push_back(1000);
+      trace.native_bytes.push_back(4096);
+    }
+  }
+  TraceBurst burst;
+  for (const uint64_t cost_ns : costs_ns) {
+    for (int k = 0; k < 8; ++k) burst.detection_ns.push_back(k == 0 ? 3 * cost_ns : cost_ns);
+  }
+  trace.bursts = {burst};
+  return trace;
+}
+
+ExperimentPlan TruthPlan() {
+  ExperimentOptions options;
+  options.scenes = {"brownian"};
+  options.object_counts = {1000, 3000};
+  options.policies = {"paper", "adaptive"};
+  options.run_count = 2;
+  options.window = "100s";
+  options.replay_seed_count = 4;
+  auto plan = MakePlan(options);
+  EXPECT_TRUE(plan.ok());
+  return std::move(*plan);
+}
+
+// The larger cell has one run and no trace.
+ExperimentReport TruthReport() {
+  ExperimentReport report;
+  report.plan = TruthPlan();
+  report.sessions = {{"sweepstake-lab experiment '<x>'", "2026-01-31T12:00:00Z", ""}};
+  report.machine.cpu = "Some <CPU> & Co";
+  const auto& cells = report.plan.cells;
+  report.records = {
+      MakeRecord(cells[0], "paper", 1, 1, 60), MakeRecord(cells[0], "paper", 2, 0, 60),
+      MakeRecord(cells[0], "adaptive", 1, 1, 95), MakeRecord(cells[0], "adaptive", 2, 1, 90),
+      MakeRecord(cells[1], "paper", 1, 2, 70)};
+  report.records[0].switches.back().reason = 3;
+  report.cells = SummarizeCells(report.plan, report.records);
+  return report;
+}
+
+ExperimentReport Assess() {
+  ExperimentReport report = TruthReport();
+  std::vector<const CellSummary*> cells;
+  for (const CellSummary& cell : report.cells) {
+    if (cell.cell == report.plan.cells[0]) cells.push_back(&cell);
+  }
+  CellTruth truth = RankArms(report.plan.cells[0], Trace());
+  const Status status = AssessCell(
+      Trace(), cells, {.seed_count = 4}, [](double) {}, truth);
+  EXPECT_TRUE(status.ok()) << status.message();
+  report.truths.cells.push_back(std::move(truth));
+  report.truths.over_cells = CompareOverCells(report.truths.cells);
+  report.truths.over_live = CompareLive(report.truths.cells);
+  return report;
+}
+
+// The games take a second.
+const ExperimentReport& AssessedReport() {
+  static const ExperimentReport report = Assess();
+  return report;
+}
+
+Json TruthDocument(const ExperimentReport& report) {
+  std::ostringstream out;
+  PrintExperimentJson(report, "out", out);
+  return Json::parse(out.str());
+}
+
+TEST(ExperimentJson, HoldsEveryRowAndRun) {
+  const ExperimentReport& report = AssessedReport();
+  const Json document = TruthDocument(report);
+  EXPECT_EQ(document["command"], "experiment");
+  EXPECT_EQ(document["folder"], "out");
+  EXPECT_EQ(document["complete"], false);
+  EXPECT_EQ(document["finished_runs"], 5);
+  EXPECT_EQ(document["planned_runs"], 8);
+  ASSERT_EQ(document["rows"].size(), 3U);
+  const Json& row = document["rows"][0];
+  EXPECT_EQ(row["dominance"], "KDTree 1/2; SAP 1/2");
+  EXPECT_EQ(row["truly_fastest"], "KDTree");
+  EXPECT_EQ(row["dominant_runs"][1]["runs"], 1);
+  EXPECT_EQ(document["runs"].size(), report.records.size());
+  EXPECT_EQ(document["machine"]["cpu"], "Some <CPU> & Co");
+}
+
+TEST(ExperimentJson, HoldsWhatTheChartsOfARunAreDrawnFrom) {
+  const Json document = TruthDocument(AssessedReport());
+  const Json& run = document["runs"][0];
+  EXPECT_EQ(run["dominant"], "KDTree");
+  ASSERT_EQ(run["periods"].size(), 5U);
+  EXPECT_EQ(run["periods"][0]["reason"], "");
+  EXPECT_EQ(run["periods"][1]["arm"], 1);
+  EXPECT_EQ(run["periods"].back()["to_s"], run["end_s"]);
+  ASSERT_EQ(run["bail_outs"].size(), 1U);
+  EXPECT_EQ(run["bail_outs"][0]["arm"], 1);
+  EXPECT_EQ(run["held_back_s"], (Json{5.0, 105.0})) << "another arm was the candidate twice";
+  ASSERT_EQ(run["posteriors"].size(), 3U);
+  EXPECT_NEAR(run["posteriors"][2]["means"][1].get<double>(), 0.9, 1e-12);
+  EXPECT_EQ(run["verdicts"]["stable"], 2) << "the exploration's decision is left out";
+  EXPECT_EQ(run["time_ns"]["rebuild"], 500'000);
+}
+
+TEST(ExperimentJson, ThinsLongPosteriorsAndKeepsTheirEnd) {
+  ExperimentReport report = TruthReport();
+  RunRecord& record = report.records[0];
+  const RecordedDecision last = record.decisions.back();
+  for (int i = 1; i <= 997; ++i) {
+    record.decisions.push_back(last);
+    record.decisions.back().time_s += i;
+  }
+  report.cells = SummarizeCells(report.plan, report.records);
+  const Json points = TruthDocument(report)["runs"][0]["posteriors"];
+  EXPECT_LE(points.size(), 51U);
+  EXPECT_EQ(points.back()["time_s"], last.time_s + 997);
+}
+
+TEST(ExperimentJson, HoldsTheTruthWhereThereIsOne) {
+  const Json document = TruthDocument(AssessedReport());
+  ASSERT_EQ(document["truths"].size(), 1U);
+  const Json& truth = document["truths"][0];
+  EXPECT_EQ(truth["cell"], "brownian-1000");
+  EXPECT_EQ(truth["ranking"][0]["arm"], "KDTree");
+  EXPECT_EQ(truth["agreements"].size(), 2U);
+  EXPECT_EQ(truth["comparisons"].size(), document["over_cells"].size());
+  EXPECT_FALSE(document["over_live"].empty());
+  EXPECT_TRUE(TruthDocument(TruthReport())["truths"].empty());
+}
+
+TEST(CellTruth, RanksTheArmsAndComparesATwin) {
+  const CellTruth truth = RankArms({"brownian", 1000, 1}, Trace());
+  ASSERT_EQ(truth.ranking.size(), 3U);
+  EXPECT_EQ(truth.ranking[0].arm, "KDTree");
+  EXPECT_EQ(truth.ranking[0].ratio, 1);
+  EXPECT_EQ(truth.ranking[1].arm, "SAP");
+  EXPECT_NEAR(truth.ranking[2].ratio, 3, 0.01);
+  EXPECT_NEAR(truth.control_ratio, 1.0085, 0.001);
+}
+
+TEST(CellTruth, ReplaysPoliciesArmsAndOracleAndComparesThem) {
+  const ExperimentReport& report = AssessedReport();
+  const CellTruth& truth = report.truths.cells[0];
+  const auto player = [&](const std::string& name) -> const ReplayedPlayer& {
+    return *std::find_if(truth.players.begin(), truth.players.end(),
+                         [&](const ReplayedPlayer& each) { return each.name == name; });
+  };
+  EXPECT_NEAR(player("fixed:KDTree").regret, 0, 1e-9);
+  EXPECT_NEAR(player("fixed:SAP").regret, 0.5, 0.01);
+  EXPECT_GT(player("paper").regret, 0);
+  EXPECT_EQ(player("paper").regrets.size(), 4U);
+  EXPECT_LT(player("adaptive").regret, player("paper").regret);
+  EXPECT_FALSE(player("oracle").is_policy);
+  for (const ReplayedPlayer& each : truth.players) {
+    EXPECT_THAT(each.name, Not(HasSubstr("-without-"))) << "ablations are no baselines";
+  }
+  for (const PairedComparison& each : truth.comparisons) {
+    EXPECT_EQ(each.policy, OwnPolicyName("default"));
+    EXPECT_NE(each.baseline, each.policy);
+    EXPECT_GE(each.corrected_probability, each.wilcoxon.probability);
+  }
+  EXPECT_EQ(report.truths.over_cells.size(), truth.comparisons.size());
+}
+
+TEST(Agreement, ComparesTheLiveRunsWithReplaysInterval) {
+  const ExperimentReport& report = AssessedReport();
+  ASSERT_EQ(report.truths.cells[0].agreements.size(), 2U);
+  const Agreement& paper = report.truths.cells[0].agreements[0];
+  EXPECT_EQ(paper.policy, "paper");
+  EXPECT_EQ(paper.runs.size(), 2U);
+  EXPECT_NEAR(paper.active_share, 0.6, 1e-9);
+  // Three arms with as many frames each, at 20, 30 and 60 µs and other work of 35 µs.
+  EXPECT_NEAR(paper.regret, (110.0 / 3 + 35) / 55 - 1, 0.01);
+  EXPECT_NEAR(paper.measured_regret, 40.0 / 60 - 1, 1e-9);
+  Agreement agreement;
+  agreement.regret = 0.1;
+  agreement.replayed_regret = {0.05, 0.2};
+  EXPECT_TRUE(agreement.regret_agrees());
+  agreement.regret = 0.21;
+  EXPECT_FALSE(agreement.regret_agrees());
+}
+
+TEST(CompareLive, PairsRunsOfTheSameCellAndNumber) {
+  CellTruth truth;
+  truth.cell = {"brownian", 1000, 1};
+  Agreement ours;
+  ours.policy = "default";
+  ours.runs = {{1, 0, 0.01, 1}, {2, 0, 0.02, 1}, {3, 0, 0.03, 1}};
+  Agreement theirs;
+  theirs.policy = "random";
+  theirs.runs = {{1, 0, 0.11, 1}, {3, 0, 0.23, 1}};
+  truth.agreements = {ours, theirs};
+  const auto comparisons = CompareLive({&truth, 1});
+  ASSERT_EQ(comparisons.size(), 1U);
+  EXPECT_EQ(comparisons[0].baseline, "random");
+  EXPECT_EQ(comparisons[0].wilcoxon.pair_count, 2U);
+  EXPECT_NEAR(comparisons[0].difference, -0.15, 1e-12);
+}
+
+TEST(TruthOutput, PrintsAndWritesEveryPart) {
+  const ExperimentReport& report = AssessedReport();
+  std::ostringstream out;
+  PrintExperiment(report, "out", out);
+  for (const char* part : {"PARTIAL: 5 of 8 runs", "True ranking", "KDTree 1.00",
+                           "Regret by replay", "Live against replay", "against each baseline"}) {
+    EXPECT_THAT(out.str(), HasSubstr(part));
+  }
+  const test_support::TemporaryDirectory folder;
+  ASSERT_TRUE(WriteExperimentCsv(report, folder.path()).ok());
+  for (const char* name : {"table3.csv", "final.csv", "time.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / name)) << name;
+  }
+  for (const char* name :
+       {"ranking.csv", "regret.csv", "agreement.csv", "live_regret.csv", "comparisons.csv"}) {
+    std::stringstream text;
+    text << std::ifstream(folder.path() / name).rdbuf();
+    EXPECT_THAT(text.str(), HasSubstr("brownian-1000,")) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

@@ -1,0 +1,222 @@
+// `sweepstake-lab replay --log`: an audit log that a decider wrote is derived again, and what was
+// changed in it is found.
+#include "tests/laboratory/replay/replay_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/io/terminal.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/embedded/study_maker.h"
+#include "tests/laboratory/policies/study_policies.h"
+#include "tests/laboratory/tests/lab_command.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+struct Log {
+  std::string text;
+  uint64_t decision_count = 0;
+  uint64_t line_count() const {
+    return static_cast<uint64_t>(std::count(text.begin(), text.end(), '\n'));
+  }
+};
+
+// A game in virtual time, 100 times as fast as real ones, on whose second arm frames take thrice as
+// long as on the first.
+Log PlayLog(const std::string& policy, uint32_t frame_count = 300) {
+  Log log{.text = EmbeddedDecider::AuditHeader() + "\n"};
+  EmbeddedOptions options;
+  options.policy = policy;
+  options.time_scale = 100;
+  options.on_audit_row = [&](std::string_view row) { log.text.append(row).append("\n"); };
+  const std::vector<std::string> arms = {"SAP", "KDTree"};
+  const auto decider = StudyMaker{decision::StudyPolicies()}.MakeDecider(
+      options, arms, std::vector<uint32_t>{1, 1}, 0);
+  EXPECT_TRUE(decider.ok()) << decider.status().message();
+  uint64_t now_ns = 0;
+  FrameSample sample{};
+  sample.object_count = 1000;
+  for (uint32_t frame = 0; frame < frame_count; ++frame) {
+    sample.frame_index = frame;
+    sample.frame_time_ns = sample.arm == 0 ? 5'000'000 : 15'000'000;
+    sample.detection_time_ns = sample.frame_time_ns / 2;
+    now_ns += sample.frame_time_ns;
+    (*decider)->Observe(std::vector{sample}, now_ns);
+    const auto command = (*decider)->Poll(now_ns);
+    if (!command || command->arm == sample.arm) continue;
+    sample.arm = command->arm;
+    ++sample.switch_epoch;
+  }
+  log.decision_count = (*decider)->decision_count();
+  EXPECT_GT(log.decision_count, 40U);
+  return log;
+}
+
+class ReplayLogTest : public testing::Test {
+ protected:
+  CommandRun Replay(const std::string& text, bool as_json = false) {
+    std::ofstream(path_, std::ios::binary) << text;
+    return ReplayFile(path_.string(), as_json);
+  }
+  static CommandRun ReplayFile(const std::string& path, bool as_json = false) {
+    return RunLabCommand("replay --log " + path + (as_json ? " --json" : ""));
+  }
+
+  const test_support::TemporaryDirectory folder_;
+  const std::filesystem::path path_ = folder_.path() / "decisions.csv";
+};
+
+TEST_F(ReplayLogTest, DerivesEveryDecisionAgain) {
+  for (const std::string policy : {"paper", "default", "random"}) {
+    const Log log = PlayLog(policy);
+    const CommandRun outcome = Replay(log.text);
+    EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
+    EXPECT_EQ(outcome.out, std::to_string(log.decision_count) +
+                               " decisions in 1 segment re-derived, all equal\n");
+    EXPECT_EQ(outcome.err, "");
+  }
+}
+
+TEST_F(ReplayLogTest, KnowsTheAblationsOfTheLaboratory) {
+  const CommandRun outcome = Replay(PlayLog("adaptive-without-gate").text);
+  EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("all equal"));
+}
+
+TEST_F(ReplayLogTest, GroupsLargeNumbers) {
+  const Log log = PlayLog("random", 6000);
+  ASSERT_GT(log.decision_count, 1000U);
+  std::string grouped = std::to_string(log.decision_count);
+  grouped.insert(grouped.size() - 3, ",");
+  EXPECT_THAT(Replay(log.text).out, StartsWith(grouped + " decisions in 1 segment"));
+}
+
+TEST_F(ReplayLogTest, JsonIsOneDocumentWithTheCounts) {
+  const Log log = PlayLog("paper");
+  const CommandRun outcome = Replay(log.text, /*as_json=*/true);
+  EXPECT_EQ(outcome.exit_code, kDone);
+  const json document = json::parse(outcome.out);
+  EXPECT_EQ(document["command"], "replay");
+  EXPECT_EQ(document["log"], path_.string());
+  EXPECT_EQ(document["sessions"], 1);
+  EXPECT_EQ(document["segments"], 1);
+  EXPECT_EQ(document["rows"], log.line_count() - 1) << "all but the header";
+  EXPECT_EQ(document["decisions"], log.decision_count);
+  EXPECT_EQ(document["equal"], true);
+  EXPECT_TRUE(document["difference"].is_null());
+}
+
+// A game of another seed would have decided otherwise.
+TEST_F(ReplayLogTest, AnEditedSetupIsADifference) {
+  std::string text = PlayLog("paper").text;
+  const size_t seed = text.find(";seed=1;");
+  ASSERT_NE(seed, std::string::npos);
+  text.replace(seed, 8, ";seed=2;");
+  const CommandRun outcome = Replay(text);
+  EXPECT_EQ(outcome.exit_code, kCheckFailed);
+  EXPECT_THAT(outcome.out, HasSubstr("re-derived, then a difference\n"));
+}
+
+TEST_F(ReplayLogTest, NamesTheLineOfAnEdit) {
+  const Log log = PlayLog("paper");
+  std::string text = log.text;
+  // The last cell of a row is the hash of the log so far.
+  char& digit = text[text.size() - 2];
+  digit = digit == '0' ? '1' : '0';
+  const CommandRun plain = Replay(text);
+  EXPECT_EQ(plain.exit_code, kCheckFailed);
+  EXPECT_THAT(plain.out, AllOf(HasSubstr("then a difference\n"),
+                               HasSubstr(std::to_string(log.line_count())), HasSubstr("log_hash")));
+  const CommandRun as_json = Replay(text, /*as_json=*/true);
+  EXPECT_EQ(as_json.exit_code, kCheckFailed);
+  const json document = json::parse(as_json.out);
+  EXPECT_EQ(document["equal"], false);
+  EXPECT_EQ(document["difference"]["line"], log.line_count());
+  EXPECT_EQ(document["difference"]["session"], "embedded");
+  EXPECT_EQ(document["difference"]["segment"], "1");
+  EXPECT_EQ(document["difference"]["column"], "log_hash");
+  EXPECT_NE(document["difference"]["message"], "");
+}
+
+TEST_F(ReplayLogTest, ALogThatIsCutOffWithinARowIsADifference) {
+  const Log log = PlayLog("paper");
+  const CommandRun outcome = Replay(log.text.substr(0, log.text.size() - 40));
+  EXPECT_EQ(outcome.exit_code, kCheckFailed);
+  EXPECT_THAT(outcome.out, HasSubstr("cut off"));
+}
+
+TEST_F(ReplayLogTest, TheLastRowsMayBeMissing) {
+  const Log log = PlayLog("paper");
+  const size_t end = log.text.rfind('\n', log.text.size() - 2);
+  const CommandRun outcome = Replay(log.text.substr(0, end + 1));
+  EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
+  EXPECT_THAT(outcome.out, StartsWith(std::to_string(log.decision_count - 1) + " decisions"));
+}
+
+TEST_F(ReplayLogTest, SaysWhatCannotBeDerivedBecauseRowsBeforeItAreMissing) {
+  const Log log = PlayLog("paper");
+  const size_t setup = log.text.find('\n') + 1;
+  const size_t rest = log.text.find('\n', setup) + 1;
+  const std::string text = log.text.substr(0, setup) + decision::MissingRow("embedded", 1, 1) +
+                           "\n" + log.text.substr(rest);
+  const CommandRun outcome = Replay(text);
+  EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
+  EXPECT_THAT(outcome.out, AllOf(StartsWith("0 decisions in 0 segments re-derived, all equal\n"),
+                                 HasSubstr(std::to_string(log.decision_count) +
+                                           " decisions in 1 segment cannot be: rows before")));
+  const json document = json::parse(Replay(text, /*as_json=*/true).out);
+  EXPECT_EQ(document["decisions"], 0);
+  EXPECT_EQ(document["incomplete_segments"], 1);
+  EXPECT_EQ(document["underived_decisions"], log.decision_count);
+}
+
+TEST_F(ReplayLogTest, AMissingRowIsADifference) {
+  std::string text = PlayLog("paper").text;
+  size_t begin = 0;
+  for (int line = 0; line < 9; ++line) begin = text.find('\n', begin) + 1;
+  text.erase(begin, text.find('\n', begin) + 1 - begin);
+  const json document = json::parse(Replay(text, /*as_json=*/true).out);
+  EXPECT_EQ(document["equal"], false);
+  EXPECT_EQ(document["difference"]["line"], 10);
+}
+
+TEST_F(ReplayLogTest, AFileThatIsNoLogIsADifferenceInItsFirstLine) {
+  EXPECT_EQ(Replay("").exit_code, kCheckFailed);
+  for (const std::string text : {"a,b\n1,2\n", "\xff\xfe", "{\"rows\": []}\n"}) {
+    const CommandRun outcome = Replay(text, /*as_json=*/true);
+    EXPECT_EQ(outcome.exit_code, kCheckFailed) << text;
+    const json document = json::parse(outcome.out);
+    EXPECT_EQ(document["decisions"], 0) << text;
+    EXPECT_EQ(document["difference"]["line"], 1) << text;
+  }
+}
+
+TEST_F(ReplayLogTest, ALogWithoutDecisionsIsBadUsage) {
+  const CommandRun outcome = Replay(EmbeddedDecider::AuditHeader() + "\n");
+  EXPECT_EQ(outcome.exit_code, kBadUsage);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, HasSubstr("decisions.csv holds no decisions"));
+}
+
+TEST_F(ReplayLogTest, WhatCannotBeReadIsBadUsage) {
+  for (const std::filesystem::path& path : {folder_.path() / "missing.csv", folder_.path()}) {
+    const CommandRun outcome = ReplayFile(path.string());
+    EXPECT_EQ(outcome.exit_code, kBadUsage) << path;
+    EXPECT_EQ(outcome.out, "") << path;
+    EXPECT_THAT(outcome.err, HasSubstr(path.string() + " cannot be read"));
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

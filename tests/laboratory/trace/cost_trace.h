@@ -1,0 +1,103 @@
+// The cost of every arm on every frame of a scene, and its file FILE.costs. `sweepstake-lab trace`
+// measures it; `sweepstake-lab replay` judges policies by it.
+//
+// Times are nanoseconds on the measuring machine; trace_run.h says how they are measured.
+// "Frame-major" columns hold frame_count × arm_count values: that of arm a in frame f is at
+// f · arm_count + a. The layout of the file is:
+//
+//   at  bytes
+//    0      8  "SWPCOSTS"
+//    8      4  version, now 1
+//   12      4  0
+//   16      8  size of the rest, P
+//   24      8  FNV-1a, 64 bits, of the rest
+//   32      P  a sweepstake.costs.CostTrace (costs.proto)
+//
+// Numbers are little-endian; the file has exactly 32 + P bytes. Reading checks all of it, including
+// the lengths of the columns, so a trace that was read is valid. Reading takes about ten times the
+// memory of the file, which has at most kMaxCostsBytes. The functions are safe from any thread on
+// different files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sweepstake/frame_sample.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake::cli {
+
+inline constexpr uint64_t kMaxCostsBytes = uint64_t{256} << 20;
+inline constexpr uint32_t kMaxTracedArms = 64;
+inline constexpr uint32_t kMaxTracedFrames = 1'000'000;
+inline constexpr uint32_t kMaxBurstFrames = 64;
+inline constexpr uint64_t kMaxTracedNs = 3'600'000'000'000;  // one hour, the maximum of a frame
+
+struct TracedArm {
+  std::string name;
+  uint32_t version = 0;
+};
+
+// A burst measures every arm with a fresh structure, which is built on the burst's first frame and
+// updated on the frames after it. This is what a switch costs and what the shadow lane of a game
+// sees. An arm that is held in the burst's first frame ran at most frames 0 and 1; its last
+// measured time is used for the other frames.
+struct TraceBurst {
+  uint32_t first_frame = 0;
+  // Arm-major: the value of arm a in the burst's frame k is at a · burst_frame_count + k. It is the
+  // time of Build and search for k = 0, else of Update and search.
+  std::vector<uint64_t> detection_ns;
+};
+
+struct TracedDescriptor {
+  uint32_t frame = 0;  // the descriptor was measured over the frames before it
+  SceneDescriptor descriptor;
+};
+
+struct CostTrace {
+  std::string scene;    // as given to --scene, without folders
+  uint64_t seed = 0;    // the scene's
+  std::string machine;  // machine class
+  std::vector<TracedArm> arms;
+  uint32_t frame_count = 0;
+  uint32_t repeat_count = 1;  // runs of the scene, of which every time is the lower quartile
+
+  // One value per frame.
+  std::vector<uint32_t> object_count;
+  std::vector<uint32_t> pair_count;
+  std::vector<uint64_t> step_ns;     // the scene's own motion
+  std::vector<uint64_t> control_ns;  // A/A control: a second structure of control_arm
+  // These columns are frame-major.
+  std::vector<uint64_t> detection_ns;
+  std::vector<uint64_t> aabb_check_count;
+  std::vector<uint64_t> native_bytes;
+  // 1 if the arm is very slow and was not measured in this frame; its values are another frame's.
+  std::vector<uint8_t> held;
+
+  uint32_t control_arm = 0;
+  uint32_t burst_frame_count = 0;             // frames per burst
+  std::vector<TraceBurst> bursts;             // ordered by first_frame, at least one
+  std::vector<TracedDescriptor> descriptors;  // ordered by frame
+
+  uint32_t arm_count() const { return static_cast<uint32_t>(arms.size()); }
+  uint64_t detection(uint32_t frame, uint32_t arm) const {
+    return detection_ns[size_t{frame} * arms.size() + arm];
+  }
+};
+
+// Returns why the trace is invalid, or an empty text if it is valid: a column has the wrong length,
+// a number is out of bounds, or bursts or descriptors are out of order.
+std::string ErrorOf(const CostTrace& trace);
+
+// Writes the file, which appears whole or not at all. Errors: those of WholeFile, and
+// kResourceExhausted (the file would have more than kMaxCostsBytes). REQUIRES:
+// ErrorOf(trace).empty().
+Status WriteCosts(const std::filesystem::path& path, const CostTrace& trace);
+
+// Reads the file. Errors: kNotFound (there is no such file), kDataLoss (it holds no valid cost
+// trace). Every message names the file, what is wrong and what to do.
+Result<CostTrace> ReadCosts(const std::filesystem::path& path);
+
+}  // namespace sweepstake::cli

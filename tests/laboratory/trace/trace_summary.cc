@@ -1,0 +1,139 @@
+#include "tests/laboratory/trace/trace_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "engine_client/cli/io/statistics.h"
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr double kMsPerNs = 1e-6;
+
+std::vector<double> TimesOf(const CostTrace& trace, uint32_t arm) {
+  std::vector<double> times;
+  for (uint32_t frame = 0; frame < trace.frame_count; ++frame) {
+    times.push_back(kMsPerNs * static_cast<double>(trace.detection(frame, arm)));
+  }
+  return times;
+}
+
+double MedianBuild(const CostTrace& trace, uint32_t arm) {
+  std::vector<double> builds;
+  for (const TraceBurst& burst : trace.bursts) {
+    builds.push_back(
+        kMsPerNs * static_cast<double>(burst.detection_ns[size_t{arm} * trace.burst_frame_count]));
+  }
+  return Median(std::move(builds));
+}
+
+double HeldRatio(const CostTrace& trace, uint32_t arm) {
+  uint32_t held = 0;
+  for (uint32_t frame = 0; frame < trace.frame_count; ++frame) {
+    held += trace.held[frame * trace.arms.size() + arm];
+  }
+  return static_cast<double>(held) / trace.frame_count;
+}
+
+TracedArmSummary SummarizeArm(const CostTrace& trace, uint32_t arm) {
+  const TimeSummary times = Summarize(TimesOf(trace, arm));
+  TracedArmSummary summary;
+  summary.ms_mean = times.ms_mean;
+  summary.ms_median = times.ms_median;
+  summary.ms_p99 = times.ms_p99;
+  summary.held_ratio = HeldRatio(trace, arm);
+  summary.build_ms = MedianBuild(trace, arm);
+  return summary;
+}
+
+// Returns sums over windows of kWindowFrames frames; the last window may be shorter.
+template <typename ValueOf>
+std::vector<double> WindowSums(uint32_t frame_count, const ValueOf& value_of) {
+  std::vector<double> sums((frame_count + TraceSummary::kWindowFrames - 1) /
+                           TraceSummary::kWindowFrames);
+  for (uint32_t frame = 0; frame < frame_count; ++frame) {
+    sums[frame / TraceSummary::kWindowFrames] += static_cast<double>(value_of(frame));
+  }
+  return sums;
+}
+
+double Total(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+// Computes the control's ratio of two sums and the standard error of its linearization (W. Cochran,
+// Sampling Techniques, §6.3).
+void SummarizeControl(const CostTrace& trace, TraceSummary& summary) {
+  const auto control =
+      WindowSums(trace.frame_count, [&](uint32_t frame) { return trace.control_ns[frame]; });
+  const auto twin = WindowSums(
+      trace.frame_count, [&](uint32_t frame) { return trace.detection(frame, trace.control_arm); });
+  const double ratio = Total(control) / Total(twin);
+  double square_sum = 0;
+  for (size_t i = 0; i < control.size(); ++i) {
+    const double residual = control[i] - ratio * twin[i];
+    square_sum += residual * residual;
+  }
+  const auto count = static_cast<double>(control.size());
+  const double error = count < 2 ? 0 : std::sqrt(square_sum * count / (count - 1)) / Total(twin);
+  constexpr double kNormal95 = 1.96;
+  summary.control_ratio = ratio;
+  summary.control_low = ratio - kNormal95 * error;
+  summary.control_high = ratio + kNormal95 * error;
+}
+
+// Counts for each arm the windows in which it is the cheapest; returns the oracle's time over the
+// windows.
+double SummarizeWindows(const CostTrace& trace, TraceSummary& summary) {
+  std::vector<std::vector<double>> sums;
+  for (uint32_t arm = 0; arm < trace.arm_count(); ++arm) {
+    sums.push_back(
+        WindowSums(trace.frame_count, [&](uint32_t frame) { return trace.detection(frame, arm); }));
+  }
+  const size_t window_count = sums.front().size();
+  double oracle_ns = 0;
+  for (size_t window = 0; window < window_count; ++window) {
+    size_t best = 0;
+    for (size_t arm = 1; arm < sums.size(); ++arm) {
+      if (sums[arm][window] < sums[best][window]) best = arm;
+    }
+    summary.arms[best].best_ratio += 1.0 / static_cast<double>(window_count);
+    oracle_ns += sums[best][window];
+  }
+  return oracle_ns;
+}
+
+double FrameOracleNs(const CostTrace& trace) {
+  double oracle_ns = 0;
+  const auto arm_count = static_cast<ptrdiff_t>(trace.arms.size());
+  for (auto frame = trace.detection_ns.begin(); frame != trace.detection_ns.end();
+       frame += arm_count) {
+    oracle_ns += static_cast<double>(*std::min_element(frame, frame + arm_count));
+  }
+  return oracle_ns;
+}
+
+}  // namespace
+
+TraceSummary SummarizeTrace(const CostTrace& trace) {
+  TraceSummary summary;
+  for (uint32_t arm = 0; arm < trace.arm_count(); ++arm) {
+    summary.arms.push_back(SummarizeArm(trace, arm));
+    if (summary.arms[arm].ms_mean < summary.arms[summary.best_arm].ms_mean) summary.best_arm = arm;
+  }
+  const auto [min, max] = std::minmax_element(trace.object_count.begin(), trace.object_count.end());
+  summary.object_count_min = *min;
+  summary.object_count_max = *max;
+  summary.pair_count_mean =
+      std::accumulate(trace.pair_count.begin(), trace.pair_count.end(), 0.0) / trace.frame_count;
+  SummarizeControl(trace, summary);
+  const double best_ns = summary.arms[summary.best_arm].ms_mean / kMsPerNs * trace.frame_count;
+  // Rounding could make these values negative.
+  summary.window_headroom = std::max(0.0, 1 - SummarizeWindows(trace, summary) / best_ns);
+  summary.frame_headroom = std::max(0.0, 1 - FrameOracleNs(trace) / best_ns);
+  return summary;
+}
+
+}  // namespace sweepstake::cli

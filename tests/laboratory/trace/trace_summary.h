@@ -1,0 +1,51 @@
+// Summarizes a cost trace in a few numbers. Pure functions, safe from any thread. Times are in
+// milliseconds.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tests/laboratory/trace/cost_trace.h"
+
+namespace sweepstake::cli {
+
+struct TracedArmSummary {
+  double ms_mean = 0;
+  double ms_median = 0;
+  double ms_p99 = 0;
+  double best_ratio = 0;  // share of the windows in which it is the cheapest
+  double held_ratio = 0;  // share of the frames in which it was not measured
+  double build_ms = 0;    // a fresh structure's first frame, median over the bursts
+};
+
+struct TraceSummary {
+  // The cheapest arm is determined per window, because in a single frame it is too often due to
+  // noise.
+  static constexpr uint32_t kWindowFrames = 20;
+  // If the control differs by more than this, the arms were not measured under equal conditions.
+  static constexpr double kFairWithin = 0.005;
+
+  std::vector<TracedArmSummary> arms;
+  size_t best_arm = 0;  // with the minimum total time: the best fixed arm
+  uint32_t object_count_min = 0;
+  uint32_t object_count_max = 0;
+  double pair_count_mean = 0;
+  // Total time of the control ÷ that of its twin, and the 95 % interval of the ratio, whose
+  // standard error comes from the spread between windows; without two windows it has no width.
+  double control_ratio = 1;
+  double control_low = 1;
+  double control_high = 1;
+  // 1 − total time of the oracle ÷ that of the best fixed arm: the oracle takes the cheapest arm of
+  // every frame, or of every window.
+  double frame_headroom = 0;
+  double window_headroom = 0;
+
+  bool ControlIsFair() const {
+    return control_ratio > 1 - kFairWithin && control_ratio < 1 + kFairWithin;
+  }
+};
+
+// REQUIRES: ErrorOf(trace).empty().
+TraceSummary SummarizeTrace(const CostTrace& trace);
+
+}  // namespace sweepstake::cli

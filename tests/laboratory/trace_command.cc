@@ -1,0 +1,194 @@
+#include "tests/laboratory/laboratory.h"
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/text_table.h"
+#include "engine_client/cli/io/whole_file.h"
+#include "tests/laboratory/trace/cost_trace.h"
+#include "tests/laboratory/trace/trace_output.h"
+#include "tests/laboratory/trace/trace_pass.h"
+#include "tests/laboratory/trace/trace_run.h"
+
+namespace sweepstake::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using std::chrono::steady_clock;
+
+constexpr uint32_t kMaxFrames = 200'000;
+
+struct TraceCommandOptions {
+  std::vector<std::string> scenes;
+  std::vector<uint32_t> object_counts{1000};
+  uint64_t seed = 1;
+  uint32_t frames = 3000;
+  uint32_t repeats = 5;
+  std::vector<std::string> arms{"all"};
+  std::string out;
+  std::vector<std::string> costs;
+  std::string csv;
+  bool json = false;
+};
+
+// One trace and where its file is, or shall be.
+struct TraceJob {
+  SceneChoice scene;
+  std::string file;
+};
+
+Status Invalid(const std::string& message) { return {StatusCode::kInvalidArgument, message}; }
+
+Status CheckWords(const TraceCommandOptions& options, size_t job_count) {
+  if (options.scenes.empty() == options.costs.empty()) {
+    return Invalid("give --scene to trace a scene, or --costs to look at a trace");
+  }
+  if (options.scenes.empty() != options.out.empty()) {
+    return Invalid("--scene needs --out FILE.costs, and --costs takes no --out");
+  }
+  if (!options.csv.empty() && job_count != 1) return Invalid("--csv takes one trace at a time");
+  return {};
+}
+
+// SCENE-OBJECTS-SEED.costs in the folder --out, or --out itself for a single trace.
+std::vector<TraceJob> JobsOf(const TraceCommandOptions& options) {
+  std::vector<TraceJob> jobs;
+  for (const std::string& file : options.costs) {
+    jobs.emplace_back();
+    jobs.back().file = file;
+  }
+  const auto choices = ExpandScenes(options.scenes, options.object_counts, options.seed);
+  for (const SceneChoice& choice : choices) {
+    const std::string name = fs::path(choice.name).stem().string() + "-" +
+                             std::to_string(choice.object_count) + "-" +
+                             std::to_string(choice.seed) + ".costs";
+    const bool is_file = choices.size() == 1 && options.out.ends_with(".costs");
+    jobs.push_back({choice, is_file ? options.out : (fs::path(options.out) / name).string()});
+  }
+  return jobs;
+}
+
+// What is known before anything is measured.
+Status CheckPlaces(const TraceCommandOptions& options, const std::vector<TraceJob>& jobs) {
+  if (options.scenes.empty()) return {};
+  if (jobs.size() > 1 && options.out.ends_with(".costs")) {
+    return Invalid("--out names a folder where there are several traces, one file each");
+  }
+  if (jobs.size() > 1 || !options.out.ends_with(".costs")) {
+    std::error_code told_below;
+    fs::create_directories(options.out, told_below);
+  }
+  for (const TraceJob& job : jobs) {
+    if (const auto file = WholeFile::Create(job.file); !file.ok()) return file.status();
+    if (const auto scene = OpenScene(job.scene); !scene.ok()) return scene.status();
+  }
+  return {};
+}
+
+std::string TimeLeft(steady_clock::time_point start, double share) {
+  if (share <= 0) return "";
+  const double used_s = std::chrono::duration<double>(steady_clock::now() - start).count();
+  return ", " + Fixed(used_s / share * (1 - share), 0) + " s left";
+}
+
+Result<CostTrace> Measure(const TraceCommandOptions& options, const TraceJob& job,
+                          const std::vector<std::string>& arms, Terminal& terminal) {
+  constexpr uint64_t kParts = 1000;
+  Progress progress(terminal, "trace", kParts);
+  const std::string label =
+      job.scene.name + ", " + std::to_string(job.scene.object_count) + " objects";
+  const auto start = steady_clock::now();
+  auto trace = RunTrace({job.scene, arms, options.frames, options.repeats}, [&](double share) {
+    if (progress.due()) {
+      progress.Show(static_cast<uint64_t>(share * kParts), label + TimeLeft(start, share));
+    }
+  });
+  if (!trace.ok()) return trace;
+  if (const Status status = WriteCosts(job.file, *trace); !status.ok()) return status;
+  return trace;
+}
+
+int Trace(const TraceCommandOptions& options, Terminal& terminal) {
+  const std::vector<TraceJob> jobs = JobsOf(options);
+  if (const Status status = CheckWords(options, jobs.size()); !status.ok()) {
+    return Fail(terminal, status);
+  }
+  const auto arms = ChooseArms(options.arms);
+  if (!arms.ok()) return Fail(terminal, arms.status());
+  if (const Status status = CheckPlaces(options, jobs); !status.ok()) return Fail(terminal, status);
+  Json rows = Json::array();
+  for (const TraceJob& job : jobs) {
+    const auto trace =
+        options.scenes.empty() ? ReadCosts(job.file) : Measure(options, job, *arms, terminal);
+    if (!trace.ok()) return Fail(terminal, trace.status());
+    const TraceSummary summary = SummarizeTrace(*trace);
+    if (options.json) {
+      rows.push_back(TraceJson(*trace, summary, job.file));
+    } else {
+      PrintTrace(*trace, summary, job.file, terminal.out);
+    }
+    PrintControlWarning(*trace, summary, terminal.err);
+    if (options.csv.empty()) continue;
+    if (const Status status = WriteTraceCsv(*trace, options.csv); !status.ok()) {
+      return Fail(terminal, status);
+    }
+  }
+  if (options.json) PrintJson({{"command", "trace"}, {"rows", std::move(rows)}}, terminal.out);
+  return kDone;
+}
+
+void Declare(CLI::App& command, TraceCommandOptions& options) {
+  command
+      .add_option("--scene", options.scenes,
+                  "Scenes or .aabbs files, or all, changing, degenerate, mixtures")
+      ->delimiter(',');
+  command.add_option("--objects", options.object_counts, "Object counts")
+      ->check(CLI::Range(1U, 1'000'000U))
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--frames", options.frames, "Frames of the trace")
+      ->check(CLI::Range(kBurstFrames, kMaxFrames))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of the scenes")
+      ->check(NotNegative())
+      ->capture_default_str();
+  command
+      .add_option("--repeats", options.repeats,
+                  "Runs of the scene; the trace holds the lower quartiles, which what disturbs "
+                  "the machine does not move")
+      ->check(CLI::Range(uint32_t{1}, uint32_t{99}))
+      ->capture_default_str();
+  command.add_option("--arms", options.arms, "all, or names of backends")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--out", options.out,
+                     "File to write; for several scenes or counts the folder of their files");
+  command.add_option("--costs", options.costs, "Look at these traces in place of making one")
+      ->delimiter(',');
+  command.add_option("--csv", options.csv, "The trace as a table, a line per frame and arm");
+  command.add_flag("--json", options.json, "One JSON document on stdout");
+}
+
+}  // namespace
+
+void AddTraceCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  AddCommand<TraceCommandOptions>(
+      app, "trace", "Time every arm on every frame of a scene, for `sweepstake-lab replay`",
+      "  sweepstake-lab trace --scene hurricane --objects 3000 --out hurricane.costs\n"
+      "  sweepstake-lab trace --scene brownian,suite-g --objects 1000,10000 --out traces/ --json\n"
+      "  sweepstake-lab trace --scene suite-b --out b.costs --csv b.csv\n"
+      "  sweepstake-lab trace --costs b.costs --csv b.csv\n"
+      "All arms see the same frames and take turns; a second structure of one of them is the A/A\n"
+      "control. In bursts, every 60 frames, fresh structures show what a switch costs. An arm 16\n"
+      "times as slow as the cheapest is measured on one frame in 20 or fewer, and its time "
+      "held.\n" +
+          SceneHelp(),
+      exit_code, Declare,
+      [&terminal](const TraceCommandOptions& options) { return Trace(options, terminal); });
+}
+
+}  // namespace sweepstake::cli
