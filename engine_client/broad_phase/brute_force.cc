@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// A part with fewer rows or boxes takes less time than waking a thread.
+// Minimum work per part: a smaller part takes less time than waking a thread.
 constexpr size_t kMinRowsPerPart = 512;
 constexpr size_t kMinBoxesPerPart = 2048;
 

@@ -1,4 +1,4 @@
-// The only list of all backends: a new one adds its line here.
+// The only list of all backends. Add a line here for a new backend.
 #include <array>
 
 #include "engine_client/broad_phase/brute_force.h"
@@ -20,7 +20,7 @@ struct Family {
   std::unique_ptr<BroadPhase> (*make)(const BroadPhaseOptions&);
 };
 
-// The paper's order (Table 1).
+// In the order of the paper's Table 1.
 constexpr std::array kFamilies = {
     Family{"BruteForce", MakeBruteForce}, Family{"Grid", MakeGrid}, Family{"SAP", MakeSap},
     Family{"AxisSweep", MakeAxisSweep},   Family{"DBVT", MakeDbvt}, Family{"Tracy", MakeTracy},

@@ -31,10 +31,10 @@ HWY_EXPORT(TargetOfKernels);
 
 struct Level {
   std::string_view name;
-  int64_t targets;  // Highway's
+  int64_t targets;  // bits of Highway's targets
 };
 
-// The best of each architecture first.
+// For each architecture, the best level comes first.
 constexpr std::array kLevels = {
     Level{"avx512", HWY_AVX3_DL | HWY_AVX3},
     Level{"avx2", HWY_AVX2},
@@ -45,7 +45,7 @@ constexpr std::array kLevels = {
     Level{"scalar", HWY_EMU128 | HWY_SCALAR},
 };
 
-// What the machine has and kernels are compiled for.
+// The instruction sets that the machine has and that kernels are compiled for.
 class Usable {
  public:
   Usable() {
@@ -57,8 +57,8 @@ class Usable {
   }
 
   std::span<const std::string_view> names() const { return {names_.data(), count_}; }
-  // Returns Highway's targets without those that are better than the level of this name: the better
-  // one has the lower bit. A later Highway may have targets that no level names.
+  // Returns Highway's targets without those better than the level of this name. A better target has
+  // a lower bit. A later version of Highway may have targets that no level names.
   int64_t NoBetterThan(std::string_view name) const {
     for (const Level& level : kLevels) {
       const int64_t named = targets_ & level.targets;
@@ -81,7 +81,7 @@ const Usable& UsableTargets() {
 
 constexpr const char* kVariable = "SWEEPSTAKE_CLIENT_SIMD";
 
-// By the program, over which the environment does not go.
+// True once the program has chosen an instruction set; the environment variable is then ignored.
 std::atomic<bool> is_chosen{false};
 
 Status ReadEnvironment() {
@@ -97,7 +97,7 @@ Status ReadEnvironment() {
 std::span<const std::string_view> SimdTargets() { return UsableTargets().names(); }
 
 std::string_view SimdTarget() {
-  // A wrong variable is told by who makes a broad phase.
+  // MakeBroadPhase reports an invalid variable; here the error is ignored.
   (void)UseSimdTargetOfEnvironment();
   const int64_t target = HWY_DYNAMIC_DISPATCH(TargetOfKernels)();
   for (const Level& level : kLevels) {
@@ -110,9 +110,11 @@ Status UseSimdTarget(std::string_view name) {
   for (const std::string_view usable : SimdTargets()) {
     if (usable != name) continue;
     is_chosen = true;
-    // DisableTargets of Highway 1.0 is undone by whoever asks for the supported targets next.
+    // hwy::SetSupportedTargetsForTest is used because DisableTargets of Highway 1.0 is undone by
+    // the next query of the supported targets.
     hwy::SetSupportedTargetsForTest(UsableTargets().NoBetterThan(name));
-    // Highway chooses at the next call. This is one, so that none of a broad phase pays for it.
+    // Highway dispatches at the next call. This call does so now, so that no broad phase pays for
+    // it.
     HWY_DYNAMIC_DISPATCH(TargetOfKernels)();
     return {};
   }

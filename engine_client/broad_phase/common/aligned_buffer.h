@@ -2,8 +2,8 @@
 // backends store their data in it, so that a steady scene allocates nothing and native_bytes() is a
 // sum of capacity_bytes().
 //
-// Not thread-safe. Owns its memory, which comes from the hooks, until destruction; movable. Without
-// memory: OutOfMemory (sweepstake/hooks.h).
+// Not thread-safe. Owns its memory, which comes from the hooks, until destruction; movable. If
+// memory runs out, it calls OutOfMemory (sweepstake/hooks.h).
 #pragma once
 
 #include <algorithm>
@@ -70,7 +70,7 @@ class AlignedBuffer {
 
  private:
   // Grows by half, so that a count that rises frame by frame seldom allocates. The first allocation
-  // is exact.
+  // has exactly the requested size.
   size_t GrownCapacity(size_t count) const { return std::max(count, capacity_ + capacity_ / 2); }
 
   static T* Allocate(size_t count) {

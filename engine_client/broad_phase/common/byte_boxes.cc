@@ -10,7 +10,7 @@
 #define SWEEPSTAKE_BYTE_BOXES_ONCE
 namespace sweepstake {
 
-// The function q of all three axes, in the layout of a record's halves.
+// The function q (byte_boxes.h) for all three axes, in the layout of a record's halves.
 struct ByteScale {
   alignas(16) float origin[4];
   alignas(16) float scale[4];

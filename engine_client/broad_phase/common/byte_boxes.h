@@ -1,5 +1,5 @@
-// Boxes for scans over very many of them: each coordinate also as a byte, so that one register
-// compares 64 boxes, and the exact boxes to test the candidates that remain.
+// Boxes for scans over very large numbers of boxes. Each coordinate is also stored as a byte, so
+// that one register compares 64 boxes. The exact boxes are kept to test the remaining candidates.
 //
 // A monotone function q maps a coordinate to [0, 255]; it is linear over the range of most boxes
 // and constant outside. a.min <= b.max implies q(a.min) <= q(b.max): boxes that overlap also
@@ -21,9 +21,9 @@
 
 namespace sweepstake {
 
-// Positions on the sweep axis: the exact coordinate, or whole steps from 0 to `last`, which are
-// monotone like q. A sweep needs its slots sorted by position only; with steps it tests a few more
-// boxes and is still correct.
+// Positions on the sweep axis: either the exact coordinate, or whole steps from 0 to `last`, which
+// are monotone like q. A sweep needs its slots sorted by position only. With steps it tests a few
+// more boxes and stays correct.
 struct SweepAxis {
   bool exact = true;
   float low = 0;
@@ -55,14 +55,14 @@ struct ByteLanes {
 class ByteBoxes {
  public:
   // The maximum number of slots that a kernel compares at a time. The slots behind the last box, up
-  // to the next multiple, hold kInvalidRecord; there is at least one.
+  // to the next multiple of kGranule, hold kInvalidRecord. There is at least one such slot.
   static constexpr size_t kGranule = 64;
 
   // Makes room for `count` boxes whose records are stored by slot; `swept` boxes have positions on
   // the sweep axis.
   void Resize(size_t count, bool swept);
-  // Makes room for `count` swept boxes whose records are borrowed: stored by id, ended by a
-  // kInvalidRecord.
+  // Makes room for `count` swept boxes with borrowed records. Records are indexed by id, and a
+  // kInvalidRecord follows the last one.
   void ResizeFor(const BoxRecord* records, size_t count);
   // Returns the box of each slot. The caller writes count() ids before Fill.
   uint32_t* ids() { return ids_.data(); }

@@ -22,7 +22,7 @@ struct Candidates {
   uint32_t row;
   uint32_t at;
 };
-// Candidates are collected before they are tested.
+// Capacity of the list of candidates that are collected before they are tested exactly.
 constexpr size_t kCandidatesRoom = 256;
 
 // Tests candidates exactly. A box's record is at its slot, or at its id if kById. One loop runs
@@ -62,7 +62,8 @@ HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, siz
   cursor.Advance(found);
 }
 
-// x86 has an instruction for it, behind which StoreMaskBits has others that extend its result.
+// Returns the mask as bits. x86 has one instruction for this; hn::StoreMaskBits would add
+// instructions that extend its result.
 HWY_INLINE uint64_t BitsOf([[maybe_unused]] Bytes d, hn::Mask<Bytes> mask) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
   return mask.raw;
@@ -105,7 +106,7 @@ HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes
   return BitsOf(d, hn::Eq(gap, hn::Zero(d)));
 }
 
-// As Compare, of `step` slots, which are some registers.
+// Does the same as Compare for `step` slots, which fill one or more registers.
 template <bool kSwept>
 HWY_INLINE uint64_t CompareStep(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at,
                                 size_t step) {
@@ -121,9 +122,9 @@ HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
   return row + 1 - at < 64 ? ~uint64_t{0} << (row + 1 - at) : 0;
 }
 
-// Scans tiles of kRowsPerTile rows from `row` on, kRegisters registers of slots at a time, to `end`
-// or until there have been `max_checks`. Returns the checks, and in `row` where it ended. Not
-// inlined: what its caller keeps would take registers.
+// Scans tiles of kRowsPerTile rows from `row_to_scan` on, with kRegisters registers of slots at a
+// time. Stops at `end` or after `max_checks` checks. Returns the number of checks and stores the
+// next row in `row_to_scan`. Not inlined, since the caller's variables would occupy registers.
 template <bool kSwept, bool kById, size_t kRegisters>
 HWY_NOINLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t& row_to_scan, size_t end,
                                 uint64_t max_checks, PairBuffer& out) {
@@ -148,7 +149,7 @@ HWY_NOINLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t& row_to_sc
     float tile_end = 0;
     if constexpr (kSwept)
       tile_end = *std::max_element(lanes.end + row, lanes.end + row + kRowsPerTile);
-    // Compares them with a step of slots at a time, from the one that holds the first row.
+    // Compares the tile with a step of slots at a time, from the step that holds the first row.
     const size_t first = row / step * step;
     size_t at = first;
     for (; at < lanes.count; at += step) {
@@ -195,16 +196,16 @@ uint64_t Scan(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
   return checks;
 }
 
-// The more pairs, the more of the steps have candidates: whether one has cannot be predicted then,
-// so that half as many steps are faster, though a step costs more than two of one register. Two
-// registers at a time are faster with fewer slots by slots for each pair than this (AMD Zen 4,
+// Below this number of slots² per expected pair, steps of two registers are faster than steps of
+// one. With many pairs, whether a step has candidates cannot be predicted. Half as many steps are
+// then faster, although each costs more than two steps of one register. Measured on AMD Zen 4 with
 // `sweepstake bench --simd avx2,sse4 --arms BruteForce`, suites b, g and h with 1,000 to 10,000
-// boxes). Other sets of 128 bits are taken as SSE4, since they were not timed.
+// boxes. Other 128-bit instruction sets were not timed and use SSE4's value.
 constexpr uint64_t kSlotsPerPair = HWY_MAX_BYTES == 32 ? 900 : 250;
 
 uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end,
                  [[maybe_unused]] size_t expected_pairs, PairBuffer& out, StopRequest* stop) {
-#if HWY_MAX_BYTES != 64  // a register there is a granule, and a step
+#if HWY_MAX_BYTES != 64  // with 64 bytes one register is a whole granule
   if (expected_pairs * kSlotsPerPair > uint64_t{lanes.count} * lanes.count)
     return Scan<false, false, 2>(lanes, begin, end, out, stop);
 #endif
@@ -217,7 +218,7 @@ uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer&
   return Scan<true, false, 1>(lanes, begin, end, out, stop);
 }
 
-// Timed with AVX-512, AVX2 and SSE4; whatever else runs is taken as SSE4.
+// Measured with AVX-512, AVX2 and SSE4. Other instruction sets use SSE4's value.
 double CheckNs() {
   constexpr double kNsOf64 = HWY_MAX_BYTES == 64 ? 1.25 : HWY_MAX_BYTES == 32 ? 2.25 : 3.6;
   return kNsOf64 / 64;

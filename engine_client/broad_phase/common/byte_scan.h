@@ -19,16 +19,16 @@ namespace sweepstake {
 inline constexpr size_t kRowsPerTile = 4;
 
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of
-// AABB checks. How many pairs all slots are expected to have changes the time alone. Both ask
-// `stop`, which may be null, between tiles.
+// AABB checks. `expected_pairs`, the expected number of pairs of all slots, affects only the time.
+// Both functions poll `stop`, which may be null, between tiles.
 uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, size_t expected_pairs,
                         PairBuffer& out, StopRequest* stop);
 // Appends each overlapping pair of a swept slot in [begin, end) and a later slot; returns the
 // number of AABB checks. A tile is not compared with slots that begin after its boxes have ended.
 uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
                           StopRequest* stop);
-// Returns about what a check of a sweep takes in ns, candidates included, with the instruction set
-// that runs.
+// Returns the approximate time of one check of a sweep in ns, with the instruction set that runs.
+// It includes the exact tests of candidates.
 double SweptCheckNs();
 
 }  // namespace sweepstake

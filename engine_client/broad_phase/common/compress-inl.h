@@ -1,9 +1,9 @@
-// Moves the lanes that a mask has to the front of a register, for every target of Highway. Include
-// after hwy/foreach_target.h.
+// Moves the lanes that are set in a mask to the front of a register, for every target of Highway.
+// Include after hwy/foreach_target.h.
 //
-// AVX-512 and SVE have an instruction for it. Elsewhere it is a shuffle, whose indices are looked
-// up: hn::Compress of Highway 1.0 does that too, but in a table which gcc 12 copies to the stack, 1
-// KiB of it, in every call. That took more than half of a search.
+// AVX-512 and SVE have an instruction for it. Other targets use a shuffle with indices from a
+// table. hn::Compress of Highway 1.0 also does so, but gcc 12 copies its table (1 KiB) to the stack
+// in every call. That took more than half of a search.
 #if defined(SWEEPSTAKE_COMPRESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_COMPRESS_INL_H_
 #undef SWEEPSTAKE_COMPRESS_INL_H_
@@ -22,8 +22,8 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Returns the lanes of `values` whose bits are set (BitsOfMask), in their order; those behind them
-// are any. REQUIRES: lanes of 32 bits.
+// Returns the lanes of `values` whose bits are set (BitsOfMask), in their order. The lanes behind
+// them are unspecified. REQUIRES: lanes of 32 bits.
 template <class V>
 HWY_INLINE V CompressBits(V values, uint32_t bits) {
   using D = hn::DFromV<V>;
@@ -43,7 +43,7 @@ HWY_INLINE V CompressBits(V values, uint32_t bits) {
 #endif
 }
 
-// As CompressBits, of a mask.
+// Does the same as CompressBits, for a mask.
 template <class V, class M>
 HWY_INLINE V CompressLanes(V values, M mask) {
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON

@@ -1,5 +1,4 @@
-// Where the lanes of a register come from when those of a mask move to its front
-// (compress-inl.h).
+// Source lanes for moving the lanes of a mask to the front of a register (compress-inl.h).
 #pragma once
 
 #include <array>
@@ -9,9 +8,9 @@
 namespace sweepstake {
 
 struct CompressTable {
-  // Entry m has the set bits of m in rising order, then zeros.
+  // Entry m lists the set bits of m in ascending order, then zeros.
   std::array<std::array<uint8_t, 8>, 256> of8{};
-  // The same for 4 lanes of 32 bits, as the places of their bytes.
+  // The same for 4 lanes of 32 bits, as the indices of their bytes.
   alignas(16) std::array<std::array<uint8_t, 16>, 16> bytes_of4{};
 };
 

@@ -11,14 +11,14 @@ namespace sweepstake {
 namespace {
 
 constexpr size_t kSampleCount = 128;
-// Below this number of boxes a smaller sample is taken, since the full one would cost as much as
-// sorting them.
+// Fewer boxes than this get the smaller sample, since the full one would cost as much as sorting
+// them.
 constexpr size_t kFewBoxes = 4096;
 constexpr size_t kSmallSampleCount = 64;
-// This many values at either end of the sample may be outliers: one box at 1e30 must not map all
-// others to one value.
+// The number of values at either end of the sample that are treated as outliers. A box at 1e30 must
+// not map all others to one value.
 constexpr size_t kTail = 2;
-constexpr float kMaxBound = 1e38F;  // the difference of two bounds is finite
+constexpr float kMaxBound = 1e38F;  // so that the difference of two bounds is finite
 
 struct AxisSample {
   float low[kSampleCount] = {};
@@ -31,8 +31,8 @@ struct AxisSample {
   }
 };
 
-// Returns the index of the k-th draw. The draws have no period, since objects often come in classes
-// by index modulo some number.
+// Returns the index of the k-th draw. The draws have no period, since the kind of an object often
+// depends on its index modulo some number.
 size_t DrawIndex(size_t k, size_t box_count) {
   const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // a fraction of 1, times 2^32
   return static_cast<size_t>((fraction * box_count) >> 32);

@@ -1,7 +1,7 @@
-// The range that holds most of a scene, estimated from a sample, over which coordinates are
-// quantised; and the axis along which a sweep compares the fewest boxes.
+// The range that holds most boxes of a scene, estimated from a sample; coordinates are quantised
+// over it. Also the axis along which a sweep compares the fewest boxes.
 //
-// Correctness must not depend on it: boxes may lie outside, and outliers do.
+// Correctness must not depend on the range: outliers lie outside it.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Registers that divide sixteen floats, the width of every node and leaf, for every target of
-// Highway. Include after hwy/foreach_target.h.
+// Registers whose number of lanes divides sixteen, the width of every node and leaf, for every
+// target of Highway. Include after hwy/foreach_target.h.
 #if defined(SWEEPSTAKE_LANES16_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_LANES16_INL_H_
 #undef SWEEPSTAKE_LANES16_INL_H_
@@ -36,14 +36,14 @@ HWY_INLINE float MaxOf16(const float* values) {
   return hn::GetLane(hn::MaxOfLanes(d, max));
 }
 
-// Returns the numbers first, first + 1 and so on. Iota with a number that is not constant is slow,
-// since it writes the lanes one by one.
+// Returns the numbers first, first + 1 and so on. hn::Iota with a variable start is slow, since it
+// writes the lanes one by one.
 template <class DU>
 HWY_INLINE hn::Vec<DU> NumbersFrom(DU du, size_t first) {
   return hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(first)));
 }
 
-// Returns the mask as bits, of which bit k is lane k. REQUIRES: sixteen lanes or less.
+// Returns the mask as bits; bit k is lane k. REQUIRES: sixteen lanes or fewer.
 template <class D>
 HWY_INLINE uint32_t BitsOfMask([[maybe_unused]] D d, hn::Mask<D> mask) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
@@ -55,7 +55,7 @@ HWY_INLINE uint32_t BitsOfMask([[maybe_unused]] D d, hn::Mask<D> mask) {
 #endif
 }
 
-// Returns the mask that has these bits.
+// Returns the mask with these bits set.
 template <class D>
 HWY_INLINE hn::Mask<D> MaskOfBits([[maybe_unused]] D d, uint32_t bits) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86

@@ -1,7 +1,7 @@
 // Vector forms of the overlap test of aabb.h, for every target of Highway. Include after
 // hwy/foreach_target.h, use inside HWY_NAMESPACE, and dispatch once per operation.
 //
-// All read boxes that lie in columns with padding, so that a whole register may be read behind the
+// All functions read boxes in columns with padding, since they may read a whole register behind the
 // last box. A lane of a comparison counts as one AABB check.
 #if defined(SWEEPSTAKE_OVERLAP_KERNEL_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_OVERLAP_KERNEL_INL_H_
@@ -40,8 +40,8 @@ HWY_INLINE M Both(M a, M b) {
 #endif
 }
 
-// Returns the lanes from slot `at` on that overlap `box`, whose axes are in the lanes' order. The
-// comparisons form two chains, so that half of them do not wait for the other half.
+// Returns the lanes from slot `at` on that overlap `box`, whose axes are in the order of `lanes`.
+// The comparisons form two independent chains, so that the processor can run them in parallel.
 template <class D>
 HWY_INLINE hn::Mask<D> Hits(D d, const Aabb& box, const BoxLanes& lanes, size_t at) {
   auto begins = hn::Le(hn::LoadU(d, lanes.min[0] + at), hn::Set(d, box.max[0]));
@@ -73,10 +73,10 @@ HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
   return hn::Not(hn::FirstN(d, first > at ? first - at : 0));
 }
 
-// Stores (self, partner) with a < b of the partners in the first `count` lanes: half a register of
-// pairs, and the other half where they need it or kAlways. Always is faster where they often do.
-// Grid's search has its own (StoreFewHits), which takes a fifth less time there with AVX-512 and up
-// to a fifth more in KDTree and DBVT.
+// Stores the pairs (self, partner), with a < b, of the partners in the first `count` lanes. It
+// stores half a register of pairs, and the other half if `count` needs it or if kAlways. kAlways is
+// faster if the second half is often needed. Grid's search has its own function (StoreFewHits).
+// That one takes a fifth less time there with AVX-512, and up to a fifth more in KDTree and DBVT.
 template <bool kAlways, class V>
 HWY_INLINE void StorePairs(V self, V partners, [[maybe_unused]] size_t count, OverlapPair* out) {
   const hn::DFromV<V> du;
@@ -85,8 +85,8 @@ HWY_INLINE void StorePairs(V self, V partners, [[maybe_unused]] size_t count, Ov
 #else
   const size_t half = hn::Lanes(du) / 2;
 #if HWY_MAX_BYTES == 64
-  // Every partner twice, of which the left one gives way to the lesser id, the right one to the
-  // greater. Interleaving takes twice as many instructions.
+  // Duplicates every partner, then puts the smaller id on the left and the larger on the right.
+  // Interleaving takes twice as many instructions.
   const auto pairs_from = [&](size_t first) HWY_ATTR {
     const auto lanes = hn::ShiftRight<1>(NumbersFrom(du, 2 * first));
     const auto twice = hn::TableLookupLanes(partners, hn::IndicesFromVec(du, lanes));

@@ -1,5 +1,5 @@
 // Writes a kernel's pairs to a PairBuffer. Room is claimed in chunks, so that the inner loop
-// compares two registers only.
+// compares two variables only.
 //
 // Not thread-safe. Borrows the buffer; Flush makes the written pairs part of its content. Vector
 // stores may overrun the claimed room by PairBuffer::kSlack pairs.
@@ -37,7 +37,7 @@ class PairCursor {
   }
 
  private:
-  // The first capacity of a PairBuffer, so that a small scene claims once.
+  // Equal to the first capacity of a PairBuffer, so that a small scene claims room once.
   static constexpr size_t kChunk = 1024;
 
   void Claim(size_t count) {

@@ -62,9 +62,10 @@ inline size_t PartCount(const Executor* executor, size_t item_count, size_t item
 // does not depend on the number of threads. Owns one pair buffer per part, kept between calls.
 class PairParts {
  public:
-  // Calls find(begin, end, pairs) for each part's items; it appends to `pairs`, which is `out`
-  // itself for the first part, and returns its AABB checks. Returns the sum of the checks. After
-  // `stop`, which `find` asks too, no part begins, and `out` gets the pairs of the first alone.
+  // Calls find(begin, end, pairs) for each part's items and returns the sum of the checks. `find`
+  // appends to `pairs`, which is `out` itself for the first part, and returns its AABB checks.
+  // After `stop`, which `find` polls too, no further part starts, and `out` gets only the first
+  // part's pairs.
   template <typename Find>
   uint64_t Run(Executor* executor, size_t item_count, size_t items_min, size_t granule,
                PairBuffer& out, const Find& find, StopRequest* stop = nullptr) {

@@ -48,7 +48,7 @@ void RadixSort::Sort(AlignedBuffer<uint64_t>& items, size_t count, StopRequest* 
   }
 }
 
-// Returns false once `stop` is to end the sort, as does Scatter.
+// Returns false if `stop` ended the sort. Scatter does the same.
 bool RadixSort::CountDigits(const uint64_t* items, size_t count, StopRequest* stop) {
   starts_.EnsureDiscarding(kPasses * kBuckets);
   std::fill_n(starts_.data(), kPasses * kBuckets, 0U);
@@ -68,7 +68,7 @@ bool RadixSort::Scatter(size_t pass, AlignedBuffer<uint64_t>& items, size_t coun
                         StopRequest* stop) {
   uint32_t* const starts = starts_.data() + pass * kBuckets;
   const uint64_t* const from = items.data();
-  if (starts[Digit(from[0], pass)] == count) return true;  // One bucket holds all.
+  if (starts[Digit(from[0], pass)] == count) return true;  // all items are in one bucket
   uint32_t sum = 0;
   for (size_t bucket = 0; bucket < kBuckets; ++bucket) sum += std::exchange(starts[bucket], sum);
   uint64_t* const to = spare_.data();

@@ -34,8 +34,8 @@ class RadixSort {
  public:
   // Returns `count` items, which the caller fills with PackSortItem; valid until the next call.
   std::span<uint64_t> Items(size_t count);
-  // Sorts these items; those of equal rank keep their order. The result is valid until the next
-  // call. Asks `stop`, which may be null; the items are undefined once that is true.
+  // Sorts these items; items of equal rank keep their order. The result is valid until the next
+  // call. Polls `stop`, which may be null; after a stop the items are undefined.
   std::span<const uint64_t> Sort(StopRequest* stop = nullptr);
   // Sorts the first `count` of the caller's items; swaps their storage with the sorter's.
   void Sort(AlignedBuffer<uint64_t>& items, size_t count, StopRequest* stop = nullptr);

@@ -1,10 +1,10 @@
-// When a structure that motion has made worse is worth rebuilding, and over how many frames the
-// rebuild is spread.
+// Decides when a structure that motion has degraded is worth rebuilding, and over how many frames
+// to spread the rebuild.
 //
-// The longer ago a structure was built, the more checks a search in it makes. Its debt is the sum
-// of the checks above those of the cheapest search since the latest rebuild. A rebuild is due when
-// the debt exceeds what the rebuild costs: neither waiting nor rebuilding then costs more than
-// twice the best choice.
+// The older a structure is, the more checks a search in it makes. Its debt is the sum of the checks
+// above those of the cheapest search since the latest rebuild. A rebuild is due when the debt
+// exceeds the cost of the rebuild. The total cost is then at most twice that of the best possible
+// choice.
 //
 // Not thread-safe: plain values. Units: AABB checks, or a fixed multiple of them.
 #pragma once
@@ -31,9 +31,9 @@ class RebuildDebt {
   uint64_t excess_checks_ = 0;
 };
 
-// Returns the cost of a search in checks, of which writing a pair counts as 8. With 4 or 16
-// KDTree's mean frame is within 3 % with AVX-512, AVX2 and SSE4 (`sweepstake bench`, suites b and
-// g).
+// Returns the cost of a search in checks. Writing a pair counts as 8 checks. With 4 or 16 instead,
+// KDTree's mean frame changes by at most 3 % with AVX-512, AVX2 and SSE4 (`sweepstake bench`,
+// suites b and g).
 constexpr uint64_t SearchCost(uint64_t checks, uint64_t pair_count) {
   return checks + 8 * pair_count;
 }

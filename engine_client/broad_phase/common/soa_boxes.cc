@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Invalid boxes are rare: a register of the arrays is written only if it holds one.
+// Invalid boxes are rare: a register is written back only if it holds one.
 void ReplaceInvalidBoxes(float* const* columns, size_t padded_count) {
   const HWY_FULL(float) d;
   const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());

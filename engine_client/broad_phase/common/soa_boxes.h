@@ -13,8 +13,8 @@
 
 namespace sweepstake {
 
-// A view of SoaBoxes, valid until its next Gather. The first axis is the one that the caller asked
-// for, the others follow in cyclic order: overlap does not depend on the order of the axes.
+// A view of SoaBoxes, valid until its next Gather. The caller chooses the first axis, and the
+// others follow in cyclic order. Overlap does not depend on the order of the axes.
 struct BoxLanes {
   const float* min[3];
   const float* max[3];

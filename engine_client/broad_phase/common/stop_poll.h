@@ -1,8 +1,8 @@
-// Asks a StopRequest (broad_phase.h) now and then: StopPoll during a search, ForEachBlock while
+// Polls a StopRequest (broad_phase.h) at intervals: StopPoll during a search, ForEachBlock while
 // boxes are loaded and sorted.
 //
-// Not thread-safe: each kernel call has its own. Borrows the request and the buffer. Cost: one
-// comparison, without a request too.
+// Not thread-safe: each kernel call has its own object. Borrows the request and the buffer. Cost:
+// one comparison per poll point, even without a request.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,8 @@ namespace sweepstake {
 
 class StopPoll {
  public:
-  // 10 µs of comparisons in bytes, and 2 ms or 4 MiB where each check is a pair.
+  // The number of checks between two polls. They take 10 µs if comparisons in bytes find no pair,
+  // and 2 ms (4 MiB of pairs) if each check finds one.
   static constexpr uint64_t kChecksPerQuestion = uint64_t{1} << 19;
 
   // `stop` may be null; `out` is the buffer that the search grows.
@@ -29,21 +30,21 @@ class StopPoll {
         next_(stop == nullptr ? std::numeric_limits<uint64_t>::max() : kChecksPerQuestion) {}
   StopPoll(const StopPoll&) = delete;
   StopPoll& operator=(const StopPoll&) = delete;
-  // Tells how far the buffer has grown since the last question.
+  // Reports to the request how far the buffer has grown since the last poll.
   ~StopPoll() {
     if (stop_ != nullptr) stop_->WantsStop(NewBytes());
   }
 
   // Returns whether to end the search, which has made `check_count` checks so far.
   bool Ends(uint64_t check_count) { return check_count >= next_ && Ask(check_count); }
-  // Returns the number of checks at which to call Ends next; the greatest there is without a
+  // Returns the number of checks at which to call Ends next, or the maximum value without a
   // request.
   uint64_t next_question() const { return next_; }
   // Returns whether Ends has returned true.
   bool has_ended() const { return next_ == 0; }
 
  private:
-  // Not inlined: its call would take registers of the kernels' loops.
+  // Not inlined, since the inlined call would occupy registers of the kernels' loops.
   HWY_NOINLINE bool Ask(uint64_t check_count) {
     if (next_ == 0) return true;
     next_ = stop_->WantsStop(NewBytes()) ? 0 : check_count + kChecksPerQuestion;
@@ -59,19 +60,19 @@ class StopPoll {
   StopRequest* const stop_;
   const PairBuffer& out_;
   uint64_t known_bytes_;
-  uint64_t next_;  // the number of checks at which to ask; 0 once the search has ended
+  uint64_t next_;  // the number of checks at which to poll next; 0 once the search has ended
 };
 
-// Returns whether a call is to end. `stop` may be null.
+// Returns whether the call must end. `stop` may be null.
 inline bool IsStopped(StopRequest* stop) { return stop != nullptr && stop->WantsStop(0); }
 
-// The number of boxes that are loaded, or moved by one pass of a sort, between two questions: 1 ms
-// or less where each of them misses the caches. A multiple of every granule of a part.
+// The number of boxes that are loaded, or moved by one pass of a sort, between two polls. They take
+// 1 ms or less, even if each of them misses the caches. A multiple of the granule of every part.
 inline constexpr size_t kBoxesPerQuestion = size_t{1} << 15;
 
-// Calls fn(from, to) for one block of the items [begin, end) after the other, and asks `stop`
-// before each. Returns false once the call is to end; the other items are then left out. Without a
-// request all items are one block, so that a loop costs what it would cost alone.
+// Calls fn(from, to) for consecutive blocks of the items [begin, end), and polls `stop` before
+// each. Returns false if the call must end; the remaining items are then skipped. Without a request
+// all items form one block, so that the loop has no extra cost.
 template <typename Fn>
 bool ForEachBlock(StopRequest* stop, size_t begin, size_t end, const Fn& fn,
                   size_t block = kBoxesPerQuestion) {

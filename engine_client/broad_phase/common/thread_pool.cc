@@ -1,4 +1,4 @@
-// The thread pool of executor.h: one atomic word holds the job's number and its unclaimed parts.
+// The thread pool of executor.h. One atomic word holds the job's number and its unclaimed parts.
 #include <atomic>
 #include <cassert>
 #include <condition_variable>
@@ -17,8 +17,8 @@
 namespace sweepstake {
 namespace {
 
-// A thread spins long enough to see the next parallel loop of the same frame: waking it from sleep
-// would take a large part of the frame.
+// The number of pause instructions before a thread sleeps. A thread spins long enough to see the
+// next parallel loop of the same frame. Waking it from sleep would take a large part of the frame.
 constexpr int kSpinsBeforeSleep = 6000;
 
 void Pause() {
@@ -32,7 +32,8 @@ void Pause() {
 class ThreadPool final : public Executor {
  public:
   ThreadPool() = default;
-  // Not part of the constructor: should the system refuse a thread, the destructor ends the others.
+  // Not part of the constructor: if the system fails to create a thread, the destructor still joins
+  // the others.
   void Start(size_t thread_count) {
     workers_.reserve(thread_count - 1);
     for (size_t i = 1; i < thread_count; ++i) {
@@ -63,29 +64,28 @@ class ThreadPool final : public Executor {
   }
 
  private:
-  // The fields of job_, from the top: the number of the job (32 bits), the first unclaimed part and
-  // the one behind the last unclaimed part (16 bits each).
+  // The fields of job_, from the highest bits: the number of the job (32 bits), the first unclaimed
+  // part and the end of the unclaimed parts (16 bits each).
   static constexpr uint64_t kLast = 0xFFFF;
   static constexpr uint64_t First(uint64_t job) { return job >> 16 & kLast; }
   static constexpr uint64_t Behind(uint64_t job) { return job & kLast; }
   static constexpr bool HasUnclaimed(uint64_t job) { return First(job) < Behind(job); }
 
-  // The caller claims parts from the front, the workers from the back, so that a thread mostly
-  // reads in the next loop what it wrote in the last one and finds it in its own cache.
+  // The caller claims parts from the front, the workers from the back. A thread then mostly reads
+  // in the next loop what it wrote in the last one, from its own cache.
   enum class End { kFront, kBack };
 
   void Publish(uint64_t part_count) noexcept {
     const uint64_t number = (job_.load(std::memory_order_relaxed) >> 32) + 1;
     job_.store(number << 32 | part_count);
     if (sleeper_count_.load() == 0) return;
-    // Once the mutex is free, a sleeper that has seen no job is waiting.
+    // Locking and unlocking waits for a sleeper that has checked for a job but does not wait yet.
     { const std::scoped_lock lock(sleep_); }
     wake_.notify_all();
   }
 
-  // Waits until there is a job. std::atomic::wait is not used, since libstdc++ loses wake-ups
-  // without a futex, as on Windows. Either the sleeper sees the job or the publisher sees the
-  // sleeper.
+  // Waits until there is a job. Either the sleeper sees the job, or the publisher sees the sleeper.
+  // std::atomic::wait is not used: where libstdc++ has no futex, as on Windows, it loses wake-ups.
   void Sleep() noexcept {
     std::unique_lock lock(sleep_);
     sleeper_count_.fetch_add(1);
@@ -93,8 +93,8 @@ class ThreadPool final : public Executor {
     sleeper_count_.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  // Claims a part and runs it; returns false if there is none. The job's fields are read only after
-  // a part is claimed: they do not change until that part is done.
+  // Claims a part and runs it; returns false if there is none. run_part_ and context_ are read only
+  // after a part is claimed: they do not change until that part is done.
   bool RunOne(End end) noexcept {
     const uint64_t step = end == End::kFront ? kLast + 1 : uint64_t{0} - 1;
     uint64_t job = job_.load(std::memory_order_acquire);
@@ -123,7 +123,7 @@ class ThreadPool final : public Executor {
     return false;
   }
 
-  // Separate cache lines, so that spinning threads do not slow down finishing ones.
+  // Separate cache lines, so that spinning threads do not slow down finishing threads.
   alignas(64) std::atomic<uint64_t> job_{0};
   alignas(64) std::atomic<size_t> done_{0};
   alignas(64) RunPart run_part_ = nullptr;

@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// A part with fewer boxes takes less time than waking a thread.
+// Minimum work per part: a smaller part takes less time than waking a thread.
 constexpr size_t kMinBoxesPerPart = 1024;
 
 class Grid final : public BroadPhase {

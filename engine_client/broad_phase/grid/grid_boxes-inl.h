@@ -1,5 +1,5 @@
-// Registers of boxes in the caller's order, their classes of shape and their cells, for every
-// target of Highway. Include after hwy/foreach_target.h.
+// Functions for registers of boxes in the caller's order: loading, shape classes and cells, for
+// every target of Highway. Include after hwy/foreach_target.h.
 #if defined(SWEEPSTAKE_GRID_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_GRID_BOXES_INL_H_
 #undef SWEEPSTAKE_GRID_BOXES_INL_H_
@@ -34,8 +34,8 @@ HWY_INLINE hn::Mask<D> HalveAxis(D d, V& min, V& max) {
   return present;
 }
 
-// Loads the coordinates of as many boxes as there are lanes. The results are references, since no
-// struct may hold vectors of a size that the compiler does not know (SVE).
+// Loads the coordinates of as many boxes as there are lanes. The results are reference parameters,
+// since a struct cannot hold vectors whose size the compiler does not know (SVE).
 template <class D, class V>
 HWY_INLINE void LoadBoxes(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, V& max_x, V& max_y,
                           V& max_z) {
@@ -74,7 +74,8 @@ HWY_INLINE hn::Mask<D> LoadHalved(D d, const Aabb* boxes, V& min_x, V& min_y, V&
   return hn::And(hn::And(on_x, on_y), HalveAxis(d, min_z, max_z));
 }
 
-// Calls action(boxes, index) for each register of boxes; invalid boxes fill the last one.
+// Calls action(boxes, index) for each register of boxes. The last register is filled up with
+// invalid boxes.
 template <class D, class Action>
 HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& action) {
   const size_t step = hn::Lanes(d);
@@ -100,7 +101,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, si
   return hn::ConvertTo(di, hn::Min(hn::Max(cell, hn::Zero(d)), last));
 }
 
-// Returns the class of half a side on one axis, shifted to the bits of this axis.
+// Returns the class of half a side on one axis, shifted to the bits of that axis.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOnAxis(D d, float threshold, int axis,
                                                         hn::Vec<D> side) {
@@ -114,7 +115,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOnAxis(D d, float threshold, in
   return classes;
 }
 
-// Returns the class of shape of each box, given half its sides.
+// Returns the shape class of each box, given half its sides.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOfSides(D d, const ShapeClasses& classes, V x, V y,
                                                          V z) {

@@ -8,12 +8,12 @@ namespace sweepstake {
 namespace {
 
 // The relative costs of one box that searches a grid, of one row of cells and of one tested box.
-// With half or twice of each, scenes of mixed sizes take within 5 % as long with AVX-512, AVX2 and
+// With half or twice each value, scenes of mixed sizes change by at most 5 % with AVX-512, AVX2 and
 // SSE4 (AMD Zen 4, `sweepstake bench`).
 constexpr double kSearchCost = 4;
 constexpr double kRowCost = 3;
 constexpr double kTestCost = 0.3;
-// The assumed mean side of a group's boxes, as a fraction of its maximum side.
+// The assumed mean side of a group's boxes, as a fraction of its longest side.
 constexpr double kMeanSide = 0.6;
 
 struct Group {
@@ -22,7 +22,7 @@ struct Group {
   uint64_t classes = 0;
 };
 
-// Holds at most one group per class, without allocation.
+// A list of at most one group per class, without allocation.
 class Groups {
  public:
   void Add(const Group& group) { groups_[size_++] = group; }
@@ -45,7 +45,7 @@ double Extent(const CornerBounds& bounds, int axis) {
   return std::max(1e-30, bounds.high[axis] - bounds.low[axis]);
 }
 
-// Returns the cost if all boxes of `from` search the grid of `into`.
+// Returns the estimated cost if all boxes of `from` search the grid of `into`.
 double SearchCost(const CornerBounds& bounds, const Group& from, const Group& into) {
   double rows = 1;
   double share = 1;
@@ -76,7 +76,7 @@ Group Joined(const CornerBounds& bounds, const Group& a, const Group& b) {
   return both;
 }
 
-// Returns the cost that joining two groups saves.
+// Returns the estimated cost that joining two groups saves.
 double Saving(const CornerBounds& bounds, const Groups& groups, size_t a, size_t b) {
   const Group both = Joined(bounds, groups[a], groups[b]);
   double before = OwnCost(bounds, groups[a]) + OwnCost(bounds, groups[b]) +
@@ -109,8 +109,8 @@ uint32_t FirstClass(const Group& group) {
   return static_cast<uint32_t>(std::countr_zero(group.classes));
 }
 
-// Joins the smallest group with the most similar one until the number of groups is small enough to
-// compare all of them.
+// Joins the smallest group with the most similar one until at most kMaxGridGroups are left, few
+// enough to compare all pairs of groups.
 void JoinSmallest(const CornerBounds& bounds, Groups& groups) {
   while (groups.size() > kMaxGridGroups) {
     const auto smallest = std::min_element(

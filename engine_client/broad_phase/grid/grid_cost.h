@@ -1,6 +1,6 @@
 // The estimated cost of a search over groups of boxes, and the groups that minimise it.
 //
-// Pure functions. The time depends on the number of classes of shape, not on the number of boxes.
+// Pure functions. The time depends on the number of shape classes, not on the number of boxes.
 #pragma once
 
 #include <array>
@@ -14,9 +14,9 @@ namespace sweepstake {
 
 constexpr size_t kMaxGridGroups = 8;
 
-// Joins the known classes (one bit each) to at most kMaxGridGroups groups. Bit h of searches[g]
-// says that the boxes of group g search the grid of group h. Unknown classes belong to the first
-// group. Returns the number of groups. REQUIRES: at least one class is known.
+// Joins the known classes (one bit each) into at most kMaxGridGroups groups. If bit h of
+// searches[g] is set, the boxes of group g search the grid of group h. Unknown classes belong to
+// the first group. Returns the number of groups. REQUIRES: at least one class is known.
 size_t ChooseGroups(const CornerBounds& bounds, const GridMeasure& measure, uint64_t known_classes,
                     uint32_t (&group_of_class)[ShapeClasses::kCount],
                     std::array<uint32_t, kMaxGridGroups>& searches);

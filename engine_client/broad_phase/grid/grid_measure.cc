@@ -63,7 +63,7 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
     high_x = hn::Max(high_x, hn::IfThenElse(valid, x, hn::Neg(limit)));
     high_y = hn::Max(high_y, hn::IfThenElse(valid, y, hn::Neg(limit)));
     high_z = hn::Max(high_z, hn::IfThenElse(valid, z, hn::Neg(limit)));
-    // A register whose boxes are all of the first class needs no classes per lane.
+    // If all boxes of a register are of the first class, the lanes' classes are not computed.
     const auto side_x = hn::IfThenElseZero(valid, hn::Sub(max_x, x));
     const auto side_y = hn::IfThenElseZero(valid, hn::Sub(max_y, y));
     const auto side_z = hn::IfThenElseZero(valid, hn::Sub(max_z, z));
@@ -79,7 +79,7 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
     const auto shapes = ClassesOfSides(d, classes, side_x, side_y, side_z);
     CountShapes(d, shapes, valid, side_x, side_y, side_z, measure);
   });
-  // Reduces the registers and adds them to what the other classes counted.
+  // Reduces the registers and adds them to the counts of the other classes.
   const auto low = [&](auto v) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, v)); };
   const auto high = [&](auto v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
   GridMeasure measured;

@@ -1,7 +1,7 @@
-// The measurements that a grid is planned from: the bounds of the boxes' min corners, their maximum
-// sides, and their number in each class of shape.
+// The measurements that a grid is planned from: the bounds of the boxes' min corners, and for each
+// shape class the number of boxes and their maximum sides.
 //
-// Values. Cost: O(n), several times as much if the boxes are of several classes.
+// Plain values. Cost: O(n), several times as much if the boxes are of several classes.
 #pragma once
 
 #include <array>
@@ -15,14 +15,14 @@
 
 namespace sweepstake {
 
-// Classes of shape, by the side on each axis: up to the threshold, up to 4 times and up to 16 times
-// as long, and longer.
+// Shape classes, by the side on each axis: up to the threshold, up to 4 times and up to 16 times as
+// long, and longer.
 struct ShapeClasses {
   static constexpr int kBitsPerAxis = 2;
   static constexpr uint32_t kCount = 64;
   static constexpr float kRatio = 4;
 
-  // Half the maximum side in the first class of an axis.
+  // Half the maximum side of the first class on an axis, in world units.
   float threshold;
 };
 
@@ -38,8 +38,8 @@ struct GridMeasure {
   uint32_t count() const;
 };
 
-// Ignores invalid boxes (aabb.h). Asks `stop`, which may be null, and leaves boxes out once that is
-// true.
+// Ignores invalid boxes (aabb.h). Polls `stop`, which may be null; after a stop the remaining boxes
+// are left out.
 GridMeasure MeasureBoxes(std::span<const Aabb> boxes, const ShapeClasses& classes,
                          StopRequest* stop = nullptr);
 

@@ -14,9 +14,9 @@ constexpr size_t kMaxParts = 8;
 constexpr size_t kMinBoxesPerPart = 4096;
 // The interval in frames at which the plan checks whether the scene's density has changed.
 constexpr uint32_t kFramesPerDensityCheck = 32;
-// The sample is large enough to estimate the outer tenths of a distribution.
+// Large enough to estimate the outer tenths of a distribution.
 constexpr size_t kCornerSample = 64;
-// Half the maximum side of the first class, in mean distances between boxes.
+// Half the maximum side of the first class, as a multiple of the mean distance between boxes.
 constexpr double kThresholdSpacings = 0.75;
 
 GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
@@ -43,7 +43,7 @@ CornerBounds CornersOf(const GridMeasure& measure) {
   return bounds;
 }
 
-// Returns the bounds without the outer tenths of a sample, widened by half their extent, within
+// Returns the bounds of a sample without its outer tenths, widened by half their extent, but within
 // `all`.
 CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all) {
   CornerBounds bounds = all;
@@ -67,7 +67,7 @@ CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all
   return bounds;
 }
 
-// Returns half the maximum side of the first class, chosen so that a cell would hold a few boxes.
+// Returns half the maximum side of the first class, chosen so that a cell holds a few boxes.
 float SuitableThreshold(const CornerBounds& bounds, const GridMeasure& measure) {
   double volume = 1;
   float max_side[3] = {};
@@ -108,8 +108,8 @@ void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes, StopRe
   LayOut(boxes, measure);
 }
 
-// Takes another threshold if the density has changed, which it checks every kFramesPerDensityCheck
-// frames. Returns whether it did.
+// Changes the threshold if the density has changed, which it checks every kFramesPerDensityCheck
+// frames. Returns whether it changed.
 bool GridPlan::UpdateClasses(std::span<const Aabb> boxes, const GridMeasure& measure) {
   if (measure.count() == 0 || frame_++ % kFramesPerDensityCheck != 0) return false;
   const float wanted = SuitableThreshold(TypicalCorners(boxes, CornersOf(measure)), measure);

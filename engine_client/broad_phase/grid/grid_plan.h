@@ -1,11 +1,11 @@
-// The groups of boxes that share a grid: boxes of similar shape, so that neither a few huge boxes
-// nor long thin ones enlarge the cells of the others.
+// Plans the groups of boxes that share a grid. Boxes of a group have similar shapes, so that
+// neither a few huge boxes nor long thin ones enlarge the cells of the others.
 //
-// A plan is made from the boxes of one frame and used until a box of another shape appears. A plan
-// that does not fit is slower, never wrong. Grids are made in each frame.
+// A plan is made from the boxes of one frame and used until a box of another shape class appears. A
+// plan that does not fit makes the search slower, never wrong. Grids are made in each frame.
 //
 // Not thread-safe. Owns its memory. Cost: O(n) to measure the boxes; the time for a new plan
-// depends on the number of classes of shape only.
+// depends only on the number of shape classes.
 #pragma once
 
 #include <array>
@@ -28,12 +28,12 @@ class GridPlan {
   // Drops the plan: the next MakeGrids makes a new one.
   void Reset();
   // Measures the boxes, makes a new plan if the present one does not fit them, and makes the grids.
-  // Asks `stop`, which may be null; the grids fit no boxes once that is true.
+  // Polls `stop`, which may be null; after a stop the grids are unusable.
   void MakeGrids(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop = nullptr);
 
   std::span<const GroupGrid> grids() const { return {grids_.data(), group_count_}; }
   const GroupChoice& choice() const { return choice_; }
-  // Bit h of searches()[g] says that boxes of group g search the grid of group h for their pairs.
+  // If bit h of searches()[g] is set, boxes of group g search the grid of group h for pairs.
   const uint32_t* searches() const { return searches_.data(); }
 
  private:
@@ -43,7 +43,7 @@ class GridPlan {
   void LayOut(std::span<const Aabb> boxes, const GridMeasure& measure);
 
   GroupChoice choice_{};
-  uint64_t known_classes_ = 0;  // the classes that the plan covers, a bit each
+  uint64_t known_classes_ = 0;  // the classes that the plan covers, one bit each
   size_t group_count_ = 0;
   uint32_t frame_ = 0;
   std::array<GroupGrid, kMaxGroups> grids_{};

@@ -15,7 +15,7 @@ namespace sweepstake {
 
 namespace {
 
-// The number in folder/cpuCORE/name; 0: there is none.
+// Returns the number in the file FOLDER/cpuCORE/NAME, or 0 if there is none.
 double RatingOf(const char* folder, size_t core, const char* name) noexcept {
   char path[4096];
   std::snprintf(path, sizeof path, "%s/cpu%zu/%s", folder, core, name);
@@ -27,7 +27,7 @@ double RatingOf(const char* folder, size_t core, const char* name) noexcept {
   return count == 1 && rating > 0 ? rating : 0;
 }
 
-// Returns the highest of the ratings; 0: there is none.
+// Reads the rating of each core. Returns the highest rating, or 0 if there is none.
 double ReadRatings(const char* folder, const char* name, std::span<double> ratings) noexcept {
   double highest = 0;
   for (size_t core = 0; core < ratings.size(); ++core) {

@@ -1,23 +1,25 @@
-// How fast the core is that a thread runs on, where a machine has cores of several kinds.
+// Speed of the core that a thread runs on, for machines with several kinds of cores.
 #pragma once
 
 #include <span>
 
 namespace sweepstake {
 
-// The performance of the core that the calling thread is on ÷ that of the machine's fastest one, in
-// (0, 1]; 1 where the system does not tell. Linux does, as cpu_capacity or, of ACPI, highest_perf.
-// Thread-safe. The first call reads files; on most machines, later ones make no system call.
+// Returns the performance of the calling thread's core ÷ that of the machine's fastest core, in (0,
+// 1]. Returns 1 if the system does not report it. Linux reports cpu_capacity or ACPI's
+// highest_perf. Thread-safe. The first call reads files; on most machines, later calls make no
+// system call.
 double CoreSpeed() noexcept;
 
 #if defined(__linux__)
 
-// ACPI's ratings above this share of the highest one are of one kind of core: some systems rank
-// those by the frequency that each may reach. (AMD: 0.70 and more; Intel's two kinds: 0.6 or less.)
+// ACPI ratings above this share of the highest rating count as the same kind of core. Some systems
+// rank equal cores by their maximum frequency (AMD: 0.70 or more). Intel's slower kind has 0.6 or
+// less.
 inline constexpr double kOneKind = 0.65;
 
-// The same of cores 0, 1, ... by the files in `folder`, which is /sys/devices/system/cpu. Cores
-// without a file count as fast.
+// Writes the speeds of cores 0, 1, ..., read from the files in `folder`, normally
+// /sys/devices/system/cpu. A core without a file gets speed 1.
 void ReadCoreSpeeds(const char* folder, std::span<double> speeds) noexcept;
 
 #endif

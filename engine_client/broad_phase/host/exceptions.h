@@ -1,13 +1,13 @@
-// The only place that knows whether the library was built with exceptions. Without them memory that
-// runs out ends the program (OutOfMemory in sweepstake/hooks.h), and what stands here calls the
-// body and nothing else.
+// The only place that depends on whether the library was built with exceptions. Without exceptions,
+// running out of memory ends the program (OutOfMemory in sweepstake/hooks.h). The functions here
+// then only call the body.
 #pragma once
 
 #include <atomic>
 #include <exception>
 #include <new>
 
-// The second name is MSVC's.
+// __cpp_exceptions is the standard macro, _CPPUNWIND is MSVC's.
 #if defined(__cpp_exceptions) || defined(_CPPUNWIND)
 #define SWEEPSTAKE_HAS_EXCEPTIONS 1
 #else
@@ -31,7 +31,7 @@ auto CatchOutOfMemory(const Body& body, const Recover& recover) -> decltype(body
   }
 }
 
-// Returns body(), or recover(what) if it ends with any exception but std::bad_alloc.
+// Returns body(), or recover(message) if it throws any exception except std::bad_alloc.
 template <typename Body, typename Recover>
 auto CatchFailure(const Body& body, const Recover& recover) -> decltype(body()) {
   try {
@@ -45,7 +45,7 @@ auto CatchFailure(const Body& body, const Recover& recover) -> decltype(body()) 
   }
 }
 
-// Keeps the first exception of several threads for the one that waits for them.
+// Stores the first exception of several threads, so that the waiting thread can rethrow it.
 class FirstException {
  public:
   template <typename Body>

@@ -12,10 +12,10 @@
 
 namespace sweepstake {
 
-// The hooks of the process; null: none were set.
+// The hooks of the process, or null if none were set.
 extern std::atomic<const Hooks*> installed_hooks;
 
-// The names of zones that hooks.h promises.
+// Names of the zones that hooks.h documents.
 inline constexpr char kZoneBeginFrame[] = "sweepstake: begin frame";
 inline constexpr char kZoneUpdate[] = "sweepstake: update";
 inline constexpr char kZoneSearch[] = "sweepstake: search";
@@ -24,12 +24,12 @@ inline constexpr char kZoneLaneVisit[] = "sweepstake: lane visit";
 inline constexpr char kZoneLanePreparation[] = "sweepstake: lane preparation";
 inline constexpr char kZoneDecide[] = "sweepstake: decide";
 
-// A stretch of work that a profiler shows, from here to the end of the scope.
+// A stretch of work that a profiler shows, from the constructor to the end of the scope.
 //
 //   const Zone zone(kZoneSearch);
 class Zone {
  public:
-  // `name` lives as long as the library.
+  // `name` must live as long as the library.
   explicit Zone(const char* name) noexcept
       : hooks_(installed_hooks.load(std::memory_order_relaxed)), name_(name) {
     if (hooks_ != nullptr && hooks_->zone_begin != nullptr) hooks_->zone_begin(name_, hooks_->user);
@@ -47,13 +47,13 @@ class Zone {
 
 enum class ThreadPriority { kOfTheStarter, kLow };
 
-// Called first on each thread that the library starts: names the thread, sets its priority and
-// calls the hook. `name` is a literal of at most 15 characters, what Linux shows.
+// Called first on each thread that the library starts. It names the thread, sets its priority and
+// calls the hook. `name` is a literal of at most 15 characters, the limit of Linux.
 void NoteThreadStarted(const char* name,
                        ThreadPriority priority = ThreadPriority::kOfTheStarter) noexcept;
 
-// How long the calling thread has run, without the time in which others had its core. 0 where the
-// system does not tell. A system call.
+// Returns the CPU time of the calling thread in nanoseconds. Returns 0 if the system does not
+// report it. Makes a system call.
 uint64_t ThreadTimeNs() noexcept;
 
 template <typename T>
@@ -75,7 +75,7 @@ struct HookAllocator {
   friend bool operator==(const HookAllocator&, const HookAllocator&) { return true; }
 };
 
-// For lists that grow with the number of boxes, proxies or pairs.
+// A vector for lists that grow with the number of boxes, proxies or pairs.
 template <typename T>
 using HookedVector = std::vector<T, HookAllocator<T>>;
 

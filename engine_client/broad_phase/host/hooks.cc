@@ -15,7 +15,8 @@ constinit std::atomic<const Hooks*> installed_hooks{nullptr};
 namespace {
 
 constinit Hooks hooks_of_process;
-// The number of blocks that were allocated and not released. It changes as seldom as buffers grow.
+// The number of blocks that were allocated and not released. It changes only when a buffer grows or
+// is freed.
 constinit std::atomic<size_t> live_block_count{0};
 
 void* NewBlock(size_t bytes, size_t alignment) {

@@ -46,13 +46,13 @@ uint64_t MemoryBytes() {
 
 #endif
 
-// What says nothing of how fast it is.
+// Returns whether a word of a processor's name says nothing about its speed.
 bool IsFiller(std::string_view word) {
   return word == "r" || word == "tm" || word == "cpu" || word == "processor";
 }
 
-// Words of small letters and digits with a dash between them, without what follows an @, which is
-// the clock that the first ones imply.
+// Returns the words of lower-case letters and digits with dashes between them. Text after an @ is
+// dropped: it is the clock rate, which the model name implies.
 std::string Dashed(std::string_view text) {
   std::string dashed;
   std::string word;

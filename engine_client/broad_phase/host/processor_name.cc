@@ -43,8 +43,8 @@ Registers Cpuid(uint32_t leaf) {
 
 }  // namespace
 
-// The brand string: "Processor Brand String" of CPUID in the manuals of Intel and AMD. It ends at
-// the first zero; makers fill it with blanks at either end.
+// Returns the brand string: "Processor Brand String" of CPUID in the manuals of Intel and AMD. It
+// ends at the first zero. Vendors pad it with blanks at either end.
 std::string ProcessorName() {
   constexpr uint32_t kExtended = 0x80000000;
   std::string name;
@@ -60,7 +60,8 @@ std::string ProcessorName() {
 
 #elif defined(__linux__)
 
-// Arm's main identification register of the first core, whose bits name the maker and the part.
+// Returns the main identification register (MIDR) of the first core. Its bits encode the vendor and
+// the part.
 std::string ProcessorName() {
   char text[64] = {};
   std::FILE* const file =

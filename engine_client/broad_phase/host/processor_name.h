@@ -1,13 +1,13 @@
-// What the processor calls itself.
+// The processor's name.
 #pragma once
 
 #include <string>
 
 namespace sweepstake {
 
-// The name as the processor or the system has it, "AMD EPYC 7763 64-Core Processor"; of an Arm
-// processor under Linux its main identification register; "arm" where nothing tells. Reads files at
-// most; any thread.
+// Returns the name that the processor or the system reports, such as "AMD EPYC 7763 64-Core
+// Processor". On Arm under Linux this is the main identification register. Returns "arm" if nothing
+// is reported. May read a file. Any thread.
 std::string ProcessorName();
 
 }  // namespace sweepstake

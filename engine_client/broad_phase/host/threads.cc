@@ -1,5 +1,4 @@
-// What a thread asks of the system: its name in debuggers and profilers, its priority, and how long
-// it has run.
+// System calls for a thread: its name in debuggers and profilers, its priority and its CPU time.
 #include "engine_client/broad_phase/host/hook_points.h"
 
 #if defined(_WIN32)
@@ -25,7 +24,7 @@ namespace {
 
 #if defined(_WIN32)
 
-// SetThreadDescription came with Windows 10: earlier systems have no names.
+// SetThreadDescription exists since Windows 10. On earlier systems threads stay unnamed.
 void NameThisThread(const char* name) noexcept {
   using SetDescription = HRESULT(WINAPI*)(HANDLE, PCWSTR);
   const HMODULE kernel = GetModuleHandleW(L"kernel32.dll");
@@ -52,11 +51,12 @@ void LowerThisThreadsPriority() noexcept { pthread_set_qos_class_self_np(QOS_CLA
 
 void NameThisThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
 
-// Ten steps are a tenth of the weight of another thread on the same core. With less, whoever waits
-// for the thread's end would wait for long on a machine without an idle core.
+// Ten steps of niceness reduce the thread's weight to a tenth of that of another thread on the same
+// core. With a lower weight, a caller that waits for the thread's end would wait too long on a
+// machine without an idle core.
 void LowerThisThreadsPriority() noexcept {
   constexpr int kSteps = 10;
-  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kSteps);  // of the calling thread
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kSteps);  // 0: the calling thread
 }
 
 #else
@@ -68,7 +68,8 @@ void LowerThisThreadsPriority() noexcept {}
 
 }  // namespace
 
-// Windows counts a thread's time in ticks of 16 ms, longer than what is to be measured.
+// Returns 0 on Windows, which counts a thread's time in ticks of 16 ms: too coarse for the
+// stretches measured here.
 uint64_t ThreadTimeNs() noexcept {
 #if defined(__linux__) || defined(__APPLE__)
   timespec time{};

@@ -42,18 +42,18 @@ size_t CoresOfAffinity() noexcept {
   return static_cast<size_t>(CPU_COUNT(&set));
 }
 
-// Of the file `cpu.max` of one control group; 0: no limit.
+// Returns the quota in the file `cpu.max` of one control group, in cores; 0: no limit.
 double QuotaOf(const char* path) noexcept {
   std::FILE* const file = std::fopen(path, "re");
   if (file == nullptr) return 0;
   double quota_us = 0;
   double period_us = 0;
-  const int count = std::fscanf(file, "%lf %lf", &quota_us, &period_us);  // "max" is no number
+  const int count = std::fscanf(file, "%lf %lf", &quota_us, &period_us);  // "max" is not a number
   std::fclose(file);
   return count == 2 && quota_us > 0 && period_us > 0 ? quota_us / period_us : 0;
 }
 
-// The least quota from the process's control group up to the root, in whole cores.
+// Returns the smallest quota from the process's control group up to the root, in whole cores.
 size_t CoresOfQuota() noexcept {
   static constexpr char kRoot[] = "/sys/fs/cgroup";
   char path[4096] = "/proc/self/cgroup";
@@ -89,7 +89,7 @@ size_t CoresOfQuota() noexcept { return 0; }
 
 }  // namespace
 
-// What the system does not tell is no limit.
+// A limit that the system does not report does not apply.
 size_t UsableCores() noexcept {
   size_t cores = CoresOfAffinity();
   if (cores == 0) cores = std::max(std::thread::hardware_concurrency(), 1U);
