@@ -13,26 +13,29 @@
 namespace sweepstake {
 namespace {
 
-// The cost of an order and of a tree from it, in checks per object. It serves every instruction
-// set: half as much makes the mean frame of six scenes 3 % faster with AVX-512, AVX2 and SSE4
-// alike (AMD Zen 4, `sweepstake bench`), and the slowest frames 13 to 17 % slower.
+// The cost of computing an order and building a tree from it, in checks per object. It is used for
+// every instruction set. Half the value makes the mean frame of six scenes 3 % faster with AVX-512,
+// AVX2 and SSE4 (AMD Zen 4, `sweepstake bench`). The slowest frames then take 13 to 17 % longer.
 constexpr uint64_t kChecksPerRebuild = 100;
-// The tree is rebuilt at once when one entry in this number would have to be inserted again.
+// The tree is rebuilt at once if more than one entry in this number would have to be inserted
+// again.
 constexpr size_t kEntriesPerMisplaced = 8;
-// It is built from scratch when one object in this number comes or goes in one frame.
+// The tree is built from scratch if more than one object in this number comes or goes in one frame.
 constexpr size_t kObjectsPerChanged = 4;
-// A frame is calm when at most one sampled object in this number moves further than a step.
+// A frame is calm if at most one sampled object in this number moves further than
+// DbvtMargins::Step().
 constexpr size_t kSamplesPerFast = 32;
-// Candidates cost memory: they are not kept if there are more pairs per object than this.
+// The maximum number of pairs per object with which margins are tried. Candidates cost memory.
 constexpr size_t kMaxPairsPerObject = 16;
-// The number of calm frames before margins are tried. It doubles each time margins have held for
-// fewer than kShortRest frames.
+// The number of calm frames before margins are tried. It doubles up to kMaxCalmFrames each time
+// margins have held for fewer than kShortRest frames.
 constexpr uint32_t kMinCalmFrames = 2;
 constexpr uint32_t kMaxCalmFrames = 256;
 constexpr uint32_t kShortRest = 32;
-// A part with fewer lowest inner nodes (some 1,500 objects) takes less time than waking a thread.
+// The minimum number of lowest inner nodes per part (some 1,500 objects). A smaller part takes less
+// time than waking a thread.
 constexpr size_t kMinGroupsPerPart = 8;
-// The insertions of objects between two questions whether to stop; each takes 1 µs or less.
+// The number of inserted objects between two polls of the stop request; each takes 1 µs or less.
 constexpr size_t kInsertionsPerQuestion = 2048;
 
 bool IsOtherScene(size_t count, size_t old_count) {
@@ -67,10 +70,10 @@ class Dbvt final : public BroadPhase {
   DbvtMargins margins_;
   KdOrder splitter_;
   AlignedBuffer<uint32_t> order_;  // the slots of the latest rebuild
-  size_t ordered_count_ = 0;       // the number of objects when that order was begun
+  size_t ordered_count_ = 0;       // the number of objects when that order was started
   bool is_ordering_ = false;
   RebuildDebt debt_;  // the debt of the tree
-  // Objects that are not in the tree, since their boxes are invalid; not kept up to date at rest.
+  // Objects outside the tree, since their boxes are invalid. Not kept up to date at rest.
   HookedVector<uint32_t> outside_;
   PairParts parts_;
   size_t pair_count_ = 0;  // the pairs of the latest search
@@ -101,8 +104,8 @@ void Dbvt::Rebuild(std::span<const Aabb> boxes) {
   AdoptOrder(boxes);
 }
 
-// Builds the tree in the completed order and inserts the objects that were added since that order
-// was begun.
+// Builds the tree in the completed order and inserts the objects that were added after the start of
+// that order.
 void Dbvt::AdoptOrder(std::span<const Aabb> boxes) {
   order_.EnsureDiscarding(KdOrder::MaxSlots(ordered_count_));
   const std::span<uint32_t> slots{order_.data(), splitter_.slot_count()};
@@ -118,7 +121,8 @@ void Dbvt::AdoptOrder(std::span<const Aabb> boxes) {
   debt_.Clear();
 }
 
-// Does this frame's part of a rebuild if one is due. Returns whether the tree was rebuilt.
+// Does this frame's part of a rebuild if one is due. Returns whether the tree was rebuilt or the
+// call was stopped.
 bool Dbvt::AdvanceRebuild(std::span<const Aabb> boxes) {
   if (!is_ordering_) {
     if (!debt_.Exceeds(kChecksPerRebuild * boxes.size())) return false;
@@ -177,7 +181,7 @@ void Dbvt::Refit(std::span<const Aabb> boxes) {
   MaybeUseMargins(boxes, motion);
 }
 
-// Inserts the objects whose boxes have become valid, until it is stopped.
+// Inserts the objects whose boxes have become valid, until stopped.
 void Dbvt::InsertReturning(std::span<const Aabb> boxes) {
   size_t valid = 0;
   bool is_stopped = false;

@@ -44,13 +44,13 @@ HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
 
 using Half = hn::FixedTag<float, 4>;
 
-// Like RecordsOverlap (box_record-inl.h), for boxes that are not padded to whole registers: copying
-// all boxes to records every frame would cost more than it saves.
+// Like RecordsOverlap (box_record-inl.h), for boxes that are not padded to whole registers. Copying
+// all boxes to records in every frame would cost more than it saves.
 HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   const Half d;
   const auto overlap = hn::And(hn::Le(hn::LoadU(d, a.min), hn::LoadU(d, b.max)),
                                hn::Ge(hn::LoadU(d, a.max), hn::LoadU(d, b.min)));
-  // The fourth lane holds what lies behind the corner in memory.
+  // The fourth lane holds the float behind the corner in memory and is ignored.
   return hn::AllTrue(d, hn::Or(overlap, hn::Not(hn::FirstN(d, 3))));
 }
 
@@ -107,27 +107,28 @@ namespace {
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 
-// The bounds of a margin, as multiples of the median side.
+// The bounds of a margin, as multiples of the median middle side.
 constexpr float kMinMargin = 0.02F;
 constexpr float kMaxMargin = 0.1F;
-// A margin is an object's motion in this number of frames.
+// The number of frames of an object's motion that a margin covers.
 constexpr float kMarginFrames = 8;
-// If one object in this number leaves its margin, one refit and one search for all objects cost
-// less than renewing the objects that have left.
+// Margins are given up if more than one object in this number leaves its margin in a frame. One
+// refit and one search for all objects then cost less than renewing the objects that have left.
 constexpr size_t kObjectsPerOutside = 20;
-// Testing more candidates than this takes longer than a search in the tree. The limit is 1.5 times
-// the number of pairs up to which DBVT tries to rest.
+// The maximum number of candidates to keep. Testing more takes longer than a search in the tree.
+// The limit is 1.5 times the number of pairs per object up to which DBVT tries to rest.
 constexpr size_t kMaxCandidatesPerObject = 24;
-// The sample is large enough for a median that only scales margins.
+// The maximum number of sampled boxes, enough for a median that only scales margins.
 constexpr size_t kSideSampleSize = 512;
-// A part with fewer boxes takes less time than waking a thread.
+// Minimum work per part: a smaller part takes less time than waking a thread.
 constexpr size_t kMinBoxesPerPart = 8192;
 constexpr size_t kMinCandidatesPerPart = 8192;
 
 bool IsInvalid(const Aabb& fat) { return fat.min[0] > fat.max[0]; }
 
-// Margins are shares of the middle side: a share of the longest side would be too much for a long
-// box, and a share of the shortest would leave a flat box without a margin. May be infinite.
+// Returns the middle of the three sides, which margins are a share of. A share of the longest side
+// would be too much for a long box. A share of the shortest would leave a flat box without a
+// margin. May be infinite.
 float MiddleSide(const Aabb& box) {
   const float x = box.max[0] - box.min[0];
   const float y = box.max[1] - box.min[1];
@@ -258,8 +259,8 @@ void DbvtMargins::CollectObjectsOutside(std::span<const Aabb> boxes, Executor* e
   }
 }
 
-// Lists the objects that have left their margins from left_[begin] on and gives them new enlarged
-// boxes. Returns their number.
+// Lists in left_, from left_[begin] on, the objects that have left their margins, and gives them
+// new enlarged boxes. Returns their number.
 size_t DbvtMargins::UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t end) {
   uint32_t* const left = left_.data() + begin;
   const size_t outside =
@@ -277,7 +278,8 @@ size_t DbvtMargins::UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t
   return count;
 }
 
-// Moves an object that has left its margin to its new place in the tree, or removes it.
+// Moves an object that has left its margin to its new place in the tree, or removes it if it is
+// invalid.
 void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   has_left_[object] = 1;
   if (IsInvalid(fat_[object])) {
@@ -289,9 +291,9 @@ void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   }
 }
 
-// Drops the candidates of objects that have left their margins. These are few, so that the branch
-// is well predicted. With branchless stores the loop would be slower, since their addresses would
-// wait for the flags.
+// Drops the candidates of objects that have left their margins. Few objects have, so that the
+// branch is well predicted. Branchless stores would be slower, since their addresses would wait for
+// the flags.
 void DbvtMargins::DropOutdatedCandidates() {
   const std::span<OverlapPair> candidates = candidates_.pairs();
   OverlapPair* kept = candidates.data();

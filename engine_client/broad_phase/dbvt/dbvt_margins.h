@@ -1,14 +1,14 @@
-// What DBVT keeps at rest: each object's box enlarged by a margin, and the candidates, which are
-// the pairs of enlarged boxes that overlap. (Tracy's counterpart is tracy_rest.h.)
+// The data that DBVT keeps at rest: each object's box enlarged by a margin, and the candidates.
+// Candidates are the pairs of enlarged boxes that overlap. (Tracy's counterpart is tracy_rest.h.)
 //
 // At rest the tree holds the enlarged boxes. An object inside its enlarged box costs one comparison
-// per frame; for one that has left it, the box, its place in the tree and its candidates are
-// renewed. Pairs are found by testing the exact boxes of the candidates, so that no margin is
+// per frame. For an object that has left it, the enlarged box, the place in the tree and the
+// candidates are renewed. FindPairs tests the exact boxes of the candidates, so that no margin is
 // visible outside.
 //
-// A margin is 8 frames of the object's own motion, between 2 % and 10 % of the median middle side
-// of all boxes. An object that moves further than the maximum in one frame gets the minimum, since
-// no margin would hold it.
+// A margin is the object's own motion in 8 frames, clamped to between 2 % and 10 % of the median
+// middle side of all boxes. An object that moves further than the maximum in one frame gets the
+// minimum, since no margin would hold it.
 //
 // Not thread-safe. Owns its memory, none before the first Start. Cost: Follow O(objects), and a
 // search in the tree for each object that has left its margin; FindPairs O(candidates). Memory: 53
@@ -36,17 +36,17 @@ class DbvtMargins {
   // Returns the motion per frame up to which margins hold for many frames.
   float Step() const;
 
-  // Enlarges all boxes by the margin for this mean motion, those in the tree too, and finds all
+  // Enlarges all boxes, also those in the tree, by the margin for this mean motion, and finds all
   // candidates. Returns false if there are too many to keep (24 per object); the tree is then
-  // unchanged. The searches of Start and Follow ask `stop`, which may be null. REQUIRES: the tree
+  // unchanged. The searches of Start and Follow poll `stop`, which may be null. REQUIRES: the tree
   // holds exactly the objects with valid boxes.
   bool Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree, Executor* executor,
              StopRequest* stop);
 
   // Takes the boxes of the next frame, whose count may differ, and adds the AABB checks made to
-  // `checks`. Returns false if so many objects have left their margins, or there are so many
-  // candidates, that refitting the tree is cheaper. The tree then has room for boxes.size() objects
-  // and outdated boxes, and the next call must be Start.
+  // `checks`. Returns false if refitting the tree is cheaper, because too many objects have left
+  // their margins or there are too many candidates. The tree then has room for boxes.size() objects
+  // but holds outdated boxes, and the next call must be Start.
   bool Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor, uint64_t& checks,
               StopRequest* stop);
 

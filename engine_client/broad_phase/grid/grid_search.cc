@@ -11,14 +11,14 @@
 #include "engine_client/broad_phase/common/stop_poll.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
-// Guarded, since every target's pass of this file sees it.
+// Guarded, since this file is compiled once per target.
 #ifndef SWEEPSTAKE_GRID_SEARCH_
 #define SWEEPSTAKE_GRID_SEARCH_
 namespace sweepstake {
 
 // A list of ranges: the box in `slot` is tested against those in the slots [begin, end).
 struct RangeList {
-  // Five per box of a batch, and one element that an empty range overwrites.
+  // Five ranges per box of a batch, and one element that an empty range overwrites.
   static constexpr size_t kRoom = 5 * GridView::kBatch + 1;
 
   uint32_t slot[kRoom];
@@ -27,12 +27,12 @@ struct RangeList {
   size_t count = 0;
 };
 
-// One register more than a batch.
+// The size of a batch plus one register.
 constexpr size_t kBatchRoom = GridView::kBatch + HWY_MAX_BYTES / sizeof(float);
 
-// If the cells are as large as the boxes or larger, a box finds its partners in the later boxes of
-// its own row and in four rows of cells behind it. Each row is given by its first cell and the one
-// behind its last; they are equal if the box does not reach the row.
+// Rows to search if the cells are as large as the boxes or larger. A box then finds its partners in
+// the later boxes of its own row and in four rows of cells behind it. A row is given by its first
+// cell and the cell behind its last. They are equal if the box does not reach the row.
 struct BatchRows {
   static constexpr size_t kCount = 5;
 
@@ -40,8 +40,8 @@ struct BatchRows {
   int32_t behind[kCount][kBatchRoom];
 };
 
-// If the cells are smaller, a box searches a block of cells, given along the rows (x) and, relative
-// to the min corner's cell, across them (y, z).
+// Blocks of cells to search if the cells are smaller than the boxes. A block is given by cells
+// along the rows (x) and, relative to the cell of the min corner, across them (y, z).
 struct BatchBlocks {
   int32_t row[kBatchRoom];  // the first cell of the row that holds the min corner
   int32_t first_x[kBatchRoom];
@@ -58,8 +58,8 @@ struct BatchBlocks {
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// On one axis, for the boxes from `slot` on: the first and last cell that can hold their partners'
-// min corners, and the cell of their own.
+// Computes cells on one axis for the boxes from `slot` on: the first and last cell that can hold
+// the min corners of their partners, and the cell of their own min corner.
 template <class D, class V>
 HWY_INLINE void CellsOnAxis(D d, const BoxLanes& lanes, const GroupGrid& grid, size_t axis,
                             size_t slot, V& first, V& own, V& last) {
@@ -84,7 +84,7 @@ void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size
   const auto first_cell = hn::Set(di, static_cast<int32_t>(grid.first_cell));
   for (size_t slot = begin; slot < end; slot += hn::Lanes(d)) {
     const size_t k = slot - begin;
-    // Along the rows the cells are absolute, across them relative to the own cell.
+    // x cells are absolute; y and z cells are relative to the own cell.
     auto first = hn::Zero(di);
     auto own = first;
     auto last = first;
@@ -102,7 +102,7 @@ void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size
   }
 }
 
-// Moves a row's cells by `offset`; the row is empty if that is 0.
+// Moves a row's cells by `offset`. The row is empty if the offset is 0.
 template <class D, class V>
 HWY_INLINE void StoreRow(D di, V first, V behind, V offset, size_t row, size_t k, BatchRows& rows) {
   const auto wanted = hn::Ne(offset, hn::Zero(di));
@@ -137,18 +137,19 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     auto row = hn::Add(first_cell, hn::Mul(own, y_stride));
     const auto up = hn::Sub(last_y, own);
     const auto down = hn::Sub(own, first_y);
-    // Adds the row's offset along z, and finds how many rows the box reaches beyond it.
+    // Adds the row's offset along z and finds how many rows the box reaches in z.
     auto unused = first_x;
     auto last_z = first_x;
     CellsOnAxis(d, lanes, grid, z_axis, slot, unused, own, last_z);
     row = hn::Add(row, hn::Mul(own, z_stride));
     const auto beyond = hn::Sub(last_z, own);
     max_reach = hn::Max(max_reach, hn::Max(beyond, hn::Max(up, down)));
-    // Stores the own row, from the first cell to the one behind the last.
+    // Stores the own row, from its first cell to the cell behind its last.
     const auto first = hn::Add(row, first_x);
     const auto behind = hn::Add(hn::Add(row, last_x), one);
     hn::StoreU(behind, di, rows.behind[0] + k);
-    // Stores the four rows behind. Reaches are 0 or 1; with any other value the result is not used.
+    // Stores the four rows behind. Reaches are 0 or 1; if any is larger, the caller discards the
+    // result.
     StoreRow(di, first, behind, hn::Mul(up, y_stride), 1, k, rows);
     StoreRow(di, first, behind, hn::Mul(hn::And(beyond, down), hn::Sub(z_stride, y_stride)), 2, k,
              rows);
@@ -160,8 +161,8 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
 }
 
 // Stores the pairs of `id` with the ids of the lanes that it hits and returns their number, like
-// StoreHits (overlap_kernel-inl.h). The second half of a register of pairs is rarely needed, and
-// AVX-512 has no mask register to spare in this loop for StorePairs, which takes a quarter longer.
+// StoreHits (overlap_kernel-inl.h). The second half of a register of pairs is rarely needed.
+// StorePairs takes a quarter longer here, since AVX-512 has no free mask register in this loop.
 template <class D>
 HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                                OverlapPair* out) {
@@ -188,8 +189,8 @@ HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_
 #endif
 }
 
-// Returns the lanes from slot `at` on that overlap `box`. The columns lie one stride apart, so that
-// two registers address all six; six pointers would leave no registers for the box.
+// Returns the lanes from slot `at` on that overlap `box`. The columns are one stride apart, so that
+// two registers address all six. Six pointers would leave no registers for the box.
 template <class D>
 HWY_INLINE hn::Mask<D> HitsInColumns(D d, const Aabb& box, const float* columns, size_t stride,
                                      size_t at) {
@@ -204,7 +205,8 @@ HWY_INLINE hn::Mask<D> HitsInColumns(D d, const Aabb& box, const float* columns,
   return hn::And(hn::And(x, y), z);
 }
 
-// Tests all ranges of a list and returns the number of AABB checks, which follow `checks_before`.
+// Tests all ranges of a list and returns the number of AABB checks. `checks_before` is the number
+// of checks made before this call.
 HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, PairBuffer& out,
                                StopPoll& poll, uint64_t checks_before) {
   const HWY_FULL(float) d;
@@ -244,7 +246,7 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
       at += step;
     } while (at < end);
   }
-  // Hands over the pairs of the last chunk.
+  // Commits the pairs of the last chunk.
   out.Advance(static_cast<size_t>(to - from));
   return checks;
 }
@@ -302,7 +304,7 @@ class BatchSearch {
     return count + static_cast<size_t>(begin < end);
   }
 
-  // Lists what follows the slot in its own row, and the later rows of cells.
+  // Lists the later boxes of the slot's own row, and the later rows of cells.
   void ListLaterRows(const GroupGrid& grid, size_t k, size_t slot) {
     const uint32_t end = view_.starts[blocks_.row[k] + blocks_.last_x[k] + 1];
     MakeRoom();
@@ -311,7 +313,7 @@ class BatchSearch {
     for (int32_t z = 1; z <= blocks_.last_z[k]; ++z) ListRows(grid, k, slot, z, blocks_.first_y[k]);
   }
 
-  // Lists the rows of one z from `first_y` on.
+  // Lists the rows with offset `z`, from `first_y` on.
   HWY_INLINE void ListRows(const GroupGrid& grid, size_t k, size_t slot, int32_t z,
                            int32_t first_y) {
     const auto y_stride = static_cast<int32_t>(grid.stride[grid.AxisOf(1)]);

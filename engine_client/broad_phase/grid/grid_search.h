@@ -1,9 +1,9 @@
 // Finds the pairs of boxes that are stored in the order of their grids' cells.
 //
 // A box searches the later boxes of its own group and all boxes of the groups that its group
-// searches, row by row of cells; a row is a range of slots. The ranges of a batch of boxes are
-// listed first and tested afterwards, so that the rows that a box reaches cost no mispredicted
-// branch.
+// searches, row by row of cells. A row is a range of slots. The ranges of a batch of boxes are
+// listed first and tested afterwards. This avoids a mispredicted branch for the rows that a box
+// reaches.
 //
 // Not thread-safe. Borrows everything for the call. Memory: 34 KiB on the stack.
 #pragma once
@@ -26,13 +26,14 @@ struct GridView {
   BoxLanes lanes;          // the boxes in the order of the cells
   const uint32_t* starts;  // the first slot of each cell, then the number of slots
   std::span<const GroupGrid> grids;
-  // Bit h of searches[g] says that boxes of group g search group h.
+  // If bit h of searches[g] is set, boxes of group g search group h.
   const uint32_t* searches;
 };
 
 // Appends the pairs that the boxes in the slots [begin, end) find and returns the number of AABB
-// checks. Parts that begin at multiples of kBatch find the pairs in the order of the whole search.
-// `stop`, which may be null, is asked between batches and where many pairs have been written.
+// checks. Parts that begin at multiples of kBatch find the pairs in the same order as a search over
+// all slots. Polls `stop`, which may be null, between batches and after many pairs have been
+// written.
 uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out,
                      StopRequest* stop);
 

@@ -60,12 +60,13 @@ namespace {
 // The prefetch distance in boxes: large enough to hide the latency of main memory.
 constexpr size_t kAhead = 24;
 
-// Includes padding for kernels that read a register behind the last slot.
+// Returns `count` rounded up, with padding for kernels that read a register behind the last slot.
 constexpr size_t Padded(size_t count) {
   return (count + 2 * SoaBoxes::kPadding - 1) / SoaBoxes::kPadding * SoaBoxes::kPadding;
 }
 
-// Each part has its own counts, which cost as much per cell as its boxes do.
+// At most this many parts. Each part has its own counts, and a count per cell costs as much as
+// sorting the cell's boxes.
 constexpr size_t kMaxParts = 8;
 constexpr size_t kMinBoxesPerPart = 2048;
 
@@ -178,7 +179,7 @@ void GridSort::SumCounts(size_t parts) {
   starts_[cells_] = slot;
 }
 
-// Parts hold about the same number of boxes.
+// Returns the first cell of a part. Parts hold about the same number of boxes.
 size_t GridSort::FirstCellOfPart(size_t part, size_t parts) const {
   if (part == 0) return 0;
   if (part == parts) return cells_;
@@ -187,7 +188,7 @@ size_t GridSort::FirstCellOfPart(size_t part, size_t parts) const {
   return static_cast<size_t>(std::lower_bound(starts, starts + cells_, slot) - starts);
 }
 
-// Writes the boxes of the cells [begin, end) to their slots. Returns false if it was stopped.
+// Writes the boxes of the cells [begin, end) to their slots. Returns false if `stop` ended it.
 bool GridSort::Place(size_t begin, size_t end, StopRequest* stop) {
   uint32_t* const next = part_counts_.data();
   uint32_t* const order = columns_.ids();
@@ -197,8 +198,7 @@ bool GridSort::Place(size_t begin, size_t end, StopRequest* stop) {
       for (size_t i = from; i < to; ++i) order[next[keys[i]]++] = static_cast<uint32_t>(i);
     });
   }
-  // Lists the boxes of these cells before it places them, since a branch on the cell is
-  // mispredicted.
+  // Lists the boxes of these cells before placing them. A branch on the cell would be mispredicted.
   constexpr size_t kListRoom = 256;
   uint32_t listed[kListRoom];
   for (size_t from = 0; from < count_; from += kListRoom) {

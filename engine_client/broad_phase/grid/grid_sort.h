@@ -1,4 +1,5 @@
-// Sorts boxes by the cells of their grids: a counting sort, in parts if there are several threads.
+// Sorts boxes by the cells of their grids with a counting sort, in parts if there are several
+// threads.
 //
 // Boxes of one cell stay in the caller's order, so that the result does not depend on the parts.
 // Not thread-safe. Owns its memory. Cost: O(n + cells). Memory: 36 bytes per box, 4 per cell, and 4
@@ -19,12 +20,12 @@
 
 namespace sweepstake {
 
-// Boxes as six float columns one stride apart and their ids, in an order that is given slot by
-// slot: the form that grid_search.h reads. Parts may gather disjoint ranges of slots at the same
-// time. Memory: 28 bytes per slot.
+// Boxes as six float columns, one stride apart, and their ids. The caller gives the order slot by
+// slot. grid_search.h reads this form. Parts may gather disjoint ranges of slots at the same time.
+// Memory: 28 bytes per slot.
 class GridColumns {
  public:
-  // Makes room for `count` slots, with undefined content, and for reads of a register behind them.
+  // Makes room for `count` slots with undefined content, and for reading a register behind them.
   void Resize(size_t count);
   // The caller writes the ids, Gather reads them.
   uint32_t* ids() { return ids_.data(); }
@@ -53,8 +54,8 @@ struct GroupChoice {
 
 class GridSort {
  public:
-  // Asks `stop`, which may be null; the order is undefined once that is true. REQUIRES: the cell
-  // numbers of the grids follow one another, from 0.
+  // Polls `stop`, which may be null; after a stop the order is undefined. REQUIRES: the cell
+  // numbers of the grids are consecutive, starting at 0.
   void Sort(Executor* executor, std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
             const GroupChoice& choice, StopRequest* stop = nullptr);
 
@@ -80,7 +81,7 @@ class GridSort {
   AlignedBuffer<uint32_t> part_counts_;
   GridColumns columns_;
   size_t count_ = 0;
-  size_t cells_ = 0;  // the number of cells, one for invalid boxes included
+  size_t cells_ = 0;  // the number of cells, including one for invalid boxes
 };
 
 }  // namespace sweepstake

@@ -6,15 +6,16 @@
 namespace sweepstake {
 namespace {
 
-// This factor keeps a box within one cell in spite of rounding.
+// The factor by which a cell is longer than a box, so that rounding does not push a box out of it.
 constexpr double kCellSlack = 1.0001;
-// This minimum keeps the scale finite.
+// The minimum side of a cell, in world units; keeps the scale finite.
 constexpr double kMinCellSide = 1e-36;
 // Cells are this many times shorter along the rows, where more cells cost no more searches.
 constexpr double kRowCells = 2;
-// Bisections of the logarithm of the cell size; the last step is below 0.01 for any scene.
+// The number of bisections of the logarithm of the cell size. The last step is below 0.01 for any
+// scene.
 constexpr int kBisectionCount = 14;
-// A float holds every cell number on an axis exactly.
+// A float holds every cell number up to this limit exactly.
 constexpr double kMaxCellsPerAxis = 1 << 22;
 
 struct Cells {
@@ -35,7 +36,7 @@ Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double min_sid
   return cells;
 }
 
-// Returns the smallest cells such that there are at most `max_count`.
+// Returns the division with the smallest cells that has at most `max_count` of them.
 Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double max_count) {
   const Cells finest = Divide(bounds, shape, 0);
   if (finest.Product() <= max_count) return finest;
@@ -52,9 +53,9 @@ Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double max
   return Divide(bounds, shape, std::exp2(high));
 }
 
-// Returns the axis of the shortest side, along which a long box crosses the maximum number of
-// cells. Needles have two short sides; the choice between them makes one of two groups of needles
-// lie along the rows of the other.
+// Returns the axis along the rows of cells: normally the shortest side, along which a long box
+// crosses the most cells. Needles have two short sides. The choice between these makes one of two
+// groups of needles lie along the rows of the other.
 int ChooseRowAxis(const double (&side)[3]) {
   const int shortest = static_cast<int>(std::min_element(side, side + 3) - side);
   const int longest = static_cast<int>(std::max_element(side, side + 3) - side);

@@ -1,14 +1,14 @@
-// The grid over one group of boxes: the cell that holds the min corner of a box, and the cells that
-// can hold the min corners of its partners.
+// The grid of one group of boxes. It gives the cell that holds the min corner of a box, and the
+// cells that can hold the min corners of its partners.
 //
-// A box is stored once, in the cell of its min corner. A partner's min corner lies between the
-// box's min corner minus the maximum side of the group and the box's max corner, so that a box
-// finds its partners in a block of cells, row by row. The cell number is a monotone function of the
-// coordinate, clamped to the grid; this alone makes the search correct, whatever rounding, overflow
-// and outliers do. Coordinates are halved inside, so that no difference of two finite floats
-// overflows.
+// A box is stored once, in the cell of its min corner. A partner's min corner lies between two
+// points: the box's min corner minus the maximum side of the group, and the box's max corner. A box
+// thus finds its partners in a block of cells, row by row. The cell number is a monotone function
+// of the coordinate, clamped to the grid. This alone makes the search correct despite rounding,
+// overflow and outliers. Coordinates are halved internally, so that no difference of two finite
+// floats overflows.
 //
-// Values, safe to copy. Cost: constant.
+// Plain values, safe to copy. Cost: constant.
 #pragma once
 
 #include <cstddef>
@@ -46,11 +46,12 @@ struct GroupShape {
   void Add(const GroupShape& other);
 };
 
-// There are a few cells per box: empty cells cost little, and boxes that share one are tested
-// against one another.
+// Returns the limit of cells for a number of boxes: a few cells per box. Empty cells cost little,
+// but boxes that share a cell are tested against one another.
 constexpr size_t MaxCellCount(size_t box_count) { return 4 * box_count + 256; }
 
-// Returns the number of cells as small as the group's maximum sides; it may exceed any integer.
+// Returns the number of cells if they are as small as the group's maximum sides. It may exceed the
+// range of any integer type.
 double CellsWanted(const CornerBounds& bounds, const GroupShape& shape);
 
 // Makes a grid for the group with cells as small as its maximum sides, or larger if that needs more

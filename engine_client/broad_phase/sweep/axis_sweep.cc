@@ -12,25 +12,28 @@
 namespace sweepstake {
 namespace {
 
-// A part with fewer rows or boxes takes less time than waking a thread.
+// Minimum work per part: a smaller part takes less time than waking a thread.
 constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinBoxesPerPart = 2048;
 
 // Pairs are kept between frames up to this number per box.
 constexpr size_t kMaxPairsPerBox = 32;
-// The frames without another attempt after a repair has exceeded its budget: its work was lost.
+// The number of frames without another attempt after a repair has exceeded its budget and its work
+// was lost.
 constexpr int kPauseFrames = 8;
-// The budget of the first repair after a Sort, which has to sort the faces of each step.
+// The additional budget, in swaps per face, of the first repair after a Sort by steps. It has to
+// sort the faces within each step.
 constexpr size_t kSwapsPerFace = 8;
 // The size of the sample from which the motion is estimated.
 constexpr size_t kMotionSample = 64;
 
-// On AMD Zen 5 (`sweepstake bench`): a swap, and a new sort with filling the lanes, per box. Both
-// are taken as the same for every instruction set, since most of their code has no vectors.
+// The time of one swap, and the time per box of a new sort plus filling the lanes. Measured on AMD
+// Zen 5 (`sweepstake bench`). Both are used for every instruction set, since most of that code has
+// no vectors.
 constexpr double kSwapNs = 5;
 constexpr double kSortNs = 30;
 
-// Returns the number of swaps up to which a repair is cheaper than a sweep.
+// Returns the number of swaps up to which a repair is cheaper than a new sort and a sweep.
 double SwapBudget(uint64_t sweep_checks, size_t box_count) {
   return (kSortNs * static_cast<double>(box_count) +
           SweptCheckNs() * static_cast<double>(sweep_checks)) /
@@ -141,7 +144,7 @@ size_t AxisSweep::native_bytes() const {
 void AxisSweep::LoadBoxes(std::span<const Aabb> boxes) {
   range_ = CoordinateRange::Sample(boxes);
   records_.EnsureDiscarding(count_ + 1);
-  // Allocates the memory for later repairs now, so that no later frame has to.
+  // Allocates the memory for later repairs now, so that no later frame allocates.
   moved_ids_.EnsureDiscarding(count_);
   moved_.Clear(count_);
   const size_t part_count = BoxParts();
@@ -154,7 +157,8 @@ void AxisSweep::LoadBoxes(std::span<const Aabb> boxes) {
   records_[count_] = kInvalidRecord;
 }
 
-// Adds or removes faces if the count has changed. Returns false if a new sort is cheaper.
+// Adds or removes faces if the count has changed. Returns false if a new sort is cheaper or if
+// stopped.
 bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
   const size_t before = count_;
   count_ = boxes.size();
@@ -192,10 +196,10 @@ double AxisSweep::ExpectedSwaps(std::span<const Aabb> boxes) const {
   return swaps / static_cast<double>(sampled) * static_cast<double>(count_);
 }
 
-// Updates orders and pairs axis by axis. Between two axes the records are a mixture of two frames,
-// for which orders and pairs are correct too: a pair that has begun or ended since the last frame
-// has done so by a swap on some axis while it overlapped on the other two. Returns false if the
-// budget is exceeded; orders and pairs are then undefined.
+// Updates orders and pairs axis by axis. Between two axes the records mix coordinates of two
+// frames. Orders and pairs are correct for the mixture too: a pair begins or ends by a swap on one
+// axis while it overlaps on the other two. Returns false if the budget is exceeded or if stopped;
+// orders and pairs are then undefined.
 bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
   CollectMoved(boxes);
   const bool exact = axes_[0].is_exact() && axes_[1].is_exact() && axes_[2].is_exact();
@@ -240,7 +244,8 @@ bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, SwapAllowan
   });
 }
 
-// Returns steps that four faces share on average: counting finer steps costs more than they save.
+// Returns steps that hold four faces each on average. Finer steps would cost more to count than
+// they save.
 SweepAxis AxisSweep::StepsOn(size_t axis) const {
   const auto steps = static_cast<float>(std::clamp<size_t>(count_ / 2, 64, 65536));
   return {false, range_.low[axis], steps / range_.width(static_cast<int>(axis)), steps - 1};

@@ -1,20 +1,23 @@
-// AxisSweep, incremental sweep and prune: the faces of all boxes stay sorted on three axes between
-// frames, and the overlapping pairs stay sorted too. With little motion few faces swap places, and
-// a pair can begin or end only if a lower and an upper face do.
+// AxisSweep, incremental sweep and prune. The faces of all boxes stay sorted on three axes between
+// frames, and the overlapping pairs stay sorted too. With little motion few faces swap places. A
+// pair can begin or end only if a lower and an upper face swap.
 //
-// The pairs are updated in one of two ways. A sample of boxes gives the distance they have moved
-// and so the expected number of swaps. If it is small, insertion repairs the three orders at the
-// moved boxes, and each swap of a lower and an upper face marks a pair to be tested again.
-// Otherwise the three orders are sorted again and a sweep finds the pairs as in SAP, O(n + c +
-// pairs), c = pairs that overlap on that axis. The pairs of a sweep are kept once there is little
-// motion, unless there are more than 32 per box: then writing them dominates either way. New boxes
-// add their faces and cause a sweep in that frame; removed boxes remove theirs.
+// The pairs are updated in one of two ways. A sample of boxes gives the distance that they have
+// moved, and thus the expected number of swaps.
+// - If it is small, insertion repairs the three orders at the moved boxes. Each swap of a lower and
+//   an upper face marks a pair to be tested again.
+// - Otherwise the three orders are sorted again and a sweep finds the pairs as in SAP: O(n + c +
+//   pairs), c = pairs that overlap on that axis.
 //
-// A new sort is one pass by equal steps of each axis, with four faces per step on average; the
-// first repair after it sorts the faces of each step.
+// The pairs of a sweep are kept once there is little motion, unless there are more than 32 per box.
+// With more, writing the pairs dominates either way. New boxes add their faces and cause a sweep in
+// that frame; removed boxes remove theirs.
 //
-// Cost, measured on AMD Zen 5 with AVX-512 and `sweepstake bench`: suite-b 0.022 ms for 1,000
-// boxes, 0.28 ms for 10,000 and 6.4 ms for 100,000 (two threads: 0.17 and 3.4 ms for the last two);
+// A new sort is one pass by equal steps of each axis, with four faces per step on average. The
+// first repair after it sorts the faces within each step.
+//
+// Cost, measured on AMD Zen 5 with AVX-512 and `sweepstake bench`. Suite-b: 0.022 ms for 1,000
+// boxes, 0.28 ms for 10,000 and 6.4 ms for 100,000 (two threads: 0.17 and 3.4 ms for the last two).
 // 10,000 boxes of nearly-resting, which all move by ±0.001 per frame, take 0.36 ms. Memory: 80
 // bytes per box, 100 after frames with little motion, and 8 to 9 per pair while pairs are kept.
 // Boxes, the three orders and the pairs are kept between frames. aabb_check_count: lanes of the

@@ -10,16 +10,16 @@
 namespace sweepstake {
 namespace {
 
-// A part with fewer rows or boxes takes less time than waking a thread.
+// Minimum work per part: a smaller part takes less time than waking a thread.
 constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinFilledPerPart = 2048;
 constexpr size_t kMinSortedPerPart = 16384;
 
-// If more boxes than this share a step, on average over boxes, an exact sort pays: a sweep compares
-// one more register for each 64 of them.
+// If more boxes than this share a step, on average over boxes, an exact sort is cheaper. A sweep
+// compares one more register for each 64 of them.
 constexpr uint64_t kMaxBoxesSharingStep = 64;
-// The mean number of boxes per step. Counting finer steps costs more than they save, since a box
-// covers dozens of them.
+// The mean number of boxes per step. Finer steps would cost more to count than they save, since a
+// box covers dozens of them.
 constexpr size_t kBoxesPerStep = 8;
 
 class Sap final : public BroadPhase {
@@ -76,7 +76,7 @@ void Sap::Update(std::span<const Aabb> boxes) {
   });
 }
 
-// Counts the boxes of each step. Invalid boxes belong to the last one.
+// Counts the boxes of each step. Invalid boxes belong to the last step.
 void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
   steps_.EnsureDiscarding(boxes.size());
   starts_.EnsureDiscarding(part_count_ * step_count());
@@ -109,7 +109,7 @@ bool Sap::CountSlots() {
   return neighbours <= kMaxBoxesSharingStep * boxes_.count();
 }
 
-// Sorts the boxes by steps. Those of a step are in the order of their ids, whatever the number of
+// Sorts the boxes by steps. Boxes of one step are in the order of their ids, for any number of
 // parts.
 void Sap::SortBySteps() {
   RunParts(executor_, part_count_, [&](size_t part) {

@@ -7,8 +7,8 @@
 namespace sweepstake {
 namespace {
 
-// If more faces than this share a step, on average over faces, an exact sort pays: a sweep compares
-// more registers for each of them.
+// If more faces than this share a step, on average over faces, an exact sort is cheaper. Each of
+// them makes a sweep compare more registers.
 constexpr uint64_t kMaxFacesSharingStep = 16;
 
 uint64_t ItemOf(float coordinate, Endpoint endpoint) {
@@ -46,7 +46,7 @@ bool SortedEndpoints::CountSteps(std::span<const BoxRecord> records, const Sweep
   return neighbours <= kMaxFacesSharingStep * count_;
 }
 
-// REQUIRES: CountSteps has counted the faces in room.starts.
+// REQUIRES: room.starts holds the counts of CountSteps.
 void SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps,
                                   EndpointRoom& room, StopRequest* stop) {
   const SweepAxis step = steps;  // a copy that no store can alias

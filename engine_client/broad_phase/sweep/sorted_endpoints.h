@@ -25,14 +25,14 @@ inline constexpr Endpoint kUpperFace = 0x80000000;
 constexpr uint32_t EndpointOwner(Endpoint endpoint) { return endpoint & ~kUpperFace; }
 constexpr bool IsUpperFace(Endpoint endpoint) { return (endpoint & kUpperFace) != 0; }
 
-// The number of swaps that repairs may still take.
+// The number of swaps that repairs may still make.
 class SwapAllowance {
  public:
-  // `stop` may be null. It is asked about once per millisecond of swaps.
+  // `stop` may be null. It is polled about once per millisecond of swaps.
   explicit SwapAllowance(size_t swaps, StopRequest* stop = nullptr)
       : stop_(stop), reserve_(swaps) {}
 
-  // Takes `swaps` of them; returns false if there are fewer, or if the repair is to stop.
+  // Subtracts `swaps`. Returns false if fewer are left, or if the repair must stop.
   bool Spend(size_t swaps) {
     if (swaps > portion_ && !Refill(swaps)) return false;
     portion_ -= swaps;
@@ -53,18 +53,18 @@ class SwapAllowance {
 
   StopRequest* stop_;
   size_t reserve_;
-  size_t portion_ = 0;  // what may be spent before the next question
+  size_t portion_ = 0;  // swaps until the next poll
 };
 
-// Buffers for sorting, kept for reuse: 16 bytes per box and up to 256 KiB, and 16 more per box for
-// an exact sort.
+// Buffers for sorting, kept for reuse. Memory: 16 bytes per box and up to 256 KiB, and 16 more
+// bytes per box for an exact sort.
 class EndpointRoom {
  public:
   size_t native_bytes() const {
     return items.capacity_bytes() + starts.capacity_bytes() + radix.native_bytes();
   }
 
-  // Sort items (radix_sort.h) whose payload is an endpoint, or the ranks of all endpoints.
+  // Either sort items (radix_sort.h) whose payload is an endpoint, or the ranks of all endpoints.
   AlignedBuffer<uint64_t> items;
   AlignedBuffer<uint32_t> starts;
   RadixSort radix;
@@ -97,23 +97,23 @@ class SortedEndpoints {
  public:
   explicit SortedEndpoints(size_t axis) : axis_(axis) {}
 
-  // Sorts the faces of all `records` by `steps` in one pass, O(n). Those of one step stay in the
-  // order of their ids, which a sweep by steps allows and Repair corrects. If many faces share a
-  // step, they are sorted exactly in three passes. Asks `stop`, which may be null; the order is
-  // undefined once that is true.
+  // Sorts the faces of all `records` by `steps` in one pass, O(n). Faces of one step stay in the
+  // order of their ids. A sweep by steps allows this and Repair corrects it. If many faces share a
+  // step, they are sorted exactly in three passes. Polls `stop`, which may be null; after a stop
+  // the order is undefined.
   void Sort(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room,
             StopRequest* stop = nullptr);
-  // Returns whether the faces are sorted exactly, and not only by steps.
+  // Returns true if the faces are sorted exactly, false if only by steps.
   bool is_exact() const { return is_exact_; }
-  // Inserts the faces of the boxes from `first` on, which should be few: the position of each is
-  // searched, the other faces are moved as blocks. The order is as exact as before.
+  // Inserts the faces of the boxes from `first` on, which should be few. A binary search finds the
+  // position of each, and the other faces move as blocks. The order stays as exact as it was.
   void Append(std::span<const BoxRecord> records, size_t first, EndpointRoom& room);
   // Removes the faces of the boxes from `count` on.
   void Truncate(size_t count);
 
-  // Restores the exact order by insertion, after some boxes have moved or after a Sort, and calls
+  // Restores the exact order by insertion, after some boxes have moved or after a Sort. Calls
   // on_swap(a, b) for each lower face of one box and upper face of another whose order has changed.
-  // O(n + swaps). Takes the swaps from `allowance` and returns false once that has no more; the
+  // O(n + swaps). Subtracts the swaps from `allowance` and returns false once none are left; the
   // order then needs a Sort.
   template <typename OnSwap>
   bool Repair(std::span<const BoxRecord> records, const MovedBoxes& moved, EndpointRoom& room,

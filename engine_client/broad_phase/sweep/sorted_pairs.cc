@@ -8,12 +8,12 @@ void SortedPairs::Adopt(std::span<const OverlapPair> pairs, size_t box_count, St
   box_count_ = box_count;
   count_ = pairs.size();
   touched_count_ = 0;
-  // Reserves some more, so that a few more pairs in each frame do not allocate.
+  // Reserves spare room, so that a few more pairs in each frame do not allocate.
   pairs_.EnsureDiscarding(count_ + count_ / 8 + 64);
   SortTo(pairs_.data(), pairs, stop);
 }
 
-// Sorts by a in one pass, then by b inside each group.
+// Sorts by a in one pass, then by b within each group.
 void SortedPairs::SortTo(OverlapPair* sorted, std::span<const OverlapPair> pairs,
                          StopRequest* stop) {
   constexpr size_t kGroupsPerQuestion = 4096;
@@ -47,8 +47,9 @@ void SortedPairs::Truncate(size_t count) {
   touched_count_ = 0;
 }
 
-// Sorts many marks as Adopt does, since that is faster and asks; few would not pay for its pass
-// over all boxes.
+// Sorts the marks and removes duplicates; returns the number left. Many marks are sorted as in
+// Adopt, which is faster and polls `stop`. For few marks, its pass over all boxes would cost too
+// much.
 size_t SortedPairs::UniqueTouched(StopRequest* stop) {
   constexpr size_t kBoxesPerMark = 8;
   if (touched_count_ > box_count_ / kBoxesPerMark) {
@@ -62,7 +63,8 @@ size_t SortedPairs::UniqueTouched(StopRequest* stop) {
   return static_cast<size_t>(end - touched_.data());
 }
 
-// Drop and Insert move the blocks between the given pairs. REQUIRES: these are in ascending order.
+// Drop and Insert move the blocks between the given pairs. REQUIRES: the given pairs are in
+// ascending order.
 void SortedPairs::Drop(std::span<const OverlapPair> dropped) {
   OverlapPair* const end = pairs_.data() + count_;
   OverlapPair* to = nullptr;

@@ -1,4 +1,4 @@
-// The overlapping pairs in ascending order, kept from frame to frame and updated at the changes.
+// The overlapping pairs in ascending order, kept between frames and updated where they change.
 //
 // Not thread-safe. Owns its memory: 8 bytes per pair, and 8 per pair touched in one frame.
 #pragma once
@@ -17,8 +17,8 @@ namespace sweepstake {
 class SortedPairs {
  public:
   // Replaces the content by these pairs of `box_count` objects, each once, in any order. O(n +
-  // pairs) if no object has very many. Asks `stop`, which may be null; the content is undefined
-  // once that is true.
+  // pairs) if no object has very many pairs. Polls `stop`, which may be null; after a stop the
+  // content is undefined.
   void Adopt(std::span<const OverlapPair> pairs, size_t box_count, StopRequest* stop = nullptr);
   // Removes the pairs of the objects from `count` on.
   void Truncate(size_t count);
@@ -29,8 +29,8 @@ class SortedPairs {
       touched_.EnsureKeeping(std::max<size_t>(touched_count_ * 2, 64), touched_count_);
     touched_[touched_count_++] = {std::min(a, b), std::max(a, b)};
   }
-  // Calls overlaps(a, b) for each pair marked since the last call, and adds or removes it. O(log
-  // pairs) for each; the other pairs are moved as blocks. `stop` is as in Adopt.
+  // Calls overlaps(a, b) for each pair marked since the last call, and adds or removes the pair.
+  // O(log pairs) for each; the other pairs move as blocks. `stop` is as in Adopt.
   template <typename Overlaps>
   void Settle(Overlaps&& overlaps, StopRequest* stop = nullptr);
   // Removes the marks.
