@@ -24,8 +24,8 @@ HWY_INLINE BoxLanes LanesOf(const DbvtNode& node) {
           kWidth};
 }
 
-// Lists in `found` the children from lane `first` on that overlap `box`. Returns their number; may
-// write up to a register more.
+// Lists in `found` the children from lane `first` on that overlap `box`. Returns their number. May
+// write up to one register more.
 HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_t first,
                                   uint32_t* found) {
   const Lanes16 d;
@@ -41,7 +41,7 @@ HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_
   return count;
 }
 
-// Lists the lanes of a leaf that overlap `box`, as slots. Returns their number; may write up to a
+// Lists the lanes of a leaf that overlap `box`, as slots. Returns their number. May write up to one
 // register more.
 HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t leaf,
                                uint32_t* found) {
@@ -58,10 +58,10 @@ HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t 
   return count;
 }
 
-// Tests the leaf's boxes, as many at a time as a register holds, against those in `slots`. With
-// kSelf they are tested against one another instead, each against the lanes behind it. A narrow
-// register takes turns with the leaf's others, since it spends more on the copies of the other
-// box's faces than on comparing them; a wide one has its faces held in registers.
+// Tests the leaf's boxes, a register at a time, against those in `slots`. With kSelf it tests them
+// against one another instead, each against the lanes behind it. With 128-bit registers, copying
+// the other box's faces costs more than comparing them. Each set of copies is therefore used for
+// all registers of the leaf. Wider registers keep the leaf's faces loaded instead.
 template <bool kSelf>
 HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& leaf,
                           size_t leaf_size, const uint32_t* slots, size_t slot_count,
@@ -103,11 +103,11 @@ HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& le
 #endif
 }
 
-// The maximum number of nodes that wait in a depth-first walk: all siblings on each level.
+// The maximum number of pending nodes in a depth-first walk: all siblings on each level.
 constexpr size_t kStackSize = DbvtTree::kMaxLevels * kWidth + kWidth;
 
-// The search of one leaf among those that follow it. The leaves and then the slots found are kept
-// in lists that are worked off when full, since long loops are predicted better than short ones.
+// The search of one leaf among the leaves that follow it. The leaves and then the slots found are
+// kept in lists that are processed when full, since branch prediction is better in long loops.
 struct DbvtSearch {
   DbvtSearch(const DbvtTree& tree, PairCursor& pairs)
       : nodes(tree.nodes()), links(tree.links()), cursor(pairs) {}
@@ -193,8 +193,8 @@ HWY_INLINE void SearchLeaf(DbvtSearch& search, uint32_t group, uint32_t lane) {
   TestFoundSlots(search);
 }
 
-// Searches the leaves of a group from `lane` on, until there have been `max_checks`. Returns the
-// lane where it ended. Not inlined: what its caller keeps would take registers.
+// Searches the leaves of a group from `lane` on, until `max_checks` checks have been made. Returns
+// the lane where it ended. Not inlined, since the caller's variables would occupy registers.
 HWY_NOINLINE uint32_t SearchLeaves(DbvtSearch& search, uint32_t group, uint32_t lane,
                                    uint64_t max_checks) {
   const uint32_t count = search.links[group].count;
@@ -241,7 +241,7 @@ uint64_t PairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const 
       }
       const size_t met_count = CollectChildren(fat[object], nodes[node], 0, met);
       for (size_t k = 0; k < met_count; ++k) {
-        // A pair of two listed objects is reported by the lower one.
+        // A pair of two listed objects is reported by the object with the lower index.
         if (met[k] > object || (met[k] < object && is_listed[met[k]] == 0)) {
           cursor.Append(object, met[k]);
         }

@@ -1,8 +1,9 @@
 // Searches in a DbvtTree: vector kernels, dispatched at run time once per call.
 //
-// Stateless; threads may search at the same time with outputs of their own. All append pairs of
-// objects, a < b, in an order that depends on the tree alone, and return the AABB checks made:
-// every lane of a comparison is one. All ask `stop`, which may be null, between leaves or objects.
+// Stateless; threads may search at the same time with separate outputs. The functions append pairs
+// of objects, a < b, in an order that depends on the tree alone. They return the AABB checks made:
+// every lane of a comparison is one. They poll `stop`, which may be null, between leaves or
+// objects.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +16,14 @@
 namespace sweepstake {
 
 // Finds the overlapping pairs of the objects below these lowest inner nodes with one another and
-// with all objects that follow them in depth-first order. Over all of tree.Groups() that is every
+// with all objects that follow in depth-first order. Over all of tree.Groups() this gives every
 // overlapping pair once.
 uint64_t FindGroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out,
                         StopRequest* stop);
 
-// Finds the pairs of each listed object, whose box is fat[object], with all objects in the tree; a
-// pair of two listed objects once. `is_listed` holds 1 for listed objects and 0 for the others.
+// Finds the pairs of each listed object, whose box is fat[object], with all objects in the tree. A
+// pair of two listed objects is found once. `is_listed` holds 1 for listed objects and 0 for
+// others.
 uint64_t FindPairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const Aabb* fat,
                      const uint8_t* is_listed, PairBuffer& out, StopRequest* stop);
 

@@ -67,7 +67,7 @@ HWY_INLINE bool AllAreValid(const DbvtNode& leaf, const Aabb& bounds, size_t cou
   return finite && in_order == count;
 }
 
-// Returns the largest distance on an axis that the box has moved from the lane's box.
+// Returns the largest distance on an axis by which the box has moved from the lane's box.
 HWY_INLINE float MotionFrom(const DbvtNode& leaf, size_t lane, const Aabb& box) {
   float motion = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -112,8 +112,8 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
     note.motion += std::min(motion, step);
     TakeBoxes(leaf, links[group.child[lane]].count, boxes);
   }
-  // Computes the bounds in a loop of its own: a vector load that follows single-float stores at
-  // once would wait for them.
+  // Computes the bounds in a separate loop. A vector load right after single-float stores would
+  // stall until they finish.
   for (size_t lane = 0; lane < leaf_count; ++lane) {
     const DbvtNode& leaf = nodes[group.child[lane]];
     const Aabb bounds = BoundsOf(leaf);
@@ -129,7 +129,7 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
   return note;
 }
 
-// Returns the lane whose box grows by the minimum when it covers `box`; of equal ones a small lane.
+// Returns the lane whose box grows least when it covers `box`; among similar lanes a small one.
 HWY_INLINE uint32_t BestLane(const DbvtNode& node, const Aabb& box) {
   const Lanes16 d;
   float min_cost = std::numeric_limits<float>::infinity();
@@ -141,8 +141,8 @@ HWY_INLINE uint32_t BestLane(const DbvtNode& node, const Aabb& box) {
       const auto high = hn::Max(hn::Load(d, node.max[axis] + at), hn::Set(d, box.max[axis]));
       joined = hn::Add(joined, hn::Sub(high, low));
     }
-    // The growth, and a sixteenth of the size so that smaller lanes are preferred. It is infinite
-    // for lanes without a child.
+    // The cost is the growth plus a sixteenth of the size, so that smaller lanes are preferred. It
+    // is infinite for lanes without a child.
     const auto cost = hn::Sub(hn::Mul(joined, hn::Set(d, 1.0625F)), Sides(node, at));
     const float cost_here = hn::GetLane(hn::MinOfLanes(d, cost));
     if (!(cost_here < min_cost)) continue;

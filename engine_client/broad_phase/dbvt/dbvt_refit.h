@@ -13,17 +13,17 @@ namespace sweepstake {
 // Returns the bounds of all lanes. REQUIRES: the node has an entry.
 Aabb NodeBounds(const DbvtNode& node);
 
-// Returns the lanes of this inner node whose children are stretched beyond their reach, as bits.
+// Returns, as bits, the lanes of this inner node whose children are stretched beyond their reach.
 // The reach of a child that has become smaller shrinks with it.
 uint16_t StretchedLanes(DbvtNode& node);
 
-// Gives the objects in the leaves of a group their new boxes, and the lanes of the group the bounds
-// of the leaves. Motion is sampled at the first object of each leaf.
+// Copies the new boxes of the objects to the leaves of a group, and the bounds of the leaves to the
+// lanes of the group. Motion is sampled at the first object of each leaf.
 DbvtGroupNote RefitGroup(DbvtNode* nodes, const DbvtLink* links, uint32_t group, const Aabb* boxes,
                          float step);
 
-// Finds the node of `level` below which `box` enlarges the tree by the minimum, and widens the
-// boxes on the way there to cover it. REQUIRES: no node on the way is empty.
+// Finds the node of `level` below which `box` enlarges the tree least, and widens the boxes on the
+// way there to cover it. REQUIRES: no node on the way is empty.
 uint32_t DescendWidening(DbvtNode* nodes, const DbvtLink* links, uint32_t root, uint32_t level,
                          const Aabb& box);
 

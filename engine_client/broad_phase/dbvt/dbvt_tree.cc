@@ -12,10 +12,11 @@
 namespace sweepstake {
 namespace {
 
-// The minimum mean number of entries per node, by which memory is reserved. Leaves are full after
-// Build; after a while of motion 11 to 13 of their 16 lanes are in use.
+// The minimum mean number of entries per node, used to reserve memory. Leaves are full after Build.
+// After a while of motion 11 to 13 of their 16 lanes are in use.
 constexpr size_t kObjectsPerNode = 10;
-// A part with fewer groups (some 1,500 objects) takes less time than waking a thread.
+// The minimum number of groups per part (some 1,500 objects). A smaller part takes less time than
+// waking a thread.
 constexpr size_t kMinGroupsPerPart = 8;
 
 void SetBox(DbvtNode& node, uint32_t lane, const Aabb& box) {
@@ -48,7 +49,7 @@ double DoubledCenter(const Aabb& box, int axis) {
   return static_cast<double>(box.min[axis]) + box.max[axis];
 }
 
-// Returns the axis on which the centers of these entries' boxes are spread widest.
+// Returns the axis with the widest spread of the centers of these entries' boxes.
 template <class Entries>
 int WidestAxis(const Entries& entries) {
   int widest = 0;
@@ -67,7 +68,7 @@ int WidestAxis(const Entries& entries) {
   return widest;
 }
 
-// The lane with the outermost of a row of faces, and how far the bounds recede without it. With
+// The lane with the outermost face, and the distance by which the bounds recede without it. With
 // `sign` +1 the lowest face is the outermost, with −1 the highest.
 struct Outermost {
   uint32_t lane;
@@ -86,7 +87,7 @@ Outermost OutermostLane(const float* faces, uint32_t count, float sign) {
   return {lane, second - first};
 }
 
-// Returns the lane without which the node shrinks most.
+// Returns the lane whose removal shrinks the node most.
 uint32_t LaneToEvict(const DbvtNode& node, uint32_t count) {
   std::array<float, DbvtNode::kWidth> gains{};
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -147,7 +148,7 @@ DbvtTree::Entry DbvtTree::EntryAt(uint32_t node, uint32_t lane) const {
   return {BoxAt(nodes_[node], lane), nodes_[node].child[lane], links_[node].level};
 }
 
-// Removes the entry in `lane`, whose place the entry of the last lane takes.
+// Removes the entry in `lane` and moves the last entry into that lane.
 void DbvtTree::RemoveLane(uint32_t node, uint32_t lane) {
   const uint32_t last = --links_[node].count;
   const float reach = nodes_[node].reach[last];
@@ -164,7 +165,7 @@ void DbvtTree::EvictLane(uint32_t node, uint32_t lane) {
   RemoveLane(node, lane);
 }
 
-// Removes the node; its entries wait to be inserted elsewhere. REQUIRES: it is not the root.
+// Removes the node; its entries wait to be inserted elsewhere. REQUIRES: the node is not the root.
 void DbvtTree::RemoveNode(uint32_t node) {
   for (uint32_t lane = links_[node].count; lane-- > 0;) EvictLane(node, lane);
   RemoveLane(links_[node].parent, links_[node].lane);
@@ -214,7 +215,7 @@ void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> slot
   } while (node_limit_ - first > 1);
   root_ = first;
   if (IsStopped(stop)) return;
-  // The nodes have no boxes yet: Refit takes those of the objects and computes all bounds.
+  // The nodes have no boxes yet: Refit reads the objects' boxes and computes all bounds.
   Refit(boxes, 0, executor, lost);
   Settle();
 }
@@ -228,7 +229,7 @@ void DbvtTree::BuildLeaf(std::span<const uint32_t> objects) {
   }
 }
 
-// Makes the level above the nodes [first, end), which has one node or more.
+// Makes the level above the nodes [first, end), with one node or more.
 void DbvtTree::BuildLevel(uint32_t level, uint32_t first, uint32_t end) {
   uint32_t node = AllocateNode(level);
   for (uint32_t child = first; child < end; ++child) {
@@ -269,7 +270,8 @@ void DbvtTree::Move(uint32_t object, const Aabb& box) {
   }
 }
 
-// Returns false also if the reach is not known yet.
+// Returns whether the node stays within its reach if it also covers `box`. Returns false if the
+// reach is not known yet.
 bool DbvtTree::FitsInReach(uint32_t node, const Aabb& box) const {
   const DbvtNode& parent = nodes_[links_[node].parent];
   const uint32_t lane = links_[node].lane;
@@ -301,8 +303,8 @@ void DbvtTree::AddTo(uint32_t node, const Entry& entry) {
   SetLane(node, links_[node].count++, entry);
 }
 
-// Divides the entries of a full node and one more between two nodes, at the median of the axis on
-// which their centers are spread widest.
+// Divides the entries of a full node and one more entry between two nodes. It splits at the median
+// of the axis with the widest spread of centers.
 void DbvtTree::Split(uint32_t node, const Entry& entry) {
   std::array<Entry, kWidth + 1> entries;
   for (uint32_t lane = 0; lane < kWidth; ++lane) entries[lane] = EntryAt(node, lane);
@@ -350,7 +352,7 @@ void DbvtTree::Settle(StopRequest* stop) {
   }
 }
 
-// Evicts entries until the node is within its reach again, or removes it.
+// Evicts entries until the node is within its reach again, or removes the node if too few are left.
 void DbvtTree::EvictToReach(uint32_t node) {
   const float reach = nodes_[links_[node].parent].reach[links_[node].lane];
   while (links_[node].count >= kMinFill) {
@@ -364,7 +366,7 @@ void DbvtTree::EvictToReach(uint32_t node) {
   RemoveNode(node);
 }
 
-// Starts at the highest lane, since the last child takes the lane of one that is removed.
+// Starts at the highest lane, since removing a child moves the last child into its lane.
 void DbvtTree::EvictBelow(uint32_t node, uint32_t stretched) {
   while (stretched != 0) {
     const auto lane = static_cast<uint32_t>(std::bit_width(stretched)) - 1;

@@ -1,14 +1,16 @@
-// A dynamic bounding volume tree sixteen wide: a leaf holds up to sixteen objects, an inner node up
-// to sixteen nodes, and the box of each is in a lane of its node.
+// A dynamic bounding volume tree, sixteen wide. A leaf holds up to sixteen objects and an inner
+// node up to sixteen nodes; the box of each is in a lane of its node.
 //
 // All leaves have the same depth. The size of a box is the sum of its sides, which works for flat
-// and thin boxes too. An object is inserted where it enlarges the tree by the minimum. A node that
-// overflows is split in two at the median of its widest axis; one with fewer than kMinFill entries
-// is removed, and its entries are inserted elsewhere. Each node has a reach, the size up to which
-// it may stretch while its entries move: kReachFactor times the smallest size it has had. Refit
-// takes the objects' new boxes, and removes what stretches a node beyond its reach, objects and
-// subtrees alike, to insert it where it fits better. This is the forced reinsertion of the R*-tree
-// (Beckmann et al. 1990), triggered by motion instead of insertion.
+// and thin boxes too. An object is inserted where it enlarges the tree least. A node that overflows
+// is split in two at the median of its widest axis. A node with fewer than kMinFill entries is
+// removed, and its entries are inserted elsewhere.
+//
+// Each node has a reach, the size up to which it may stretch while its entries move: kReachFactor
+// times the smallest size it has had. Refit reads the objects' new boxes. It removes objects and
+// subtrees that stretch a node beyond its reach and inserts them where they fit better. This is the
+// forced reinsertion of the R*-tree (Beckmann et al. 1990), triggered by motion instead of
+// insertion.
 //
 // Not thread-safe. Owns its memory. Boxes must be valid (aabb.h) unless a comment says otherwise.
 // Cost: Build and Refit O(objects); Insert, Remove, Move and each entry that Refit moves elsewhere
@@ -46,13 +48,13 @@ struct DbvtLink {
   uint8_t level;  // 0 is a leaf
 };
 
-// A group is a lowest inner node with the leaves below it. This is what Refit found in one; bit k
-// is the leaf in lane k.
+// The result of Refit for one group. A group is a lowest inner node with the leaves below it. Bit k
+// stands for the leaf in lane k.
 struct DbvtGroupNote {
   uint16_t stretched;  // the leaves beyond their reach
   uint16_t invalid;    // the leaves with invalid boxes
-  // One object per leaf is sampled: the number of samples that moved further than a step, and the
-  // sum of their motion, each cut off at a step.
+  // One object per leaf is sampled. `fast_count` is the number of samples that moved further than a
+  // step, `motion` the sum of their motion, each limited to a step.
   uint16_t fast_count;
   float motion;
 };
@@ -62,46 +64,47 @@ class DbvtTree {
   static constexpr uint32_t kNone = 0xFFFFFFFF;
   static constexpr uint32_t kWidth = DbvtNode::kWidth;
   static constexpr uint32_t kMinFill = 4;
-  // These levels hold 4^16 entries, with one more level for a root that is not full.
+  // 16 levels hold 4^16 entries, if each node has kMinFill; one more level is for a root that is
+  // not full.
   static constexpr size_t kMaxLevels = 17;
   static constexpr float kReachFactor = 1.35F;
 
-  // Discards everything and takes the objects in `slots`, of which sixteen at a time become a leaf.
-  // kNone and numbers that are no index of `boxes` leave a gap. Objects with invalid boxes are
-  // appended to `lost`. The tree can hold objects 0 … boxes.size() − 1 from now on.
-  // Asks `stop`, which may be null; the tree is undefined once that is true.
+  // Discards everything and inserts the objects in `slots`, of which sixteen at a time become a
+  // leaf. kNone and numbers that are not an index of `boxes` leave a gap. Objects with invalid
+  // boxes are appended to `lost`. The tree can then hold objects 0 … boxes.size() − 1. Polls
+  // `stop`, which may be null; after a stop the tree is undefined.
   void Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots, Executor* executor,
              HookedVector<uint32_t>& lost, StopRequest* stop = nullptr);
-  // Sets the number of objects that the tree can hold. REQUIRES: none from `object_count` on is in
-  // it.
+  // Sets the number of objects that the tree can hold. REQUIRES: the tree holds no object from
+  // `object_count` on.
   void Resize(size_t object_count);
 
   // REQUIRES: the object is not in the tree.
   void Insert(uint32_t object, const Aabb& box);
   // REQUIRES: the object is in the tree.
   void Remove(uint32_t object);
-  // Gives the object another box, and another leaf if the box would stretch its leaf beyond its
-  // reach. REQUIRES: the object is in the tree.
+  // Changes the object's box, and moves it to another leaf if the box would stretch its leaf beyond
+  // the leaf's reach. REQUIRES: the object is in the tree.
   void Move(uint32_t object, const Aabb& box);
 
   struct Motion {
     size_t sample_count;
     size_t fast_count;  // the samples that moved further than the step
-    float mean;         // the mean motion of the samples, each cut off at the step
+    float mean;         // the mean motion of the samples, each limited to the step
     bool needs_build;
   };
-  // Takes the objects' new boxes. Objects whose boxes have become invalid leave the tree and are
+  // Reads the objects' new boxes. Objects whose boxes have become invalid leave the tree and are
   // appended to `lost`. Entries that stretch their node too far leave it and wait for Settle or
-  // Build; a search before that would miss them. If more than half of the leaves are stretched, the
-  // result asks for Build, which must be the next call.
+  // Build; a search before that would miss them. If more than half of the leaves are stretched,
+  // needs_build is set and the next call must be Build.
   Motion Refit(std::span<const Aabb> boxes, float step, Executor* executor,
                HookedVector<uint32_t>& lost);
-  // Takes the objects' new boxes, and leaves every object in its leaf. REQUIRES: the boxes of all
+  // Reads the objects' new boxes and leaves every object in its leaf. REQUIRES: the boxes of all
   // objects in the tree are valid.
   void TakeBoxes(std::span<const Aabb> boxes, Executor* executor);
   size_t waiting_count() const { return waiting_.size(); }
-  // Inserts the waiting entries. Asks `stop`, which may be null; the others are lost once that is
-  // true.
+  // Inserts the waiting entries. Polls `stop`, which may be null; after a stop the remaining
+  // entries are lost.
   void Settle(StopRequest* stop = nullptr);
 
   bool Contains(uint32_t object) const { return slots_[object] != kNone; }
@@ -110,7 +113,7 @@ class DbvtTree {
   uint32_t root() const { return root_; }
   const DbvtNode* nodes() const { return nodes_.data(); }
   const DbvtLink* links() const { return links_.data(); }
-  // Returns the lowest inner nodes, depth first.
+  // Returns the lowest inner nodes in depth-first order.
   std::span<const uint32_t> Groups();
   size_t native_bytes() const;
 
@@ -118,7 +121,7 @@ class DbvtTree {
   struct Entry {
     Aabb box;
     uint32_t child;
-    uint32_t level;  // the level of the node it goes to
+    uint32_t level;  // the level of the node that holds the entry
   };
 
   uint32_t AllocateNode(uint32_t level);

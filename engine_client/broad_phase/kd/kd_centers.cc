@@ -42,7 +42,7 @@ size_t Collect(std::span<const LeafBlock> leaves, const KdColumns& centers,
   return count;
 }
 
-// Extents are summed up in parts small enough for the precision of a float.
+// Sums up extents in parts small enough for the precision of a float.
 AxisSpread Spread(const float* centers, const float* extents, size_t count) {
   const Lanes16 d;
   constexpr size_t kPartSize = 4096;
@@ -80,14 +80,14 @@ HWY_EXPORT(Spread);
 
 namespace {
 
-// A box is large if it exceeds this multiple of a leaf's width. A smaller one would cost more in a
-// class of its own than it costs its leaf.
+// A box is large if it exceeds this multiple of a leaf's width. A smaller box would cost more in a
+// separate class than it costs in its leaf.
 constexpr double kLongInLeafWidths = 1.5;
-// It must also exceed this multiple of the lower quartile of the extents on its axis.
+// A large box must also exceed this multiple of the lower quartile of the extents on its axis.
 constexpr float kLongInQuartiles = 4;
 constexpr size_t kSampleSize = 64;
 
-// Estimates the quartile from a sample.
+// Returns the lower quartile of the extents, estimated from a sample.
 float LowerQuartile(const float* extents, size_t count) {
   std::array<float, kSampleSize> sample;
   for (size_t k = 0; k < kSampleSize; ++k) sample[k] = extents[k * count / kSampleSize];

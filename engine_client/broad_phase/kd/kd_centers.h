@@ -1,7 +1,7 @@
-// Centers and extents of boxes, how they are spread, and which boxes are too large for a leaf with
-// ordinary ones: what KdOrder decides by.
+// The inputs of KdOrder's decisions: centers and extents of boxes, their spread, and which boxes
+// are too large to share a leaf with ordinary ones.
 //
-// Thread-safe: works on what it is given. Cost: O(n) each.
+// Thread-safe: works on its arguments only. Cost: O(n) each.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace sweepstake {
 
-// Writes the centers and ids of the valid boxes to `centers` and their extents to `extents`, in
-// their order. Returns their number. May write up to a register more.
+// Writes the centers and ids of the valid boxes to `centers` and their extents to `extents`, in the
+// order of the leaves. Returns their number. May write up to one register more.
 size_t CollectCenters(std::span<const LeafBlock> leaves, const KdColumns& centers,
                       const KdColumns& extents);
 
@@ -29,19 +29,19 @@ struct AxisSpread {
 // REQUIRES: count > 0.
 AxisSpread SpreadOf(const float* centers, const float* extents, size_t count);
 
-// Divides boxes into classes by size. A leaf of sixteen ordinary boxes is as wide as the room that
-// sixteen boxes have; a box is large if it clearly exceeds that width and the usual extent on that
-// axis. The class of a large box encodes its size (the longest side, in steps of factor 4) and the
-// axes on which it is long.
+// Divides boxes into classes by size. The width of an ordinary leaf is estimated as the cube root
+// of the volume per sixteen boxes. A box is large if it clearly exceeds that width and the usual
+// extent on that axis. The class of a large box encodes its size (the longest side, in steps of
+// factor 4) and the axes on which it is long.
 class SizeClasses {
  public:
-  static constexpr size_t kCount = 32;  // class 0 is that of the ordinary boxes
+  static constexpr size_t kCount = 32;  // class 0 holds the ordinary boxes
 
   // Takes the spreads and the `count` extents of each axis. REQUIRES: count > 0.
   SizeClasses(const AxisSpread (&spreads)[3], const float* const (&extents)[3], size_t count);
 
   bool all_ordinary() const { return all_ordinary_; }
-  // Writes the class of each box to `classes`; returns how many boxes each class has.
+  // Writes the class of each box to `classes`; returns the number of boxes in each class.
   std::array<size_t, kCount> ClassifyAll(const float* const (&extents)[3],
                                          std::span<uint32_t> classes) const;
 

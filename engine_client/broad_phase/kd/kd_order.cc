@@ -9,16 +9,17 @@
 namespace sweepstake {
 namespace {
 
-// The largest range that is split down to parts in one step: its centers stay in the cache.
+// The maximum size of a range that is split down to parts in one step, so that its centers stay in
+// the cache.
 constexpr size_t kMaxWholeRange = 4096;
-// The moves between two questions whether to stop, which take about a millisecond.
+// The number of moved centers between two polls of the stop request; they take about a millisecond.
 constexpr size_t kMovesPerQuestion = size_t{1} << 19;
 
 constexpr size_t RoundUp(size_t count) {
   return (count + KdRange::kPart - 1) / KdRange::kPart * KdRange::kPart;
 }
 
-// Returns how often each center of a range is moved until the parts are small enough.
+// Returns how often each center of a range is moved until its part is small enough.
 size_t SplitDepth(size_t count) {
   size_t depth = 0;
   for (; count > KdRange::kPart; count = (count + 1) / 2) ++depth;
@@ -38,7 +39,7 @@ KdRange MakeRange(size_t begin, size_t end, const double* extent_sums, double ne
 }  // namespace
 
 void KdOrder::Reserve(size_t count) {
-  // There are gaps behind the classes, and a register may be read behind the last.
+  // Reserves slots for the gaps behind the classes, and a register behind the last slot.
   capacity_ = RoundUp(MaxSlots(count)) + kPart;
   floats_.EnsureDiscarding(6 * capacity_);
   words_.EnsureDiscarding(3 * capacity_);
@@ -80,8 +81,8 @@ void KdOrder::FormRuns() {
   MoveToClasses(of_slots, counts, negligible);
 }
 
-// Moves the boxes from the first columns to the second, class by class, each class from a multiple
-// of kPart on.
+// Moves the boxes from the first columns to the second, class by class. Each class begins at a
+// multiple of kPart.
 void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
                             std::span<const size_t, SizeClasses::kCount> counts,
                             double negligible) {
@@ -110,7 +111,7 @@ void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
   }
 }
 
-// The function is inline, since a call per box would cost as much as its work.
+// Inline, since a call per box would cost as much as the work.
 inline void KdOrder::Collect(const Aabb& box, uint32_t index) {
   if (!IsValid(box)) {
     result_[capacity_ - ++invalid_count_] = index;
@@ -160,7 +161,7 @@ void KdOrder::SplitWhole(const Waiting& waiting) {
   SplitAll(columns_[waiting.columns], columns_[1 - waiting.columns], waiting.range, result_);
 }
 
-// Splits the range once; its two parts wait in the other columns.
+// Splits the range once and pushes its two parts, which are in the other columns.
 void KdOrder::SplitTop(const Waiting& waiting) {
   SplitOnce(columns_[waiting.columns], columns_[1 - waiting.columns], waiting.range);
   Waiting first = waiting;
@@ -195,7 +196,8 @@ bool KdOrder::Finish(Executor* executor, StopRequest* stop) {
     }
     return false;
   }
-  // Splits ranges until there are enough of them for all threads, which then work on all at once.
+  // Splits ranges until there are enough for all threads, which then split one range each at the
+  // same time.
   const size_t max_part = std::max(valid_count_ / (2 * executor->thread_count()), kMaxWholeRange);
   size_t next = 0;
   while (next < waiting_ && !IsStopped(stop)) {

@@ -1,9 +1,9 @@
-// An order of boxes that keeps neighbours in space together: recursive splits at the median of the
-// axis on which the centers are spread widest, measured in mean extents of the boxes.
+// An order of boxes that keeps neighbours in space together. It splits recursively at the median of
+// the axis with the widest spread of centers, measured in mean extents of the boxes.
 //
-// Boxes much larger than the room that sixteen boxes have are ordered among themselves, behind the
-// others, in classes by size and by the axes on which they are long (kd_centers.h): any of them
-// would widen a leaf of ordinary boxes to its own bounds.
+// Boxes much larger than an ordinary leaf are ordered separately, behind the others. They form
+// classes by size and by the axes on which they are long (kd_centers.h). Any of them would widen a
+// leaf of ordinary boxes to its own bounds.
 //
 // The work can be done at once (Finish) or spread over frames (Advance); the result is the same.
 //
@@ -30,13 +30,13 @@ class KdOrder {
   // Splits end at parts of this size.
   static constexpr uint32_t kPart = KdRange::kPart;
 
-  // A slot without a box: no valid index.
+  // A slot without a box. Not a valid index.
   static constexpr uint32_t kHole = 0xFFFFFFFF;
 
-  // Begins with the `box_count` boxes in these leaves, where slots with id kHole are left out. The
-  // leaves are read during the call only.
+  // Begins with the `box_count` boxes in these leaves; slots with id kHole are skipped. The leaves
+  // are read during the call only.
   void Begin(std::span<const LeafBlock> leaves, size_t box_count);
-  // Begins with all of these boxes.
+  // Begins with these boxes.
   void Begin(std::span<const Aabb> boxes);
   // Moves about `budget` centers once; returns whether the order is complete.
   bool Advance(size_t budget);
@@ -47,8 +47,8 @@ class KdOrder {
   size_t work() const;
   size_t box_count() const { return valid_count_ + invalid_count_; }
 
-  // Writes the boxes in their order with holes, so that each class begins at a multiple of kPart;
-  // invalid boxes are last. REQUIRES: the order is complete, slots.size() == slot_count().
+  // Writes the boxes in their order, with holes so that each class begins at a multiple of kPart.
+  // Invalid boxes are last. REQUIRES: the order is complete, slots.size() == slot_count().
   void TakeSlots(std::span<uint32_t> slots) const;
   // Returns the number of boxes and holes. REQUIRES: the order is complete.
   size_t slot_count() const;
@@ -59,21 +59,22 @@ class KdOrder {
   // box_count().
   void TakeBoxes(std::span<uint32_t> order) const;
 
-  // Orders only the boxes whose indices `order` names, each at most once, and rearranges it unless
-  // it is stopped. Runs of `run_parts` parts, and of 16 times as many and so on, straddle no split.
+  // Orders only the boxes with the indices in `order`, each at most once, and rearranges `order`
+  // unless stopped. No split cuts an aligned run of `run_parts` parts, of 16 times as many and so
+  // on.
   void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop = nullptr,
             size_t run_parts = kPart);
 
   size_t native_bytes() const { return floats_.capacity_bytes() + words_.capacity_bytes(); }
 
  private:
-  // Each split leaves at most 15/16 of a range.
+  // 512 ranges are enough, since each split leaves at most 15/16 of a range.
   static constexpr size_t kStackSize = 512 + SizeClasses::kCount;
 
   // A range that is still to be split.
   struct Waiting {
     KdRange range;
-    size_t columns;  // the index in columns_ of those that hold its centers
+    size_t columns;  // the index in columns_ of the columns that hold its centers
   };
   // The slots of a class.
   struct Run {
@@ -97,9 +98,9 @@ class KdOrder {
 
   AlignedBuffer<float> floats_;    // the centers of both columns
   AlignedBuffer<uint32_t> words_;  // the boxes of both columns, and the result
-  // A split moves centers from one of them to the other.
+  // A split moves centers from one set of columns to the other.
   KdColumns columns_[2] = {};
-  // Boxes by slot, each class from a multiple of kPart on, and the invalid boxes at the end.
+  // Boxes by slot. Each class begins at a multiple of kPart; invalid boxes are at the end.
   uint32_t* result_ = nullptr;
   size_t capacity_ = 0;  // the number of slots of each column
   size_t valid_count_ = 0;

@@ -1,5 +1,5 @@
-// The search of KDTree: each block of 16 leaves goes down the tree once, and finds the pairs of its
-// boxes with one another and with those of later blocks.
+// The search of KDTree. Each block of 16 leaves descends the tree once and finds the pairs of its
+// boxes with one another and with the boxes of later blocks.
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -33,23 +33,23 @@ class BlockSearch {
   uint64_t Finish() { return leaves_.Finish(); }
 
  private:
-  // Returns the bounds of the block. In a tree without nodes above its leaves, the only block has
-  // all leaves.
+  // Returns the bounds of the block. In a tree without nodes above its leaves, the only block holds
+  // all leaves and gets unlimited bounds.
   Aabb BoundsOfBlock() const {
     if (tree_.top > 1) return BoxAt(tree_.levels[2], block_);
     constexpr float kMax = std::numeric_limits<float>::max();
     return {{-kMax, -kMax, -kMax}, {kMax, kMax, kMax}};
   }
 
-  // Adds the near leaves of this block and later ones among the 16 children of `node`, which are on
-  // `level`.
+  // Adds the near leaves of this block and of later blocks below the 16 children of `node`. The
+  // children are on `level`.
   void Descend(size_t level, uint32_t node) {
     const size_t base = size_t{node} * LeafTree::kWidth;
     leaves_.AddChecks(LeafTree::kWidth);
     if (level == 1) return leaves_.AddNear(bounds_, base);
     const Lanes16 d;
     const BoxLanes& lanes = tree_.levels[level];
-    // This is the ancestor of the block on the level; all nodes before it have been searched
+    // `first` is the ancestor of the block on this level. All nodes before it have been searched
     // already.
     const uint32_t first = block_ >> (LeafTree::kWidthBits * static_cast<uint32_t>(level - 2));
     for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {

@@ -17,12 +17,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kWidth = KdRange::kPart;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// If there are more keys than this, the median is first estimated from a sample.
+// The size of the sample from which the median is estimated if there are more keys.
 constexpr size_t kSampleSize = 256;
-// This is two standard deviations of the median's rank in the sample.
+// Two standard deviations of the median's rank in the sample.
 constexpr size_t kSampleMargin = 16;
 
-// Two values and the number of keys below each; the rank sought is between these numbers.
+// Two values and the number of keys below each. The requested rank is between these numbers.
 struct Bracket {
   float low = -kInfinity;
   float high = kInfinity;
@@ -30,8 +30,8 @@ struct Bracket {
   size_t below_high = 0;
 };
 
-// Among 16 candidates from the sample (32 if that is nearly all of it), finds the largest with at
-// most `low_rank` keys below it and the smallest with at least `high_rank`.
+// Takes 16 candidates from the sample, or 32 if that is nearly all of it. Finds the largest
+// candidate with at most `low_rank` keys below it, and the smallest with at least `high_rank`.
 Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size_t high_rank) {
   // Takes evenly spaced keys of the sample as candidates.
   const Lanes16 d;
@@ -61,7 +61,7 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
     if (k < count) {
       odd = hn::Add(odd, hn::IfThenElseZero(hn::Gt(candidate, hn::Set(d, sample[k])), one));
     }
-    // Keeps in each lane the candidates that fit best.
+    // Updates each lane's best candidates.
     const auto rank = hn::Add(even, odd);
     const auto is_low = hn::Le(rank, max_below_low);
     const auto is_high = hn::Ge(rank, min_below_high);
@@ -88,7 +88,7 @@ size_t CountBelow(const float* keys, size_t count, float limit) {
 }
 
 // Finds a bracket in the sample that is likely to hold the rank `left`, and counts the keys below
-// it. A side on which the estimate was wrong is left open.
+// it. If the estimate of a side was wrong, that side stays open.
 Bracket BracketOfMany(const float* keys, size_t count, size_t left) {
   alignas(64) float sample[kSampleSize];
   for (size_t k = 0; k < kSampleSize; ++k) sample[k] = keys[k * count / kSampleSize];
@@ -108,13 +108,14 @@ Bracket BracketOfMany(const float* keys, size_t count, size_t left) {
   return bracket;
 }
 
-// Separates the first key, of which there are too many for other brackets, from all larger ones.
+// Separates the first key from all larger ones. Used if too many keys equal it for any other
+// bracket.
 Bracket BracketOfMinimum(const float* keys, size_t count, size_t left) {
   Bracket bracket;
   bracket.below_high = count;
   const float above = std::nextafter(keys[0], kInfinity);
   const size_t below = CountBelow(keys, count, above);
-  // Denormals count as 0 in comparisons, so that these keys count as equal.
+  // Comparisons treat denormals as 0, so that such keys count as equal.
   if (below == 0) return bracket;
   if (below <= left) {
     bracket.low = above;
@@ -126,7 +127,8 @@ Bracket BracketOfMinimum(const float* keys, size_t count, size_t left) {
   return bracket;
 }
 
-// Finds a bracket with fewer than `count` keys in between, unless all keys are equal.
+// Finds a bracket with fewer than `count` keys in between. If all keys are equal, it holds all of
+// them.
 Bracket FindBracket(const float* keys, size_t count, size_t left) {
   const Bracket bracket = count <= kSampleSize ? BracketInSample(keys, count, left, left)
                                                : BracketOfMany(keys, count, left);
@@ -145,8 +147,8 @@ HWY_INLINE void StoreFirst(D d, V values, size_t count, T* to, bool whole) {
   std::copy(buffer, buffer + count, to);
 }
 
-// Appends the chosen slots of a register from `source` on and returns their number. Stores whole
-// registers if they end before `limit`.
+// Appends the chosen slots of the register at `source` and returns their number. Stores a whole
+// register if it ends before `limit`.
 template <class D>
 HWY_INLINE size_t AppendChosen(D d, hn::Mask<D> chosen, const KdColumns& from, size_t source,
                                const KdColumns& to, size_t target, size_t limit) {
@@ -164,10 +166,10 @@ HWY_INLINE size_t AppendChosen(D d, hn::Mask<D> chosen, const KdColumns& from, s
   return count;
 }
 
-// Divides the `count` slots of `from` from `source` on: those below the bracket go to the slots of
-// `to` from `target` on, those above it behind the room for the ones in between, which stay in
-// `from`. It takes two passes, since a register that is stored whole may reach into the slots
-// behind, which must be written later.
+// Divides the `count` slots of `from` from `source` on. Slots below the bracket go to `to` from
+// `target` on. Slots above it go behind the room for those in between, which stay in `from`. It
+// takes two passes, since storing a whole register may overwrite the slots behind, which must be
+// written later.
 void Scatter(const KdColumns& from, const KdColumns& to, size_t source, size_t count, size_t target,
              size_t axis, const Bracket& bracket, size_t limit) {
   const Lanes16 d;
@@ -181,7 +183,7 @@ void Scatter(const KdColumns& from, const KdColumns& to, size_t source, size_t c
         hn::And(hn::FirstN(d, end - at), hn::Lt(hn::LoadU(d, from.center[axis] + at), low));
     below += AppendChosen(d, is_below, from, at, to, below, limit);
   }
-  // Second pass: the slots above, and those in between to the front of `from`.
+  // Second pass: slots above, and slots in between to the front of `from`.
   size_t above = target + bracket.below_high;
   size_t between = source;
   for (size_t at = source; at < end; at += hn::Lanes(d)) {
@@ -202,8 +204,8 @@ void Copy(const KdColumns& from, const KdColumns& to, size_t source, size_t coun
   std::copy_n(from.box + source, count, to.box + target);
 }
 
-// Returns half the spread of the centers on one axis, since the difference of two finite floats
-// need not be finite.
+// Returns half the spread of the centers on one axis. Half, since the difference of two finite
+// floats need not be finite.
 HWY_INLINE float HalfSpread(const float* centers, size_t count) {
   const Lanes16 d;
   auto min = hn::Set(d, centers[0]);
@@ -236,7 +238,7 @@ size_t WidestAxis(const KdColumns& columns, const KdRange& range) {
   return widest;
 }
 
-// Keeps a register of slots, to put them back later.
+// Saves a register of slots, to restore them later.
 class SavedSlots {
  public:
   SavedSlots(const KdColumns& columns, size_t at) : columns_(columns), at_(at) {
@@ -263,8 +265,7 @@ class SavedSlots {
   alignas(64) uint32_t boxes_[kWidth];
 };
 
-// Scatters the slots like Scatter, and preserves the slots of `to` behind the target's, which are
-// in use.
+// Does the same as Scatter, but preserves the slots of `to` behind the target's, which are in use.
 void ScatterAmong(const KdColumns& from, const KdColumns& to, size_t source, size_t count,
                   size_t target, size_t axis, const Bracket& bracket, size_t limit) {
   const size_t end = target + count;
@@ -276,8 +277,8 @@ void ScatterAmong(const KdColumns& from, const KdColumns& to, size_t source, siz
   behind.PutBack();
 }
 
-// Splits one range. Writes no slot from `limit` on, but may overwrite those between the range's end
-// and there.
+// Splits one range. Writes no slot from `limit` on, but may overwrite slots between the range's end
+// and `limit`.
 void SplitRange(const KdColumns& from, const KdColumns& to, const KdRange& range, size_t limit) {
   const size_t axis = WidestAxis(from, range);
   const float* const keys = from.center[axis] + range.begin;
@@ -300,8 +301,8 @@ void SplitRange(const KdColumns& from, const KdColumns& to, const KdRange& range
   Copy(from, to, range.begin, count, target);
 }
 
-// Splits the second part first: by the time the first one overwrites slots behind it, they are in
-// `order` already.
+// Splits the second part first. When the first part overwrites slots behind it, the boxes of the
+// second part are already in `order`.
 void SplitDown(const KdColumns& from, const KdColumns& to, const KdRange& range, size_t limit,
                uint32_t* order) {
   if (range.count() <= kWidth) {

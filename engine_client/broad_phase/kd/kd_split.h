@@ -1,9 +1,9 @@
 // Median splits of centers in columns: the kernel of KdOrder.
 //
-// A split finds two values of the axis that enclose the median, from a sample and a count. It moves
-// the centers below the one and above the other to their sides in a second set of columns, a
-// register at a time, and repeats this with the few in between. The centers of one side keep their
-// order, so that the result does not depend on the width of a register.
+// A split finds two values on the axis that enclose the median, from a sample and a count. It moves
+// the centers below the lower value and above the upper value to their sides in a second set of
+// columns, a register at a time. It repeats this with the few in between. The centers of one side
+// keep their order, so that the result does not depend on the width of a register.
 //
 // Thread-safe for ranges that share no slot. Cost: O(centers) per split.
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace sweepstake {
 
-// Centers of boxes and the boxes they belong to, slot by slot.
+// Centers of boxes and the ids of the boxes, slot by slot.
 struct KdColumns {
   float* center[3];
   uint32_t* box;
@@ -27,21 +27,22 @@ struct KdRange {
 
   size_t begin;
   size_t end;
-  // A split is across the axis on which the spread of the centers times this is largest.
+  // A split uses the axis with the largest product of the centers' spread and this weight.
   float axis_weight[3];
-  // Splits are at multiples of this many parts where they can be.
+  // Splits are at multiples of this many parts where possible.
   size_t run_parts = kPart;
 
   size_t count() const { return end - begin; }
 };
 
-// Returns the slot at which a range of more than kPart slots is split: the multiple of a part, of
-// run_parts parts, of 16 times as many and so on, from its begin, that is nearest to the middle.
-// Aligned runs of as many slots then never straddle a split.
+// Returns the slot at which a range of more than kPart slots is split. Blocks are a part, run_parts
+// parts, 16 times as many and so on. It takes the largest block smaller than the range, and the
+// multiple of it, counted from `begin`, that is nearest to the middle. No split then cuts an
+// aligned run of one of these sizes.
 size_t KdSplitPoint(const KdRange& range);
 
 // Moves the centers of the range from `from` to `to`, so that those before the split point are
-// below the others on some axis. `from` is left in disorder. REQUIRES: more than kPart slots.
+// below the others on one axis. `from` is left in disorder. REQUIRES: more than kPart slots.
 void SplitOnce(const KdColumns& from, const KdColumns& to, const KdRange& range);
 
 // Splits until no part is larger than kPart, moving centers back and forth between the columns, and

@@ -12,20 +12,21 @@
 namespace sweepstake {
 namespace {
 
-// The cost of a split of all boxes, in checks per box. It serves every instruction set: with a
-// third less or half as much again, the mean frame of six scenes is within 1 % with AVX-512, AVX2
-// and SSE4 (AMD Zen 4, `sweepstake bench`); with less the slowest frames take longer.
+// The cost of a split of all boxes, in checks per box. It is used for every instruction set. A
+// third less or half as much again changes the mean frame of six scenes by at most 1 % (AVX-512,
+// AVX2 and SSE4 on AMD Zen 4, `sweepstake bench`). With less, the slowest frames take longer.
 constexpr uint64_t kChecksPerSplit = 105;
 // The debt is counted per 256 boxes, so that it can be kept in whole checks.
 constexpr uint64_t kDebtScale = 256;
 // The maximum growth of the leaves' mean volume, in powers of two. Beyond it, finding the pairs
 // costs more than splitting at once.
 constexpr double kMaxLeafGrowth = 2;
-// A split is due when one slot in this number holds an unsorted box or a hole, and is made at once
-// when one in kSlotsPerUnsortedAtOnce does.
+// A split is due if more than one slot in this number holds an unsorted box or a hole. It is made
+// at once if more than one in kSlotsPerUnsortedAtOnce does.
 constexpr size_t kSlotsPerUnsorted = 16;
 constexpr size_t kSlotsPerUnsortedAtOnce = 4;
-// A part with fewer blocks of 16 leaves takes less time than waking a thread.
+// The minimum number of blocks of 16 leaves per part. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinBlocksPerPart = 4;
 
 class KdTree final : public BroadPhase {
@@ -62,8 +63,8 @@ class KdTree final : public BroadPhase {
   KdOrder splitter_;
   KdOrder unsorted_sorter_;
   // The box in each slot. The slots up to unsorted_begin_ are in the order of the latest split,
-  // with holes for removed boxes; behind them are the unsorted boxes, which were added since then
-  // and are in an order of their own.
+  // with holes for removed boxes. Behind them are the unsorted boxes, which were added since then
+  // and have a separate order.
   AlignedBuffer<uint32_t> order_;
   size_t slot_count_ = 0;
   size_t unsorted_begin_ = 0;
@@ -73,8 +74,8 @@ class KdTree final : public BroadPhase {
   PairParts parts_;
   bool is_splitting_ = false;
   bool split_is_done_ = false;
-  // The minimum box count since the present split began. Boxes with this index or a higher one have
-  // been replaced since then: their places in the split are void.
+  // The minimum box count since the present split began. Boxes from this index on have been
+  // replaced since then, so that their places in the split are invalid.
   size_t lasting_count_ = 0;
   double fresh_leaf_size_ = 0;  // the mean leaf size after the latest split
   RebuildDebt debt_;            // the debt since the latest split, in checks per kDebtScale boxes
@@ -126,9 +127,9 @@ void KdTree::Remove(size_t count) {
   lasting_count_ = std::min(lasting_count_, count);
 }
 
-// Adds the boxes from `first` on to the unsorted ones, and puts these in a new order of their own.
+// Adds the boxes from `first` on to the unsorted boxes and sorts all of these again.
 void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
-  // The remaining unsorted boxes are moved together, to leaves of their own.
+  // Moves the remaining unsorted boxes together, to separate leaves.
   uint32_t* const unsorted = order_.data() + unsorted_begin_;
   const size_t old_count = static_cast<size_t>(
       std::remove(unsorted, order_.data() + slot_count_, KdOrder::kHole) - unsorted);
@@ -139,7 +140,7 @@ void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
   uint32_t* const from = order_.data() + unsorted_begin_;
   std::copy_backward(from, from + old_count, order_.data() + aligned + old_count);
   std::fill(from, order_.data() + aligned, KdOrder::kHole);
-  // The new boxes join them.
+  // Appends the new boxes.
   const std::span<uint32_t> all(order_.data() + aligned, count);
   std::iota(all.begin() + static_cast<ptrdiff_t>(old_count), all.end(),
             static_cast<uint32_t>(first));
@@ -147,7 +148,7 @@ void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
   unsorted_begin_ = aligned;
 }
 
-// Makes room for `count` boxes, whatever number of holes a split leaves.
+// Makes room for `count` boxes and for any number of holes that a split can leave.
 void KdTree::ReserveSlots(size_t count) {
   const size_t slots = KdOrder::MaxSlots(count);
   order_.EnsureDiscarding(slots);
@@ -159,8 +160,8 @@ void KdTree::Refit(std::span<const Aabb> boxes) {
   tree_.Refit(boxes, {order_.data(), slot_count_}, executor_, stop());
 }
 
-// Returns the mean logarithm of the leaves' volumes. The sum of their extents would depend on a few
-// long leaves alone.
+// Returns the mean of the logarithm of the leaves' volumes. The sum of their extents would depend
+// mostly on a few long leaves.
 double KdTree::MeanLeafSize() const {
   const LeafTree::View& tree = tree_.view();
   if (tree.top == 0) return 0;
@@ -191,7 +192,7 @@ void KdTree::BeginSplit() {
   is_splitting_ = true;
 }
 
-// Takes the order of the completed split; the boxes added since it began become unsorted ones.
+// Takes the order of the completed split. Boxes added since the split began become unsorted boxes.
 void KdTree::AdoptSplit(std::span<const Aabb> boxes) {
   ReserveSlots(box_count_);
   slot_count_ = unsorted_begin_ = splitter_.slot_count();
@@ -215,8 +216,8 @@ void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
   fresh_leaf_size_ = MeanLeafSize();
 }
 
-// The search itself is LeafTree::FindPairs (kd_search.cc). A step of the present split runs beside
-// it as the first item, since it reads nothing that the search writes.
+// The search itself is LeafTree::FindPairs (kd_search.cc). A step of the present split runs in
+// parallel as the first item, since it reads nothing that the search writes.
 void KdTree::FindPairs(PairBuffer& out) {
   const size_t before = out.size();
   const size_t steps = is_splitting_ && !split_is_done_ ? 1 : 0;

@@ -1,6 +1,6 @@
-// The search of a block of leaves among other leaves, for every target of Highway. KDTree finds its
-// own pairs with it (kd_search.cc), ProxySet the pairs of two trees (proxies/tree_join.cc). Include
-// after hwy/foreach_target.h.
+// The search of a block of leaves among other leaves, for every target of Highway. KDTree uses it
+// to find its own pairs (kd_search.cc), ProxySet to find the pairs of two trees
+// (proxies/tree_join.cc). Include after hwy/foreach_target.h.
 //
 // The search has four stages, each a loop over a list that stays in the cache:
 //   1. The caller descends a tree with the bounds of the block, once for its 16 leaves, and adds
@@ -9,8 +9,8 @@
 //   3. The boxes of the leaves found are tested against the bounds of the leaf.
 //   4. The boxes found are tested against the 16 boxes of the leaf, a register at a time, and
 //      the hits are written as pairs.
-// Descending for every leaf alone would take longer, since each level has to wait for the result of
-// the one above it.
+// A separate descent for every leaf would take longer, since each level has to wait for the result
+// of the level above.
 #if defined(SWEEPSTAKE_LEAF_SEARCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_LEAF_SEARCH_INL_H_
 #undef SWEEPSTAKE_LEAF_SEARCH_INL_H_
@@ -34,9 +34,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// With kWithinOne both trees are the same one, and a pair is found at its earlier leaf; otherwise
-// every pair gets `other_bit` in the id of the box of `others`. Keeps its lists on the stack: about
-// 28 KiB, or 51 with registers of 128 bits.
+// With kWithinOne both trees are the same, and a pair is found at its earlier leaf. Otherwise
+// `other_bit` is set in the id of the box of `others`. The lists are on the stack: about 28 KiB, or
+// 51 KiB with 128-bit registers.
 template <bool kWithinOne>
 class LeafSearch {
  public:
@@ -60,7 +60,8 @@ class LeafSearch {
     own_pairs_pending_ = true;
   }
 
-  // Adds those of the 16 leaves of `others` from `first` on that overlap the bounds of the block.
+  // Adds to the near list those of the 16 leaves of `others` from `first` on that overlap the
+  // bounds of the block.
   void AddNear(const Aabb& bounds, size_t first) {
     if (near_count_ + kWidth > kNearCapacity) TestNear();
     const Lanes16 d;
@@ -83,11 +84,11 @@ class LeafSearch {
     for (size_t k = before; k < near_count_; ++k) Prefetch(near_leaf_[k]);
   }
 
-  // Tests the leaves of the block against the near list, and empties it. REQUIRES: called at the
-  // end of a block.
+  // Tests the leaves of the block against the near list and empties it. REQUIRES: called at the end
+  // of a block.
   void TestNear() {
     if (Ends()) near_count_ = 0;
-    // A register of sentinels behind the last near leaf.
+    // Writes a register of sentinels behind the last near leaf.
     for (size_t lane = 0; lane < kWidth; ++lane) {
       near_min_[0][near_count_ + lane] = std::numeric_limits<float>::infinity();
       near_max_[0][near_count_ + lane] = -std::numeric_limits<float>::infinity();
@@ -100,14 +101,14 @@ class LeafSearch {
     own_pairs_pending_ = false;
   }
 
-  // Fetches a leaf of `others`, which in large scenes is not in the cache, before it is used.
+  // Prefetches a leaf of `others`, which in large scenes is not in the cache.
   void Prefetch(size_t leaf) const {
     constexpr size_t kCacheLine = 64;
     const auto* const bytes = reinterpret_cast<const char*>(others_ + leaf);
     for (size_t at = 0; at < sizeof(LeafBlock); at += kCacheLine) hwy::Prefetch(bytes + at);
   }
 
-  // Finds the pairs of one box of `own` with those of a leaf of `others`, beside the stages.
+  // Finds the pairs of one box of `own` with the boxes of a leaf of `others`, without the stages.
   void TestBox(const Aabb& box, uint32_t id, size_t leaf) {
     const Lanes16 d;
     const LeafBlock& others = others_[leaf];
@@ -122,10 +123,10 @@ class LeafSearch {
   }
 
   void AddChecks(uint64_t checks) { checks_ += checks; }
-  // Returns whether the search is to end.
+  // Returns whether the search must end.
   bool Ends() { return poll_.Ends(checks_); }
 
-  // Hands all pairs to the buffer and returns the AABB checks.
+  // Writes the remaining pairs to the buffer and returns the AABB checks.
   uint64_t Finish() {
     cursor_.Flush();
     return checks_;
@@ -134,21 +135,21 @@ class LeafSearch {
  private:
   // The number of near leaves that are tested together.
   static constexpr size_t kNearCapacity = 256;
-  // There is room for all boxes of the near leaves.
+  // Room for all boxes of the near leaves.
   static constexpr size_t kFoundCapacity = kNearCapacity * kWidth;
   // The number of found boxes that a leaf is tested against at a time.
   static constexpr size_t kTestedTogether = 512;
-  // The number of notes whose pairs get room at a time.
+  // The number of notes for whose pairs room is claimed at a time.
   static constexpr size_t kNotesPerRoom = 32;
 
-  // The places of boxes that hit lanes of a register, and the bits of those lanes. There is room
-  // for a leaf's own boxes, and for a note that is not kept.
+  // Places of boxes that hit lanes of a register, and the bits of those lanes. The extra room is
+  // for a leaf's own boxes, and for a note that is written but not kept.
   struct Notes {
     uint32_t place[kTestedTogether + kWidth + 1];
     uint16_t lanes[kTestedTogether + kWidth + 1];
   };
 
-  // Stage 2: lists the near leaves that overlap the bounds; within one tree only the later ones.
+  // Stage 2: lists the near leaves that overlap the bounds; within one tree, only the later leaves.
   size_t FindLeaves(const Aabb& bounds, size_t leaf) {
     const Lanes16 d;
     const hn::RebindToUnsigned<Lanes16> du;
@@ -170,7 +171,7 @@ class LeafSearch {
     return count;
   }
 
-  // Stage 3: lists the boxes of those leaves that overlap the bounds, as places in the leaves.
+  // Stage 3: lists the boxes of the found leaves that overlap the bounds, as places in the leaves.
   size_t FindBoxes(const Aabb& bounds, size_t leaf_count) {
     const Lanes16 d;
     const hn::RebindToUnsigned<Lanes16> du;
@@ -189,7 +190,8 @@ class LeafSearch {
     return count;
   }
 
-  // Stage 4: the leaf's boxes against one another and against the boxes found, some at a time.
+  // Stage 4: tests the leaf's boxes against one another and against the boxes found,
+  // kTestedTogether at a time.
   void TestBoxes(size_t leaf, size_t found_count) {
     bool with_own = kWithinOne && own_pairs_pending_;
     for (size_t k = 0; with_own || k < found_count; k += kTestedTogether, with_own = false)
@@ -197,8 +199,8 @@ class LeafSearch {
   }
 
 #if HWY_MAX_BYTES == 16
-  // A narrow register spends more on the copies of the other box's faces than on comparing them, so
-  // that the leaf's registers take turns with one set of copies.
+  // With 128-bit registers, copying the other box's faces costs more than comparing them. Each set
+  // of copies is therefore used for all registers of the leaf.
   void TestSome(size_t leaf, bool with_own, const uint32_t* places, size_t place_count) {
     if (with_own) {
       uint32_t own[kWidth];
@@ -230,13 +232,13 @@ class LeafSearch {
       WritePairs(own.id + r * hn::Lanes(d), notes[r], count[r]);
   }
 #else
-  // The faces of a register of the leaf's boxes are held in registers.
+  // Keeps the faces of one register of the leaf's boxes loaded.
   void TestSome(size_t leaf, bool with_own, const uint32_t* places, size_t place_count) {
     for (size_t part = 0; part < kWidth; part += hn::Lanes(Lanes16()))
       TestPart(leaf, part, with_own, places, place_count);
   }
 
-  // Not inlined: the registers that hold the faces would be saved to the stack.
+  // Not inlined: otherwise the registers that hold the faces would be saved to the stack.
   HWY_NOINLINE void TestPart(size_t leaf, size_t part, bool with_own, const uint32_t* places,
                              size_t place_count) {
     const Lanes16 d;
@@ -275,18 +277,18 @@ class LeafSearch {
     return static_cast<uint32_t>(leaf * LeafBlock::kStride + lane);
   }
 
-  // A pair of the leaf's own is found at its first box.
+  // Returns the lanes behind `lane`. A pair within the leaf is found at its first box.
   static HWY_INLINE uint32_t LanesAfter(size_t lane) { return ~1U << lane; }
 
-  // Keeps a note of a test if it has hits. There is no branch, since about half of the tests have;
-  // pairs are written apart from the tests because writing them takes longest.
+  // Appends a note if the test has hits. It has no branch, since about half of the tests have hits.
+  // Pairs are written separately from the tests because writing takes longest.
   static HWY_INLINE size_t Note(Notes& notes, uint32_t hits, uint32_t place, size_t count) {
     notes.lanes[count] = static_cast<uint16_t>(hits);
     notes.place[count] = place;
     return count + (hits != 0 ? 1 : 0);
   }
 
-  // Writes the pairs of `ids` with the boxes noted.
+  // Writes the pairs of `ids` with the noted boxes.
   void WritePairs(const uint32_t* ids, const Notes& notes, size_t count) {
     const hn::RebindToUnsigned<Lanes16> du;
     const auto own = hn::LoadU(du, ids);

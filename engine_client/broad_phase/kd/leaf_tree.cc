@@ -67,20 +67,20 @@ HWY_EXPORT(BoundNodes);
 
 namespace {
 
-// The number of leaves whose bounds are computed together: a vector load that immediately follows
-// single-float stores would wait for them.
+// The number of leaves whose bounds are computed together. A vector load right after single-float
+// stores would stall until they finish.
 constexpr size_t kLeavesPerBatch = 8;
 // The prefetch distance in slots.
 constexpr size_t kPrefetchDistance = 32;
-// A part with fewer leaves takes less time than waking a thread.
+// Minimum work per part: a smaller part takes less time than waking a thread.
 constexpr size_t kMinLeavesPerPart = 128;
 
 constexpr size_t GroupsOf16(size_t count) {
   return (count + LeafTree::kWidth - 1) / LeafTree::kWidth;
 }
 
-// Returns the length of a column with its padding: whole registers may be read behind the last
-// node.
+// Returns the length of a column with its padding, since whole registers may be read behind the
+// last node.
 constexpr size_t PaddedColumn(size_t count) {
   return (count + 2 * SoaBoxes::kPadding - 1) / SoaBoxes::kPadding * SoaBoxes::kPadding;
 }
@@ -110,7 +110,7 @@ void LeafTree::Reserve(size_t slot_count, size_t capacity) {
   LayOut(slot_count, capacity);
 }
 
-// Divides `bounds_` into the columns of all levels, and writes the sentinels behind each.
+// Divides `bounds_` into the columns of all levels and writes the sentinels behind each column.
 void LeafTree::LayOut(size_t slot_count, size_t capacity) {
   capacity_ = capacity;
   level_count_ = 0;
@@ -186,7 +186,7 @@ void LeafTree::RefitBlocks(std::span<const Aabb> boxes, std::span<const uint32_t
   }
 }
 
-// Moves the leaves to a larger piece of memory and bounds them anew.
+// Moves the leaves to a larger block of memory and computes all bounds again.
 void LeafTree::Grow(size_t slot_count) {
   leaves_.EnsureKeeping(GroupsOf16(slot_count), leaf_count_);
   LayOut(leaf_count_ * kWidth, leaves_.capacity() * kWidth);
@@ -199,7 +199,7 @@ void LeafTree::Grow(size_t slot_count) {
   }
 }
 
-// Bounds the nodes [begin, end) of a level by those below them.
+// Computes the bounds of the nodes [begin, end) of a level from the nodes below them.
 void LeafTree::BoundFrom(size_t level, size_t begin, size_t end) {
   HWY_DYNAMIC_DISPATCH(BoundNodes)
   (view_.levels[level - 1], begin, end, first_column_[level], stride_[level]);

@@ -1,10 +1,10 @@
 // Boxes in a given order in leaves of sixteen, below an implicit tree: each node has sixteen
 // consecutive children, and there are no pointers.
 //
-// How well the tree prunes depends on the order alone (kd_order.h). A leaf is one piece of memory,
-// so that a search in a large scene can prefetch it before it needs it. The tree is used in two
-// ways: KDTree finds the pairs within one tree (FindPairs), and ProxySet walks over trees and joins
-// two of them (proxies/tree_walk.h).
+// How well the tree prunes depends on the order alone (kd_order.h). A leaf is contiguous in memory,
+// so that a search in a large scene can prefetch it. The tree has two uses. KDTree finds the pairs
+// within one tree (FindPairs). ProxySet walks over trees and joins two of them
+// (proxies/tree_walk.h).
 //
 // Not thread-safe; const calls may run side by side. Owns its memory. Cost: Refit O(slots);
 // RefitBlocks O(slots of the blocks + blocks · levels); FindPairs O(leaves · log leaves +
@@ -53,10 +53,10 @@ class LeafTree {
   // 16^8 = 2^32 slots.
   static constexpr size_t kMaxLevels = 8;
 
-  // What a search reads; valid until the next Refit. Level 0 is the boxes: box k of leaf j is at j
-  // * LeafBlock::kStride + k. Level 1 is the bounds of the leaves, and node k of each level above
-  // bounds the nodes [16 k, 16 k + 16) of the one below. The level `top` has at most 16 nodes; it
-  // is 0 if there are no boxes. Behind the last node of a level there are sentinels.
+  // The data that a search reads; valid until the next Refit. Level 0 holds the boxes: box k of
+  // leaf j is at j * LeafBlock::kStride + k. Level 1 holds the bounds of the leaves. Node k of each
+  // higher level bounds the nodes [16 k, 16 k + 16) of the level below. The level `top` has at most
+  // 16 nodes; `top` is 0 if there are no boxes. Sentinels follow the last node of each level.
   struct View {
     const LeafBlock* leaves = nullptr;
     std::array<BoxLanes, kMaxLevels + 1> levels{};
@@ -65,14 +65,14 @@ class LeafTree {
 
   // Makes room for `slot_count` slots; the content is lost.
   void Reserve(size_t slot_count) { Reserve(slot_count, slot_count); }
-  // Slot k takes boxes[order[k]] with id order[k]. An invalid box (aabb.h) and an entry that is no
-  // index of `boxes` become sentinels. Asks `stop`, which may be null; the tree is undefined once
-  // that is true. There is room for `spare_slots` more slots.
+  // Stores boxes[order[k]] with id order[k] in slot k. An invalid box (aabb.h) and an entry that is
+  // not an index of `boxes` become sentinels. Polls `stop`, which may be null; after a stop the
+  // tree is undefined. Reserves room for `spare_slots` more slots.
   void Refit(std::span<const Aabb> boxes, std::span<const uint32_t> order, Executor* executor,
              StopRequest* stop = nullptr, size_t spare_slots = 0);
-  // Refits these blocks, ascending, and the nodes above them; the others stay. The order may have
-  // grown since the latest Refit. Beyond the spare slots this moves the whole tree. REQUIRES: all
-  // blocks that are new are among these.
+  // Refits these blocks, in ascending order, and the nodes above them; the others stay unchanged.
+  // The order may have grown since the latest Refit. Growing beyond the spare slots moves the whole
+  // tree. REQUIRES: `blocks` contains all new blocks.
   void RefitBlocks(std::span<const Aabb> boxes, std::span<const uint32_t> order,
                    std::span<const uint32_t> blocks);
 
@@ -81,8 +81,8 @@ class LeafTree {
   // Returns the number of blocks.
   size_t block_count() const { return (leaf_count_ + kWidth - 1) / kWidth; }
 
-  // Appends every overlapping pair of which the earlier box is in the blocks [begin, end); returns
-  // the AABB checks. `stop` may be null. Any thread. (kd_search.cc)
+  // Appends every overlapping pair whose earlier box is in the blocks [begin, end); returns the
+  // AABB checks. `stop` may be null. Any thread. (kd_search.cc)
   uint64_t FindPairs(size_t begin, size_t end, PairBuffer& out, StopRequest* stop = nullptr) const;
 
   size_t native_bytes() const { return leaves_.capacity_bytes() + bounds_.capacity_bytes(); }
@@ -103,7 +103,7 @@ class LeafTree {
   std::array<float*, kMaxLevels + 1> first_column_{};  // the first column of each level
   std::array<size_t, kMaxLevels + 1> stride_{};        // the length of each column of a level
   size_t capacity_ = 0;                                // the slots for which there are columns
-  // The levels that so many slots have, `top` or more.
+  // The number of levels for capacity_ slots; `top` or more.
   size_t level_count_ = 0;
   View view_;
 };

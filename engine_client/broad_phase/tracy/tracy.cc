@@ -13,31 +13,32 @@
 namespace sweepstake {
 namespace {
 
-// A new layout costs about as much as this number of checks per box. Half or twice as many change a
-// frame by 3 % or less with AVX2 and SSE4; with AVX-512 twice as many cost up to 9 % (AMD Zen 4,
+// The approximate cost of a new layout, in checks per box. Half or twice the value changes a frame
+// by 3 % or less with AVX2 and SSE4. With AVX-512 twice the value costs up to 9 % (AMD Zen 4,
 // `sweepstake bench`).
 constexpr uint64_t kChecksPerLayout = 256;
-// If a search takes more checks than this, another layout is tried every kFramesPerTrial frames:
-// the scene may have spread since, or it may really be that dense.
+// If a search takes more checks than expected from its boxes and pairs, another layout is tried
+// every kFramesPerTrial frames. The scene may have spread since, or it may really be that dense.
 constexpr uint64_t kExpectedChecksPerBox = 128;
 constexpr uint64_t kExpectedChecksPerPair = 16;
 constexpr uint32_t kFramesPerTrial = 64;
-// The maximum number of boxes too long for their cells is kLongAllowance plus one in this number of
-// boxes.
+// The maximum number of boxes that are too long for their cells is kLongAllowance plus one per this
+// number of boxes.
 constexpr size_t kBoxesPerLong = 64;
 constexpr size_t kLongAllowance = 16;
 // The scene counts as nearly at rest if fewer than one in this number of boxes changes its list.
 constexpr size_t kBoxesPerCrossing = 128;
-// A margin is a cell divided by this: wide enough to hold slow boxes for many frames, and narrow
-// enough to add few pairs.
+// A margin is the narrowest cell divided by this. It is wide enough to hold slow boxes for many
+// frames, and narrow enough to add few pairs.
 constexpr float kMarginsPerCell = 48;
-// With more pairs, testing the kept ones costs as much as finding them.
+// The maximum number of pairs per box with which margins are tried. With more, testing the kept
+// pairs costs as much as finding them.
 constexpr size_t kMaxPairsPerBox = 8;
-// Margins pay if they hold for this number of frames. If they do not, they are tried again after a
-// wait that doubles each time up to the maximum.
+// Margins pay if they hold for this number of frames. Otherwise they are tried again after a wait
+// that doubles each time, up to kMaxWaitFrames.
 constexpr uint32_t kMinRestFrames = 6;
 constexpr uint32_t kMaxWaitFrames = 256;
-// A part with fewer boxes takes less time than waking a thread.
+// Minimum work per part: a smaller part takes less time than waking a thread.
 constexpr size_t kMinBoxesPerPart = 1024;
 
 class Tracy final : public BroadPhase {
@@ -106,7 +107,7 @@ void Tracy::Update(std::span<const Aabb> boxes) {
   }
 }
 
-// Follows the boxes at rest. Returns false if the margins no longer hold.
+// Updates the rest state from the boxes. Returns false if the margins did not hold long enough.
 bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
   ++rest_frames_;
   if (rest_.Step(executor_, boxes, lists_, checks_, stop())) return true;

@@ -1,27 +1,30 @@
-// Tracy: sweep and prune in the cells of a grid that lives between frames (Tracy, Buss & Woods
+// Tracy: sweep and prune in the cells of a grid that is kept between frames (Tracy, Buss & Woods
 // 2009, "Efficient Large-Scale Sweep and Prune Methods with AABB Insertion and Removal").
 //
 // The cells form rows along the sweep axis. Each row keeps a list of the boxes that begin in it,
 // sorted by their begin on that axis. A box that crosses into another row is removed from its list
-// and inserted into the other; an insertion sort restores the order of the rest, at a cost in
-// proportion to the changes. Objects that are added or removed at the end are treated in the same
-// way. A list is swept against itself and the rows around it: a box is tested against those that
-// begin before it ends, and no further back than the maximum side reaches. Boxes of different
-// shapes have their own grids (grid_plan.h). A box that has outgrown its grid is tested against
-// all.
+// and inserted into the other. An insertion sort restores the order of the rest, at a cost in
+// proportion to the changes. Objects added or removed at the end are treated in the same way.
 //
-// While little moves, the lists hold boxes enlarged by a margin and the pairs of these are kept; a
-// frame then checks each box and each kept pair and searches for the boxes that have left their
-// margins (tracy_rest.h).
+// A list is swept against itself and the rows around it. A box is tested against boxes that begin
+// before its end, and no further back than the maximum side reaches. Boxes of different shapes have
+// separate grids (grid_plan.h). A box that has outgrown its grid is tested against all.
+//
+// While little moves, the lists hold boxes enlarged by a margin, and the pairs of enlarged boxes
+// are kept. A frame then checks each box and each kept pair. It searches only for the boxes that
+// have left their margins (tracy_rest.h).
 //
 // The lists, the row of each box and the grids are kept between frames. The grids are laid out
-// again (as in Build) if boxes outgrow them, if the checks in excess of the cheapest frame since
-// the last layout add up to 256 per object, and every 64 frames while a search makes far more
-// checks than pairs. Cost: Build O(n log n); a frame O(n + boxes around a box + changes). Measured
-// on AMD Zen 5 with AVX-512 and `sweepstake bench`: in suite-b 23 ns per box from 1,000 to 100,000
-// boxes and 41 ns at 1,000,000, in suite-h 25 to 33 ns, in suite-g 39 to 53 ns; two threads are 1.6
-// times as fast at 10,000 boxes, 1.9 times at 100,000. Memory: 45 bytes per box and 4 per cell; 65
-// more while little moves.
+// again (as in Build) in three cases:
+// - Boxes outgrow them.
+// - The checks in excess of the cheapest frame since the last layout add up to 256 per object.
+// - A search makes far more checks than pairs; then every 64 frames.
+//
+// Cost: Build O(n log n); a frame O(n + boxes around a box + changes). Measured on AMD Zen 5 with
+// AVX-512 and `sweepstake bench`: in suite-b 23 ns per box from 1,000 to 100,000 boxes and 41 ns at
+// 1,000,000, in suite-h 25 to 33 ns, in suite-g 39 to 53 ns. Two threads are 1.6 times as fast at
+// 10,000 boxes, 1.9 times at 100,000. Memory: 45 bytes per box and 4 per cell; 65 more while little
+// moves.
 #pragma once
 
 #include <memory>

@@ -21,8 +21,8 @@ constexpr size_t kShiftsPerItem = 8;
 // The prefetch distance in items: large enough to hide the latency of main memory.
 constexpr size_t kPrefetchDistance = 16;
 
-// Sorts by insertion, since the list was sorted in the last frame, and by std::sort if that takes
-// too many shifts.
+// Sorts by insertion, since the list was sorted in the last frame. Switches to std::sort if that
+// takes too many shifts.
 void SortItems(uint64_t* items, size_t count) {
   size_t shifts = 0;
   for (size_t i = 1; i < count; ++i) {
@@ -38,7 +38,7 @@ void SortItems(uint64_t* items, size_t count) {
   }
 }
 
-// Merges two sorted runs, of which the second is short; `from` is a copy of the second.
+// Merges two sorted runs; the second is short, and `from` is a copy of it.
 void MergeItems(uint64_t* items, size_t first, const uint64_t* from, size_t second) {
   size_t to = first + second;
   while (second > 0) {
@@ -79,7 +79,7 @@ void TracyLists::MakeRoom(size_t count, size_t parts) {
   }
 }
 
-// Removes the objects from `count` on; new ones are in no row yet.
+// Removes the objects from `count` on. New objects are in no row yet.
 void TracyLists::SetCount(size_t count) {
   for (size_t i = count; i < count_; ++i) {
     if (rows_[i] != kNoRow) --parts_[0].change[rows_[i]];
@@ -91,12 +91,12 @@ void TracyLists::SetCount(size_t count) {
 void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count,
                         StopRequest* stop) {
   const size_t parts = PartsFor(executor, boxes.size());
-  // Copies the lists, which will be overwritten.
+  // Copies the lists, which are overwritten below.
   order_.EnsureDiscarding(std::max(boxes.size(), size_) + SoaBoxes::kPadding);
   std::copy_n(columns_.ids(), size_, order_.data());
   MakeRoom(boxes.size(), parts);
   SetCount(boxes.size());
-  // Finds the boxes whose row has changed, and the new places of the lists.
+  // Finds the boxes whose row has changed, and the new positions of the lists.
   RunParts(executor, parts, [&](size_t index) {
     const PartRange range = RangeOfPart(boxes.size(), index, parts, SoaBoxes::kPadding);
     parts_[index].begin = range.begin;
@@ -157,7 +157,7 @@ void TracyLists::Invalidate(uint32_t object) {
 
 uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids,
                                PairBuffer& out, StopRequest* stop) {
-  // The query boxes are one more group with one cell, which searches all other groups.
+  // The query boxes form one more group with one cell. It searches all other groups.
   std::array<GroupGrid, RowGrids::kMaxGroups + 1> grids;
   std::array<uint32_t, RowGrids::kMaxGroups + 1> searches;
   std::copy_n(grids_.grids.begin(), grids_.group_count, grids.begin());
@@ -175,7 +175,7 @@ uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint
   return SearchGrids(view, size_, end, out, stop);
 }
 
-// Finds the boxes of [part.begin, end) that have moved from list to list.
+// Finds the boxes of [part.begin, end) that have moved to another list.
 void TracyLists::MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end, StopRequest* stop) {
   uint32_t moved[kBatch + SoaBoxes::kPadding];
   uint32_t new_rows[kBatch + SoaBoxes::kPadding];
@@ -201,8 +201,8 @@ void TracyLists::MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end, 
   part.arrived = arrived - part.begin;
 }
 
-// Computes the new first slots of the lists and, in each, the first slot for arrived boxes: behind
-// those that have stayed.
+// Computes the new first slots of the lists and, in each list, the first slot for arrived boxes,
+// behind the boxes that have stayed.
 void TracyLists::PlaceLists(size_t parts) {
   std::swap(first_slots_, old_slots_);
   const uint32_t rows = grids_.row_count();
@@ -275,7 +275,7 @@ void TracyLists::SweepRow(std::span<const Aabb> boxes, uint32_t row, const Group
 }
 
 // Collects the boxes that have stayed, in the order of the list, then those that have arrived.
-// Returns the number of the former.
+// Returns the number of boxes that have stayed.
 size_t TracyLists::CollectItems(std::span<const Aabb> boxes, uint32_t row, size_t axis,
                                 Part& part) {
   const size_t begin = first_slots_[row];
