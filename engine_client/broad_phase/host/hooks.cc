@@ -38,7 +38,7 @@ Status SetHooks(const Hooks& hooks) {
   }
   if (live_block_count.load() > 0) {
     return {StatusCode::kFailedPrecondition,
-            "objects hold memory of the present hooks: set hooks before the first object is made"};
+            "objects hold memory from the present hooks: set hooks before creating the first object"};
   }
   hooks_of_process = hooks;
   installed_hooks.store(&hooks_of_process);

@@ -7,13 +7,13 @@ namespace {
 
 // The cost of making an order, in checks per box.
 constexpr uint64_t kChecksPerSort = 20;
-// If more than one member in so many is new, a sort of all takes less time.
+// If more than one member in this number is new, sorting all members takes less time.
 constexpr size_t kMembersPerNewOne = 8;
-// A block that has lost all but so many loses these too.
+// A changed block with at most this number of members gives them up to be inserted elsewhere.
 constexpr size_t kMinMembers = 48;
-// So many are sorted in a few milliseconds.
+// This number of members is sorted in a few milliseconds.
 constexpr size_t kQuicklySorted = 65'536;
-// If more than one in so many has moved, a refit of all takes less time.
+// If more than one member in this number has moved, refitting the whole tree takes less time.
 constexpr size_t kMembersPerMovedOne = 256;
 
 constexpr size_t RoundUp(size_t count, size_t unit) { return (count + unit - 1) / unit * unit; }
@@ -31,7 +31,7 @@ void BoxTree::EnsureRoomFor(size_t new_members) {
 }
 
 void BoxTree::Add(uint32_t id, std::span<uint32_t> slots) {
-  // Members that come and go without an Update between them must not take ever more memory.
+  // Closes holes, so that members that come and go without an Update do not use ever more memory.
   if (new_.size() - new_count_ > new_.size() / 4 + 32) {
     CloseHoles(new_);
     for (size_t k = 0; k < new_.size(); ++k) slots[new_[k]] = static_cast<uint32_t>(k) | kMark;
@@ -65,7 +65,7 @@ void BoxTree::Update(std::span<const Aabb> boxes, bool any_moved, KdOrder& split
                      std::span<uint32_t> slots) {
   const bool refits_all =
       any_moved || order_.size() <= kBlock || moved_count_ * kMembersPerMovedOne > count_;
-  // A refit reads all slots.
+  // Limits on the slots, since a refit reads all of them, and on insertions since the latest sort.
   const size_t max_slots = (refits_all || count_ <= kQuicklySorted ? 2 : 4) * (count_ + kBlock);
   const size_t max_inserted = count_ / (count_ <= kQuicklySorted ? 16 : 2);
   if (!is_sorted_ || new_count_ * kMembersPerNewOne > count_ || order_.size() > max_slots ||
@@ -99,7 +99,7 @@ void BoxTree::RefitAll(std::span<const Aabb> boxes) {
   moved_count_ = 0;
   for (const uint32_t block : changed_blocks_) states_[block] = BlockState::kFresh;
   changed_blocks_.clear();
-  // Should memory run out, the next Update sorts all members.
+  // If memory runs out, the next Update sorts all members.
   is_sorted_ = false;
   Refit(boxes);
   is_sorted_ = true;
@@ -120,7 +120,7 @@ void BoxTree::RefitChanged(std::span<const Aabb> boxes) {
   changed_blocks_.clear();
 }
 
-// Makes new members of those that have moved, and of the few that are left in a block.
+// Turns moved members into new ones, and also the few members left in a block.
 void BoxTree::TakeOut(std::span<uint32_t> slots) {
   EnsureRoomFor(moved_count_ + changed_blocks_.size() * kMinMembers);
   for (const size_t block : changed_blocks_) {
@@ -143,7 +143,7 @@ void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
                                              : RoundUp(count_, kSorted) / kSorted * kBlock;
   (order_.empty() ? new_ : order_).reserve(slot_count + SpareSlots(slot_count));
   ReserveBlocks((slot_count + SpareSlots(slot_count)) / kBlock + 1);
-  // Until the end the tree is out of date; should memory run out, the next Update sorts again.
+  // The tree is out of date until the end. If memory runs out, the next Update sorts again.
   is_sorted_ = false;
   if (order_.empty()) std::swap(order_, new_);
   JoinMembers();
@@ -161,7 +161,7 @@ void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
   is_sorted_ = true;
 }
 
-// Moves the new members to the others, without holes and marks.
+// Moves the new members to the others and removes holes and marks.
 void BoxTree::JoinMembers() {
   CloseHoles(new_);
   CloseHoles(order_);
@@ -177,7 +177,7 @@ void BoxTree::NumberSlots(std::span<uint32_t> slots) const {
   }
 }
 
-// Moves the members from the first slots to those that blocks have for them.
+// Spreads the members, which fill the first slots, over the blocks, kSorted in each.
 void BoxTree::SpreadMembers() {
   const auto slot = [&](size_t at) { return order_.begin() + static_cast<std::ptrdiff_t>(at); };
   for (size_t block = order_.size() / kBlock; block-- > 0;) {
@@ -190,12 +190,13 @@ void BoxTree::SpreadMembers() {
 }
 
 void BoxTree::Refit(std::span<const Aabb> boxes) {
-  // Room for as many as `states_` can grow to, so that Remove and Move need none.
+  // Reserves as many blocks as `states_` can grow to, so that Remove and Move do not allocate.
   ReserveBlocks(states_.capacity());
   tree_.Refit(boxes, order_, nullptr, nullptr, SpareSlots(order_.size()));
 }
 
-// Leaves are counted, since in a sum one box that has flown far away would outweigh all others.
+// Counts leaves instead of summing extents. In a sum, one box that has flown far away would
+// outweigh all others.
 bool BoxTree::HasGrown() const {
   size_t grown = 0;
   for (size_t leaf = 0; leaf < sorted_extents_.size(); ++leaf) {
@@ -208,7 +209,7 @@ void BoxTree::NoteExtents(size_t begin, size_t end) {
   for (size_t leaf = begin; leaf < end; ++leaf) sorted_extents_[leaf] = ExtentOf(leaf);
 }
 
-// Returns the sum over the axes; 0 if the leaf has no valid box.
+// Returns the sum of the leaf's extents over the axes; 0 if the leaf has no valid box.
 float BoxTree::ExtentOf(size_t leaf) const {
   const BoxLanes& bounds = view().levels[1];
   float sum = 0;

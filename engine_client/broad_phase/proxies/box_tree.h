@@ -1,27 +1,34 @@
-// A tree over some of a table's boxes, the members, kept between changes: a LeafTree in a KdOrder.
+// A tree over some of a table's boxes, the members, kept between changes: a LeafTree in the order
+// of a KdOrder.
 //
-// A block of sixteen leaves is the unit of change. Update refits the blocks of members that were
-// removed or whose boxes have changed, and the nodes above them. Those that have moved, and new
-// members, go to the block that grows least, as in an R-tree, and it is sorted anew. A block that
-// has no room for them has its branch sorted anew, the blocks of one node, half of which may go to
-// another branch. Many that come together and stand close get branches of their own, where there
-// are free ones: that of a tile of the world, which leaves them as it goes. Branches stand in any
-// order: the nodes above them, one for 65,536 slots, prune little after many changes, and cost
-// little. Where more than 1/256 have moved, or any may have, the whole tree is refitted.
+// Blocks of sixteen leaves are the unit of change. A branch is the sixteen blocks below one node.
+// Update refits the blocks of members that were removed or whose boxes have changed, and the nodes
+// above them. Members that have moved and new members go to the block that grows least, as in an
+// R-tree, and that block is sorted again. If a block has no room for them, its branch is sorted
+// again, and half of the branch may go to another branch.
 //
-// All members are sorted anew when more than an eighth of them are new (more than 1/64 that do not
-// stand close), when the slots are many
-// more than they, when half as many as they have gone to blocks (a sixteenth, where that takes
-// milliseconds), when after a refit of the tree more than an eighth of the leaves have grown to
-// twice their size, or when searches have lost more checks to the old order than a new one costs.
+// Many new members that stand close together, such as a tile of the world, get separate branches if
+// they come at once. These branches become free again when the tile goes. Branches are in any
+// order. The nodes above them, one for 65,536 slots, therefore prune little after many changes, but
+// they cost little. If more than 1/256 of the members have moved, or any may have moved, the whole
+// tree is refitted.
 //
-// Thread safety: const calls may run at the same time, but not beside others. Owns its memory.
-// Units: the boxes'. Cost: Add, Remove and Move O(1) amortized, the latter two without an
-// allocation; Update O(changes · block · log block) amortized, the worst one that does not sort all
-// O(branch) for each change; with a refit of the tree O(n), with a new order O(n log n). Memory: 4
-// bytes per slot, and 30 more from the first Update on; 16 slots for 15 members after a sort, and
-// room for an eighth more in large trees; four slots for a member at most. Errors: std::bad_alloc
-// from EnsureRoomFor, which then changes nothing, and from Update, which must then be called again.
+// All members are sorted again in any of these cases:
+// - More than an eighth of them are new, or more than 1/64 if these do not stand close together.
+// - There are many more slots than members.
+// - Insertions since the last sort exceed half the members, or a sixteenth if a sort takes only
+//   milliseconds.
+// - After a refit of the tree, more than an eighth of the leaves have grown to twice their size.
+// - Searches have lost more checks to the old order than a new order costs.
+//
+// Thread safety: const calls may run at the same time, but not during other calls. Owns its memory.
+// Units: as the boxes. Cost: Add, Remove and Move O(1) amortized, Remove and Move without an
+// allocation. Update O(changes · block · log block) amortized; without a sort of all members at
+// worst O(branch) per change. With a refit of the tree O(n), with a new order O(n log n). Memory: 4
+// bytes per slot, and 30 more from the first Update on. There are 16 slots for 15 members after a
+// sort, room for an eighth more in large trees, and at most four slots per member. Errors:
+// std::bad_alloc from EnsureRoomFor, which then changes nothing, and from Update, which must then
+// be called again.
 #pragma once
 
 #include <cstddef>
@@ -38,30 +45,33 @@ namespace sweepstake {
 
 class BoxTree {
  public:
-  // Must be called before Add, which then does not allocate for so many members.
+  // Reserves memory, so that the next `new_members` calls of Add do not allocate. Must be called
+  // before Add.
   void EnsureRoomFor(size_t new_members);
-  // Adds box `id`. `slots` is indexed by id, here and in Update: the tree writes the slots of its
-  // members there. REQUIRES: it is no member.
+  // Adds box `id`. `slots` is indexed by id, here and in Update; the tree writes the slots of its
+  // members to it. REQUIRES: the box is not a member.
   void Add(uint32_t id, std::span<uint32_t> slots);
   // REQUIRES, here and in Move: `slot` is the slot of a member.
   void Remove(uint32_t slot);
   size_t count() const { return count_; }
 
-  // Must be called when the box of the member in this slot has changed, unless Update is told that
-  // any may have.
+  // Must be called when the box of the member in this slot has changed, unless the next Update is
+  // called with any_moved.
   void Move(uint32_t slot);
 
-  // Takes the members' boxes of `boxes`, which is indexed by id. Invalid ones are never found.
+  // Reads the members' boxes from `boxes`, which is indexed by id. Searches never find invalid
+  // boxes.
   void Update(std::span<const Aabb> boxes, bool any_moved, KdOrder& splitter,
               std::span<uint32_t> slots);
 
   const LeafTree::View& view() const { return tree_.view(); }
   const LeafTree& leaves() const { return tree_; }
 
-  // Reports the AABB checks that a search with all boxes has made; at most once per Update.
+  // Adds the AABB checks of a search with all boxes to the debt of the order. At most one call per
+  // Update.
   void NoteSearch(uint64_t checks) { debt_.AddSearch(checks); }
 
-  // The fields of a snapshot (snapshot.h). Refit must follow.
+  // Visits the fields of a snapshot (snapshot.h). Refit must follow a restore.
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     archive.Array(self.order_);
@@ -87,12 +97,12 @@ class BoxTree {
   // A sort of many members leaves the last leaf of each block free.
   static constexpr size_t kSortedLeaves = LeafTree::kWidth - 1;
   static constexpr size_t kSorted = kSortedLeaves * LeafTree::kWidth;
-  // In a slot: it is one of `new_`. In an entry of `order_`: the member's box has changed. Places
-  // have this bit free (ProxyTable::kMaxPlaces); slots have it free up to 500,000,000 members,
-  // which take some 60 GB.
+  // In a slot: the slot is an index of `new_`. In an entry of `order_`: the member's box has
+  // changed. Places leave this bit free (ProxyTable::kMaxPlaces). Slots leave it free up to
+  // 500,000,000 members, which take some 60 GB.
   static constexpr uint32_t kMark = 0x80000000;
 
-  // What the next refit has to do with a block.
+  // The state of a block until the next refit: unchanged, changed or sorted again.
   enum class BlockState : uint8_t { kFresh, kChanged, kSorted };
 
   static bool IsMoved(uint32_t entry) { return entry != kHole && (entry & kMark) != 0; }
@@ -100,7 +110,7 @@ class BoxTree {
     return slot_count < 16 * kBranch ? 0 : slot_count / 8;
   }
 
-  // Notes what the next refit has to do with a block; of two things the later one.
+  // Records the state of a block for the next refit. A later state replaces an earlier one.
   void Mark(size_t block, BlockState state) {
     if (states_[block] == BlockState::kFresh) {
       changed_blocks_.push_back(static_cast<uint32_t>(block));  // has room for all blocks
@@ -109,7 +119,7 @@ class BoxTree {
   }
   void ReserveBlocks(size_t block_count);
 
-  // What Update consists of.
+  // The steps of Update.
   void RefitAll(std::span<const Aabb> boxes);
   void RefitChanged(std::span<const Aabb> boxes);
   void TakeOut(std::span<uint32_t> slots);
@@ -121,7 +131,7 @@ class BoxTree {
   float ExtentOf(size_t leaf) const;
   void NoteExtents(size_t begin, size_t end);
 
-  // How new members get into blocks (box_tree_inserts.cc).
+  // Insertion of new members into blocks (box_tree_inserts.cc).
   void InsertNew(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
   bool InsertRun(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
   void InsertEach(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
@@ -139,18 +149,18 @@ class BoxTree {
   HookedVector<uint32_t> order_;  // the sorted members' ids by slot, kHole in holes
   HookedVector<uint32_t> new_;    // the ids of members added since the latest Update
   HookedVector<BlockState> states_;
-  HookedVector<uint32_t> changed_blocks_;  // those that are not kFresh
+  HookedVector<uint32_t> changed_blocks_;  // the blocks that are not kFresh
   HookedVector<float> sorted_extents_;     // the leaves' extents when they were sorted
   size_t count_ = 0;                       // the number of members
-  size_t new_count_ = 0;                   // of those in `new_`
-  size_t moved_count_ = 0;                 // of those marked in `order_`
-  size_t inserted_count_ = 0;              // how many have got into blocks since the latest sort
-  bool is_sorted_ = false;                 // whether `tree_` has the members in `order_`
+  size_t new_count_ = 0;                   // the number of members in `new_`
+  size_t moved_count_ = 0;                 // the number of members marked in `order_`
+  size_t inserted_count_ = 0;              // members inserted into blocks since the latest sort
+  bool is_sorted_ = false;                 // whether `tree_` holds the members in `order_`
   LeafTree tree_;
   RebuildDebt debt_;  // the debt of the order
 
-  // What Update works with; nothing is kept in it.
-  HookedVector<uint64_t> placed_;  // new members: their block, and in the lower half the id
+  // Working memory of Update, without content between calls.
+  HookedVector<uint64_t> placed_;  // new members: block in the upper half, id in the lower
   HookedVector<uint32_t> ids_;
 };
 

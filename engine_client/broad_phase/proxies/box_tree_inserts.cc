@@ -1,6 +1,6 @@
-// How a BoxTree takes in new members: each goes to the block that grows least, which is sorted
-// anew; where one has no room for them, all of its branch are sorted anew, into as many branches as
-// they need.
+// Insertion of new members into a BoxTree. Each goes to the block that grows least, and that block
+// is sorted again. If a block has no room, its whole branch is sorted again, into as many branches
+// as needed.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -12,8 +12,8 @@
 namespace sweepstake {
 namespace {
 
-// How much a node with these bounds grows with a box, and how large it then is, as sums over the
-// axes, scaled so that they are finite for all boxes.
+// The growth of a node's bounds by a box, and the resulting extent, both summed over the axes.
+// Scaled by kGrowthScale, so that both are finite for all boxes.
 constexpr float kGrowthScale = 0.125F;
 struct Growth {
   float more;
@@ -37,8 +37,9 @@ Growth GrowthOf(const BoxLanes& nodes, size_t node, const Aabb& box) {
   return growth;
 }
 
-// Finds the block that grows least with a box; among equals, the one that is then smallest. Where
-// very many do not grow at all, as where boxes are in one place, it is the best of some.
+// Finds the block that grows least with a box; among equal ones, the smallest afterwards. It visits
+// at most kMaxVisited blocks. If very many blocks do not grow at all, for example for boxes in one
+// place, the result is the best of those visited.
 class BlockChoice {
  public:
   static constexpr uint32_t kMaxVisited = 64;
@@ -49,8 +50,8 @@ class BlockChoice {
   uint32_t block() const { return block_; }
 
  private:
-  // Goes down the children of a node that grow least first, and ends where they grow more than the
-  // best block: so do then the blocks below them.
+  // Visits the children of a node in ascending order of growth. Stops at a child that grows more
+  // than the best block, since all blocks below that child grow at least as much.
   void Descend(size_t level, size_t begin) {
     const BoxLanes& nodes = tree_.levels[level];
     const size_t count = std::min(nodes.count - begin, LeafTree::kWidth);
@@ -77,24 +78,24 @@ class BlockChoice {
   const Aabb& box_;
   Growth best_{std::numeric_limits<float>::max(), kInfinity};
   uint32_t block_ = 0;
-  uint32_t visited_ = 0;  // blocks
+  uint32_t visited_ = 0;  // the number of blocks
 };
 
-// Fewer new members would leave most of a branch free.
+// The minimum number of new members for separate branches. Fewer would leave most of a branch free.
 constexpr size_t kMinRun = 2000;
-// The blocks of a run may be so much larger than those of the tree.
+// The maximum ratio of the mean extents of a run's blocks and of the tree's blocks.
 constexpr double kMaxRunExtent = 2;
-// So many in a run make the tree as much worse as one that goes to a block.
+// This number of members in a run degrades the tree as much as one member inserted into a block.
 constexpr size_t kRunMembersPerNewOne = 8;
 
-// If more than one member in so many goes to a block of its own choice, a sort of all takes less
-// time: 8 µs each beside 0.1 µs (AMD Zen 4).
+// If more than one member in this number has to be inserted singly, sorting all takes less time. An
+// insertion takes 8 µs, sorting 0.1 µs per member (AMD Zen 4).
 constexpr size_t kMembersPerEach = 64;
 
-// The mean of boxes' extents, as sums over the axes.
+// The mean of boxes' extents, each summed over the axes.
 class MeanExtent {
  public:
-  // Bounds without a valid box, which are inverted, count for nothing.
+  // Ignores bounds without a valid box, which are inverted.
   void Add(const BoxLanes& bounds, size_t at) {
     if (!(bounds.min[0][at] <= bounds.max[0][at])) return;
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -114,7 +115,7 @@ BoxLanes LanesOf(const Aabb& box) {
       {&box.min[0], &box.min[1], &box.min[2]}, {&box.max[0], &box.max[1], &box.max[2]}, nullptr, 1};
 }
 
-// Returns an invalid box if there is no valid one.
+// Returns the bounds of the valid boxes, or an invalid box if there are none.
 Aabb BoundsOf(std::span<const Aabb> boxes, std::span<const uint32_t> ids) {
   Aabb bounds = kInvalidAabb;
   for (const uint32_t id : ids) {
@@ -129,10 +130,10 @@ Aabb BoundsOf(std::span<const Aabb> boxes, std::span<const uint32_t> ids) {
 
 }  // namespace
 
-// Members that come together and stand close, as the tiles of a world do, get branches of their
-// own.
+// Many members that come at once and stand close together, such as the tiles of a world, get
+// separate branches.
 void BoxTree::InsertNew(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots) {
-  // Should memory run out, the next Update sorts all members.
+  // If memory runs out, the next Update sorts all members.
   is_sorted_ = false;
   if (new_count_ < kMinRun || !InsertRun(boxes, splitter, slots)) {
     if (new_count_ * kMembersPerEach > count_) return SortMembers(boxes, splitter, slots);
@@ -143,8 +144,8 @@ void BoxTree::InsertNew(std::span<const Aabb> boxes, KdOrder& splitter, std::spa
   is_sorted_ = true;
 }
 
-// Sorts the new members among themselves; returns false if their blocks are larger than those of
-// the tree, and so would overlap many of them.
+// Sorts the new members among themselves and writes them to separate branches. Returns false if
+// their blocks are much larger than the tree's and so would overlap many of them.
 bool BoxTree::InsertRun(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots) {
   ids_.clear();
   for (const uint32_t id : new_) {
@@ -170,7 +171,8 @@ bool BoxTree::InsertRun(std::span<const Aabb> boxes, KdOrder& splitter, std::spa
   return true;
 }
 
-// A branch is sorted anew where one of its blocks has no room.
+// Inserts each new member into its best block. Sorts a branch again if one of its blocks has no
+// room.
 void BoxTree::InsertEach(std::span<const Aabb> boxes, KdOrder& splitter,
                          std::span<uint32_t> slots) {
   placed_.clear();
@@ -189,8 +191,8 @@ void BoxTree::InsertEach(std::span<const Aabb> boxes, KdOrder& splitter,
   }
 }
 
-// Sorts each block anew with those placed in it, until one has no room for them; returns whether
-// all have.
+// Sorts each block again with the members placed in it. Returns false at the first block without
+// room for them.
 bool BoxTree::InsertIntoBlocks(std::span<const uint64_t> placed, std::span<const Aabb> boxes,
                                KdOrder& splitter, std::span<uint32_t> slots) {
   for (size_t begin = 0, end = 0; begin < placed.size(); begin = end) {
@@ -207,7 +209,7 @@ bool BoxTree::InsertIntoBlocks(std::span<const uint64_t> placed, std::span<const
   return true;
 }
 
-// Those among `placed` that are in their blocks already are not new any more.
+// Entries of `placed` that are already in their block are not inserted again.
 void BoxTree::SortBranch(size_t branch, std::span<const uint64_t> placed,
                          std::span<const Aabb> boxes, KdOrder& splitter,
                          std::span<uint32_t> slots) {
@@ -231,7 +233,7 @@ void BoxTree::SortBranch(size_t branch, std::span<const uint64_t> placed,
   }
 }
 
-// Gives the branch, which is free, the members [begin, end) of `ids_`.
+// Writes the members [begin, end) of `ids_` to the branch, which is free.
 void BoxTree::WriteBranch(size_t branch, size_t begin, size_t end, std::span<uint32_t> slots) {
   size_t block = branch * LeafTree::kWidth;
   for (size_t at = begin; at < end; at += kSorted) {
@@ -239,7 +241,7 @@ void BoxTree::WriteBranch(size_t branch, size_t begin, size_t end, std::span<uin
   }
 }
 
-// Appends the ids of the block's members to `ids_`, in their order.
+// Appends the ids of the block's members to `ids_`, in the order of their slots.
 void BoxTree::AppendMembers(size_t block) {
   const size_t end = std::min((block + 1) * kBlock, order_.size());
   for (size_t slot = block * kBlock; slot < end; ++slot) {
@@ -247,7 +249,7 @@ void BoxTree::AppendMembers(size_t block) {
   }
 }
 
-// Gives the block these members and no others. REQUIRES: there is room for its slots.
+// Replaces the members of the block by these. REQUIRES: there is room for its slots.
 void BoxTree::WriteBlock(size_t block, std::span<const uint32_t> ids, std::span<uint32_t> slots) {
   const size_t first = block * kBlock;
   if (order_.size() < first + kBlock) {
@@ -279,7 +281,7 @@ bool BoxTree::IsFree(size_t first_slot, size_t slot_count) const {
   return true;
 }
 
-// Returns the first free branch from this one on, of which the last is followed by the first.
+// Returns the first free branch from `from` on, wrapping around at the end, or else a new branch.
 size_t BoxTree::FreeBranch(size_t from) const {
   const size_t branch_count = (order_.size() + kBranch - 1) / kBranch;
   for (size_t k = 0; k < branch_count; ++k) {

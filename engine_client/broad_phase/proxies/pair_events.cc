@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// The owners of ids, in this frame and in the last one.
+// The owners of ids in this frame and in the last one.
 class Owners {
  public:
   Owners(const ProxyTable& moving, const ProxyTable& resting)
@@ -24,7 +24,7 @@ class Owners {
     return {{pair.a, TableOf(pair.a).seen_generation(PlaceOf(pair.a))},
             {pair.b, TableOf(pair.b).seen_generation(PlaceOf(pair.b))}};
   }
-  // Returns whether a pair of both frames has other owners now.
+  // Returns whether a pair that exists in both frames has other owners now.
   bool Changed(const OverlapPair& pair) const {
     return any_new_ && (TableOf(pair.a).HasNewOwner(PlaceOf(pair.a)) ||
                         TableOf(pair.b).HasNewOwner(PlaceOf(pair.b)));
@@ -49,7 +49,7 @@ bool AreWithin(const Aabb& a, const Aabb& b, float margin) {
   return true;
 }
 
-// Returns whether a pair that has begun goes on, although its boxes may be apart.
+// Returns whether a pair that has begun has not ended, although its boxes may be apart.
 bool GoesOn(const OverlapPair& pair, float margin, const ProxyTable& moving,
             const ProxyTable& resting) {
   const ProxyTable* tables[2];
@@ -87,7 +87,7 @@ void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const Ov
                          const ProxyTable& moving, const ProxyTable& resting) {
   const Owners owners(moving, resting);
   Clear();
-  // Lists that have not all are never the set's.
+  // Works on local lists: if memory runs out, the set gets no incomplete lists.
   HookedVector<ProxyPair> added = std::move(added_);
   HookedVector<ProxyPair> removed = std::move(removed_);
   size_t b = 0;

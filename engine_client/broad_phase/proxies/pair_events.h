@@ -1,4 +1,4 @@
-// Which pairs have begun and which have ended between two frames.
+// Finds which pairs have begun and which have ended between two frames.
 //
 // Not thread-safe. Owns its memory. Memory: 16 bytes per event. Errors: std::bad_alloc from
 // Compare; there are no events then.
@@ -20,9 +20,9 @@ constexpr uint64_t PairKey(const OverlapPair& pair) { return uint64_t{pair.a} <<
 
 class PairEvents {
  public:
-  // `before` are pairs of the proxies at the last MarkSeen of the tables, `now` of those they hold;
-  // both ascend. A pair whose ids have stayed but whose owners have changed is both gone and new.
-  // Cost: O(pairs).
+  // `before` are pairs of the proxies at the last MarkSeen of the tables, `now` pairs of the
+  // present proxies; both ascend. A pair with the same ids but a new owner counts as ended and as
+  // begun. Cost: O(pairs).
   void Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                const ProxyTable& moving, const ProxyTable& resting);
 
@@ -31,21 +31,22 @@ class PairEvents {
     removed_.clear();
   }
 
-  // Appends to `out` the pairs `now` and those `before` that have not ended: their owners are the
-  // same, may form a pair, and are at most `margin` apart on each axis. All ascend. Cost: O(pairs).
+  // Appends to `out` the pairs `now` and those `before` that have not ended. A pair has not ended
+  // if its owners are the same, may form a pair, and are at most `margin` apart on each axis. All
+  // lists ascend. Cost: O(pairs).
   static void Hold(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                    float margin, const ProxyTable& moving, const ProxyTable& resting,
                    PairBuffer& out);
 
   std::span<const ProxyPair> added() const { return added_; }
   std::span<const ProxyPair> removed() const { return removed_; }
-  // The fields of a snapshot (snapshot.h).
+  // Visits the fields of a snapshot (snapshot.h).
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     archive.Array(self.added_);
     archive.Array(self.removed_);
   }
-  // Frees spare room.
+  // Frees unused capacity.
   void Compact() {
     added_.shrink_to_fit();
     removed_.shrink_to_fit();

@@ -13,7 +13,7 @@ namespace {
 constexpr uint32_t kDigitBits = 11;
 constexpr size_t kBuckets = size_t{1} << kDigitBits;
 constexpr size_t kDigits = 6;  // three digits of b, then three of a
-// For fewer pairs std::sort is faster.
+// The minimum number of pairs for a radix sort. For fewer, std::sort is faster.
 constexpr size_t kMinRadixPairs = 128;
 
 using Starts = std::array<uint32_t, kBuckets>;
@@ -25,7 +25,7 @@ uint32_t DigitOf(const OverlapPair& pair) {
   return id >> (kDigit % 3 * kDigitBits) & (kBuckets - 1);
 }
 
-// Returns the bits in which the pairs are not all the same.
+// Returns the bits that are not the same in all pairs.
 OverlapPair Differences(std::span<const OverlapPair> pairs) {
   const OverlapPair first = pairs[0];
   OverlapPair bits{0, 0};
@@ -72,7 +72,7 @@ void PairSorter::Sort(std::span<OverlapPair> pairs) {
   OverlapPair* from = pairs.data();
   OverlapPair* to = scratch_->pairs.data();
   const OverlapPair differences = Differences(pairs);
-  // Digits that are the same in all pairs are skipped.
+  // Skips digits that are the same in all pairs.
   const auto pass = [&]<size_t kDigit>() {
     if (DigitOf<kDigit>(differences) == 0) return;
     Scatter<kDigit>({from, pairs.size()}, to, scratch_->starts);

@@ -5,7 +5,7 @@
 namespace sweepstake {
 namespace {
 
-// A part with fewer leaves takes less time than waking a thread.
+// Minimum work per part: a smaller part takes less time than waking a thread.
 constexpr size_t kMinLeavesPerPart = 32;
 constexpr size_t kMinBlocksPerPart = 2;
 
@@ -53,7 +53,7 @@ void PopulationJoins::FindPairs(KdOrder& splitter, PairBuffer& out) {
   Append(kept_.pairs(), out);
 }
 
-// The joins of a population follow one another.
+// Joins with the same first population are consecutive.
 void PopulationJoins::SearchAndNote(std::span<const Join> joins, PairBuffer& out) {
   for (size_t k = 0; k < joins.size();) {
     const Population& a = joins[k].a;
@@ -91,7 +91,8 @@ uint64_t PopulationJoins::SearchBetween(const Join& join, PairBuffer& out) {
                     });
 }
 
-// Makes ids of places, where the search has not, and drops the pairs that do not pass.
+// Turns places into ids, unless the search has done so, and drops pairs that do not pass the
+// filters.
 void PopulationJoins::FinishPairs(const Join& join, size_t first, PairBuffer& out) const {
   const std::span<OverlapPair> found = out.pairs().subspan(first);
   if (join.a.kind == join.b.kind && join.a.kind->id_bit() != 0) {

@@ -1,10 +1,10 @@
-// The pairs that a broad phase does not find: those within and between populations (proxy_kind.h),
+// Finds the pairs that a broad phase does not: pairs within and between populations (proxy_kind.h),
 // by the trees of both.
 //
-// A pair of populations is searched while one of them moves and their filters may pass. Between
-// proxies that rest (sleeping with sleeping or static ones) it is searched only after one of them
-// has changed; the pairs are kept. Static proxies are not paired with one another, nor are those of
-// one group.
+// A pair of populations is searched in each frame if one of them moves and their filters may pass.
+// Pairs of resting populations (sleeping with sleeping or static) are searched only after one of
+// them has changed; the pairs are kept. Static proxies are not paired with one another, and neither
+// are proxies of one group.
 //
 // Not thread-safe. Borrows the kinds and the executor. Owns the kept pairs. Cost: FindPairs
 // O(leaves of the populations searched · log leaves + pairs), and O(kept pairs). Memory: 8 bytes
@@ -31,16 +31,17 @@ class PopulationJoins {
   PopulationJoins(ProxyKind& moving, ProxyKind& resting, Executor* executor)
       : moving_(moving), resting_(resting), executor_(executor) {}
 
-  // Finds out which populations are to be searched; returns whether any are, or pairs are kept.
-  // Must be called before FindPairs.
+  // Determines which populations must be searched. Returns whether there are any, or whether pairs
+  // are kept. Must be called before FindPairs.
   bool Plan();
   // Appends all pairs that pass their filters, as ids with a < b. The order is the same for any
   // number of threads. Refreshes the trees.
   void FindPairs(KdOrder& splitter, PairBuffer& out);
 
-  // Frees what it holds; the next FindPairs makes it anew. REQUIRES: the kinds were compacted.
+  // Frees its memory; the next FindPairs builds everything again. REQUIRES: the kinds were
+  // compacted.
   void Compact();
-  // The fields of a snapshot (snapshot.h).
+  // Visits the fields of a snapshot (snapshot.h).
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     PairList kept(self.kept_);
@@ -57,12 +58,12 @@ class PopulationJoins {
     const LeafTree& tree() const { return kind->tree(number); }
     bool moves() const { return MovesIn(number); }
     bool is_static() const { return IsStaticIn(number); }
-    // Whether the broad phase has found the pairs within it.
+    // Returns whether the broad phase has found the pairs within it.
     bool is_searched() const { return kind->id_bit() == 0 && number == 0; }
   };
   struct Join {
-    Population a;  // if the kinds differ, the one added as moving
-    Population b;  // may be the same
+    Population a;  // if the kinds differ, the moving kind
+    Population b;  // may be the same as `a`
     bool within_one() const { return a.kind == b.kind && a.number == b.number; }
   };
 
@@ -77,8 +78,8 @@ class PopulationJoins {
   ProxyKind& resting_;
   Executor* executor_;
   HookedVector<Population> populations_;
-  HookedVector<Join> of_moving_;   // at least one of the two moves
-  HookedVector<Join> of_resting_;  // neither does
+  HookedVector<Join> of_moving_;   // at least one of the two populations moves
+  HookedVector<Join> of_resting_;  // neither population moves
   PairBuffer kept_;                // the pairs of `of_resting_`
   PairParts parts_;
 };

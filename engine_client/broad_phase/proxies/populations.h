@@ -1,10 +1,10 @@
-// The populations of a kind of proxies (proxy_kind.h), as numbers: the groups of those that move,
-// the groups of those that sleep, and the static ones; and who may be in which group.
+// Numbers of the populations of a kind of proxies (proxy_kind.h): the groups of moving proxies, the
+// groups of sleeping ones, and the static ones. Also the rule for which proxies may share a group.
 //
-// A group is of proxies that all ignore one another, as debris that collides with everything but
-// debris. The search leaves the pairs within a group out, so that a pile of such proxies costs
-// nothing. A proxy may be in a group if its category is in no mask of the group, its own included,
-// and its mask has no category of the group.
+// The proxies of a group all ignore one another, like debris that collides with everything except
+// debris. The search skips the pairs within a group, so that a pile of such proxies costs nothing.
+// A proxy may join a group under two conditions: its category is in no mask of the group or its
+// own, and its mask has no category of the group.
 //
 // Not thread-safe. Plain values, no allocation. Cost: O(kCount) per call.
 #pragma once
@@ -19,8 +19,8 @@ namespace sweepstake {
 
 class FilterGroups {
  public:
-  // Group 0 has the proxies that may form pairs with one another, and those for which there is no
-  // other group left.
+  // Group 0 holds the proxies that may form pairs with one another, and those that fit no other
+  // group.
   static constexpr uint32_t kCount = 8;
 
   // Returns the group that a proxy with this filter may join.
@@ -45,14 +45,14 @@ class FilterGroups {
   }
 
  private:
-  // What passes with nothing fits everywhere.
+  // A filter that passes with nothing fits every group.
   static CollisionFilter Counted(const CollisionFilter& filter) {
     const bool passes_never = filter.category == 0 || filter.mask == 0;
     return passes_never ? CollisionFilter{0, 0} : filter;
   }
 
   struct Group {
-    CollisionFilter all{0, 0};  // the categories and masks that members have had
+    CollisionFilter all{0, 0};  // the union of members' categories and masks, past ones too
     size_t count = 0;
   };
   std::array<Group, kCount> groups_{};

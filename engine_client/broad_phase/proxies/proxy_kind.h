@@ -1,14 +1,14 @@
-// The proxies of one kind, added as moving ones or as static ones, in populations.
+// The proxies of one kind, moving or static as they were added, divided into populations.
 //
-// A population is the proxies that take part in the search in the same way: they move, sleep or are
-// static, and, while they are not static, belong to the same group (populations.h). Each
-// population has a tree of its own, in which queries find it and in which other populations are
-// searched for. Population 0 is what the broad phase gets, of the proxies added as moving ones.
+// The proxies of a population take part in the search in the same way: they move, sleep or are
+// static. Unless static, they also belong to the same group (populations.h). Each population has a
+// tree. Queries search it, and so do the joins with other populations. Population 0 of the proxies
+// added as moving is searched by the broad phase.
 //
-// Thread safety: const calls may run side by side. Owns its memory. Cost and memory: see
-// proxy_table.h and box_tree.h; a population takes none until it has had a proxy. Errors:
+// Thread safety: const calls may run at the same time. Owns its memory. Cost and memory: see
+// proxy_table.h and box_tree.h; a population takes no memory until it has had a proxy. Errors:
 // std::bad_alloc from Add and ChangePopulation, which then change nothing, and from RefreshTrees,
-// after which the next one tries again.
+// after which the next call tries again.
 #pragma once
 
 #include <array>
@@ -30,14 +30,14 @@ class ProxyKind {
 
   uint32_t id_bit() const { return id_bit_; }
   const ProxyTable& table() const { return table_; }
-  // Returns null if the place is free.
+  // Returns the null handle if the place is free.
   ProxyHandle HandleAt(uint32_t place) const {
     const uint32_t generation = table_.generation(place);
     return generation == 0 ? ProxyHandle{} : ProxyHandle{place | id_bit_, generation};
   }
 
-  // Allocates what Add and ChangePopulation to this population need.
-  // For so many that are to enter the population.
+  // Allocates the memory that Add and ChangePopulation need for `newcomers` proxies to enter this
+  // population.
   void EnsureRoomIn(uint8_t population, size_t newcomers = 1);
   // Returns the place of the new proxy.
   uint32_t Add(const Aabb& box, const CollisionFilter& filter, uint64_t user, uint8_t population);
@@ -46,7 +46,7 @@ class ProxyKind {
     const uint8_t population = table_.population(place);
     table_.SetBox(place, box);
     NoteChange(population);
-    // Where one moves all are expected to.
+    // If one proxy of a moving population moves, all are expected to move.
     if (MovesIn(population)) {
       moved_ |= 1U << population;
     } else {
@@ -61,14 +61,14 @@ class ProxyKind {
   size_t count(uint32_t population) const {
     return trees_[population] == nullptr ? 0 : trees_[population]->count();
   }
-  // Returns the categories and masks that the population's proxies have had.
+  // Returns the union of the categories and masks of the population's present and past proxies.
   const CollisionFilter& all(uint32_t population) const { return all_[population]; }
 
   // Must be called after changes and before the trees are used.
   void RefreshTrees(KdOrder& splitter);
-  // Moves the origin of all coordinates. Invalid boxes stay as they are.
+  // Moves the origin of all coordinates. Invalid boxes stay unchanged.
   void ShiftOrigin(const float offset[3]);
-  // Frees what former proxies held; free places below `min_places` are kept. Changes nothing if
+  // Frees the memory of former proxies; free places below `min_places` are kept. Changes nothing if
   // memory runs out.
   void Compact(size_t min_places);
   bool trees_are_fresh() const { return changed_ == 0; }
@@ -76,12 +76,12 @@ class ProxyKind {
   const LeafTree& tree(uint32_t population) const { return trees_[population]->leaves(); }
   void NoteSearch(uint32_t population, uint64_t checks) { trees_[population]->NoteSearch(checks); }
 
-  // Returns whether a box, a filter or the members of a population that does not move have changed
-  // since MarkRestingSeen.
+  // Returns whether a population that does not move has changed since MarkRestingSeen: a box, a
+  // filter or its members.
   bool any_resting_changed() const { return resting_changed_; }
   void MarkRestingSeen() { resting_changed_ = false; }
 
-  // The fields of a snapshot (snapshot.h). FinishRestore must follow.
+  // Visits the fields of a snapshot (snapshot.h). FinishRestore must follow a restore.
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     ProxyTable::Visit(self.table_, archive);
@@ -102,7 +102,7 @@ class ProxyKind {
   size_t native_bytes() const;
 
  private:
-  // Makes or drops the tree as the snapshot has it.
+  // Creates or deletes the tree, as in the snapshot.
   static void MatchTree(std::unique_ptr<BoxTree>& tree, bool exists) {
     if (exists != (tree != nullptr)) tree = exists ? std::make_unique<BoxTree>() : nullptr;
   }
@@ -118,7 +118,7 @@ class ProxyKind {
   std::array<std::unique_ptr<BoxTree>, kPopulations> trees_;
   std::array<CollisionFilter, kPopulations> all_{};
   uint32_t changed_ = 0;  // the populations whose trees are out of date, as bits
-  uint32_t moved_ = 0;    // those of which any box may have changed
+  uint32_t moved_ = 0;    // the populations in which any box may have changed
   bool resting_changed_ = false;
   uint32_t id_bit_;
   uint64_t refit_count_ = 0;

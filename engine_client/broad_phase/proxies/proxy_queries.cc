@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// The searches call these structs with the places that they find.
+// The searches call these structs with the places of the boxes found.
 struct VolumeQuery {
   const ProxyKind& kind;
   const CollisionFilter& filter;
@@ -44,7 +44,7 @@ struct RayQuery {
   }
 };
 
-// Calls search(kind, tree) for each population whose proxies may pass.
+// Calls search(kind, tree) for each population whose proxies may pass the filter.
 template <typename Search>
 void ForEachTree(const ProxyKind& moving, const ProxyKind& resting, const CollisionFilter& filter,
                  const Search& search) {

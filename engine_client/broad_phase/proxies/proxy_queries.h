@@ -1,8 +1,8 @@
 // Queries in all populations of both kinds.
 //
-// Thread safety: const; any number of queries may run side by side. Borrows the kinds, whose trees
-// must be fresh. Order of the results: that of proxy_set.h. Errors: std::bad_alloc where results go
-// to a vector.
+// Thread safety: const; any number of queries may run at the same time. Borrows the kinds, whose
+// trees must be up to date. Order of the results: as in proxy_set.h. Errors: std::bad_alloc if
+// results go to a vector.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,8 @@
 
 namespace sweepstake {
 
-// What a query finds: in a vector, which grows, or in the caller's array, beyond which it is only
-// counted.
+// The results of a query. They go to a vector, which grows, or to the caller's array. Results
+// beyond the end of the array are only counted.
 template <typename T>
 class Found {
  public:
@@ -53,7 +53,7 @@ class ProxyQueries {
                     Found<ProxyHandle>& found) const;
   // REQUIRES, here and below: IsFinite(slabs).
   void FindHits(const Slabs& slabs, const CollisionFilter& filter, Found<RayHit>& hits) const;
-  // Returns a hit with a null handle if there is none.
+  // Returns a hit with a null handle if nothing is hit.
   RayHit FindNearestHit(const Slabs& slabs, const CollisionFilter& filter) const;
 
  private:

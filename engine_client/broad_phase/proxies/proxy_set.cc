@@ -30,7 +30,7 @@ bool IsSame(const Aabb& a, const Aabb& b) { return std::memcmp(&a, &b, sizeof a)
 
 std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair> moving_pairs) {
   const Zone zone(kZoneResolveProxies);
-  events_.Clear();  // those of the former call, should memory run out in this one
+  events_.Clear();  // if memory runs out below, no old events remain
   const bool any_joins = joins_.Plan();
   if (moving_.table().all_pass() && !any_joins && !wants_sorted()) return moving_pairs;
   next_.Clear();
@@ -79,7 +79,7 @@ void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t place) {
   kind.Remove(place);
 }
 
-// A box of the same bytes changes nothing.
+// A box with identical bytes changes nothing.
 void ProxySet::Impl::Move(ProxyKind& kind, uint32_t place, const Aabb& box) {
   if (IsSame(kind.table().boxes()[place], box)) return;
   const uint8_t population = kind.table().population(place);
@@ -89,10 +89,10 @@ void ProxySet::Impl::Move(ProxyKind& kind, uint32_t place, const Aabb& box) {
   kind.SetBox(place, box);
 }
 
-// For those whose boxes change. Without memory for all of them none is moved.
+// Reserves room for the sleeping proxies whose boxes change. If memory runs out, no proxy is moved.
 void ProxySet::Impl::EnsureRoomToWake(std::span<const ProxyHandle> handles,
                                       std::span<const Aabb> boxes) {
-  std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // of each kind, by group
+  std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // by kind and group
   for (size_t k = 0; k < handles.size(); ++k) {
     const ProxyKind& kind = KindOf(handles[k].index);
     const uint32_t place = PlaceOf(handles[k].index);
@@ -136,7 +136,7 @@ void ProxySet::Impl::SetSleeping(ProxyKind& kind, uint32_t place, bool is_sleepi
                         static_cast<uint8_t>(is_sleeping ? kSleepingPopulation + group : group));
 }
 
-// Events of the next Resolve name the owners of the pairs' places, which have to stay.
+// Keeps the places of the latest pairs, since the events of the next Resolve refer to their owners.
 void ProxySet::Impl::Compact() {
   size_t moving_places = 0;
   size_t static_places = 0;

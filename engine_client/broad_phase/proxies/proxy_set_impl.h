@@ -1,7 +1,7 @@
-// What a ProxySet consists of (proxy_set.h): the proxies of both kinds, the groups that their
-// filters form, the search of what the broad phase does not search, and the latest pairs.
+// The implementation of ProxySet (proxy_set.h): the proxies of both kinds, the groups of their
+// filters, the search that the broad phase does not do, and the latest pairs.
 //
-// Not thread-safe, as ProxySet. Owns everything but the executor.
+// Not thread-safe, like ProxySet. Owns everything except the executor.
 #pragma once
 
 #include <algorithm>
@@ -44,7 +44,7 @@ class ProxySet::Impl {
     return std::all_of(handles.begin(), handles.end(),
                        [&](ProxyHandle handle) { return Find(handle) != nullptr; });
   }
-  // Calls change(kind, place) if there is a proxy; returns whether there is.
+  // Calls change(kind, place) if the proxy exists; returns whether it does.
   template <typename Fn>
   bool Change(ProxyHandle handle, const Fn& change) {
     if (Find(handle) == nullptr) return false;
@@ -66,19 +66,21 @@ class ProxySet::Impl {
     moving_.RefreshTrees(splitter_);
     resting_.RefreshTrees(splitter_);
   }
-  // Answers question(queries) if the shape is right and no tree is out of date.
-  // (proxy_set_queries.cc)
+  // Calls question(queries) if the shape is valid and no tree is out of date; otherwise returns an
+  // error. (proxy_set_queries.cc)
   template <typename Shape, typename Question>
   Status Ask(const Shape& shape, const Question& question) const;
-  // Gives the nearest hit of each shape; NAME is what one of them is called where it is refused.
+  // Writes the nearest hit of each shape to `hits`. `name` is the word for a shape in error
+  // messages.
   template <typename Shape>
   Status FindNearestHits(const char* name, std::span<const Shape> shapes,
                          const CollisionFilter& filter, std::span<RayHit> hits) const;
-  // Calls search(queries, shape, found) for each shape, whose results follow one another in `out`.
+  // Calls search(queries, shape, found) for each shape. The results of all shapes are consecutive
+  // in `out`.
   template <typename Shape, typename Search>
   Status FindMany(std::span<const Shape> shapes, std::span<ProxyHandle> out, std::span<size_t> ends,
                   const Search& search) const;
-  // Answers it if the shape is right.
+  // Refreshes the trees, then does the same as Ask.
   template <typename Shape, typename Question>
   Status RefreshAndAsk(const Shape& shape, const Question& question);
   // Snapshots (proxy_set_snapshot.cc).
@@ -103,8 +105,9 @@ class ProxySet::Impl {
   KdOrder splitter_;  // sorts one tree at a time
   PopulationJoins joins_{moving_, resting_, options_.executor};
   PairBuffer pairs_;  // the pairs of the latest Resolve
-  PairBuffer next_;   // the pairs of the Resolve under way
-  // With a margin: the pairs that have begun and not ended, at these two times.
+  PairBuffer next_;   // the pairs of the Resolve in progress
+  // Used with an event margin: the pairs that have begun and not ended, after the latest Resolve
+  // and after the present one.
   PairBuffer begun_;
   PairBuffer next_begun_;
   PairSorter sorter_;

@@ -1,4 +1,4 @@
-// The queries of ProxySet: what they refuse, and whether the trees are refitted first.
+// The queries of ProxySet: checks of their arguments, and the refit of the trees before a query.
 #include <cassert>
 #include <string>
 
@@ -35,10 +35,10 @@ Status Check(const Sphere& sphere) {
           "the sphere's center must be finite, and its radius from 0 to 1e19"};
 }
 
-// A box that is not valid is found nowhere.
+// An invalid box is allowed: a query with it finds nothing.
 Status Check(const Aabb&) { return {}; }
 
-// Refuses many shapes before any is asked about, so that results stay as they were.
+// Checks all shapes before the first query, so that an error leaves the results unchanged.
 template <typename Shape>
 Status CheckAll(const char* name, std::span<const Shape> shapes) {
   for (size_t k = 0; k < shapes.size(); ++k) {
@@ -57,7 +57,7 @@ Status ProxySet::Impl::Ask(const Shape& shape, const Question& question) const {
   if (!wrong.ok()) return wrong;
   if (!moving_.trees_are_fresh() || !resting_.trees_are_fresh()) {
     return {StatusCode::kFailedPrecondition,
-            "proxies have changed: call PrepareQueries before queries side by side"};
+            "proxies have changed: call PrepareQueries before const queries"};
   }
   question(ProxyQueries(moving_, resting_));
   return {};

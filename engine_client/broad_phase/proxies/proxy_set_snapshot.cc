@@ -1,4 +1,4 @@
-// Snapshots of a ProxySet: a header, and the fields of everything that results depend on.
+// Snapshots of a ProxySet: a header and all fields that results depend on.
 #include <string>
 
 #include "engine_client/broad_phase/proxies/proxy_set_impl.h"
@@ -8,17 +8,17 @@
 namespace sweepstake {
 namespace {
 
-// Changes with the fields and their order.
+// Increment when the fields or their order change.
 constexpr uint32_t kSnapshotVersion = 2;
-// "SWPS" where the byte order is that of the machine that wrote it.
+// "SWPS" in the byte order of the machine that wrote it.
 constexpr uint32_t kMagic = 0x53505753;
 
 struct Header {
   uint32_t magic = kMagic;
   uint32_t version = kSnapshotVersion;
-  uint64_t bytes = 0;     // of the whole snapshot
-  uint64_t checksum = 0;  // of what follows the header
-  uint32_t options = 0;   // the bits of those that results depend on
+  uint64_t bytes = 0;     // the size of the whole snapshot
+  uint64_t checksum = 0;  // the checksum of everything behind the header
+  uint32_t options = 0;   // OptionBits of the saved set
   float event_margin = 0;
 };
 static_assert(sizeof(Header) == 32);
@@ -28,15 +28,16 @@ uint32_t OptionBits(const ProxySetOptions& options) {
 }
 
 Status Damaged(const std::string& what) {
-  return {StatusCode::kDataLoss, "the snapshot " + what + "; the proxies are as they were"};
+  return {StatusCode::kDataLoss, "the snapshot " + what + "; the proxies are unchanged"};
 }
 
-// Fills in the header and checks what can be known before the fields are read.
+// Checks everything that can be checked before the fields are read.
 Status CheckHeader(std::span<const std::byte> snapshot, const ProxySetOptions& options) {
   Header header;
   if (snapshot.size() < sizeof header) return Damaged("is shorter than its header");
   std::memcpy(&header, snapshot.data(), sizeof header);
-  if (header.magic != kMagic) return Damaged("is none of a ProxySet on such a machine");
+  if (header.magic != kMagic)
+    return Damaged("was not saved by a ProxySet on a machine of this byte order");
   if (header.version != kSnapshotVersion) {
     return {StatusCode::kInvalidArgument,
             "the snapshot is of version " + std::to_string(header.version) +
@@ -51,7 +52,7 @@ Status CheckHeader(std::span<const std::byte> snapshot, const ProxySetOptions& o
   }
   if (header.options != OptionBits(options) || header.event_margin != options.event_margin) {
     return {StatusCode::kInvalidArgument,
-            "the snapshot is of a set with other options: sorted_pairs, pair_events and "
+            "the snapshot was saved with other options: sorted_pairs, pair_events and "
             "event_margin must be the same"};
   }
   return {};
@@ -66,7 +67,7 @@ void ProxySet::Impl::Visit(Self& self, Archive& archive) {
   archive.Value(self.groups_);
   PopulationJoins::Visit(self.joins_, archive);
   PairEvents::Visit(self.events_, archive);
-  // Without events the next Resolve does not look at these.
+  // Without events, the next Resolve does not use these lists.
   if (!self.options_.pair_events) return;
   PairList pairs(self.pairs_);
   PairList begun(self.begun_);
@@ -84,8 +85,8 @@ Status ProxySet::Impl::Save(std::span<std::byte> snapshot) const {
   Header header;
   header.bytes = snapshot_bytes();
   if (snapshot.size() < header.bytes) {
-    return {StatusCode::kInvalidArgument, "the snapshot takes " + std::to_string(header.bytes) +
-                                              " bytes, there is room for " +
+    return {StatusCode::kInvalidArgument, "the snapshot needs " + std::to_string(header.bytes) +
+                                              " bytes, but there is room for " +
                                               std::to_string(snapshot.size())};
   }
   SnapshotWriter writer(snapshot.data() + sizeof header);
@@ -105,7 +106,7 @@ Status ProxySet::Impl::Restore(std::span<const std::byte> snapshot) {
   SnapshotReader reader(snapshot.first(header.bytes).subspan(sizeof header));
   Visit(*this, reader);
   if (reader.failed() || !reader.at_end()) {
-    return {StatusCode::kInternal, "the snapshot's fields are not those of its version"};
+    return {StatusCode::kInternal, "the snapshot's fields do not match its version"};
   }
   moving_.FinishRestore();
   resting_.FinishRestore();

@@ -7,8 +7,7 @@ namespace sweepstake {
 uint32_t ProxyTable::Add(const Aabb& box, const CollisionFilter& filter, uint64_t user) {
   if (freed_last_ == kNoPlace) EnsureRoomForOne();
   const uint32_t place = TakePlace();
-  // The place is not in the list yet if its owner at the last MarkSeen is still there or was the
-  // latest one.
+  // Lists the place only for its first new owner since the last MarkSeen.
   if (notes_owners_ && generations_[place] - seen_[place] <= 1) new_owners_.push_back(place);
   ++generations_[place];
   filters_[place] = filter;
@@ -121,7 +120,7 @@ void ProxyTable::Truncate(size_t places) {
   shrink(boxes_);
 }
 
-// The least free place is used next.
+// Links the free places so that the lowest one is used next.
 void ProxyTable::LinkFreePlaces() {
   freed_last_ = kNoPlace;
   free_count_ = 0;

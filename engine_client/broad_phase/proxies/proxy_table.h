@@ -1,10 +1,10 @@
-// The proxies of one kind: added as moving ones, or as static ones.
+// The proxies of one kind: those added as moving, or those added as static.
 //
 // A proxy has a place that does not change while it lives. A place is used again after its proxy
-// was removed; its generation counts adds and removes and so distinguishes the owners.
+// was removed. Its generation counts adds and removes and so distinguishes the owners.
 //
 // Not thread-safe. Owns its memory. Cost: O(1) per call unless its comment says otherwise. Memory:
-// 53 bytes per place, 4 more where owners are noted, and 24 more after HideOthers. Errors:
+// 53 bytes per place, 4 more if owners are recorded, and 24 more after HideOthers. Errors:
 // std::bad_alloc from Add and HideOthers, which then change nothing.
 #pragma once
 
@@ -22,7 +22,8 @@ class ProxyTable {
  public:
   static constexpr size_t kMaxPlaces = 0x7fffffff;
 
-  // With `notes_owners` it notes new ones until MarkSeen; nobody may ask for them without.
+  // With `notes_owners` it records new owners until MarkSeen. Without it, the functions about new
+  // owners must not be called.
   explicit ProxyTable(bool notes_owners) : notes_owners_(notes_owners) {}
 
   // Returns the place of the new proxy: the place freed last, or else a new one at the end.
@@ -32,7 +33,7 @@ class ProxyTable {
     return place < generations_.size() && generations_[place] == generation && IsOdd(generation);
   }
 
-  // The calls with a place require that it holds a proxy, unless their comments differ.
+  // The calls with a place require that the place holds a proxy, unless their comments differ.
 
   void Remove(uint32_t place);
   void SetBox(uint32_t place, const Aabb& box) {
@@ -53,21 +54,21 @@ class ProxyTable {
     populations_[place] = population;
     if (hides_others_) shown_[place] = population == 0 ? boxes_[place] : kInvalidAabb;
   }
-  // The slots of proxies in the trees of their populations, which write them.
+  // The slots of proxies in the trees of their populations. The trees write them.
   std::span<uint32_t> slots() { return slots_; }
 
-  // These are indexed by place; a free place has an invalid box.
+  // Indexed by place; a free place has an invalid box.
   std::span<const Aabb> boxes() const { return boxes_; }
   std::span<const CollisionFilter> filters() const { return filters_; }
-  // Returns the boxes of population 0, with invalid ones at all other places. REQUIRES: HideOthers
+  // Returns the boxes of population 0, with invalid boxes at all other places. REQUIRES: HideOthers
   // was called, or all proxies are in population 0.
   std::span<const Aabb> shown_boxes() const { return hides_others_ ? shown_ : boxes_; }
-  // Must be called before the first proxy leaves population 0 where shown_boxes is used. Cost: the
-  // first time O(places).
+  // Must be called before the first proxy leaves population 0 if shown_boxes is used. Cost:
+  // O(places) the first time.
   void HideOthers();
 
-  // Frees what former proxies held: the free places at the end, down to `min_places`, and spare
-  // room. Handles that were given out stay unique. Cost: O(places).
+  // Frees the memory of former proxies: the free places at the end, down to `min_places`, and
+  // unused capacity. Existing handles stay unique. Cost: O(places).
   void Compact(size_t min_places);
 
   size_t count() const { return boxes_.size() - free_count_; }
@@ -78,12 +79,12 @@ class ProxyTable {
   uint32_t seen_generation(uint32_t place) const { return seen_[place]; }
   // Returns whether a proxy has been added since the last MarkSeen.
   bool any_new_owner() const { return !new_owners_.empty(); }
-  // Returns whether the proxy at the place has been added since.
+  // Returns whether the proxy at the place has been added since the last MarkSeen.
   bool HasNewOwner(uint32_t place) const { return seen_[place] != generations_[place]; }
   // Marks the present owners as seen. Cost: O(places with new owners).
   void MarkSeen();
 
-  // The fields of a snapshot (snapshot.h). FinishRestore must follow.
+  // Visits the fields of a snapshot (snapshot.h). FinishRestore must follow a restore.
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     archive.Array(self.boxes_);
@@ -125,15 +126,15 @@ class ProxyTable {
   HookedVector<uint64_t> users_;
   HookedVector<uint32_t> generations_;
   HookedVector<uint32_t> seen_;  // the generations at the last MarkSeen
-  // At a free place: the place that was freed before it.
+  // At a free place: the place that was freed before this one.
   HookedVector<uint32_t> slots_;
   HookedVector<uint8_t> populations_;
-  // The places with owners that have come since the last MarkSeen, each once.
+  // The places with new owners since the last MarkSeen, each once.
   HookedVector<uint32_t> new_owners_;
   uint32_t freed_last_ = kNoPlace;
   size_t free_count_ = 0;
   size_t filtered_count_ = 0;
-  // The generation with which new places begin: above those of places that Compact has dropped.
+  // The generation at which new places begin: above those of places that Compact has removed.
   uint32_t first_generation_ = 0;
 };
 

@@ -1,10 +1,10 @@
-// The distance at which a ray, or a box on its way, enters a box, and the distance of a box from a
-// point: the definitions that the vector search (tree_queries.cc) must reproduce.
+// Definitions that the vector search (tree_queries.cc) must reproduce: the distance at which a ray
+// or a moving box enters a box, and the distance of a box from a point.
 //
-// Rays: the slab test (Kay & Kajiya, Ray Tracing Complex Scenes, 1986), with divisions instead of a
-// reciprocal, and minima and maxima in a fixed order. Every step rounds monotonically: a ray that
-// hits a box also hits the bounds of every node around it, and all machines agree to the last bit.
-// With finite values and a valid box no step gives NaN. Stateless.
+// Rays use the slab test (Kay & Kajiya, Ray Tracing Complex Scenes, 1986), with divisions instead
+// of a reciprocal, and minima and maxima in a fixed order. Every step rounds monotonically. A ray
+// that hits a box therefore also hits the bounds of every node around it, and all machines agree to
+// the last bit. With finite values and a valid box no step gives NaN. Stateless.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@
 
 namespace sweepstake {
 
-// The box [min, max] moved by t · direction, t from 0 to max_distance. A ray is one whose min and
-// max are its origin.
+// The box [min, max] moved by t · direction, t from 0 to max_distance. For a ray, min and max are
+// its origin.
 struct Slabs {
   float min[3];
   float max[3];
@@ -52,7 +52,8 @@ inline bool IsFinite(const Slabs& slabs) {
   return finite;
 }
 
-// Returns nothing if it misses the box. REQUIRES: IsFinite(slabs).
+// Returns the distance at which the slabs enter the box, or nothing if they miss it. REQUIRES:
+// IsFinite(slabs).
 inline std::optional<float> EnterDistance(const Slabs& slabs, const Aabb& box) {
   if (!IsValid(box)) return std::nullopt;
   float enter = 0;
@@ -72,7 +73,7 @@ inline std::optional<float> EnterDistance(const Slabs& slabs, const Aabb& box) {
   return enter + 0.0F;  // −0 + 0 = +0
 }
 
-// Returns the square of the distance from the point to the box, 0 if it is inside. It rounds
+// Returns the square of the distance from the point to the box; 0 if the point is inside. It rounds
 // monotonically too. REQUIRES: the point is finite, the box is valid.
 inline float SquaredDistance(const float point[3], const Aabb& box) {
   float sum = 0;

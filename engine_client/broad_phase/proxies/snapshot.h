@@ -1,8 +1,8 @@
-// How the state of a ProxySet becomes bytes, and again what it was.
+// Writes the state of a ProxySet to bytes and restores it.
 //
-// A class lists its fields once, in a function `Visit(self, archive)`, which all three archives
-// take: archive.Value(field) for plain values, archive.Array(list) for lists of them. The bytes are
-// those of memory, without padding between fields, for machines of the same byte order.
+// A class lists its fields once, in a function `Visit(self, archive)`, which works with all three
+// archives: archive.Value(field) for plain values, archive.Array(list) for lists of them. The bytes
+// are those in memory, without padding between fields, for machines of the same byte order.
 //
 // Not thread-safe. Borrows the bytes. Errors: SnapshotReader::failed().
 #pragma once
@@ -37,7 +37,7 @@ class SnapshotSizer {
 
 class SnapshotWriter {
  public:
-  // There must be room for all that is written.
+  // REQUIRES: `at` has room for everything that is written.
   explicit SnapshotWriter(std::byte* at) : at_(at) {}
 
   template <typename T>
@@ -77,7 +77,7 @@ class SnapshotReader {
     list.resize(count);
     Copy(list.data(), count * sizeof(*list.data()));
   }
-  // Whether there were fewer bytes than were asked for; what was read then is not to be used.
+  // Returns whether the bytes ended early. The values read must then not be used.
   bool failed() const { return failed_; }
   bool at_end() const { return left_.empty(); }
 
@@ -95,7 +95,7 @@ class SnapshotReader {
   bool failed_ = false;
 };
 
-// A PairBuffer as a list.
+// Presents a PairBuffer as a list.
 template <typename Buffer>
 class PairList {
  public:
@@ -112,10 +112,11 @@ class PairList {
   Buffer& buffer_;
 };
 
-// A number that any changed bit changes with all but certainty: against damage, not against intent.
+// Returns a checksum that changes almost certainly if any bit changes. It detects damage, not
+// deliberate changes.
 inline uint64_t Checksum(std::span<const std::byte> bytes) {
   constexpr uint64_t kOdd = 0x9e3779b97f4a7c15U;
-  // Four sums, since each multiplication waits for the one before it.
+  // Uses four sums, since each multiplication waits for the previous one.
   std::array<uint64_t, 4> sums{1, 2, 3, 4};
   const auto add = [&](uint64_t& sum, const std::byte* at, size_t count) {
     uint64_t word = 0;

@@ -1,7 +1,7 @@
-// Overlaps between the boxes of two trees: a block of 16 leaves of the one goes down the other, and
-// the rest is the search that KDTree uses (kd/leaf_search-inl.h). Where the boxes of a block stand
-// apart, its bounds are near to much that no box of it is near to; then each leaf goes down alone,
-// and in a leaf of which the same holds each box.
+// Overlaps between the boxes of two trees. A block of 16 leaves of one tree descends the other
+// tree; the rest is the search that KDTree uses (kd/leaf_search-inl.h). If the boxes of a block are
+// far apart, its bounds are near many leaves that none of its boxes is near. In that case each leaf
+// descends separately. If the same holds for a leaf, each of its boxes descends separately.
 #include <algorithm>
 
 #include "engine_client/broad_phase/proxies/tree_walk.h"
@@ -45,8 +45,8 @@ class TreeJoin {
   uint64_t Finish() { return search_.Finish(); }
 
  private:
-  // How many nodes of 16 leaves the bounds of a block and of a leaf may overlap: beyond them the
-  // search takes longer than one for each part.
+  // The maximum number of nodes of 16 leaves that the bounds of a block or of a leaf may overlap.
+  // With more nodes, separate searches for its parts take less time.
   static constexpr size_t kMaxNodesOfBlock = 16;
   static constexpr size_t kMaxNodesOfLeaf = 8;
   static constexpr size_t kMeetings = 256;
@@ -57,8 +57,8 @@ class TreeJoin {
     uint32_t leaf;
   };
 
-  // Searches with these bounds of the leaves. Returns false, and has found nothing, if they overlap
-  // more nodes than that.
+  // Searches with these bounds of the leaves. Returns false without a result if they overlap more
+  // than `max_nodes` nodes.
   bool SearchTogether(size_t begin, size_t end, const Aabb& bounds, size_t max_nodes) {
     uint32_t nodes[kMaxNodesOfBlock + LeafTree::kWidth] = {0};
     const size_t count = tree_.top == 1 ? 1 : FindNodes(bounds, max_nodes, nodes);
@@ -70,8 +70,8 @@ class TreeJoin {
     return true;
   }
 
-  // Lists the nodes above leaves that overlap the bounds. Ends early, with a count above
-  // `max_nodes`, if they are more.
+  // Lists the nodes directly above leaves that overlap the bounds. Ends early, with a count above
+  // `max_nodes`, if there are more.
   size_t FindNodes(const Aabb& bounds, size_t max_nodes, uint32_t* nodes) {
     size_t count = 0;
     const uint64_t groups = Descend(
@@ -89,8 +89,8 @@ class TreeJoin {
     return count;
   }
 
-  // Searches for each box of the leaf. Those of the tree's leaves that boxes meet are fetched
-  // while others descend.
+  // Searches for each box of the leaf. Prefetches the tree's leaves that a box overlaps, while
+  // other boxes descend.
   void SearchApart(size_t leaf) {
     const BoxLanes boxes = LanesOf(own_.leaves[leaf]);
     for (uint32_t lane = 0; lane < LeafTree::kWidth; ++lane) {

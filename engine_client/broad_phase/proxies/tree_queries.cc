@@ -1,5 +1,5 @@
-// Queries in one tree: the boxes that overlap a box, those near a point, those that a ray or a
-// moving box hits, and the nearest of these.
+// Queries in one tree: boxes that overlap a box, boxes near a point, boxes that a ray or a moving
+// box hits, and the nearest such hit.
 #include "engine_client/broad_phase/proxies/tree_walk.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -27,7 +27,8 @@ void WalkOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& 
       [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
 }
 
-// SquaredDistance of query_shapes.h for the lanes from slot `at` on. That of a sentinel is +inf.
+// SquaredDistance of query_shapes.h for the lanes from slot `at` on. The result for a sentinel is
+// +inf.
 template <class D>
 HWY_INLINE hn::Vec<D> SquaredDistanceLanes(D d, const float center[3], const BoxLanes& lanes,
                                            size_t at) {
@@ -57,9 +58,9 @@ void WalkNear(const LeafTree::View& tree, const float* center, float squared_rad
       [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
 }
 
-// EnterDistance of query_shapes.h for the lanes from slot `at` on: returns where the ray enters
-// them, and in `hits` the lanes that it enters up to `limit`. A sentinel is entered at +inf and
-// left at −inf.
+// EnterDistance of query_shapes.h for the lanes from slot `at` on. Returns the distances at which
+// the ray enters them, and in `hits` the lanes that it enters up to `limit`. A sentinel is entered
+// at +inf and left at −inf.
 template <class D>
 HWY_INLINE hn::Vec<D> EnterLanes(D d, const Slabs& slabs, float limit, const BoxLanes& lanes,
                                  size_t at, hn::Mask<D>& hits) {
@@ -118,7 +119,8 @@ HWY_INLINE void CollectEntered(const Slabs& slabs, float limit, const BoxLanes& 
   }
 }
 
-// Sorts by descending distance, since entries are taken from the end; equal ones keep their order.
+// Sorts by descending distance, since entries are taken from the end. Equal distances keep their
+// order.
 HWY_INLINE void SortFarthestFirst(EnteredGroup& group) {
   for (size_t k = 1; k < group.found.count; ++k) {
     const float distance = group.distance[k];
@@ -133,7 +135,7 @@ HWY_INLINE void SortFarthestFirst(EnteredGroup& group) {
   }
 }
 
-// Replaces `best` by the nearest of the boxes found that is accepted and nearer.
+// Replaces `best` by the nearest accepted box of the group if that is nearer.
 HWY_INLINE void TakeNearer(const EnteredGroup& group, const uint32_t* ids,
                            const IdPredicate& predicate, NearestHit& best, bool& found) {
   for (size_t k = 0; k < group.found.count; ++k) {
@@ -164,7 +166,7 @@ bool WalkNearest(const LeafTree::View& tree, const Slabs& slabs, const IdPredica
     }
     const size_t last = --waiting[level].found.count;
     if (waiting[level].distance[last] > best.distance) {
-      waiting[level].found.count = 0;  // the others are farther still
+      waiting[level].found.count = 0;  // the remaining nodes are farther away
       continue;
     }
     const size_t node = waiting[level].found.entry[last];

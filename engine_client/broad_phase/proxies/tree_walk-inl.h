@@ -47,9 +47,9 @@ HWY_INLINE size_t FirstChild(size_t level, size_t node) {
   return node * (level == 0 ? LeafBlock::kStride : LeafTree::kWidth);
 }
 
-// Descends depth first to the level `bottom`: collect(level, base, found) lists which of 16 entries
-// of a level are entered, take(found) receives those of the lowest level. Returns how many groups
-// of 16 were collected.
+// Descends depth first to the level `bottom`. collect(level, base, found) lists which of 16 entries
+// of a level to enter; take(found) receives the entries of the lowest level. Returns the number of
+// groups of 16 that were collected.
 template <class Collect, class Take>
 HWY_INLINE uint64_t Descend(const LeafTree::View& tree, size_t bottom, const Collect& collect,
                             const Take& take) {

@@ -1,9 +1,9 @@
 // Searches in the trees of ProxySet: the boxes that overlap a box, the boxes that a ray hits, and
 // the pairs between two trees.
 //
-// Thread safety: nothing is kept, so that any number of searches may run side by side. Ownership:
-// views are borrowed. Order of the results: depth first, the same on every target; that of pairs
-// depends on the target's registers. No allocation.
+// Thread safety: stateless, so that any number of searches may run at the same time. Ownership:
+// views are borrowed. Order of the results: depth first, the same on every target; the order of
+// pairs depends on the target's register size. No allocation.
 #pragma once
 
 #include <cstddef>
@@ -23,11 +23,11 @@ struct IdSink {
 };
 
 void FindOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& sink);
-// Finds the boxes whose SquaredDistance (query_shapes.h) from the center is at most this. REQUIRES:
-// all values are finite.
+// Finds the boxes whose SquaredDistance (query_shapes.h) from the center is at most
+// `squared_radius`. REQUIRES: all values are finite.
 void FindNear(const LeafTree::View& tree, const float center[3], float squared_radius,
               const IdSink& sink);
-// These two decide by EnterDistance (query_shapes.h). REQUIRES: IsFinite(slabs).
+// FindHits and FindNearestHit use EnterDistance (query_shapes.h). REQUIRES: IsFinite(slabs).
 void FindHits(const LeafTree::View& tree, const Slabs& slabs, const IdSink& sink);
 
 struct NearestHit {
@@ -44,9 +44,9 @@ bool FindNearestHit(const LeafTree::View& tree, const Slabs& slabs, const IdPred
                     NearestHit& hit);
 
 // Appends {id of `leaves`, other_bit | id of `tree`} for the boxes of the leaves [begin, end) of
-// `leaves` that overlap boxes of `tree`. Returns the AABB checks: of boxes that stand apart,
-// wherever they stand, O(log boxes of `tree`) for each, and 16 for each leaf found. Keeps its lists
-// on the stack (53 KiB or less). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
+// `leaves` that overlap boxes of `tree`. Returns the AABB checks. For boxes that are far apart, at
+// any position, these are O(log boxes of `tree`) per box, and 16 per leaf found. Keeps its lists on
+// the stack (53 KiB or less). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
 uint64_t FindPairsBetween(const LeafTree::View& leaves, size_t begin, size_t end,
                           const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out);
 

@@ -1,8 +1,8 @@
-// Lists of boxes, one per row of cells, that live between frames and are sorted by the begin of the
-// boxes along the row.
+// Lists of boxes, one per row of cells, that are kept between frames. They are sorted by the begin
+// of the boxes along the row.
 //
-// The next sweep over the lists inserts boxes that have arrived and removes those that have left;
-// an insertion sort restores the order of the others, at a cost in proportion to the changes. The
+// The next sweep over the lists inserts boxes that have arrived and removes those that have left.
+// An insertion sort restores the order of the others, at a cost in proportion to the changes. The
 // lists are stored in one array, one after the other.
 //
 // Not thread-safe. Owns its memory. Cost: O(n + changes). Memory: 40 bytes per box, 4 per cell, and
@@ -28,12 +28,12 @@ class TracyLists {
   // Makes empty lists for these grids.
   void Reset(const RowGrids& grids);
   // Moves boxes to their present rows, adds new and removes deleted boxes, and restores the order.
-  // Leaves room for `query_count` boxes of SearchFor. Asks `stop`, which may be null; the lists are
-  // undefined once that is true.
+  // Leaves room for `query_count` boxes of SearchFor. Polls `stop`, which may be null; after a stop
+  // the lists are undefined.
   void Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count = 0,
               StopRequest* stop = nullptr);
 
-  // Makes boxes that are enlarged by `margin` on each side fit their grids.
+  // Changes the grids so that boxes enlarged by `margin` on each side fit them.
   void SetMargin(float margin);
   // Returns the minimum side of the cells across the rows.
   float narrowest_cell() const;
@@ -46,9 +46,9 @@ class TracyLists {
   }
   // Removes the box of an object from the search until the next Update.
   void Invalidate(uint32_t object);
-  // Appends the pairs of the boxes `ids` with one another and with those in the lists; returns the
-  // number of AABB checks. `stop` may be null. REQUIRES: at most as many ids as Update left room
-  // for.
+  // Appends the pairs of the boxes `ids` with one another and with boxes in the lists; returns the
+  // number of AABB checks. `stop` may be null. REQUIRES: at most as many ids as the `query_count`
+  // of the latest Update.
   uint64_t SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids, PairBuffer& out,
                      StopRequest* stop);
 
@@ -67,7 +67,7 @@ class TracyLists {
     AlignedBuffer<uint64_t> items;  // the items of one list (radix_sort.h)
     AlignedBuffer<uint32_t> cells;  // the first slots of one row's cells
     size_t begin = 0;               // the first box of the part
-    size_t arrived = 0;             // the number of boxes that arrived_ lists from `begin` on
+    size_t arrived = 0;             // the number of boxes in arrived_ from `begin` on
   };
 
   size_t PartsFor(const Executor* executor, size_t count) const;

@@ -42,7 +42,7 @@ size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* o
     const auto begins = hn::And(hn::Ge(box_x, x), hn::And(hn::Ge(box_y, y), hn::Ge(box_z, z)));
     const auto ends = hn::And(hn::Le(box_max_x, max_x),
                               hn::And(hn::Le(box_max_y, max_y), hn::Le(box_max_z, max_z)));
-    // A valid box has left its margin unless it is within, an invalid box if the margin is valid.
+    // A valid box is listed if it is outside its margin; an invalid box, if its margin is valid.
     const auto in_x = HalveAxis(d, box_x, box_max_x);
     const auto in_y = HalveAxis(d, box_y, box_max_y);
     const auto valid = hn::And(hn::And(in_x, in_y), HalveAxis(d, box_z, box_max_z));
@@ -75,8 +75,8 @@ constexpr Aabb kEverywhere = {{-kInfinity, -kInfinity, -kInfinity},
                               {kInfinity, kInfinity, kInfinity}};
 constexpr Aabb kInvalidMargin = {{kNan, kNan, kNan}, {kNan, kNan, kNan}};
 
-// The maximum number of boxes outside their margins is kOutsideAllowance plus one in this number of
-// boxes.
+// The maximum number of boxes outside their margins is kOutsideAllowance plus one per this number
+// of boxes.
 constexpr size_t kBoxesPerOutside = 32;
 constexpr size_t kOutsideAllowance = 8;
 constexpr size_t kMinPairsPerPart = 4096;
@@ -93,8 +93,8 @@ bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
-// Unlike DBVT's function of this name (dbvt_margins.cc), it leaves a valid box as it is if it
-// cannot be enlarged, and returns NaN for an invalid one.
+// Returns the box with a margin. Differs from DBVT's function of this name (dbvt_margins.cc): a
+// valid box that cannot be enlarged stays as it is, and an invalid box becomes NaN.
 Aabb Enlarged(const Aabb& box, float margin) {
   Aabb enlarged = box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -160,7 +160,7 @@ bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists
 
 void TracyRest::AddOutside(std::span<const uint32_t> listed, TracyLists& lists) {
   for (const uint32_t object : listed) {
-    if (is_outside_[object] != 0) continue;  // a box that was outside and has become invalid
+    if (is_outside_[object] != 0) continue;  // was outside before and is invalid now
     is_outside_[object] = 1;
     margins_[object] = kEverywhere;
     lists.Invalidate(object);

@@ -25,13 +25,14 @@ namespace sweepstake {
 
 class TracyRest {
  public:
-  // Encloses the boxes in margins and updates `lists` to these. Returns the number of AABB checks.
-  // Start and Step ask `stop`, which may be null.
+  // Encloses the boxes in margins and updates `lists` to the enlarged boxes. Returns the number of
+  // AABB checks. Start and Step poll `stop`, which may be null.
   uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists,
                  StopRequest* stop);
-  // Processes the boxes of the next frame and adds its AABB checks to `checks`. Returns false if
-  // too many boxes are outside their margins or the number of boxes has changed; `lists` then needs
-  // an Update. REQUIRES: the last call was Start or a Step that returned true, with the same lists.
+  // Updates the state from the boxes of the next frame and adds its AABB checks to `checks`.
+  // Returns false if too many boxes are outside their margins or the number of boxes has changed.
+  // `lists` then needs an Update. REQUIRES: the last call was Start or a Step that returned true,
+  // with the same lists.
   bool Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists, uint64_t& checks,
             StopRequest* stop);
   // Appends the overlapping pairs of the latest boxes.
@@ -49,7 +50,7 @@ class TracyRest {
   AlignedBuffer<Aabb> margins_;
   AlignedBuffer<uint8_t> is_outside_;
   size_t count_ = 0;
-  AlignedBuffer<uint32_t> listed_;   // the boxes that a step finds outside
+  AlignedBuffer<uint32_t> listed_;   // the boxes that the latest Step found outside
   AlignedBuffer<uint32_t> outside_;  // the boxes outside since the latest Start
   size_t outside_count_ = 0;
   PairBuffer kept_;

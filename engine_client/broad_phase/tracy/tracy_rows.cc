@@ -63,7 +63,7 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
     }
     // An invalid box has no row.
     row = hn::IfThenElse(hn::RebindMask(di, valid), row, hn::Set(di, static_cast<int32_t>(kNoRow)));
-    // Compares the rows with the kept ones.
+    // Compares the rows with the previous rows.
     const auto inside = hn::FirstN(di, boxes.size() - at);
     const auto old = hn::LoadU(di, reinterpret_cast<const int32_t*>(kept + at));
     const auto changed = hn::And(inside, hn::Ne(row, old));

@@ -1,8 +1,8 @@
-// Rows of cells, each of which is a list of the Tracy backend. The rows of all grids are numbered
-// consecutively; the last number is the list of boxes that are too long for the grid of their
+// Rows of cells; each row is a list of the Tracy backend. The rows of all grids are numbered
+// consecutively. The last number is the list of boxes that are too long for the grid of their
 // group.
 //
-// Values; the kernel is dispatched at run time once per call.
+// Plain values; the kernel is dispatched at run time once per call.
 #pragma once
 
 #include <array>
@@ -17,14 +17,14 @@
 
 namespace sweepstake {
 
-// Grids that live for several frames, and their rows.
+// Grids that are kept for several frames, and their rows.
 struct RowGrids {
   static constexpr size_t kMaxGroups = GridPlan::kMaxGroups + 1;
 
   std::array<GroupGrid, kMaxGroups> grids;  // the grids; the last is one cell for the long boxes
   std::array<GroupGrid, kMaxGroups> row_grids;  // `grids` with rows as cells
   std::array<uint32_t, kMaxGroups> searches;
-  size_t group_count = 0;  // the number of groups, the long boxes included
+  size_t group_count = 0;  // the number of groups, including that of the long boxes
   GroupChoice choice;
 
   RowGrids() = default;
@@ -38,12 +38,12 @@ struct RowGrids {
   }
 };
 
-// The row of a box that is in no list, since it is invalid or new.
+// The row of a box that is not in a list, since it is invalid or new.
 constexpr uint32_t kNoRow = 0xFFFFFFFF;
 
-// Lists in `moved` the boxes (relative to the first) whose row differs from the one in `rows`, in
-// order, and writes their new rows to `new_rows`; returns their number. REQUIRES: both have room
-// for one register more than there are boxes, and `rows` is readable as far.
+// Lists in `moved` the boxes (relative to the first) whose row differs from that in `rows`, in
+// order. Writes their new rows to `new_rows` and returns their number. REQUIRES: `moved` and
+// `new_rows` have room for one register more than there are boxes, and `rows` is readable as far.
 size_t FindMovedRows(std::span<const Aabb> boxes, const RowGrids& grids, const uint32_t* rows,
                      uint32_t* moved, uint32_t* new_rows);
 
