@@ -8,9 +8,10 @@
 namespace sweepstake {
 namespace {
 
-// A proxy that the world has sent so often with the same box rests. Falling asleep and waking cost
-// a search among all that rest, so that bodies which move every few steps must not come to this;
-// those that are awake seldom do, since their last bits move.
+// The number of times in a row that the world must send a proxy with the same box before the proxy
+// rests. Falling asleep and waking each cost a search among all resting proxies. Bodies that move
+// every few steps must therefore not fall asleep. Active bodies seldom do, since the last bits of
+// their boxes change.
 constexpr uint32_t kRestCount = 30;
 
 constexpr CollisionFilter kEverything{.category = ~0U, .mask = ~0U};
@@ -27,7 +28,7 @@ CollisionFilter WrittenFilterOf(const btBroadphaseProxy& proxy) {
           .mask = static_cast<uint32_t>(proxy.m_collisionFilterMask)};
 }
 
-// Two such proxies cannot pass each other's filters.
+// Two proxies with such filters never pass each other's filters.
 bool IsStatic(const CollisionFilter& filter) {
   constexpr uint32_t kStatic = btBroadphaseProxy::StaticFilter;
   return filter.category == kStatic && (filter.mask & kStatic) == 0;
@@ -53,11 +54,11 @@ btBroadphaseProxy* BulletBroadPhase::createProxy(const btVector3& min, const btV
   proxy.handle = proxies_.Add(BoxOf(min, max), {.filter = WideFilter(proxy.filter),
                                                 .is_static = IsStatic(proxy.filter),
                                                 .user = reinterpret_cast<uintptr_t>(&proxy)});
-  free_.pop_back();  // not before, since Add may find no memory
+  free_.pop_back();  // last, since Add may run out of memory
   return &proxy;
 }
 
-// The id of a proxy, by which the pair cache knows it, is that of its place, and the same for the
+// The id by which the pair cache identifies a proxy belongs to its place. It is the same for the
 // same history of calls.
 BulletBroadPhase::Proxy& BulletBroadPhase::FreePlace() {
   if (free_.empty()) {
@@ -86,10 +87,10 @@ void BulletBroadPhase::setAabb(btBroadphaseProxy* proxy, const btVector3& min, c
   Move(own, box);
 }
 
-// A kinematic body that moves must not cost as much as all static ones, whose tree would have to be
-// refitted in each step.
+// A moving kinematic body becomes a moving proxy. If it stayed static, the tree of all static
+// proxies would have to be refitted in each step.
 void BulletBroadPhase::Move(Proxy& proxy, const Aabb& box) {
-  proxies_.Move(proxy.handle, box);  // which wakes it
+  proxies_.Move(proxy.handle, box);  // also wakes it
   if (std::exchange(proxy.rest_count, 0) == kRestCount) proxies_.SetStatic(proxy.handle, false);
 }
 
@@ -107,9 +108,9 @@ void BulletBroadPhase::getAabb(btBroadphaseProxy* proxy, btVector3& min, btVecto
   max = proxy->m_aabbMax;
 }
 
-// The cache asks its callback, or looks at the groups, for each pair that it gets. What passes here
-// is a superset: with a callback everything, and a proxy that nothing passes too, since queries
-// must find it.
+// The cache applies its callback or the groups to each pair that it gets. This filter passes a
+// superset: everything if there is a callback. A filter that passes nothing is widened too, since
+// queries must find the proxy.
 CollisionFilter BulletBroadPhase::WideFilter(const CollisionFilter& filter) const {
   const bool passes_nothing = filter.category == 0 || filter.mask == 0;
   return filter_callback_ != nullptr || passes_nothing ? kEverything : filter;
@@ -140,19 +141,20 @@ void BulletBroadPhase::TakeFilterCallback() {
 
 BulletBroadPhase::Proxy* BulletBroadPhase::Find(ProxyHandle handle) const {
   const auto options = proxies_.options(handle);
-  // The user value holds the pointer itself.
+  // The user value is the pointer itself.
   // NOLINTNEXTLINE(performance-no-int-to-ptr)
   return options ? reinterpret_cast<Proxy*>(static_cast<uintptr_t>(options->user)) : nullptr;
 }
 
-// The events ascend by handle, and so depend on no arm; the order of the cache follows from them.
+// The events ascend by handle and so do not depend on the arm. The order of the cache follows from
+// them.
 void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   TakeFilterCallback();
   const auto pairs = proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()));
   for (const ProxyPair& pair : proxies_.removed()) {
     Proxy* const a = Find(pair.a);
     Proxy* const b = Find(pair.b);
-    // The pairs of a proxy that was destroyed have left the cache with it.
+    // The pairs of a destroyed proxy have already left the cache.
     if (a != nullptr && b != nullptr) cache_.removeOverlappingPair(a, b, dispatcher);
   }
   for (const ProxyPair& pair : proxies_.added()) {
@@ -161,8 +163,9 @@ void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   if (std::exchange(is_refiltered_, false)) Refilter(pairs, dispatcher);
 }
 
-// Boxes that overlap before and after a change of filters are no event where the wide filters let
-// them pass both times. A pair that stays keeps its contacts. The pairs ascend as events do.
+// A change of filters causes no event if the boxes overlap before and after it and the wide filters
+// pass both times. Such pairs are checked here. A pair that stays keeps its contacts. The pairs
+// ascend as events do.
 void BulletBroadPhase::Refilter(std::span<const OverlapPair> pairs, btDispatcher* dispatcher) {
   for (const auto& [first, second] : pairs) {
     Proxy* const a = Find(proxies_.handle(first));
@@ -174,7 +177,8 @@ void BulletBroadPhase::Refilter(std::span<const OverlapPair> pairs, btDispatcher
   for (Proxy& proxy : places_) proxy.is_refiltered = false;
 }
 
-// Everything is found before the callback is called, which may change what there is to find.
+// Collects all results before the first call of the callback, since the callback may change the
+// proxies.
 template <typename Found, typename Query>
 void BulletBroadPhase::PassFound(const Query& query, btBroadphaseAabbCallback& callback) {
   std::array<Found, 64> few;
@@ -182,7 +186,7 @@ void BulletBroadPhase::PassFound(const Query& query, btBroadphaseAabbCallback& c
   std::span<Found> found = few;
   size_t count = 0;
   Status status = query(found, count);
-  if (status.code() == StatusCode::kFailedPrecondition) {  // the first query after a change
+  if (status.code() == StatusCode::kFailedPrecondition) {  // first query after a change
     proxies_.PrepareQueries();
     status = query(found, count);
   }
@@ -191,7 +195,7 @@ void BulletBroadPhase::PassFound(const Query& query, btBroadphaseAabbCallback& c
     found = many;
     status = query(found, count);
   }
-  if (!status.ok()) return;  // what is not finite finds nothing
+  if (!status.ok()) return;  // a query that is not finite finds nothing
   for (const Found& one : found.first(count)) {
     if (const Proxy* const proxy = Find(HandleOf(one))) callback.process(proxy);
   }

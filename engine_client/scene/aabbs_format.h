@@ -1,7 +1,7 @@
-// The layout of a .aabbs file: its header, boxes and count table, byte for byte (README.md of this
+// The layout of a .aabbs file, byte for byte: header, boxes and count table (README.md of this
 // folder).
 //
-// Pure functions on byte spans; the file itself is opened by recorded_scene and record_scene.
+// Pure functions on byte spans. recorded_scene and record_scene open the file itself.
 #pragma once
 
 #include <array>
@@ -29,10 +29,10 @@ enum class Layout : int32_t {
 
 struct Header {
   std::string scene_name;
-  int32_t object_count = 0;  // the count of each frame, or the maximum of all
+  int32_t object_count = 0;  // the count of every frame, or the maximum of all frames
   int32_t frame_count = 0;   // the number of frames after the spawn state
   Layout layout = Layout::kFixedCount;
-  int32_t notes_bytes = 0;  // of the text after everything else
+  int32_t notes_bytes = 0;  // the size of the text behind everything else
   Aabb world{};
 
   uint64_t frames_with_spawn() const { return uint64_t{1} + static_cast<uint32_t>(frame_count); }
@@ -44,7 +44,8 @@ using HeaderBytes = std::array<std::byte, kHeaderBytes>;
 // becomes '?'.
 HeaderBytes EncodeHeader(const Header& header);
 
-// Checks every field, but not the file's size. kDataLoss says which field is broken and how.
+// Checks every field, but not the file's size. kDataLoss: the message names the broken field and
+// the fault.
 Result<Header> DecodeHeader(const HeaderBytes& bytes);
 
 void EncodeBox(const Aabb& box, std::span<std::byte, kBoxBytes> bytes);

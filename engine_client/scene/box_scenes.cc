@@ -16,7 +16,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kMaxFloat = std::numeric_limits<float>::max();
 
-// The index of the box that is made or moved, and the frame.
+// The index of the box that is spawned or moved, the number of boxes, and the frame.
 struct Slot {
   size_t index;
   size_t count;
@@ -42,7 +42,7 @@ void Jitter(SequentialRandom& random, float distance, Aabb& box) {
 }
 
 // Moves the box backwards, not at all or forwards, by `distance` on a random axis. The draws are
-// statements of their own, since compilers differ in the order in which they evaluate arguments.
+// separate statements, since compilers differ in the order in which they evaluate arguments.
 void ShiftByOneOfThree(SequentialRandom& random, float distance, Aabb& box) {
   const float direction = static_cast<float>(random.Below(3)) - 1.0F;
   const auto axis = static_cast<int>(random.Below(3));
@@ -77,7 +77,7 @@ void StepNearlyResting(SequentialRandom& random, const Slot&, Aabb& box) {
   Jitter(random, 0.001F, box);
 }
 
-// Moves one box in a hundred, other ones in each frame.
+// Moves about one box in a hundred, chosen at random in each frame.
 void StepFewMoving(SequentialRandom& random, const Slot&, Aabb& box) {
   if (random.Below(100) == 0) Jitter(random, 0.1F, box);
 }
@@ -94,8 +94,7 @@ void StepCoincident(SequentialRandom&, const Slot& slot, Aabb& box) {
   Shift(box, static_cast<int>(slot.frame % 3), 0.25F);
 }
 
-// Spawns unit cubes in cells that are three units apart, so that there is a gap between any two
-// cubes.
+// Spawns unit cubes in cells three units apart, so that there is a gap between any two cubes.
 Aabb SpawnDisjoint(SequentialRandom& random, const Slot& slot) {
   const auto side = static_cast<size_t>(slot.WorldSide()) + 1;
   const size_t cell[3] = {slot.index % side, slot.index / side % side, slot.index / side / side};
@@ -121,8 +120,8 @@ void StepTouching(SequentialRandom& random, const Slot&, Aabb& box) {
   ShiftByOneOfThree(random, 1.0F, box);
 }
 
-// Points on half units lie on one another, on faces of their neighbours, and on boxes of the other
-// kinds.
+// Spawns points and lines on half units. They coincide with one another, with faces of their
+// neighbours, and with boxes of the other kinds.
 Aabb SpawnZeroSize(SequentialRandom& random, const Slot& slot) {
   Aabb box;
   for (float& low : box.min) low = 0.5F * std::floor(random.Between(0, 2 * slot.WorldSide()));
@@ -179,7 +178,7 @@ void StepFloatLimits(SequentialRandom& random, const Slot& slot, Aabb& box) {
   if (random.Below(4) == 0) box = SpawnFloatLimits(random, slot);
 }
 
-// Faces at −0 must touch faces at +0.
+// Faces at −0 must touch faces at +0, so that each box gets a random sign of zero.
 Aabb SpawnSignedZeros(SequentialRandom& random, const Slot&) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -250,7 +249,7 @@ Aabb SpawnBeam(SequentialRandom& random, const Slot& slot) {
 
 // Spawns a box around one of seven centres, with eight objects per unit of volume around each.
 Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
-  SequentialRandom cluster(slot.index % 7);  // the same for all boxes of a cluster
+  SequentialRandom cluster(slot.index % 7);  // equal for all boxes of a cluster
   const float spread = 0.13F * slot.WorldSide();
   float center[3];
   float half[3];
@@ -261,7 +260,7 @@ Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
   return Around(center, half);
 }
 void StepCluster(SequentialRandom& random, const Slot& slot, Aabb& box) {
-  // Each cluster takes a new common direction every 8 frames.
+  // Each cluster gets a new common direction every 8 frames.
   SequentialRandom cluster(slot.index % 7 + 1000 * (slot.frame / 8));
   for (int axis = 0; axis < 3; ++axis) Shift(box, axis, cluster.Between(-0.5F, 0.5F));
   Jitter(random, 0.05F, box);
@@ -321,7 +320,7 @@ size_t KindIndex(std::string_view name) {
   return 0;
 }
 
-// A scene that shows a kind under another name, with a fixed object count if one is given.
+// A scene that shows a kind of boxes under another name, with a fixed object count if one is given.
 struct Special {
   std::string_view name;
   std::string_view kind;
@@ -334,7 +333,7 @@ constexpr Special kSpecials[] = {
     {kCountChanging, kMixture, {}}, {kSpawning, "brownian", {}},
 };
 
-// Returns the number of objects in a frame: in 64 frames it falls from `max` to half of it and
+// Returns the number of objects in a frame. In 64 frames it falls from `max` to half of it and
 // rises again, by a 64th of `max` per frame.
 size_t SpawnedCount(size_t max, uint64_t frame) {
   const uint64_t phase = frame % 64;

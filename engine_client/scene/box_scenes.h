@@ -1,9 +1,9 @@
 // Moving boxes that reveal the faults of a broad phase: ordinary, degenerate and broken ones, and
-// seeded mixtures of them all.
+// seeded mixtures of all kinds.
 //
 // The same kind, count and seed give the same boxes on every platform. Not thread-safe. Lengths are
-// in world units; unless a kind says otherwise, the world holds one object per unit of volume and
-// half extents are 0.145 to 0.725.
+// in world units. Unless a kind differs, the world holds one object per unit of volume and half
+// extents are 0.145 to 0.725.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace sweepstake {
 
 class BoxScene {
  public:
-  // REQUIRES: `kind` is "brownian" or a name in SceneNames(SceneGroup::kDegenerate), except for the
+  // REQUIRES: `kind` is "brownian" or a name in SceneNames(SceneGroup::kDegenerate), except the
   // five names listed below.
   BoxScene(std::string_view kind, size_t count, uint64_t seed);
 
@@ -36,11 +36,11 @@ class BoxScene {
 };
 
 // A BoxScene as a Scene. `name` is a kind, or one of these:
-//   empty, one, two: the scene has that many objects, whatever object_count is;
-//   count-changing: a mixture that shows another number of objects in every frame, at times none;
+//   empty, one, two: the scene has 0, 1 or 2 objects, whatever object_count is;
+//   count-changing: a mixture with another number of objects in every frame, at times none;
 //   spawning: brownian, with between half of the objects and all; a 64th comes or goes per frame.
 //
-// `name` outlives the scene. `object_count` is the maximum of a frame. REQUIRES: a known name.
+// `name` must outlive the scene. `object_count` is the maximum of a frame. REQUIRES: a known name.
 std::unique_ptr<Scene> MakeDegenerateScene(std::string_view name, uint32_t object_count,
                                            uint64_t seed);
 

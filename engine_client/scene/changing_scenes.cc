@@ -15,18 +15,18 @@ namespace {
 
 enum class Motion {
   kJitter,    // every axis moves by up to ±reach
-  kMoveFew,   // one object in a hundred jitters, other ones in each frame
+  kMoveFew,   // about one object in a hundred jitters, other ones in each frame
   kTeleport,  // one object in three jumps anywhere
   kFlow,      // each object moves straight on by up to reach per axis; walls reflect it
   kRotate,    // each object turns around the vertical axis at its own pace of up to reach radians
 };
 
-// How the objects behave for a while. All distances from the middle of the world are multiplied by
-// a factor that runs from `scale_begin` to `scale_end`.
+// The behaviour of the objects for a number of frames. All distances from the middle of the world
+// are multiplied by a factor that changes linearly from `scale_begin` to `scale_end`.
 struct Regime {
   Motion motion;
   float reach = 0;
-  uint32_t shown_divisor = 1;  // one object in this many is shown
+  uint32_t shown_divisor = 1;  // one object per this number is shown
   bool count_changes = false;  // whether a 64th of the objects comes or goes in each frame
   float scale_begin = 1;
   float scale_end = 1;
@@ -41,13 +41,13 @@ constexpr Regime kRotate{Motion::kRotate, 0.03F};
 constexpr Regime kMoveFew{Motion::kMoveFew, 0.1F};
 constexpr Regime kChangeCount{.motion = Motion::kJitter, .reach = 0.1F, .count_changes = true};
 
-constexpr float kDenseScale = 0.6F;  // this makes 4.6 objects per unit of volume
+constexpr float kDenseScale = 0.6F;  // 4.6 objects per unit of volume
 constexpr Regime kGather{.motion = Motion::kJitter, .reach = 0.05F, .scale_end = kDenseScale};
 constexpr Regime kCamp{
     .motion = Motion::kJitter, .scale_begin = kDenseScale, .scale_end = kDenseScale};
 constexpr Regime kScatter{.motion = Motion::kJitter, .reach = 0.05F, .scale_begin = kDenseScale};
 
-constexpr uint32_t kFew = 60;  // this shows 50 of 3,000 objects
+constexpr uint32_t kFew = 60;  // 50 of 3,000 objects are shown
 constexpr Regime kFewDrift{.motion = Motion::kJitter, .reach = 0.1F, .shown_divisor = kFew};
 
 constexpr std::array kRestAndMotion{kNearRest, kDrift};
@@ -73,7 +73,7 @@ constexpr Kind kKinds[] = {
 };
 
 struct Body {
-  float place[3];     // the centre, before the world shrinks
+  float place[3];     // the centre, before the world is scaled
   float half[3];      // the half extents
   float velocity[3];  // the motion per frame, as a fraction of a regime's reach
   float sine;         // the sine of the rotation per frame
@@ -95,7 +95,7 @@ class ChangingScene : public Scene {
   }
 
   std::string_view name() const override { return kind_.name; }
-  // Returns the bounds, which are wider than the cube, since a rotation turns corners out of it.
+  // The bounds are wider than the cube, since a rotation turns its corners outwards.
   Aabb world() const override {
     const float low = -0.25F * side_;
     const float high = 1.25F * side_;
@@ -112,7 +112,7 @@ class ChangingScene : public Scene {
   }
 
  private:
-  // Frame 0 belongs to the first regime, and frame regime_frames is its last one.
+  // Frame 0 belongs to the first regime, and frame regime_frames is the last frame of that regime.
   uint64_t RegimeIndex() const {
     return frame_index_ == 0 ? 0 : (frame_index_ - 1) / regime_frames_;
   }

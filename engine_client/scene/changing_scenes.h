@@ -1,9 +1,9 @@
-// Scenes in which the cheapest broad phase changes over time: regimes of a fixed number of frames
-// repeat in a cycle. They determine how much a policy can gain over the best fixed broad phase;
-// scene/README.md lists what was measured.
+// Scenes in which the cheapest broad phase changes over time. Regimes of a fixed number of frames
+// repeat in a cycle. The scenes determine how much a policy can gain over the best fixed broad
+// phase; scene/README.md lists the measured gains.
 //
-// rest-and-motion, waves and storms are there to tune policies on; gather-and-scatter,
-// day-and-night and arrivals, from other generators, to judge them.
+// rest-and-motion, waves and storms are for tuning policies. gather-and-scatter, day-and-night and
+// arrivals, which move in other ways, are for judging them.
 //
 // The world holds one object per unit of volume, half extents are log-uniform 0.145 to 0.725, as in
 // the reference suite. The same name, count and seed give the same boxes bit for bit on every
@@ -19,7 +19,7 @@
 namespace sweepstake {
 
 // `object_count` is the maximum of a frame. A `regime_frames` other than 0 replaces the scene's own
-// number. REQUIRES: `name` is in SceneNames(SceneGroup::kChanging).
+// number of frames per regime. REQUIRES: `name` is in SceneNames(SceneGroup::kChanging).
 std::unique_ptr<Scene> MakeChangingScene(std::string_view name, uint32_t object_count,
                                          uint64_t seed, uint32_t regime_frames = 0);
 

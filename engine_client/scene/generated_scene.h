@@ -1,8 +1,8 @@
-// The base of the computed scenes: bodies as centres and half extents, moved in place and shown as
-// boxes.
+// The base of the computed scenes. Bodies are stored as centres and half extents, moved in place,
+// and shown as boxes.
 //
 // Not thread-safe. All memory is allocated at construction: 48 bytes per object here, plus the
-// motion's own state.
+// state of the derived scene.
 #pragma once
 
 #include <array>
@@ -33,7 +33,8 @@ class GeneratedScene : public Scene {
   void Step() final;
 
  protected:
-  // `name` outlives the scene. The derived constructor places the bodies and then calls ShowBodies.
+  // `name` must outlive the scene. The derived constructor places the bodies and then calls
+  // ShowBodies.
   GeneratedScene(std::string_view name, const Aabb& world, uint32_t object_count);
 
   // Moves the bodies to the frame of frame_index(), which has already been incremented.
@@ -54,13 +55,13 @@ class GeneratedScene : public Scene {
 // Returns the world of the scenarios: ±half_extent on each axis.
 Aabb CentredWorld(float half_extent);
 
-// Draws log-uniform half extents, each axis on its own.
+// Draws log-uniform half extents, independently for each axis.
 void SpawnSizes(const SceneOptions& options, Bodies& bodies);
 
 // Draws uniform positions with the whole box inside the world. REQUIRES: sizes are drawn.
 void SpawnInsideWalls(const SceneOptions& options, Bodies& bodies);
 
-// Returns `x` mirrored once at the wall that it passed, then clamped to [low, high].
+// Returns `x` reflected at the wall that it passed, then clamped to [low, high].
 float Reflect(float x, float low, float high);
 
 }  // namespace sweepstake

@@ -1,11 +1,11 @@
-// Random numbers of scenes, the same on every platform, unlike the distributions of the standard
-// library.
+// Random numbers of scenes. They are the same on every platform, unlike those of the standard
+// library's distributions.
 //
-// CounterRandom is a function of (seed, stream, object, counter): nothing is drawn in order, so
-// that one more draw, object or frame changes no other number. SequentialRandom draws in order, for
-// the scenes that are defined by their history of draws. Distinct values are independent; neither
-// is shared between threads while it changes. A draw of CounterRandom costs two 64-bit mixes, one
-// of SequentialRandom costs one.
+// CounterRandom is a function of (seed, stream, object, counter). Numbers are not drawn in order,
+// so that one more draw, object or frame changes no other number. SequentialRandom draws in order,
+// for scenes that are defined by their history of draws. Distinct objects are independent. Neither
+// class may be shared between threads while it changes. A draw of CounterRandom costs two 64-bit
+// mixes, a draw of SequentialRandom one.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ inline float UnitFloat(uint64_t bits) {
   return static_cast<float>(bits >> 40U) * (1.0F / 16777216.0F);
 }
 
-// What a number is for. The values are part of every seed's meaning: append, never reorder.
+// The purpose of a number. The values enter every seed: append new ones, never reorder them.
 enum class RandomStream : uint64_t { kSize = 1, kPosition, kVelocity, kDirection, kKick, kPhase };
 
 // Immutable.

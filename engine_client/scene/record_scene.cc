@@ -28,8 +28,8 @@ std::string SystemReason() {
   return errno == 0 ? "unknown reason" : std::generic_category().message(errno);
 }
 
-// Returns a path beside the target, so that the rename stays on one file system. It is random, so
-// that two recorders do not collide.
+// Returns a path beside the target, so that the rename stays on one file system. Its suffix is
+// random, so that two recorders do not collide.
 fs::path PartialPath(const fs::path& target) {
   std::random_device random;
   std::ostringstream suffix;
@@ -39,8 +39,8 @@ fs::path PartialPath(const fs::path& target) {
   return partial;
 }
 
-// A file that gets its name only when it is complete. Destroyed before that, it leaves nothing
-// behind.
+// A file that gets its name only when it is complete. If it is destroyed before Commit, it leaves
+// nothing behind.
 class PendingFile {
  public:
   explicit PendingFile(const fs::path& target) : target_(target), partial_(PartialPath(target)) {
@@ -103,8 +103,8 @@ class FrameWriter {
     return file_.status();
   }
 
-  // Appends the count table if one is needed and the notes, and writes the header, which is known
-  // only now.
+  // Appends the count table, if one is needed, and the notes. Then overwrites the header, whose
+  // fields are known only now.
   Status Finish(const Scene& scene, std::string_view notes) {
     aabbs::Header header;
     header.notes_bytes = static_cast<int32_t>(notes.size());
@@ -157,16 +157,16 @@ Status CheckTarget(uint64_t frame_count, const fs::path& path) {
                                               std::to_string(frame_count)};
   }
   if (!path.has_filename()) {
-    return {StatusCode::kInvalidArgument, "'" + PathText(path) + "' is no file name to record to"};
+    return {StatusCode::kInvalidArgument, "'" + PathText(path) + "' is not a file name"};
   }
   std::error_code error;
   const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::is_directory(directory, error)) {
     return {StatusCode::kNotFound,
-            text::PrintableLine(directory.string()) + " is no directory: create it first"};
+            text::PrintableLine(directory.string()) + " is not a directory: create it first"};
   }
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
-    return CannotWrite(path, "it is no file; give the path of a file");
+    return CannotWrite(path, "it is not a file; give the path of a file");
   return {};
 }
 

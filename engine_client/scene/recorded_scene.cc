@@ -24,8 +24,8 @@ bool ReadExactly(std::ifstream& file, std::span<std::byte> bytes) {
   return file.gcount() == size;
 }
 
-// Returns the size of a regular file. A directory or a pipe could be opened too, but reading it
-// would fail or block.
+// Returns the size of a regular file. Other files are an error: a directory or a pipe could be
+// opened, but reading it would fail or block.
 Result<uint64_t> SizeOfRegularFile(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -92,7 +92,7 @@ Status RecordedScene::CheckNotes(uint64_t file_bytes) const {
                 " bytes of notes that its header names");
 }
 
-// Memory is allocated only after the file's size has confirmed the counts of the header.
+// Allocates memory only after the file's size has confirmed the counts of the header.
 Status RecordedScene::CheckSize(uint64_t file_bytes) {
   if (header_.layout == aabbs::Layout::kChangingCount) {
     if (Status status = ReadCountTable(file_bytes); !status.ok()) return status;

@@ -1,8 +1,7 @@
-// A .aabbs file as a scene. Frames are read one at a time; the memory is that of one frame, plus 4
-// bytes per frame if the count changes.
+// A .aabbs file as a scene. Frames are read one at a time. Memory: one frame, plus 4 bytes per
+// frame if the count changes.
 //
-// Not thread-safe. Opening reads the whole file once, to find broken boxes before anybody depends
-// on them.
+// Not thread-safe. Opening reads the whole file once, to find broken boxes before they are used.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +21,8 @@ namespace sweepstake {
 
 class RecordedScene final : public Scene {
  public:
-  // kNotFound: no such file. kDataLoss: one line that names the file and what is broken in it (for
-  // a box: frame and object). kResourceExhausted: more than kMaxSceneObjectCount objects.
+  // kNotFound: the file does not exist. kDataLoss: one line that names the file and the fault in it
+  // (for a box: frame and object). kResourceExhausted: more than kMaxSceneObjectCount objects.
   static Result<std::unique_ptr<Scene>> Open(const std::filesystem::path& path);
 
   // Returns the file's notes, empty if it has none. Errors: those of Open.
@@ -34,8 +33,8 @@ class RecordedScene final : public Scene {
   Aabb world() const override { return header_.world; }
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return {boxes_.data(), shown_count_}; }
-  // If the file has become unreadable since it was opened, the boxes stay those of the last frame
-  // that could be read.
+  // If the file has become unreadable since it was opened, the boxes stay those of the last
+  // readable frame.
   void Step() override;
 
  private:
@@ -49,7 +48,7 @@ class RecordedScene final : public Scene {
   Status ReadCountTable(uint64_t file_bytes);
   Status CheckBoxes();
   Status CheckFrame(uint64_t file_frame) const;
-  // Shows the next frame of the file. On failure the boxes stay as they were.
+  // Shows the next frame of the file. On failure the boxes stay unchanged.
   bool ReadNextFrame();
   bool ReadBoxes(size_t count);
   void Rewind();

@@ -18,8 +18,8 @@ namespace {
 constexpr double kTwoPi = 6.283185307179586;
 constexpr float kTwoPiF = 6.2831853F;
 
-// Each step moves each object on each axis by a uniform draw from ±speed * fixed_step_s; walls
-// reflect it.
+// Each step moves each object on each axis by a uniform draw from ±speed * fixed_step_s. Walls
+// reflect the object.
 class BrownianScene final : public GeneratedScene {
  public:
   explicit BrownianScene(const SceneOptions& options)
@@ -59,10 +59,10 @@ struct Gravity {
   bool per_object = false;
 };
 
-// A wall hit with speed v returns kRestitution * v, slows each component along the wall by up to
-// kFriction * v (Coulomb: resting objects stick while gravity leans less than that) and adds up to
-// ±kScatter * v to it. Without this scatter of rough walls, rotating gravity folds all objects into
-// one line.
+// A wall hit with speed v returns kRestitution * v. It slows each component along the wall by up to
+// kFriction * v (Coulomb: resting objects stick while gravity leans less than that). It also adds
+// up to ±kScatter * v to each component. Without this scatter of rough walls, rotating gravity
+// would move all objects onto one line.
 class FallingScene final : public GeneratedScene {
  public:
   FallingScene(std::string_view name, const SceneOptions& options, Gravity gravity);
@@ -171,8 +171,8 @@ void FallingScene::Bounce(uint32_t object, int axis) {
 
 // Let H be world_half_extent and r the mean radius of an orbit. The tangential speed is kOrbitSpeed
 // * speed * sqrt(H / r) outside the core of radius kCore * H, and the core turns as one body. The
-// radius breathes by ±kBreathing of itself at 1 rad/s with a phase per object; the height takes
-// kicks of ±kRise * speed * fixed_step_s and is reflected.
+// radius oscillates by a fraction of ±kBreathing at 1 rad/s, with a phase per object. The height
+// gets kicks of ±kRise * speed * fixed_step_s and is reflected.
 class HurricaneScene final : public GeneratedScene {
  public:
   explicit HurricaneScene(const SceneOptions& options);
@@ -193,7 +193,7 @@ class HurricaneScene final : public GeneratedScene {
   CounterRandom kicks_;
   std::vector<float> radius_;
   std::vector<float> angle_;  // the angle on the orbit, in [0, 2 pi)
-  std::vector<float> phase_;  // the phase of the breathing, in [0, 2 pi)
+  std::vector<float> phase_;  // the phase of the oscillation, in [0, 2 pi)
   std::vector<float> turn_;   // radians per step, below 2 pi
 };
 

@@ -1,4 +1,4 @@
-// The only list of all scenes: a new scene adds its line here.
+// The only list of all scenes. Add a line here for a new scene.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -24,7 +24,7 @@ using ScenePointer = std::unique_ptr<Scene>;
 
 struct Entry {
   SceneDescription description;
-  bool uses_all_options;  // if not, only the object count and perhaps the spawn seed
+  bool uses_all_options;  // if false, only the object count and perhaps the spawn seed
   ScenePointer (*make)(std::string_view name, const SceneOptions& options);
 };
 
@@ -125,7 +125,7 @@ Status OutOfRange(const char* name, T min, T max, T value) {
   return {StatusCode::kInvalidArgument, message.str()};
 }
 
-// Checks the ranges. A value that is not finite is outside of every range.
+// Checks the ranges. A value that is not finite is outside every range.
 Status ValidateFloats(const SceneOptions& options) {
   const struct {
     const char* name;
@@ -198,7 +198,8 @@ Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOpti
 Result<std::string> RecordedNotes(std::string_view path) {
   const std::optional<std::filesystem::path> file = PathOfUtf8(path);
   if (!file) {
-    return Status(StatusCode::kNotFound, "'" + text::PrintableLine(path) + "' is no path in UTF-8");
+    return Status(StatusCode::kNotFound,
+                  "'" + text::PrintableLine(path) + "' is not a path in UTF-8");
   }
   return RecordedScene::NotesOf(*file);
 }

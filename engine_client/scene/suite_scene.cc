@@ -24,17 +24,17 @@ float ReflectInside(float x, float side) {
   return x > side ? 2 * side - x : x;
 }
 
-// These are computed in double and rounded once.
+// Computed in double and rounded once.
 float SinF(float x) { return static_cast<float>(math::Sin(x)); }
 float CosF(float x) { return static_cast<float>(math::Cos(x)); }
 float ExpF(float x) { return static_cast<float>(math::Exp(x)); }
 float PowF(float x, float y) { return static_cast<float>(math::Pow(x, y)); }
 
-// Draws come in order from one splitmix64 stream and all arithmetic is in float: changing the order
-// of either changes every published pair count.
+// Draws come in order from one splitmix64 stream, and all arithmetic is in float. Changing the
+// order of draws or of operations changes every published pair count.
 class SuiteScene : public GeneratedScene {
  protected:
-  // `variant` is the scene's place in the suite (B 0, G 1, H 2); it enters the seed.
+  // `variant` is the scene's index in the suite (B 0, G 1, H 2); it enters the seed.
   SuiteScene(std::string_view name, uint64_t variant, uint32_t object_count);
 
   float side() const { return side_; }
@@ -56,8 +56,8 @@ class SuiteBrownian final : public SuiteScene {
   void Move() override;
 };
 
-// G: gravity turns every 35 frames; each object has its own floor in x and y, up to a quarter of
-// the side in.
+// G: gravity turns every 35 frames. Each object has a separate floor in x and y, up to a quarter of
+// the side inside the wall.
 class SuiteGravity final : public SuiteScene {
  public:
   explicit SuiteGravity(uint32_t object_count);
@@ -70,7 +70,7 @@ class SuiteGravity final : public SuiteScene {
   std::array<std::vector<float>, 3> velocity_;  // the motion in units per frame
 };
 
-// H: orbits around the middle, 0.44 radians per frame at the axis to 0.04 at the rim.
+// H: orbits around the middle, from 0.44 radians per frame at the axis to 0.04 at the rim.
 class SuiteHurricane final : public SuiteScene {
  public:
   explicit SuiteHurricane(uint32_t object_count);
@@ -107,7 +107,7 @@ SuiteBrownian::SuiteBrownian(uint32_t object_count) : SuiteScene("suite-b", 0, o
   for (uint32_t i = 0; i < object_count; ++i) {
     SpawnSize(i);
     SpawnPosition(i);
-    // Suite-g draws its floor here; the scenes share the order of their first draws.
+    // Suite-g draws its floor here. All scenes of the suite share the order of their first draws.
     random().Unit();
   }
   ShowBodies();

@@ -1,9 +1,9 @@
 // "suite-b", "suite-g", "suite-h": the reference suite that all published figures use. Density 1
 // (the world's side is the cube root of the object count), half extents log-uniform 0.145 to 0.725,
-// positions in one corner-anchored cube.
+// positions in the cube [0, side]³.
 //
-// Everything but the object count is fixed, the seed included, so that a figure names its scene by
-// letter and count.
+// Everything except the object count is fixed, including the seed. A letter and a count therefore
+// identify a scene.
 #pragma once
 
 #include <cstdint>

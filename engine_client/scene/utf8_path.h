@@ -1,5 +1,5 @@
-// Paths in the API are UTF-8 on every platform; here they become the system's and text again,
-// without an exception. Pure functions.
+// Paths in the API are UTF-8 on every platform. These functions convert them to the system's paths
+// and back to text, without exceptions. Pure functions.
 #pragma once
 
 #include <filesystem>

@@ -134,7 +134,7 @@ TEST_F(Recording, AMissingDirectoryIsNamed) {
   ScriptedScene scene({{BoxAt(0)}});
   const Status status = RecordScene(scene, 1, (PathOf("none") / "scene.aabbs").string());
   EXPECT_EQ(status.code(), StatusCode::kNotFound);
-  EXPECT_THAT(status.message(), HasSubstr("none is no directory: create it first"));
+  EXPECT_THAT(status.message(), HasSubstr("none is not a directory: create it first"));
 }
 
 TEST_F(Recording, ADirectoryOrNoNameIsNoTarget) {
@@ -152,7 +152,7 @@ TEST_F(Recording, APipeOrADeviceIsNotReplacedByAFile) {
   ScriptedScene scene({{BoxAt(0)}});
   ASSERT_EQ(mkfifo(PathOf("pipe").c_str(), 0600), 0);
   const Status status = RecordScene(scene, 1, PathOf("pipe").string());
-  EXPECT_THAT(status.message(), HasSubstr("it is no file"));
+  EXPECT_THAT(status.message(), HasSubstr("it is not a file"));
   EXPECT_TRUE(std::filesystem::is_fifo(PathOf("pipe")));
 }
 #endif
