@@ -16,7 +16,7 @@
 
 namespace sweepstake {
 
-// Calls fn(part) for each part in [0, part_count), in order if there is no executor.
+// Calls fn(part) for each part in [0, part_count). Without an executor the calls are in order.
 template <typename Fn>
 void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
   if (executor == nullptr || part_count <= 1) {

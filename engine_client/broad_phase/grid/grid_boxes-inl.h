@@ -89,8 +89,7 @@ HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& 
   action(last, at);
 }
 
-// Returns the cell numbers of half coordinates on one axis; those of invalid boxes are arbitrary
-// cells.
+// Returns the cell numbers of half coordinates on one axis. Invalid boxes get arbitrary cells.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, size_t axis,
                                                   hn::Vec<D> halved) {

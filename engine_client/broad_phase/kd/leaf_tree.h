@@ -6,7 +6,7 @@
 // within one tree (FindPairs). ProxySet walks over trees and joins two of them
 // (proxies/tree_walk.h).
 //
-// Not thread-safe; const calls may run side by side. Owns its memory. Cost: Refit O(slots);
+// Not thread-safe; const calls may run at the same time. Owns its memory. Cost: Refit O(slots);
 // RefitBlocks O(slots of the blocks + blocks · levels); FindPairs O(leaves · log leaves +
 // candidates + pairs). Memory: 30 bytes per slot.
 #pragma once

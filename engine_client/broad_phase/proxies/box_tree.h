@@ -7,14 +7,14 @@
 // R-tree, and that block is sorted again. If a block has no room for them, its branch is sorted
 // again, and half of the branch may go to another branch.
 //
-// Many new members that stand close together, such as a tile of the world, get separate branches if
+// Many new members that are close together, such as a tile of the world, get separate branches if
 // they come at once. These branches become free again when the tile goes. Branches are in any
 // order. The nodes above them, one for 65,536 slots, therefore prune little after many changes, but
 // they cost little. If more than 1/256 of the members have moved, or any may have moved, the whole
 // tree is refitted.
 //
 // All members are sorted again in any of these cases:
-// - More than an eighth of them are new, or more than 1/64 if these do not stand close together.
+// - More than an eighth of them are new, or more than 1/64 if these are not close together.
 // - There are many more slots than members.
 // - Insertions since the last sort exceed half the members, or a sixteenth if a sort takes only
 //   milliseconds.

@@ -130,7 +130,7 @@ Aabb BoundsOf(std::span<const Aabb> boxes, std::span<const uint32_t> ids) {
 
 }  // namespace
 
-// Many members that come at once and stand close together, such as the tiles of a world, get
+// Many members that come at once and are close together, such as the tiles of a world, get
 // separate branches.
 void BoxTree::InsertNew(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots) {
   // If memory runs out, the next Update sorts all members.
