@@ -37,9 +37,8 @@ Status SetHooks(const Hooks& hooks) {
     return {StatusCode::kInvalidArgument, "give both zone_begin and zone_end, or neither"};
   }
   if (live_block_count.load() > 0) {
-    return {
-        StatusCode::kFailedPrecondition,
-        "objects hold memory from the present hooks: set hooks before creating the first object"};
+    return {StatusCode::kFailedPrecondition,
+            "memory of the present hooks is in use: set hooks before creating the first object"};
   }
   hooks_of_process = hooks;
   installed_hooks.store(&hooks_of_process);
