@@ -199,7 +199,7 @@ uint64_t Scan(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
 // Below this number of slots² per expected pair, steps of two registers are faster than steps of
 // one. With many pairs, whether a step has candidates cannot be predicted. Half as many steps are
 // then faster, although each costs more than two steps of one register. Measured on AMD Zen 4 with
-// `sweepstake bench --simd avx2,sse4 --arms BruteForce`, suites b, g and h with 1,000 to 10,000
+// `sweepstake-lab bench --simd avx2,sse4 --arms BruteForce`, suites b, g and h with 1,000 to 10,000
 // boxes. Other 128-bit instruction sets were not timed and use SSE4's value.
 constexpr uint64_t kSlotsPerPair = HWY_MAX_BYTES == 32 ? 900 : 250;
 

@@ -2,8 +2,8 @@
 // against every later one, first in bytes, then exactly.
 //
 // Cost: 64 checks in bytes take 3 cycles with AVX-512 (2 in a sweep), an exact test about 3 ns (AMD
-// Zen 5, `sweepstake bench --scene suite-b`). AVX2 takes 1.8 times as long for them, SSE4 2.9 times
-// (AMD Zen 4, SAP from 10,000 to 100,000 boxes). Throws std::bad_alloc.
+// Zen 5, `sweepstake-lab bench --scene suite-b`). AVX2 takes 1.8 times as long for them, SSE4 2.9
+// times (AMD Zen 4, SAP from 10,000 to 100,000 boxes). Throws std::bad_alloc.
 #pragma once
 
 #include <cstddef>

@@ -15,7 +15,8 @@ namespace {
 
 // The cost of computing an order and building a tree from it, in checks per object. It is used for
 // every instruction set. Half the value makes the mean frame of six scenes 3 % faster with AVX-512,
-// AVX2 and SSE4 (AMD Zen 4, `sweepstake bench`). The slowest frames then take 13 to 17 % longer.
+// AVX2 and SSE4 (AMD Zen 4, `sweepstake-lab bench`). The slowest frames then take 13 to 17 %
+// longer.
 constexpr uint64_t kChecksPerRebuild = 100;
 // The tree is rebuilt at once if more than one entry in this number would have to be inserted
 // again.

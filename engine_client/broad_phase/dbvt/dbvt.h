@@ -17,9 +17,9 @@
 // Kept between frames: the tree, and at rest the margins and candidate pairs. At rest requires at
 // most 16 pairs per object.
 //
-// Cost, measured with `sweepstake bench` on one thread of AMD Zen 4: 10,000 boxes take 0.21 ms per
-// frame in suite-b with AVX-512, 0.25 with AVX2 and 0.39 with SSE4. In suite-g they take 0.48, 0.65
-// and 0.99 ms. Memory: 97 bytes per object; at rest 53 more, and 8 to 16 per candidate pair.
+// Cost, measured with `sweepstake-lab bench` on one thread of AMD Zen 4: 10,000 boxes take 0.21 ms
+// per frame in suite-b with AVX-512, 0.25 with AVX2 and 0.39 with SSE4. In suite-g they take 0.48,
+// 0.65 and 0.99 ms. Memory: 97 bytes per object; at rest 53 more, and 8 to 16 per candidate pair.
 #pragma once
 
 #include <memory>

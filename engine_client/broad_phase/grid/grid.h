@@ -10,9 +10,9 @@
 //
 // Memory and the choice of groups are kept between frames. Cost: O(n + cells) for the sort and O(n
 // · boxes around a box) for the search; cells <= 4 n + 256 per group. Measured on AMD Zen 5 with
-// AVX-512 and `sweepstake bench`. In suite-b: 18 to 19 ns per box from 1,000 to 100,000 boxes, 31
-// ns at 1,000,000. In suite-h: 20 to 21 ns. In suite-g: 32 to 40 ns. Two threads are 1.5 times as
-// fast at 10,000 boxes, 1.75 times at 100,000. Memory: 32 bytes per box and 8 per cell.
+// AVX-512 and `sweepstake-lab bench`. In suite-b: 18 to 19 ns per box from 1,000 to 100,000 boxes,
+// 31 ns at 1,000,000. In suite-h: 20 to 21 ns. In suite-g: 32 to 40 ns. Two threads are 1.5 times
+// as fast at 10,000 boxes, 1.75 times at 100,000. Memory: 32 bytes per box and 8 per cell.
 #pragma once
 
 #include <memory>

@@ -9,7 +9,7 @@ namespace {
 
 // The relative costs of one box that searches a grid, of one row of cells and of one tested box.
 // With half or twice each value, scenes of mixed sizes change by at most 5 % with AVX-512, AVX2 and
-// SSE4 (AMD Zen 4, `sweepstake bench`).
+// SSE4 (AMD Zen 4, `sweepstake-lab bench`).
 constexpr double kSearchCost = 4;
 constexpr double kRowCost = 3;
 constexpr double kTestCost = 0.3;

@@ -14,7 +14,7 @@ namespace {
 
 // The cost of a split of all boxes, in checks per box. It is used for every instruction set. A
 // third less or half as much again changes the mean frame of six scenes by at most 1 % (AVX-512,
-// AVX2 and SSE4 on AMD Zen 4, `sweepstake bench`). With less, the slowest frames take longer.
+// AVX2 and SSE4 on AMD Zen 4, `sweepstake-lab bench`). With less, the slowest frames take longer.
 constexpr uint64_t kChecksPerSplit = 105;
 // The debt is counted per 256 boxes, so that it can be kept in whole checks.
 constexpr uint64_t kDebtScale = 256;

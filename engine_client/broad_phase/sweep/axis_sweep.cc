@@ -28,8 +28,8 @@ constexpr size_t kSwapsPerFace = 8;
 constexpr size_t kMotionSample = 64;
 
 // The time of one swap, and the time per box of a new sort plus filling the lanes. Measured on AMD
-// Zen 5 (`sweepstake bench`). Both are used for every instruction set, since most of that code has
-// no vectors.
+// Zen 5 (`sweepstake-lab bench`). Both are used for every instruction set, since most of that code
+// has no vectors.
 constexpr double kSwapNs = 5;
 constexpr double kSortNs = 30;
 

@@ -16,7 +16,7 @@
 // A new sort is one pass by equal steps of each axis, with four faces per step on average. The
 // first repair after it sorts the faces within each step.
 //
-// Cost, measured on AMD Zen 5 with AVX-512 and `sweepstake bench`. Suite-b: 0.022 ms for 1,000
+// Cost, measured on AMD Zen 5 with AVX-512 and `sweepstake-lab bench`. Suite-b: 0.022 ms for 1,000
 // boxes, 0.28 ms for 10,000 and 6.4 ms for 100,000 (two threads: 0.17 and 3.4 ms for the last two).
 // 10,000 boxes of nearly-resting, which all move by ±0.001 per frame, take 0.36 ms. Memory: 80
 // bytes per box, 100 after frames with little motion, and 8 to 9 per pair while pairs are kept.

@@ -7,7 +7,8 @@
 // many boxes share a step, a radix sort by the exact face replaces it.
 //
 // Cost: Build and Update O(n); FindPairs O(n + c + pairs), c = pairs that overlap on the sweep
-// axis, about n^(5/3) at constant density. Measured on AMD Zen 5 with AVX-512 (`sweepstake bench
+// axis, about n^(5/3) at constant density. Measured on AMD Zen 5 with AVX-512 (`sweepstake-lab
+// bench
 // --scene suite-b`): 0.016 ms for 1,000 boxes, 0.22 ms for 10,000 and 5.5 ms for 100,000 (2.9 ms
 // with two threads). 64 checks take 0.9 ns, a pair takes 2 to 3 ns. Memory: 55 bytes per box, 16
 // more if boxes share steps. Only the buffers are kept between frames. aabb_check_count: c, rounded

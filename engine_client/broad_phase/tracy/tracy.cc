@@ -15,7 +15,7 @@ namespace {
 
 // The approximate cost of a new layout, in checks per box. Half or twice the value changes a frame
 // by 3 % or less with AVX2 and SSE4. With AVX-512 twice the value costs up to 9 % (AMD Zen 4,
-// `sweepstake bench`).
+// `sweepstake-lab bench`).
 constexpr uint64_t kChecksPerLayout = 256;
 // If a search takes more checks than expected from its boxes and pairs, another layout is tried
 // every kFramesPerTrial frames. The scene may have spread since, or it may really be that dense.

@@ -21,10 +21,10 @@
 // - A search makes far more checks than pairs; then every 64 frames.
 //
 // Cost: Build O(n log n); a frame O(n + boxes around a box + changes). Measured on AMD Zen 5 with
-// AVX-512 and `sweepstake bench`: in suite-b 23 ns per box from 1,000 to 100,000 boxes and 41 ns at
-// 1,000,000, in suite-h 25 to 33 ns, in suite-g 39 to 53 ns. Two threads are 1.6 times as fast at
-// 10,000 boxes, 1.9 times at 100,000. Memory: 45 bytes per box and 4 per cell; 65 more while little
-// moves.
+// AVX-512 and `sweepstake-lab bench`: in suite-b 23 ns per box from 1,000 to 100,000 boxes and 41
+// ns at 1,000,000, in suite-h 25 to 33 ns, in suite-g 39 to 53 ns. Two threads are 1.6 times as
+// fast at 10,000 boxes, 1.9 times at 100,000. Memory: 45 bytes per box and 4 per cell; 65 more
+// while little moves.
 #pragma once
 
 #include <memory>
