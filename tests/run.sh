@@ -51,7 +51,7 @@ for preset in "${presets[@]}"; do forget_passed "$preset"; done
 deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libcgal-dev chromium prometheus haproxy postgresql clang libclang-rt-dev llvm
 # What the archive and the plug-in of the C ABI bring along. Without apt CMake takes the system's, or says what it leaves out.
 if command -v apt-get >/dev/null; then deploy/static_highway.sh; fi
-for folder in tests/proto server/dashboard; do
+for folder in tests/proto server/dashboard tests/laboratory/report; do
   (cd "$folder" && npm ci --no-audit --no-fund --silent) || {
     echo "npm could not install what $folder/package-lock.json lists." >&2
     exit 1

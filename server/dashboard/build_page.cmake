@@ -4,8 +4,10 @@
 #   cmake -D PAGE=report|dashboard -D STEM=name -D SOURCE=folder -D BUILD=folder -D NODE=program -D NPM=program -D PROTOC=program
 #         -P build_page.cmake
 #
-# Writes BUILD/STEM.cc from SOURCE/STEM.cc.in, and BUILD/PAGE.stamp unless another build may fare better.
+# SOURCE is the folder of the page's package. Writes BUILD/STEM.cc from SOURCE/STEM.cc.in. Writes BUILD/PAGE.stamp too, except after a
+# failure that may not occur again in the next build.
 
+cmake_path(RELATIVE_PATH SOURCE BASE_DIRECTORY ${CMAKE_CURRENT_LIST_DIR}/../.. OUTPUT_VARIABLE folder)
 set(modules ${SOURCE}/node_modules)
 set(output ${BUILD}/${PAGE})
 set(CONTENT)
@@ -35,24 +37,24 @@ macro(run_node what)
     execute_process(COMMAND ${NODE} ${ARGN} WORKING_DIRECTORY ${SOURCE} RESULT_VARIABLE result)
     if(NOT result EQUAL 0)
       set(is_final FALSE)
-      set(PROBLEM "${without}, because `${what}` failed in server/dashboard: see what it says there, and build again")
+      set(PROBLEM "${without}, because `${what}` failed in ${folder}: see what it says there, and build again")
     endif()
   endif()
 endmacro()
 
-file(LOCK ${SOURCE} DIRECTORY RESULT_VARIABLE ignored)  # the pages, and several build trees, share node_modules and src/gen
+file(LOCK ${SOURCE} DIRECTORY RESULT_VARIABLE ignored)  # several build trees share node_modules and src/gen
 if(NOT NODE OR NOT NPM)
   set(PROBLEM "${without}, for want of Node.js 18 or newer with npm: install them (Debian: apt-get install nodejs npm) and build again")
 else()
   install_modules()
   if(NOT EXISTS ${installed})
     set(is_final FALSE)
-    set(PROBLEM "${without}, because `npm ci` failed in server/dashboard: run it there with access to a package registry, and build again")
+    set(PROBLEM "${without}, because `npm ci` failed in ${folder}: run it there with access to a package registry, and build again")
   endif()
   if(PAGE STREQUAL dashboard)
     run_node("npm run proto" proto.mjs ${PROTOC})
   endif()
-  run_node("npm run build" ${modules}/vite/bin/vite.js build --mode ${PAGE} --outDir ${output} --emptyOutDir --logLevel warn)
+  run_node("npm run build" ${modules}/vite/bin/vite.js build --outDir ${output} --emptyOutDir --logLevel warn)
   if(PAGE STREQUAL dashboard)
     run_node("node embed.mjs" embed.mjs ${output} ${BUILD}/${STEM}.inc)
     set(output ${BUILD}/${STEM}.inc)

@@ -1,62 +1,6 @@
-// Two pages: `--mode report` builds report.html as one file; `--mode dashboard` builds index.html and its assets, whose names tell
-// their content. Both run under a content security policy that allows no other source of scripts: the report's names its script's
-// hash, the dashboard's is what the daemon sends.
-import { createHash } from 'node:crypto';
-import { existsSync, readFileSync, readdirSync } from 'node:fs';
+// Builds index.html and its assets, whose names contain a hash of their content. The daemon sends the content security policy, which
+// allows scripts from the daemon only.
 import { defineConfig } from 'vite';
-
-const MARKER = 'SWEEPSTAKE_DOCUMENTS';
-
-function policyFor(script) {
-  const hash = createHash('sha256').update(script).digest('base64');
-  return `default-src 'none'; script-src 'sha256-${hash}'; style-src 'unsafe-inline'; img-src data:`;
-}
-
-function singleFile() {
-  return {
-    name: 'single-file',
-    enforce: 'post',
-    apply: 'build',
-    generateBundle(_options, bundle) {
-      const files = Object.values(bundle);
-      const page = files.find((file) => file.fileName.endsWith('.html'));
-      const script = files.find((file) => file.type === 'chunk');
-      const style = files.find((file) => file.fileName.endsWith('.css'));
-      const code = script.code.trim().replaceAll('</script', '<\\/script');
-      page.source = page.source
-        .replace(/<script type="module"[^>]*><\/script>/, '')
-        .replace(/<link rel="stylesheet"[^>]*>/, () => `<style>${style.source}</style>`)
-        .replace('<meta charset="utf-8">', (tag) =>
-          `${tag}\n<meta http-equiv="Content-Security-Policy" content="${policyFor(code)}">`)
-        .replace('</body>', () => `<script type="module">${code}</script>\n</body>`);
-      delete bundle[script.fileName];
-      delete bundle[style.fileName];
-    },
-  };
-}
-
-// The development server shows the documents named in REPORT (separated by commas), else the samples.
-function sampleDocuments() {
-  const files = () => process.env.REPORT?.split(',')
-    ?? readdirSync('samples').filter((name) => name.endsWith('.json')).map((name) => `samples/${name}`);
-  const documents = () => files().filter(existsSync).map((file) => readFileSync(file, 'utf8'));
-  return {
-    name: 'sample-documents',
-    apply: 'serve',
-    transformIndexHtml: (page) =>
-      page.replace(MARKER, () => `[${documents().join(',')}]`.replaceAll('<', '\\u003c')),
-  };
-}
-
-const report = {
-  plugins: [sampleDocuments(), singleFile()],
-  build: {
-    target: 'es2022',
-    modulePreload: false,
-    assetsInlineLimit: 1e6,
-    rollupOptions: { input: 'report.html' },
-  },
-};
 
 // The development server asks the daemon at DAEMON, which lets in what comes from its own page only.
 function daemonProxy() {
@@ -68,7 +12,7 @@ function daemonProxy() {
   return Object.fromEntries(['/api', '/events', '/login', '/logout', '/metrics', '/livez', '/readyz'].map((path) => [path, toDaemon]));
 }
 
-const dashboard = {
+export default defineConfig({
   build: {
     target: 'es2022',
     modulePreload: { polyfill: false },
@@ -76,9 +20,5 @@ const dashboard = {
     rollupOptions: { input: 'index.html' },
   },
   server: { proxy: daemonProxy() },
-};
-
-export default defineConfig(({ mode }) => ({
-  ...(mode === 'report' ? report : dashboard),
-  test: { include: ['src/**/*.test.ts'], testTimeout: 60_000 },
-}));
+  test: { include: ['src/**/*.test.ts'], testTimeout: 60_000, pool: 'threads', isolate: false },
+});

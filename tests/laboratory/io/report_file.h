@@ -1,5 +1,5 @@
 // One HTML file that shows what commands print as JSON, without network: the page of
-// server/dashboard with the documents in it. Not thread-safe.
+// tests/laboratory/report with the documents in it. Not thread-safe.
 #pragma once
 
 #include <memory>

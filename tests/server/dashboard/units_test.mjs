@@ -1,15 +1,20 @@
-// Checks the types of the page's sources and runs their unit tests.
-import { spawnSync } from 'node:child_process';
+// Checks the types of a front end and runs its unit tests, both at once.
+//
+//   node units_test.mjs FOLDER
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
 import { existsSync } from 'node:fs';
-import { fileURLToPath } from 'node:url';
+import { resolve } from 'node:path';
 
-const dashboard = fileURLToPath(new URL('../../../server/dashboard/', import.meta.url));
-const modules = `${dashboard}node_modules/`;
-if (!existsSync(`${modules}vitest/vitest.mjs`) || !existsSync(`${dashboard}src/gen`)) {
-  console.log('skipped: `npm ci` and `npm run proto` in server/dashboard make what these tests need');
+const folder = resolve(process.argv[2]);
+const missing = (name) => !existsSync(resolve(folder, name));
+if (missing('node_modules/vitest/vitest.mjs') || (!missing('proto.mjs') && missing('src/gen'))) {
+  console.log(`skipped: \`npm ci\`, and \`npm run proto\` where there is one, make what these tests need in ${folder}`);
   process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
 }
-for (const command of [[`${modules}typescript/bin/tsc`, '--noEmit'], [`${modules}vitest/vitest.mjs`, 'run']]) {
-  const { status } = spawnSync(process.execPath, command, { cwd: dashboard, stdio: 'inherit' });
-  if (status !== 0) process.exit(1);
-}
+const run = async (program, ...words) => {
+  const [status] = await once(spawn(process.execPath, [resolve(folder, 'node_modules', program), ...words], { cwd: folder, stdio: 'inherit' }), 'close');
+  return status;
+};
+const statuses = await Promise.all([run('typescript/bin/tsc', '--noEmit'), run('vitest/vitest.mjs', 'run')]);
+process.exit(statuses.every((status) => status === 0) ? 0 : 1);

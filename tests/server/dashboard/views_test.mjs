@@ -4,12 +4,13 @@
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
-import { join } from 'node:path';
+import { dirname, join } from 'node:path';
 
 import { assertAccessible, assertNoTrouble, expecting, judge, openPage, refusalOf, refused, rowsOf, runInBrowser } from './browser.mjs';
 import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake] = process.argv.slice(2);
+const laboratory = join(dirname(sweepstake), 'sweepstake-lab');
 const SCENE = '/scenes/arcade/arena?class=test&reward=3';
 
 const ALPHA = 31; // the column of the audit log; the cells of ticks have no commas
@@ -331,7 +332,7 @@ async function checkRecordings(page, daemon, { sessionId }, folder) {
   assert.ok(files().some((name) => bytes.equals(readFileSync(join(folder, name)))), 'the file is the game’s');
   const saved = join(folder, '..', file.suggestedFilename());
   await file.saveAs(saved);
-  const replayed = JSON.parse(execFileSync(sweepstake, ['replay', '--recording', saved, '--json'], { encoding: 'utf8' }));
+  const replayed = JSON.parse(execFileSync(laboratory, ['replay', '--recording', saved, '--json'], { encoding: 'utf8' }));
   assert.ok(replayed.frames > 0 && replayed.arms.length > 0, 'and one command replays it');
 }
 

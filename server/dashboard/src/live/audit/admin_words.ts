@@ -1,4 +1,4 @@
-// What administrators did, as people say it: the rows of kind `admin` (AdminRows of server/audit/audit_log.h).
+// What administrators did, as people say it: the rows of kind `admin` (AdminRows of engine_client/decider/audit/audit_log.h).
 import { type AuditRow, setupParts } from './rows';
 
 const OPERATOR = 'operator=';

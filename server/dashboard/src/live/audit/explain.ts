@@ -11,7 +11,7 @@ import { kindWord, outcomeOf, outcomeWord, reasonOf, reasonWord, verdictOfText, 
 /**
  * What weighed for and against a switch to the candidate: what it is expected to save, and to cost more if it turns out worse, as natural
  * logarithms of ratios of detection times; for how many seconds each counts; and what the switch costs on the same scale (GateTerms of
- * server/decision/types.h).
+ * engine_client/decider/types.h).
  */
 export interface Gate { gain: number; loss: number; horizonS: number; cooldownS: number; costS: number }
 

@@ -1,4 +1,4 @@
-// The rows of the audit log (server/audit/audit_log.h), as the page reads them.
+// The rows of the audit log (engine_client/decider/audit/audit_log.h), as the page reads them.
 import { parseRecord } from '../numbers/csv';
 
 /** The columns that the page reads. */

@@ -3,7 +3,7 @@
 import { readFileSync } from 'node:fs';
 import { type AuditRow, RowReader, setupOf } from './rows';
 
-const file = new URL('../../../../../tests/server/audit/logs/adaptive.csv', import.meta.url);
+const file = new URL('../../../../../tests/engine_client/decider/audit/logs/adaptive.csv', import.meta.url);
 const [header = '', ...lines] = String(readFileSync(file)).split('\n').filter(Boolean);
 const reader = new RowReader();
 reader.header(header);

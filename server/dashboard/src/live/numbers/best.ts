@@ -1,5 +1,5 @@
 // How certain the choice of an arm is: the probability of each arm to be the best, what choosing the leader loses, and what knowing
-// all would gain, as server/decision/policy/diagnosis.h has them. The leader is the arm with the highest probability, the first one
+// all would gain, as engine_client/decider/policy/diagnosis.h has them. The leader is the arm with the highest probability, the first one
 // of equals. Deterministic; right for α = 1e12 and for 32 arms.
 import { type Beta, bounded, logitLogPeak, logitLogShape, logitMode, mean, mirrored } from './beta';
 import { integrateMaximum, type LogDensity, NEGLIGIBLE, type ValueScale, type Variables } from './maximum';

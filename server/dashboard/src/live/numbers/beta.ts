@@ -1,5 +1,5 @@
 // The Beta distribution of an arm's reward: density, distribution function and quantiles, by the formulas of
-// server/decision/math/beta_distribution.h, so that the page and the daemon give the same figures. Pure functions. Parameters from
+// engine_client/math/beta_distribution.h, so that the page and the daemon give the same figures. Pure functions. Parameters from
 // 1e-6 to 1e15; one outside counts as the nearer bound. Error of cdf: 1e-8 relative up to 1e12, where the rounding of x is worth most of
 // it; quantile has that of cdf.
 

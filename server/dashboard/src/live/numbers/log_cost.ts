@@ -1,5 +1,5 @@
 // Rewards of version 3 tell costs: a reward r is 1 − ln(detection time in ns) / ln(5 s in ns), and a Beta posterior stands for a
-// normal belief of the logarithm of the cost (server/decision/policy/log_cost.h). Rewards of other versions do not tell costs.
+// normal belief of the logarithm of the cost (engine_client/decider/policy/log_cost.h). Rewards of other versions do not tell costs.
 import { significant } from '../../format';
 import { type Beta, evidence, mean } from './beta';
 import type { Normal } from './best';

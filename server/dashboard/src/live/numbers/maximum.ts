@@ -1,5 +1,5 @@
 // The maximum of independent variables: the probability of each to be it, and its expected value, by integration downwards over one
-// grid of adaptive steps that all share, as server/decision/math/maximum.h has it. Deterministic. Error of a probability: 1e-6.
+// grid of adaptive steps that all share, as engine_client/math/maximum.h has it. Deterministic. Error of a probability: 1e-6.
 // Cost: some 40 points for variables of similar width, and one exponential per variable and point.
 
 /** A density is nothing where its logarithm is this far below its peak. */

@@ -7,7 +7,7 @@ import { costRatioOf, evidenceOf, LOG_COST_REWARD_VERSION, type Ratio } from './
 export const LANE = 'lane';
 /** The logarithm of a cost ratio up to which two builds say the same. */
 export const SAME_LOG_RATIO = 0.05;
-const LANE_BIAS_VARIANCE = 0.15 ** 2; // server/decision/policy/log_cost.h
+const LANE_BIAS_VARIANCE = 0.15 ** 2; // engine_client/decider/policy/log_cost.h
 
 /** Sums of increments, without any prior. */
 export interface Sum { readonly alpha: number; readonly beta: number }
@@ -48,7 +48,7 @@ function levelOf(arms: readonly ArmEvidence[]): number {
   return excess.length > 0 ? excess.reduce((sum, each) => sum + each, 0) / excess.length : 0;
 }
 
-/** Returns what windows and visits together say of each arm: server/decision/policy/scene_prior.h, PoolEvidence. */
+/** Returns what windows and visits together say of each arm: engine_client/decider/policy/scene_prior.h, PoolEvidence. */
 export function pooled(arms: readonly ArmEvidence[]): Sum[] {
   const level = levelOf(arms);
   return arms.map(({ live, lane, bailOutCount }) => {

@@ -8,7 +8,7 @@ const scene = (rewardVersion: number, ...arms: [arm: string, backendVersion: num
   create(ScenePosteriorSchema, { rewardVersion, arms: arms.map(([arm, backendVersion, alpha, beta]) => create(ArmPosteriorSchema, { arm, backendVersion, posterior: { alpha, beta } })) });
 
 describe('the verdict of a scene', () => {
-  it('has the limits of server/decision/policy/diagnosis.h', () => {
+  it('has the limits of engine_client/decider/policy/diagnosis.h', () => {
     expect(verdictOfLeader(0.8, 0.5)).toBe(Verdict.STABLE);
     expect(verdictOfLeader(0.79, 0.005)).toBe(Verdict.TIE);
     expect(verdictOfLeader(0.79, 0.0051)).toBe(Verdict.AMBIGUOUS);

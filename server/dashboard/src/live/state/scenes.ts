@@ -34,7 +34,7 @@ export const sceneKey = ({ project, scene, machineClass, rewardVersion }: SceneN
   [project, scene, machineClass, rewardVersion].join('\n');
 
 // The policies that learn the logarithm of the cost, whose reward is version 3; all others of the daemon have version 1. See
-// server/decision/session/policy_registry.cc.
+// engine_client/decider/session/policy_registry.cc.
 const LOG_COST_POLICIES = ['adaptive', 'calibrated', 'default'];
 const rewardVersionOf = (policy: string) => (LOG_COST_POLICIES.includes(policy) ? 3 : 1);
 

@@ -29,7 +29,7 @@ describe('the words of the protocol', () => {
 });
 
 describe('the words of the audit log', () => {
-  it('are those of server/decision/types.h', () => {
+  it('are those of engine_client/decider/types.h', () => {
     expect(OUTCOME_NAMES).toEqual(['kept', 'switched', 'held-cooldown', 'held-settling', 'no-frames', 'manual', 'exploring', 'rejected', 'held-gate', 'held-tie']);
     for (const name of OUTCOME_NAMES) expect(DecisionOutcome[outcomeOf(name)]).toBe(name.toUpperCase().replaceAll('-', '_'));
     expect(['policy', 'exploration', 'bail-out', 'manual'].map(reasonOf)).toEqual([SwitchReason.POLICY, SwitchReason.EXPLORATION, SwitchReason.BAIL_OUT, SwitchReason.MANUAL]);
@@ -37,7 +37,7 @@ describe('the words of the audit log', () => {
     expect(outcomeOf('something-new')).toBe(DecisionOutcome.UNSPECIFIED);
   });
 
-  it('are those of server/audit/cell_text.h', () => {
+  it('are those of engine_client/decider/audit/cell_text.h', () => {
     expect([...KIND_NAMES].sort()).toEqual(['admin', 'bail-out', 'missing', 'mode', 'order', 'refusal', 'setup', 'switch', 'tick']);
     expect(kindWord('something-new').name).toBe('unknown');
   });

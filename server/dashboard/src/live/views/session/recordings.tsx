@@ -75,7 +75,7 @@ export function Recordings({ sessionId, isOver }: { sessionId: string; isOver: b
       <h2 id="recordings-heading">Flight recordings</h2>
       <p class="orders">
         <button type="button" disabled={reason !== ''} onClick={() => void ask()}>Ask for recordings</button>
-        <span class="soft">{reason || <>The boxes and decisions of the five seconds before a frame over the budget. <code>sweepstake replay --recording FILE</code> replays one.</>}</span>
+        <span class="soft">{reason || <>The boxes and decisions of the five seconds before a frame over the budget. <code>sweepstake-lab replay --recording FILE</code> replays one.</>}</span>
       </p>
       {isAsking && <Loading what="the list from the game" />}
       {!reason && answer && <Answered sessionId={sessionId} answer={answer} onRetry={() => void ask()} />}

@@ -1,0 +1,38 @@
+// A lane per run: which algorithm was active when. Strokes below a lane and crosses on it mark moments.
+import * as Plot from '@observablehq/plot';
+import { textColourOn } from '../../../../../server/dashboard/src/palette';
+import { figure, LETTER, widest } from './figure';
+
+export interface Stretch { from: number; to: number; name: string; colour: string; faint: boolean; text: string }
+export interface Lane { name: string; stretches: Stretch[]; strokes: number[]; crosses: { at: number; text: string }[] }
+export interface TimelineChart { id: string; title: string; note?: string | undefined; xLabel: string; lanes: Lane[] }
+
+const WIDTH = 1080;
+const LANE = 30;
+const STROKES = 7; // of a lane's height
+
+export function timelineChart(chart: TimelineChart): HTMLElement {
+  const inLane = <T extends object>(values: (lane: Lane) => T[]) =>
+    chart.lanes.flatMap((lane) => values(lane).map((value) => ({ lane: lane.name, ...value })));
+  const end = Math.max(0.1, ...chart.lanes.flatMap(({ stretches }) => stretches.map(({ to }) => to)));
+  const left = widest(chart.lanes.map(({ name }) => name));
+  const fits = ({ from, to, name }: Stretch) => ((to - from) / end) * (WIDTH - left - 20) > LETTER * name.length + 4;
+  const middle = ({ from, to }: Stretch) => (from + to) / 2;
+  const picture = Plot.plot({
+    width: WIDTH, height: LANE * chart.lanes.length + 60, marginTop: 8, marginBottom: 44,
+    marginLeft: left, className: 'picture',
+    x: { domain: [0, end], label: chart.xLabel, labelAnchor: 'center', labelArrow: false },
+    y: { domain: chart.lanes.map(({ name }) => name), label: null, padding: 0.12, tickSize: 0 },
+    color: { type: 'identity' },
+    marks: [
+      Plot.barX(inLane(({ stretches }) => stretches), { x1: 'from', x2: 'to', y: 'lane', fill: 'colour', insetBottom: STROKES,
+        fillOpacity: ({ faint }: Stretch) => (faint ? 0.45 : 1), title: 'text', stroke: 'var(--card)', strokeWidth: 0.8 }),
+      Plot.text(inLane(({ stretches }) => stretches.filter(fits)), { x: middle, y: 'lane', dy: -STROKES / 2, text: 'name', className: 'on-area',
+        fill: ({ faint, colour }: Stretch) => (faint ? 'var(--text)' : textColourOn(colour)) }),
+      Plot.tickX(inLane(({ strokes }) => strokes.map((at) => ({ at }))), { x: 'at', y: 'lane', insetTop: LANE - 4 - STROKES, stroke: 'var(--soft)', strokeWidth: 0.8 }),
+      Plot.dot(inLane(({ crosses }) => crosses), { x: 'at', y: 'lane', dy: -STROKES / 2, symbol: 'times', r: 5, stroke: 'currentColor', strokeWidth: 2.4, title: 'text' }),
+      Plot.axisX({ ticks: 8, label: chart.xLabel, labelAnchor: 'center', labelArrow: false }),
+    ],
+  } as Plot.PlotOptions);
+  return figure(chart, picture);
+}

@@ -1,0 +1,115 @@
+// The document of `sweepstake-lab experiment --json`, and what the page sums up of it. Times of a run in
+// seconds since it began; ratios are plain numbers, 0.1 for 10 %.
+import { mean, type Interval } from '../../../../../server/dashboard/src/format';
+import type { Machine } from '../page';
+import type { FrameMs } from './replay';
+
+export interface ExperimentRow {
+  policy: string; own_policy: string; cell: string; scene: string; objects: number; runs: number;
+  dominance: string; dominant: string; dominant_runs: { arm: string; runs: number }[]; interpretation: string; verdict: string;
+  switches: number; switches_sd: number; active_percent: number; active_percent_sd: number;
+  mu: number; mu_sd: number; n: number; n_sd: number; truly_fastest?: string;
+}
+export interface Run {
+  cell: string; policy: string; run: number; arms: string[]; exploration_s: number; end_s: number; time_scale: number;
+  dominant: string; active_shares: number[];
+  periods: { arm: number; from_s: number; to_s: number; reason: string }[];
+  held_back_s: number[]; bail_outs: { time_s: number; arm: number }[];
+  posteriors: { time_s: number; means: number[] }[];
+  verdicts: Record<string, number>; time_ns: Record<TimePart, number>;
+  decisions: number; longest_decision_ns: number; dropped_frames: number;
+}
+export type TimePart = 'scene_step' | 'detection' | 'rebuild' | 'copying' | 'around' | 'frame_end' | 'intake' | 'decision' | 'lane';
+export interface Player {
+  name: string; is_policy: boolean; regret: number; ci95: Interval; after_start_up: number | null; switches: number; active_share: number;
+  regret_60hz?: number; ms_per_frame?: FrameMs;
+}
+export interface Comparison {
+  policy: string; baseline: string; pairs: number; difference: number; ci95: Interval; p: number; p_corrected: number; effect: number;
+}
+export interface Agreement {
+  policy: string; runs: number; regret: number; replayed_regret: Interval; regret_agrees: boolean;
+  active_share: number; replayed_active_share: Interval; share_agrees: boolean; measured_regret: number;
+}
+export interface Truth {
+  cell: string; ranking: { arm: string; mean_ns: number; ratio: number }[]; control_ratio: number; headroom: number;
+  players: Player[]; comparisons: Comparison[]; agreements: Agreement[];
+}
+// What the paper printed of a cell.
+export interface PaperCell {
+  scene: string; objects: number; dominant: string; dominant_runs: number; runs: number; dominance: string; interpretation: string;
+  switches: number; switches_sd: number; active_percent: number; active_percent_sd: number; mu: number; mu_sd: number; n: number; n_sd: number;
+}
+export interface ExperimentDocument {
+  command: 'experiment'; folder: string; complete: boolean; finished_runs: number; planned_runs: number; time_scale: number;
+  own_policy: string; machine: Machine; arms: string[];
+  options: { policies: string[]; run_count: number; window: string; seed: number; trace_frame_count: number; replay_seed_count: number };
+  sittings: { command_line: string; start_utc: string; end_utc: string }[];
+  cells: { cell: string; scene: string; objects: number }[];
+  rows: ExperimentRow[]; runs: Run[]; truths: Truth[]; over_cells: Comparison[]; over_live: Comparison[];
+  paper?: PaperCell[]; // Tables 3 and 4 as printed
+}
+
+export const VERDICTS = ['unknown', 'stable', 'tie', 'ambiguous', 'degraded'];
+export const TIME_PARTS: [TimePart, string][] = [
+  ['scene_step', 'Scene step'], ['detection', 'Steady detection'], ['rebuild', 'Rebuilds'], ['copying', 'Copying in'],
+  ['around', 'Descriptors, switching'], ['frame_end', 'Frame end'],
+  ['intake', 'Intake'], ['decision', 'Selector'], ['lane', 'Shadow lane']];
+export const FRAME_PARTS = 6; // of TIME_PARTS: those of the frame thread
+
+const TIE_RATIO = 1.03; // an algorithm this much slower than the fastest counts as equal
+const DISTURBED = 0.1; // the clock's regret of an undisturbed run is this near to the trace's
+
+export const runsOf = ({ runs }: ExperimentDocument, row: { cell: string; policy: string }) =>
+  runs.filter(({ cell, policy }) => cell === row.cell && policy === row.policy);
+export const truthOf = ({ truths }: ExperimentDocument, cell: string) => truths.find((truth) => truth.cell === cell);
+export const replayed = ({ truths }: ExperimentDocument) => truths.filter(({ players }) => players.length > 0);
+
+// Per policy name its regrets over the cells that were replayed.
+export function regretsByPlayer(document: ExperimentDocument): Map<string, { isPolicy: boolean; regrets: number[] }> {
+  const players = new Map<string, { isPolicy: boolean; regrets: number[] }>();
+  for (const { name, is_policy: isPolicy, regret } of replayed(document).flatMap((truth) => truth.players)) {
+    players.set(name, { isPolicy, regrets: [...(players.get(name)?.regrets ?? []), regret] });
+  }
+  return players;
+}
+
+export function meanRegret(document: ExperimentDocument, policy: string): number | undefined {
+  const regrets = regretsByPlayer(document).get(policy)?.regrets;
+  return regrets && mean(regrets);
+}
+
+// In how many cells the policy stayed longest on the truly fastest algorithm, or on one within 3 %.
+export function chosenWell(document: ExperimentDocument, policy: string): { fastest: number; tied: number; all: number } {
+  const ratios = document.rows.filter((row) => row.policy === policy).flatMap((row) =>
+    truthOf(document, row.cell)?.ranking.filter(({ arm }) => arm === row.dominant).map(({ ratio }) => ratio) ?? []);
+  return {
+    all: ratios.length, fastest: ratios.filter((ratio) => ratio === 1).length,
+    tied: ratios.filter((ratio) => ratio > 1 && ratio <= TIE_RATIO).length,
+  };
+}
+
+export function agreementCounts({ truths }: ExperimentDocument): { regret: number; share: number; disturbed: number; all: number } {
+  const all = truths.flatMap(({ agreements }) => agreements);
+  return {
+    all: all.length, regret: all.filter((each) => each.regret_agrees).length, share: all.filter((each) => each.share_agrees).length,
+    disturbed: all.filter((each) => Math.abs(each.measured_regret - each.regret) > DISTURBED).length,
+  };
+}
+
+export const noisyCells = ({ truths }: ExperimentDocument) =>
+  truths.filter(({ control_ratio }) => Math.abs(control_ratio - 1) > TIE_RATIO - 1).map(({ cell }) => cell);
+
+// Sums over runs, by the order of TIME_PARTS.
+export function timeParts(runs: Run[]): number[] {
+  return TIME_PARTS.map(([part]) => runs.reduce((sum, { time_ns }) => sum + time_ns[part], 0));
+}
+
+export const frameTime = (parts: number[]) => parts.slice(0, FRAME_PARTS).reduce((a, b) => a + b, 0);
+
+// The mean active share of each of the document's algorithms.
+export function activeShares({ arms }: ExperimentDocument, runs: Run[]): number[] {
+  return arms.map((arm) => runs.reduce((sum, run) => sum + (run.active_shares[run.arms.indexOf(arm)] ?? 0), 0));
+}
+
+export const verdictCounts = (runs: Run[]) => VERDICTS.map((verdict) => runs.reduce((sum, { verdicts }) => sum + (verdicts[verdict] ?? 0), 0));

@@ -1,0 +1,96 @@
+// Tables of what was compared with what: the best against the best, families, goals.
+import { bold, details, h, list, small, verdict, type Child } from '../dom';
+import { grouped, milliseconds, times } from '../../../../../server/dashboard/src/format';
+import { contestantTitle, familyLines, goalLines, isPublished, overallAt, sceneTitle, type BenchIndex, type Cell as At, type Ratio } from '../model/bench';
+import { cell, columns, drawTable, noValue, text, textCell, type Cell } from '../table';
+import { boundOf, cellHead, goalClass, goalVerdict, separateScenes } from './bench_tables';
+import { GOAL_WORDS } from './bench_words';
+
+const isIn = (at: At) => ({ scene, objects }: At) => scene === at.scene && objects === at.objects;
+
+// How many times faster, whether that is enough, and than whom.
+function comparison(index: BenchIndex, ratio: Ratio): Child[] {
+  const row = ratio.threads === 1 ? index.find(ratio, ratio.other, 1, null) : undefined;
+  let other = ratio.other;
+  if (isPublished(ratio)) other += `, through ${ratio.derived_through}`;
+  else if (row) other += row.note ? `, over its ${grouped(row.frames)} frames` : `, ${milliseconds(row.ms_median)} ms`;
+  return [bold(times(ratio.value)), goalVerdict(ratio), small(other)];
+}
+
+// Comparisons of one kind, the hardest first, which gives the cell its value and its colour.
+function comparisons(index: BenchIndex, ratios: Ratio[]): Cell {
+  const [hardest] = ratios;
+  return hardest ? cell(ratios.flatMap((ratio) => comparison(index, ratio)), hardest.value, goalClass(hardest)) : noValue();
+}
+
+function overallRow(index: BenchIndex, at: At, threads: number, simd: string | null): Cell[] | undefined {
+  const [measured, published] = [false, true].map((each) => overallAt(index, at, threads, simd, each)) as [Ratio[], Ratio[]];
+  const any = measured[0] ?? published[0];
+  if (!any) return undefined;
+  const ours = index.find(at, any.ours, threads, simd);
+  const mean = measured[0]?.value_mean;
+  return [cell(grouped(at.objects), at.objects),
+    textCell([contestantTitle(any.ours, threads, simd), ours && small(`${milliseconds(ours.ms_median)} ms`)]),
+    comparisons(index, measured), mean ? cell(times(mean), mean) : noValue(), comparisons(index, published)];
+}
+
+export function overallTable(index: BenchIndex): HTMLElement {
+  const groups = index.scenes.map(({ name, cells }) => ({
+    title: sceneTitle(index, name),
+    rows: cells.flatMap((at) => index.sets.flatMap((simd) => index.threadCounts.map((threads) => overallRow(index, at, threads, simd))))
+      .filter((row) => row !== undefined),
+  })).filter(({ rows }) => rows.length > 0);
+  return drawTable({ id: 'overall', groups, caption: 'How many times faster the fastest of Sweepstake is than the fastest peer, by the median frame.',
+    head: [columns('Objects', text('Best of ours'), 'Than the peers that ran', 'By the mean', 'Than published ones')] });
+}
+
+export function fastestTable(index: BenchIndex): HTMLElement {
+  const groups = index.scenes.map(({ name, cells }) => ({
+    title: sceneTitle(index, name),
+    rows: cells.flatMap((at) => {
+      const row = index.fastest(at);
+      return row ? [[cell(grouped(at.objects), at.objects), textCell(contestantTitle(row.arm, row.threads, row.simd)),
+        cell(milliseconds(row.ms_median), row.ms_median), cell(grouped(row.pairs_mean), row.pairs_mean)]] : [];
+    }),
+  }));
+  return drawTable({ id: 'fastest', groups, caption: 'The fastest of each scene and number of objects, by the median frame.',
+    head: [columns('Objects', text('Fastest'), 'Milliseconds', 'Pairs per frame')] });
+}
+
+function missedList(index: BenchIndex, missed: Ratio[]): Child {
+  if (missed.length === 0) return h('span', { class: 'none' }, 'none');
+  return details('Show which', list(missed.map((ratio) => {
+    const { ours, threads, simd, scene, objects, value, other } = ratio;
+    return `${contestantTitle(ours, threads, simd)} in ${sceneTitle(index, scene)}, ${grouped(objects)} objects: ${times(value)}` +
+      `${other ? ` (${other})` : ''}, goal ${boundOf(ratio)}`;
+  })));
+}
+
+export function goalTable(index: BenchIndex): HTMLElement | undefined {
+  const rows = goalLines(index).map(({ kind, met, all, missed }) => {
+    const [title, meaning] = GOAL_WORDS[kind];
+    return [cell([title, small(meaning)], title), cell(verdict(met === all, `${met} of ${all} met`), met / all, met === all ? 'met' : 'missed'),
+      textCell(missedList(index, missed), 'text wrap')];
+  });
+  if (rows.length === 0) return undefined;
+  return drawTable({ id: 'goals', caption: 'The goals that this run can judge.', head: [columns('Goal', 'Met', text('Missed'))], groups: [{ rows }] });
+}
+
+export function familyTable(index: BenchIndex): HTMLElement | undefined {
+  const ratios = index.ratios.filter(({ kind }) => kind === 'family');
+  if (ratios.length === 0) return undefined;
+  const groups = new Map<string, Cell[][]>();
+  for (const { ours, threads, simd, published } of familyLines(ratios)) {
+    const title = contestantTitle(ours, threads, simd);
+    const found = (at: At) => ratios.find((ratio) => isIn(at)(ratio) && ratio.ours === ours && ratio.threads === threads && ratio.simd === simd &&
+      (isPublished(ratio) ? ratio.other : '') === published);
+    const row = [cell(published ? [published, small('did not run: by published ratios')] : 'best peer that ran'),
+      ...index.cells.map((at) => {
+        const ratio = found(at);
+        return ratio ? cell([times(ratio.value), goalVerdict(ratio), !published && small(ratio.other)], ratio.value, goalClass(ratio)) : noValue();
+      })];
+    groups.set(title, [...(groups.get(title) ?? []), separateScenes(index, row)]);
+  }
+  return drawTable({ id: 'families', caption: 'How many times faster each of our backends is than peers of its family, by the median frame.',
+    head: cellHead(index, 'Backend, and compared with'), groups: [...groups].map(([title, rows]) => ({ title, rows })) });
+}

@@ -1,0 +1,109 @@
+// What live runs are judged by: the true ranking, regret by replay, tests, live against replay.
+import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
+import { details, small, verdict, type Child } from '../dom';
+import { interval, mean, microseconds, percent, probability, share, shareInterval, significant, times } from '../../../../../server/dashboard/src/format';
+import { regretsByPlayer, replayed, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
+import { cell, columns, drawTable, noValue, text, textCell, type Cell, type Group } from '../table';
+import { armChip } from './experiment_cells';
+import type { Words } from './experiment_words';
+import { REGRET_AXIS, regretRow, styleOf, type PlayerStyle } from './regret';
+
+export function trueRanking({ truths }: ExperimentDocument, words: Words): HTMLElement | undefined {
+  const places = truths[0]?.ranking.map((_, i) => text(`${i + 1}.`));
+  if (!places) return undefined;
+  const rows = truths.map((truth) => [cell(words.cellName(truth.cell)),
+    ...truth.ranking.map(({ arm, mean_ns, ratio }) => textCell([armChip(arm), small(ratio === 1 ? microseconds(mean_ns) : times(ratio))])),
+    cell(percent(truth.control_ratio - 1)), truth.players.length === 0 ? noValue() : cell(share(Math.max(0, truth.headroom)))]);
+  return drawTable({ id: 'ranking', groups: [{ rows }], head: [columns('Cell', ...places, 'Same twice', 'Headroom')],
+    caption: 'Mean time to update and search a frame, every algorithm on the same frames; how many times the fastest’s' });
+}
+
+function overviewRows(document: ExperimentDocument, words: Words): RangeRow[] {
+  return [...regretsByPlayer(document)].map(([name, { isPolicy, regrets }]) => {
+    const [low, middle, high] = [Math.min(...regrets), mean(regrets), Math.max(...regrets)];
+    return regretRow(isPolicy ? words.policyTitle(name) : name, styleOf(name, isPolicy, document.own_policy), middle, [low, high],
+      `mean ${percent(middle)}, from ${percent(low)} to ${percent(high)}`);
+  });
+}
+
+function cellRows(truth: Truth, document: ExperimentDocument, words: Words): RangeRow[] {
+  return truth.players.map(({ name, is_policy, regret, ci95, after_start_up, ms_per_frame: ms, regret_60hz }) => regretRow(is_policy ? words.policyTitle(name) : name,
+    styleOf(name, is_policy, document.own_policy), regret, ci95, `${percent(regret)} (95 %: ${interval(ci95)})\nafter start-up ${percent(after_start_up)}` +
+      (ms ? `\n${significant(ms.regret)} ms per frame, ${percent(regret_60hz ?? null)} of one at 60 Hz` : '')));
+}
+
+function regretTable(truths: Truth[], words: Words): HTMLElement {
+  const best = (truth: Truth) => Math.min(...truth.players.filter((each) => each.is_policy).map(({ regret }) => regret));
+  const rows = truths[0]!.players.map(({ name, is_policy }, i) => [cell(is_policy ? words.policyTitle(name) : name),
+    ...truths.map((truth) => {
+      const { regret, after_start_up } = truth.players[i]!;
+      return cell([percent(regret), small(percent(after_start_up))], regret, is_policy && regret === best(truth) ? 'best' : '');
+    })]);
+  return drawTable({ id: 'regret-table', groups: [{ rows }], head: [columns('Player', ...truths.map(({ cell: name }) => words.cellName(name)))],
+    caption: 'Mean regret of each player over its games, start and exploration included; below it after the start-up. The lowest policy of ' +
+      'each cell is marked' });
+}
+
+export function regretCharts(document: ExperimentDocument, words: Words): Child[] {
+  const truths = replayed(document);
+  if (truths.length === 0) return [];
+  return [
+    rangeChart({ id: 'regret-over-cells', title: 'All cells together', xLabel: REGRET_AXIS, rows: byValue(overviewRows(document, words)),
+      note: 'The mark is the mean over the cells; the bar reaches from the best cell to the worst.' }),
+    regretTable(truths, words),
+    details('Each cell', ...truths.map((truth, i) => rangeChart({ id: `regret-${i + 1}`, title: words.cellName(truth.cell),
+      xLabel: `${REGRET_AXIS}; the bar is the 95 % interval`, rows: byValue(cellRows(truth, document, words)) })))];
+}
+
+function comparisonGroup(title: string, comparisons: Comparison[], words: Words): Group {
+  return { title, rows: comparisons.map((each) => [cell(words.policyTitle(each.baseline)), cell(String(each.pairs), each.pairs),
+    cell(percent(each.difference), each.difference), cell(interval(each.ci95), each.ci95[0]), cell(probability(each.p), each.p),
+    cell(probability(each.p_corrected), each.p_corrected), cell(significant(each.effect, 2), each.effect)]) };
+}
+
+export function comparisonTables(document: ExperimentDocument, words: Words): Child[] {
+  const { over_cells, over_live } = document;
+  if (over_cells.length === 0) return [];
+  const draw = (id: string, groups: Group[]) => drawTable({ id, groups,
+    head: [columns('Baseline', 'Pairs', 'Difference', '95 % interval', 'p', 'p, corrected', 'Effect')],
+    caption: `${words.policyTitle('default')} against each baseline, paired: the difference of regret (negative: loses less), its 95 % bootstrap ` +
+      'interval, Wilcoxon’s signed-rank test, its probability by Holm’s correction, and the rank-biserial effect size' });
+  const all = [comparisonGroup('Replay, all cells; a pair per cell', over_cells, words)];
+  if (over_live.length > 0) all.push(comparisonGroup('Live runs at the trace’s costs; a pair per run', over_live, words));
+  return [draw('comparisons', all), details('Each cell', draw('comparisons-by-cell', replayed(document).map((truth) =>
+    comparisonGroup(`${words.cellName(truth.cell)}; a pair per seed`, truth.comparisons, words))))];
+}
+
+const agreementStyle = (agrees: boolean): PlayerStyle =>
+  (agrees ? { colour: 'var(--own)', symbol: 'circle', solid: true } : { colour: 'var(--paper)', symbol: 'triangle', solid: false });
+
+function agreeCell(agrees: boolean, live: string, value: number, expected: string): Cell {
+  return cell([live, small(verdict(agrees, `${agrees ? 'in' : 'outside'} ${expected}`))], value, agrees ? 'met' : 'missed');
+}
+
+function agreementRows(name: string, each: Agreement): { regret: RangeRow; share: RangeRow; row: Cell[] } {
+  const [low, high] = each.replayed_active_share;
+  return {
+    regret: regretRow(name, agreementStyle(each.regret_agrees), each.regret, each.replayed_regret,
+      `live ${percent(each.regret)}, replay ${interval(each.replayed_regret)}`),
+    share: { name, ...agreementStyle(each.share_agrees), low: Math.max(100 * low, 0), value: 100 * each.active_share, high: Math.min(100 * high, 100),
+      label: share(each.active_share), text: `live ${share(each.active_share)}, replay ${shareInterval(each.replayed_active_share)}` },
+    row: [cell(name), cell(String(each.runs), each.runs),
+      agreeCell(each.regret_agrees, percent(each.regret), each.regret, interval(each.replayed_regret)),
+      agreeCell(each.share_agrees, share(each.active_share), each.active_share, shareInterval(each.replayed_active_share)),
+      cell(percent(each.measured_regret), each.measured_regret)],
+  };
+}
+
+export function liveAgainstReplay({ truths }: ExperimentDocument, words: Words): Child[] {
+  const rows = truths.flatMap((truth) => truth.agreements.map((each) =>
+    agreementRows(`${words.cellName(truth.cell)} · ${words.policyShort(each.policy)}`, each)));
+  if (rows.length === 0) return [];
+  const note = 'Mark: live. Bar: where replay expects it, 95 %.';
+  return [
+    rangeChart({ id: 'agreement-regret', title: 'Regret', note, xLabel: REGRET_AXIS, rows: rows.map((each) => each.regret) }),
+    rangeChart({ id: 'agreement-share', title: 'Active share of the dominant algorithm', note, xLabel: 'Percent of the observation window', linear: true,
+      rows: rows.map((each) => each.share) }),
+    drawTable({ id: 'agreement', caption: 'Live runs against replay under the same conditions', groups: [{ rows: rows.map(({ row }) => row) }],
+      head: [columns('Cell and policy', 'Live runs', 'Regret at the trace’s costs', 'Active share', 'Regret as the clock measured it')] })];
+}

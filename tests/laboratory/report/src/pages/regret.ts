@@ -1,0 +1,22 @@
+// Charts and words of regret, for the pages of experiment and replay.
+import type { RangeRow } from '../charts/range_chart';
+import { percent, type Interval } from '../../../../../server/dashboard/src/format';
+
+export const REGRET_AXIS = 'Percent of frame time lost to the best fixed algorithm';
+const MIN_PERCENT = 0.01;
+
+// What loses less, or wins, stands at the left edge of the logarithmic axis.
+export const onAxis = (ratio: number) => Math.max(100 * ratio, MIN_PERCENT);
+
+export type PlayerStyle = Required<Pick<RangeRow, 'colour' | 'symbol' | 'solid'>>;
+
+// Ours in one colour, the paper's in another, other baselines in a third, fixed arms and the oracle in grey.
+export function styleOf(name: string, isPolicy: boolean, own: string): PlayerStyle {
+  if (name === own || name === 'default') return { colour: 'var(--own)', symbol: 'circle', solid: true };
+  if (name === 'paper') return { colour: 'var(--paper)', symbol: 'triangle', solid: true };
+  return isPolicy ? { colour: 'var(--baseline)', symbol: 'diamond', solid: true } : { colour: 'var(--other)', symbol: 'circle', solid: false };
+}
+
+export function regretRow(name: string, style: PlayerStyle, regret: number, [low, high]: Interval, text: string): RangeRow {
+  return { name, ...style, low: onAxis(low), value: onAxis(regret), high: onAxis(high), label: percent(regret), text };
+}

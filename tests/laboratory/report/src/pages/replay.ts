@@ -1,0 +1,173 @@
+// The page of `sweepstake-lab replay`.
+import { byValue, rangeChart } from '../charts/range_chart';
+import { chip } from '../charts/figure';
+import { reliabilityChart } from '../charts/reliability_chart';
+import { stackedBars } from '../charts/stacked_bars';
+import { headline, list, paragraph, small, terms, verdict, type Child } from '../dom';
+import { grouped, interval, mean, percent, probability, share, significant, spread } from '../../../../../server/dashboard/src/format';
+import { VERDICTS } from '../model/experiment';
+import { calibrationError, costsOf, fileName, isFixed, meanRegretOf, reliabilityOf, type ReplayDocument, type ReplayRow } from '../model/replay';
+import { commandLine, rawRows, type Page } from '../page';
+import { colourOf } from '../../../../../server/dashboard/src/palette';
+import { cell, columns, drawTable, noValue, text, textCell, type Cell } from '../table';
+import { verdictKinds } from './experiment_cells';
+import { REGRET_AXIS, regretRow, styleOf } from './regret';
+
+const sceneOf = ({ scenes = [] }: ReplayDocument, costs: string) => scenes.find((scene) => scene.costs === costs);
+const rowsOf = ({ rows }: ReplayDocument, costs: string) => rows.filter((row) => row.costs === costs);
+const firstPolicy = ({ rows }: ReplayDocument) => rows.find(({ policy }) => !isFixed(policy))?.policy;
+const ownOf = (document: ReplayDocument) => document.own_policy ?? 'default';
+
+function results(document: ReplayDocument): Child[] {
+  const policy = firstPolicy(document);
+  const ours = policy && meanRegretOf(document, policy);
+  const papers = policy === 'paper' ? undefined : meanRegretOf(document, 'paper');
+  const traces = costsOf(document).length;
+  return [
+    typeof ours === 'number' && headline(percent(ours), `of frame time is what the policy ${policy} loses to the best fixed algorithm, on average over ` +
+      `${traces} ${traces === 1 ? 'trace' : 'traces'} and ${document.seeds} seeds, start and exploration included; below 0 means faster than any ` +
+      `single one.${papers === undefined ? '' : ` The paper’s policy loses ${percent(papers)}.`}`)];
+}
+
+function goals({ goals = [] }: ReplayDocument): Child[] {
+  if (goals.length === 0) return [];
+  const rows = goals.map(({ goal, limit_text, reached, met, cells }) => [cell(goal), textCell(limit_text),
+    reached === null ? noValue() : cell(significant(reached), reached),
+    textCell(cells.length === 0 ? '–' : `${cells.filter((each) => each.met).length} of ${cells.length}, worst ${cells[0]!.cell}`),
+    reached === null ? textCell('nothing to judge') : cell(verdict(met, met ? 'met' : 'missed'), Number(met), met ? 'met' : 'missed')]);
+  return [drawTable({ id: 'goals', caption: 'The goals that this run can judge.', groups: [{ rows }],
+    head: [columns('Goal', text('Limit'), 'Reached', text('Cells'), 'Result')] })];
+}
+
+function regretChart(document: ReplayDocument, costs: string, number: number): HTMLElement {
+  const scene = sceneOf(document, costs);
+  const first = rowsOf(document, costs)[0]!;
+  const rows = rowsOf(document, costs).map(({ policy, regret_best_fixed: regret, ci95, regret_after_start }) => regretRow(policy,
+    styleOf(policy, !isFixed(policy), ownOf(document)), regret, ci95, `${percent(regret)} (95 %: ${interval(ci95)})\nafter start-up ${percent(regret_after_start)}`));
+  return rangeChart({ id: `regret-${number + 1}`, title: fileName(costs), rows: byValue(rows), xLabel: `${REGRET_AXIS}; the bar is the 95 % interval`,
+    note: `Headroom ${percent(first.headroom)} with switches paid, ${percent(first.headroom_frame)} frame by frame` +
+      (scene ? `; noise floor ${percent(Math.abs(scene.control_regret))}` : '') });
+}
+
+// Of each policy the mean over the traces, and from the best trace to the worst.
+function overview(document: ReplayDocument): HTMLElement | null {
+  if (costsOf(document).length < 2) return null;
+  const rows = [...new Set(document.rows.map(({ policy }) => policy))].map((policy) => {
+    const regrets = document.rows.filter((row) => row.policy === policy).map((row) => row.regret_best_fixed);
+    const [low, high] = [Math.min(...regrets), Math.max(...regrets)];
+    return regretRow(policy, styleOf(policy, !isFixed(policy), ownOf(document)), mean(regrets), [low, high],
+      `mean ${percent(mean(regrets))}, from ${percent(low)} to ${percent(high)}`);
+  });
+  return rangeChart({ id: 'regret-over-traces', title: 'All traces together', xLabel: REGRET_AXIS, rows: byValue(rows),
+    note: 'The mark is the mean over the traces; the bar reaches from the best trace to the worst.' });
+}
+
+const optional = (value: number | null, show: (value: number) => string) => (value === null ? noValue() : cell(show(value), value));
+
+function rowCells(row: ReplayRow): Cell[] {
+  const { against_paper: paper } = row;
+  return [cell(row.policy), cell([percent(row.regret_best_fixed), small(interval(row.ci95))], row.regret_best_fixed),
+    optional(row.regret_after_start, percent), cell(percent(row.regret_oracle), row.regret_oracle),
+    optional(row.headroom_captured, (value) => `${grouped(100 * value)} %`), cell(spread(row.switches, 0, 1, 1), row.switches),
+    cell(share(row.active_share), row.active_share), textCell(chip(row.dominant, colourOf(row.dominant))),
+    optional(row.bail_outs, (value) => significant(value)), optional(row.first_best_s, (value) => `${significant(value)} s`),
+    cell(share(row.shadow_share), row.shadow_share),
+    paper ? cell([percent(paper.difference), small(`${interval(paper.ci95)}, p ${probability(paper.wilcoxon_p)}`)], paper.difference) : noValue()];
+}
+
+function rowTable(document: ReplayDocument): HTMLElement {
+  return drawTable({ id: 'rows', caption: `Mean of ${document.seeds} games of each policy on each trace, with the 95 % interval.`,
+    head: [columns('Policy', 'Regret', 'After start-up', 'Against the oracle', 'Captured', 'Switches', 'Active share', text('Dominant'), 'Bail-outs',
+      'First on the best', 'Shadow lane', 'Against the paper')],
+    groups: costsOf(document).map((costs) => ({ title: costs, rows: rowsOf(document, costs).map(rowCells) })) });
+}
+
+function verdicts(document: ReplayDocument): Child[] {
+  const known = document.rows.filter((row) => Object.values(row.verdicts).some((value) => value > 0));
+  return known.length === 0 ? [] : [stackedBars({ id: 'verdict-shares', title: 'What the posteriors said', note: 'Share of the decisions.', kinds: verdictKinds,
+    rows: known.map(({ costs, policy, verdicts: counts }) => ({ name: `${fileName(costs)} · ${policy}`, values: VERDICTS.map((name) => counts[name] ?? 0) })) })];
+}
+
+const signedMs = (ms: number) => (ms === 0 ? '0' : (ms < 0 ? '−' : '+') + significant(Math.abs(ms)));
+
+function msCells({ policy, ms_per_frame: ms, regret_detection: ofDetection, regret_60hz: of60Hz }: ReplayRow): Cell[] {
+  if (!ms) return [];
+  const against = (other: number | null) => optional(other === null ? null : ms.detection - other, signedMs);
+  return [cell(policy), cell(significant(ms.detection), ms.detection), cell(signedMs(ms.regret), ms.regret), cell(percent(ofDetection ?? null), ofDetection),
+    cell(percent(of60Hz ?? null), of60Hz), against(ms.worst), against(ms.median), against(ms.paper), cell(significant(ms.lane), ms.lane)];
+}
+
+function msTitle(document: ReplayDocument, costs: string, { best, median, worst }: NonNullable<ReplayRow['ms_per_frame']>): string {
+  const objects = sceneOf(document, costs)?.objects;
+  return `${fileName(costs)}: ${objects === undefined ? '' : `${grouped(objects)} objects, `}best fixed algorithm ${significant(best)} ms, ` +
+    `median ${significant(median)} ms, worst ${significant(worst)} ms`;
+}
+
+function msTable(document: ReplayDocument): Child[] {
+  const groups = costsOf(document).flatMap((costs) => {
+    const rows = rowsOf(document, costs).filter((row) => row.ms_per_frame);
+    return rows.length === 0 ? [] : [{ title: msTitle(document, costs, rows[0]!.ms_per_frame!), rows: rows.map(msCells) }];
+  });
+  return groups.length === 0 ? [] : [drawTable({ id: 'milliseconds', caption: 'Milliseconds of detection per frame, as recorded.', groups,
+    head: [columns('Policy', 'Detection', 'Regret', 'Of detection', 'Of a 60 Hz frame', 'Against the worst', 'Against the median', 'Against the paper',
+      'Shadow lane')] })];
+}
+
+function calibration(document: ReplayDocument): Child[] {
+  const known = [...new Set(document.rows.map(({ policy }) => policy))]
+    .map((policy) => ({ policy, bins: reliabilityOf(document, policy) })).filter(({ bins }) => bins.length > 0);
+  if (known.length === 0) return [];
+  return [reliabilityChart({ id: 'reliability', title: 'How often the leader was the fastest', xLabel: 'Probability that the policy gave its leader',
+    yLabel: 'Share in which it was the fastest algorithm', note: 'Judged by the frames since the decision before; the area of a mark grows with the ' +
+      'number of decisions. On the dashed line, what is said with 80 % is right in 80 %; below it, the policy is too sure of itself.',
+    lines: known.map(({ policy, bins }) => ({ name: policy, colour: styleOf(policy, true, ownOf(document)).colour, points: bins.map((bin) => ({
+      predicted: bin.predicted, observed: bin.best, weight: bin.decisions, text: `said ${share(bin.predicted)}, was the fastest in ${share(bin.best)}, or ` +
+        `within 0.5 % of it in ${share(bin.best_or_tie)} of ${grouped(bin.decisions)} decisions` })) })) }),
+  drawTable({ id: 'calibration', caption: 'The same figures.', head: [columns('Probability', 'Decisions', 'Said on average', 'Was the fastest', 'Or within 0.5 %')],
+    groups: known.map(({ policy, bins }) => ({ title: `${policy}: ${share(calibrationError(bins))} off on average`, rows: bins.map((bin) => [
+      cell(`${significant(100 * bin.low, 2)} to ${significant(100 * bin.high, 2)} %`, bin.low), cell(grouped(bin.decisions), bin.decisions),
+      cell(share(bin.predicted), bin.predicted), cell(share(bin.best), bin.best), cell(share(bin.best_or_tie), bin.best_or_tie)]) })) })];
+}
+
+function sceneTable({ scenes = [] }: ReplayDocument): Child {
+  const seconds = (ns: number) => cell(`${significant(ns * 1e-9)} s`, ns);
+  return scenes.length > 0 && drawTable({ id: 'scenes', caption: 'The traces as they were played. Noise floor: the same algorithm measured twice.',
+    head: [columns('Trace', 'Algorithms', 'Frames of the trace', 'Frames of a game', 'Mean frame', 'Run', 'Pass', 'Noise floor')],
+    groups: [{ rows: scenes.map((scene) => [cell(scene.costs), cell(String(scene.arms.length)), cell(grouped(scene.trace_frames)), cell(grouped(scene.frames)),
+      cell(`${significant(scene.frame_ns * 1e-6)} ms`, scene.frame_ns), seconds(scene.run_ns), seconds(scene.pass_ns), cell(percent(Math.abs(scene.control_regret)))]) }] });
+}
+
+const glossary = () => terms([
+  ['Regret', 'frame time ÷ that of the best fixed algorithm on the same frames, minus 1; negative is better'],
+  ['After start-up', 'without the first minute and the exploration'],
+  ['Oracle', 'the best sequence of algorithms, known beforehand, that pays for its switches'],
+  ['Headroom, captured', 'what the oracle gains over the best fixed algorithm, and how much of that gain was reached'],
+  ['Active share', 'of the dominant algorithm, of the game’s time'],
+  ['Of a 60 Hz frame', 'the regret as a share of 16.67 ms: what it means to a game whose other work fills the rest'],
+  ['Shadow lane', 'the share of time in which another thread measured the other algorithms; in milliseconds, of another core']], 'terms');
+
+export function replayPage(document: ReplayDocument): Page {
+  const traces = costsOf(document);
+  return {
+    title: 'Sweepstake replay',
+    lead: [paragraph('Policies played recorded cost traces in virtual time: every algorithm’s cost on every frame is known, so each decision can be ' +
+      'judged by what the others would have cost.')],
+    sections: [
+      { id: 'results', heading: 'Results', body: results(document) },
+      { id: 'judged', heading: 'Goals', body: goals(document) },
+      { id: 'regret', heading: 'What each policy loses', body: [
+        paragraph('Left is better; the axis is logarithmic, and what loses 0.01 % or less, or wins, stands at its left edge.'),
+        overview(document), ...traces.map((costs, i) => regretChart(document, costs, i))] },
+      { id: 'policies', heading: 'Policies', body: [rowTable(document)] },
+      { id: 'ms', heading: 'In milliseconds', body: msTable(document) },
+      { id: 'sure', heading: 'How sure it may be', body: calibration(document) },
+      { id: 'verdicts', heading: 'Verdicts', body: verdicts(document) },
+      { id: 'traces', heading: 'Traces', body: [sceneTable(document), document.command_line && commandLine(document.command_line)] },
+      { id: 'method', heading: 'How it was measured', body: [list(['All policies played the same frames with the same seeds; intervals are bootstrapped over ' +
+        'the seeds, probabilities are Wilcoxon’s signed-rank test.', 'Recorded times are multiplied by one factor, so that the mean frame of the best fixed ' +
+        'algorithm has the length that the table of traces names.'])] },
+      { id: 'terms', heading: 'What the words mean', body: [glossary()] },
+      { id: 'raw', heading: 'All rows', body: rawRows(document, null) },
+    ],
+  };
+}

@@ -1,0 +1,47 @@
+// The offline report: reads the documents in the page and draws one after the other.
+import { append, h } from './dom';
+import type { BenchDocument } from './model/bench';
+import type { ExperimentDocument } from './model/experiment';
+import type { ReplayDocument } from './model/replay';
+import { drawPage, themeSwitch, type Page } from './page';
+import { benchPage } from './pages/bench';
+import { experimentPage } from './pages/experiment';
+import { replayPage } from './pages/replay';
+
+type Document = BenchDocument | ExperimentDocument | ReplayDocument;
+
+function pageOf(data: Document): Page {
+  switch (data.command) {
+    case 'bench': return benchPage(data);
+    case 'experiment': return experimentPage(data);
+    case 'replay': return replayPage(data);
+  }
+  throw new Error(`this page cannot show what ${JSON.stringify((data as { command?: unknown }).command)} printed`);
+}
+
+// A document that cannot be drawn does not take the others with it.
+function pageOrError(data: Document, i: number): Page {
+  try {
+    return pageOf(data);
+  } catch (error) {
+    return { title: 'Sweepstake report', sections: [],
+      lead: [h('p', {}, `Document ${i + 1} cannot be drawn: ${(error as Error).message}.`)] };
+  }
+}
+
+function readDocuments(): Document[] {
+  const text = document.getElementById('documents')?.textContent ?? '';
+  if (!text.startsWith('[')) throw new Error('it holds no documents; `sweepstake-lab report FILE.json --out FILE.html` makes one that does');
+  return JSON.parse(text) as Document[];
+}
+
+const main = document.getElementById('report')!;
+try {
+  const pages = readDocuments().map(pageOrError);
+  document.title = [...new Set(pages.map(({ title }) => title))].join(', ');
+  const theme = themeSwitch();
+  main.replaceChildren();
+  append(main, pages.map((page, i) => drawPage(page, i === 0 ? '' : `d${i + 1}-`, i === 0 && theme)));
+} catch (error) {
+  main.replaceChildren(h('h1', {}, 'Sweepstake report'), h('p', {}, `This page cannot be drawn: ${(error as Error).message}.`));
+}
