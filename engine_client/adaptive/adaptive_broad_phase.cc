@@ -1,7 +1,7 @@
 // The frame path, steps 2 to 6, in the order of BeginFrame, FindPairs, EndFrame.
 //
-// An inactive backend keeps its buffers, so that a switch back to it need not allocate; only the
-// active backend's bytes are reported, since they are the cost of its arm.
+// Inactive backends keep their buffers, so that a switch back to them allocates nothing. A sample's
+// native_bytes is that of the active backend alone, because it is part of the active arm's cost.
 #include "engine_client/adaptive/adaptive_impl.h"
 
 #include <algorithm>
@@ -16,9 +16,9 @@
 namespace sweepstake {
 namespace {
 
-// The maximum frame time for which a commanded switch waits for the shadow lane: some 30 frames at
-// 60 frames/s, of which a preparation takes 5. It is one frame if the active arm is so slow that
-// leaving it matters more than a smooth switch.
+// The maximum frame time for which a commanded switch waits for the shadow lane: 500 ms, or 30
+// frames at 60 frames/s; a preparation takes about 5 frames. If the active arm is so slow that one
+// frame takes this long, the switch waits for one frame only.
 constexpr uint64_t kMaxPreparationNs = 500'000'000;
 
 // Packs the active arm and its epoch into one word, so that other threads read both together.
@@ -44,8 +44,8 @@ size_t EngineThreads(const AdaptiveOptions& options) {
   return options.executor == nullptr ? 1 : options.executor->thread_count();
 }
 
-// Half of the budget is the lane's, so that it needs no agreement with the frame thread about what
-// the arms leave.
+// Gives the lane half of the memory budget, so that lane and frame thread need not agree on how to
+// divide the memory that the arms leave.
 ShadowOptions LaneOptions(const AdaptiveOptions& options) {
   ShadowOptions shadow = options.shadow;
   if (options.memory_budget_bytes == 0) return shadow;
@@ -56,7 +56,7 @@ ShadowOptions LaneOptions(const AdaptiveOptions& options) {
 }  // namespace
 
 Clock& SteadyClock() {
-  static ChronoSteadyClock clock;  // It has no state, so that all may share it.
+  static ChronoSteadyClock clock;  // It has no state, so it can be shared.
   return clock;
 }
 
@@ -108,7 +108,7 @@ Status AdaptiveBroadPhase::Impl::StartLane() {
       });
 }
 
-// Step 2: executes a pending switch, at most one per frame. A local decision takes precedence over
+// Step 2: executes a pending switch, at most one per frame. A local command takes precedence over
 // the mailbox.
 void AdaptiveBroadPhase::Impl::BeginFrame() {
   const Zone zone(kZoneBeginFrame);
@@ -130,7 +130,8 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
   sample_.switch_epoch = epoch();
 }
 
-// A kManual that the game itself has chosen stays its own.
+// Executes an operator's order. If the game itself has already chosen kManual, an order for kManual
+// does not set manual_by_order_, so that a later bail-out does not end the game's choice.
 void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
   const bool is_own_manual =
       mode.load(std::memory_order_relaxed) == Mode::kManual && !manual_by_order_;
@@ -143,14 +144,15 @@ void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
   }
 }
 
-// The mode changes before the frame is reported, so that the decider answers it as in that mode.
+// Ends a kManual that an operator has ordered. Called before the frame is reported, so that the
+// decider treats the frame as one in mode kAi.
 void AdaptiveBroadPhase::Impl::EndOrder() {
   SetMode(Mode::kAi);
   ReportMode(/*order_id=*/0);
 }
 
-// Takes a command, which replaces an earlier one. If both name the same arm, the preparation goes
-// on.
+// Stores a command, which replaces an earlier one. If both name the same arm, its preparation
+// continues.
 void AdaptiveBroadPhase::Impl::TakeCommand(const SwitchCommand& command) {
   const bool same_arm = pending_ && pending_->command.arm == command.arm;
   pending_ = PendingSwitch{command, same_arm ? pending_->waited_ns : 0};
@@ -174,8 +176,8 @@ bool AdaptiveBroadPhase::Impl::IsAllowed(const SwitchCommand& command) const {
   return may_choose && !frozen() && command.arm < arms.size() && command.arm != arm();
 }
 
-// Returns whether the pending switch waits for the lane. A bail-out does not, whether the command's
-// reason or the last frame's flag says so.
+// Returns whether the pending switch waits for the lane. It does not wait if the command's reason
+// is a bail-out or the last frame exceeded the bail-out limit.
 bool AdaptiveBroadPhase::Impl::WaitsForLane() {
   const bool bails_out = pending_->command.reason == SwitchReason::kBailOut ||
                          (last_sample.flags & kFrameBailOut) != 0;
@@ -205,8 +207,8 @@ void AdaptiveBroadPhase::Impl::KeepBudget() {
   if (lane_ != nullptr && memory_bytes() > memory_budget_bytes_) lane_->Trim();
 }
 
-// Looks at the budget between switches only after frames in which the active arm has grown, and so
-// has allocated anyway.
+// Checks the budget after a frame in which the active arm has grown. Such a frame has allocated
+// anyway, so that freeing memory now makes no frame allocate that would not have otherwise.
 void AdaptiveBroadPhase::Impl::KeepBudgetOfGrowing() {
   if (memory_budget_bytes_ != 0 && last_sample.native_bytes > budgeted_bytes_) KeepBudget();
 }
@@ -218,7 +220,8 @@ void AdaptiveBroadPhase::Impl::Trim() {
   if (lane_ != nullptr) lane_->Trim();
 }
 
-// A backend keeps its buffers as long as it lives.
+// Replaces the inactive backends by new ones: a backend frees its buffers only when it is
+// destroyed.
 void AdaptiveBroadPhase::Impl::FreeInactiveArms() {
   if (!make_) return;
   keeps_structure_ = false;
@@ -259,7 +262,8 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   Search();
   const uint64_t detection_ns = MeasureDetection(boxes, start_ns);
   if (lane != nullptr && is_steady) lane->cost().End(work, detection_ns, epoch());
-  // Not measured: the lane's visits do not sort, and what is learnt must hold with and without it.
+  // Sorting is not measured: the lane's visits do not sort, and what is learnt must hold with and
+  // without sorting.
   if (sorter_) sorter_->Sort(pairs_.pairs());
   if (!std::exchange(searched_, true)) ShowFrame(boxes);
   return std::as_const(pairs_).pairs();
@@ -272,8 +276,8 @@ void AdaptiveBroadPhase::Impl::Search() {
   built_ = true;
 }
 
-// Shows the first search's boxes to those who take one set of boxes per frame: from one first
-// search to the next, objects move as far as they do in a frame.
+// Passes the boxes of a frame's first search to the consumers that need one set of boxes per frame.
+// Between first searches objects move as far as they do in one frame.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
   view_tap.OnFrame(boxes, sample_.frame_index);
@@ -284,8 +288,7 @@ void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
                          .arm = sample_.arm});
 }
 
-// Builds or updates the structure. A backend that has run out of memory is rebuilt in the next
-// frame.
+// Builds or updates the structure. After a backend has run out of memory, the next frame rebuilds.
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
   const Zone zone(kZoneUpdate);
   if (std::exchange(built_, false)) {
@@ -301,7 +304,8 @@ void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t sta
   if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(NowNs() - start_ns);
 }
 
-// The searches of a frame add up; what can be had of one alone is the latest one's.
+// Adds the search to the frame's sample: times and checks are summed, the other counts are those of
+// the latest search.
 uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
                                                     uint64_t start_ns) {
   constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();
@@ -349,7 +353,8 @@ void AdaptiveBroadPhase::Impl::EndTrial() {
   local_command_ = SwitchCommand{.arm = end->arm_before};
 }
 
-// At once, not when the arm has settled: the decider is to know it before it chooses again.
+// Reports the end of a trial at once instead of after the settling time, so that the decider knows
+// it before its next choice.
 void AdaptiveBroadPhase::Impl::ReportTrialEnd() {
   const auto end = std::exchange(trial_end_, std::nullopt);
   if (!end) return;

@@ -1,5 +1,5 @@
 // Backends with detachable executors, and a factory that makes an AdaptiveBroadPhase from the
-// caller's backends instead of the registry's, for scripted backends in tests. Internal to this
+// caller's backends instead of the registry's (tests use scripted backends). Internal to this
 // repository.
 #pragma once
 
@@ -13,8 +13,7 @@
 
 namespace sweepstake {
 
-// Forwards parts to another executor while it is attached, otherwise runs them on the calling
-// thread.
+// Runs parts on another executor while attached to it, otherwise on the calling thread.
 class DetachableExecutor final : public Executor {
  public:
   // Borrows `shared`, which must outlive this executor.
@@ -22,8 +21,8 @@ class DetachableExecutor final : public Executor {
 
   void Attach(bool attached) { attached_ = attached; }
 
-  // Returns the count of the shared executor, attached or not, since backends size their buffers by
-  // it.
+  // Returns the count of the shared executor even while detached, because backends size their
+  // buffers by it.
   size_t thread_count() const noexcept override { return shared_.thread_count(); }
   void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
     if (attached_) return shared_.RunParts(part_count, run_part, context);
@@ -35,8 +34,8 @@ class DetachableExecutor final : public Executor {
   bool attached_ = false;
 };
 
-// A backend and its executor. The frame path and the shadow lane have one each per arm and exchange
-// them at a warm switch: the lane's backend works on the lane's thread alone, the frame path's on
+// A backend and its executor. The frame path and the shadow lane own one each per arm, and swap
+// them at a warm switch. The lane's backend runs on the lane's thread alone, the frame path's on
 // the engine's threads. Not thread-safe; owned by one thread at a time.
 struct ArmBackend {
   std::unique_ptr<DetachableExecutor> executor;  // may be null; outlives the backend
@@ -50,10 +49,10 @@ struct ArmBackend {
 // Makes another, detached backend of the arm with this index. Throws std::bad_alloc.
 using ArmBackendFactory = std::function<ArmBackend(uint32_t arm)>;
 
-// The parts of the shadow lane; there is no lane without `make`, and no arm's memory is freed.
+// The parts of the shadow lane. Without `make` no lane is made, and no arm's memory is freed.
 struct LaneParts {
-  ArmBackendFactory make;  // makes the lane's own backends, and an arm's new one after Trim
-  // How many cores the lane's thread and the engine's may use together.
+  ArmBackendFactory make;  // makes the lane's backends, and new ones for freed arms
+  // Returns how many cores the lane's thread and the engine's threads may use together.
   size_t (*usable_cores)() noexcept = UsableCores;
 };
 

@@ -1,4 +1,4 @@
-// The frame path behind AdaptiveBroadPhase, whose header has the contract. Internal to this
+// The implementation of AdaptiveBroadPhase, whose header has the contract. Internal to this
 // repository.
 #pragma once
 
@@ -26,7 +26,7 @@
 namespace sweepstake {
 
 std::optional<uint32_t> IndexOfArm(std::string_view name, std::span<const std::string> arms);
-// kNotFound, with a message that lists the arms.
+// Returns kNotFound with a message that lists the arms.
 Status UnknownArm(std::string_view name, std::span<const std::string> arms);
 
 class AdaptiveBroadPhase::Impl {
@@ -35,8 +35,8 @@ class AdaptiveBroadPhase::Impl {
        std::vector<ArmBackend> backends, uint32_t initial_arm, const LaneParts& lane,
        FrameSink* sink, Clock& clock);
 
-  // Starts the shadow lane's thread, where there is to be one. Called once, before the first frame.
-  // kResourceExhausted if the system has no more threads.
+  // Starts the shadow lane's thread if the options ask for a lane. Called once, before the first
+  // frame. kResourceExhausted if the system has no more threads.
   Status StartLane();
   void BeginFrame();
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
@@ -70,7 +70,7 @@ class AdaptiveBroadPhase::Impl {
   SwitchReason last_switch_reason = SwitchReason::kPolicy;
 
  private:
-  // A command from the mailbox, and the frame time for which it has waited for the shadow lane.
+  // A command from the mailbox, and the frame time that it has waited for the shadow lane.
   struct PendingSwitch {
     SwitchCommand command;
     uint64_t waited_ns = 0;
@@ -106,18 +106,18 @@ class AdaptiveBroadPhase::Impl {
   std::vector<ArmBackend> backends_;
   const ArmBackendFactory make_;  // null: arms are never freed
   const uint64_t memory_budget_bytes_;
-  uint64_t budgeted_bytes_ = 0;  // what the active arm took when the budget was last looked at
+  uint64_t budgeted_bytes_ = 0;  // the active arm's bytes at the latest check of the budget
   FrameSink* const sink_;
   Clock& clock_;
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // the command of SelectArm or of a guard
   TrialGuard trial_;
-  std::optional<TrialGuard::End> trial_end_;  // local_command_ is the way back from it
-  bool keeps_structure_ = false;  // that of the arm before the trial holds the boxes of its start
+  std::optional<TrialGuard::End> trial_end_;  // local_command_ ends this trial
+  bool keeps_structure_ = false;  // the arm before keeps its structure of the trial's begin
   std::optional<PendingSwitch> pending_;
   std::atomic<bool> frozen_ = false;  // written by the frame thread
-  bool manual_by_order_ = false;      // an operator has ordered kManual, and it holds
-  bool searched_ = false;             // whether the present frame had a search
+  bool manual_by_order_ = false;      // kManual was ordered by an operator and holds
+  bool searched_ = false;             // whether the current frame has searched
   bool built_ = false;  // whether the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
   std::optional<PairSorter> sorter_;  // absent: pairs stay as the backend finds them

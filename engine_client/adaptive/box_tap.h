@@ -1,9 +1,9 @@
-// Passes copies of consecutive frames' boxes from the frame thread to the shadow lane.
+// Copies the boxes of consecutive frames from the frame thread to the shadow lane.
 //
-// The lane reserves memory and requests a number of frames; the frame thread copies the next
-// frames, and nothing while nothing is requested. One atomic word holds the numbers of requested
-// and of copied frames; only the frame thread writes it while frames are missing, only the lane
-// otherwise. Memory: slots × objects × 24 bytes.
+// The lane reserves memory and requests a number of frames. The frame thread copies the next frames
+// until the request is complete. One atomic word holds the numbers of requested and of copied
+// frames: the frame thread writes it while frames are missing, otherwise the lane. Memory: slots ×
+// objects × 24 bytes.
 //
 // Thread safety: OnFrame on the frame thread, the rest on the lane's. Cost of OnFrame: two loads
 // and a store; while frames are requested, also the copy and two readings of the clock. It never
@@ -39,7 +39,8 @@ class BoxTap {
  public:
   static constexpr uint32_t kMaxSlots = kShadowBurstFrames;
 
-  // Copies the boxes if a frame is requested. More boxes than reserved end the request.
+  // Copies the boxes if a frame is requested. A frame with more boxes than reserved ends the
+  // request.
   void OnFrame(std::span<const Aabb> boxes, const FrameNote& note, Clock& clock) noexcept;
 
   // Allocates memory for `slot_count` frames of up to `object_count` objects; the old memory is
@@ -49,15 +50,15 @@ class BoxTap {
   // REQUIRES: complete(), 1 <= frame_count <= slot_count().
   void Request(uint32_t frame_count);
 
-  // Returns the sum of the times that the copied frames' notes have, each a second at most: a
-  // longer one was a pause.
+  // Returns the sum of the frame times noted with the copied frames. Each counts at most one
+  // second: a longer one was a pause.
   uint64_t frame_time_ns() const;
   // Returns the number of frames of the latest request that have been copied.
   uint32_t filled_count() const;
-  // Returns whether the request is over: all frames have been copied, or one was too big.
+  // Returns whether the request is over: all frames were copied, or one had too many boxes.
   bool complete() const;
-  // Returns the object count of the frame that did not fit and so ended the request; 0 if there is
-  // none. REQUIRES: complete().
+  // Returns the object count of the frame that was too big and ended the request; 0 if none was.
+  // REQUIRES: complete().
   size_t too_big_count() const { return too_big_count_; }
   // REQUIRES: slot < filled_count().
   TappedFrame frame(uint32_t slot) const;
@@ -74,7 +75,7 @@ class BoxTap {
     uint64_t copy_time_ns = 0;
   };
 
-  std::atomic<uint32_t> word_{0};  // the number of requested frames << 8 | that of filled ones
+  std::atomic<uint32_t> word_{0};  // number of requested frames << 8 | number of copied ones
   std::atomic<uint64_t> latest_frame_{0};
   // Accessed by the thread whose turn it is according to the word.
   std::array<Slot, kMaxSlots> slots_{};

@@ -31,8 +31,7 @@ double CentreDistance(const Aabb& a, const Aabb& b) {
   return std::sqrt(square);
 }
 
-// Returns the value for the descriptor, which is -1 (not measured) if `value` is negative or not
-// finite.
+// Returns `value`, or -1 (not measured) if it is negative or not finite.
 float Measured(double value) {
   const float narrow = static_cast<float>(value);
   return std::isfinite(narrow) && narrow >= 0 ? narrow : -1.0F;
@@ -43,7 +42,7 @@ uint32_t CellOf(double coordinate, double low, double high, uint32_t cells) {
   return std::min(static_cast<uint32_t>(std::max(cell, 0.0)), cells - 1);
 }
 
-// Variance ÷ mean of the counts.
+// Returns variance ÷ mean of the counts.
 double Dispersion(std::span<const uint32_t> counts, uint32_t total) {
   const double mean = static_cast<double>(total) / static_cast<double>(counts.size());
   double square_sum = 0;
@@ -117,7 +116,7 @@ void DescriptorEstimator::AddShape(const Aabb& box) {
 uint32_t DescriptorEstimator::NextIndex(uint32_t object_count) {
   const uint64_t step = walk_++;
   if (object_count <= kSampleCount) return static_cast<uint32_t>(step % object_count);
-  // Multiples of the golden ratio modulo 1 fill [0, 1) evenly at any length of the walk.
+  // Multiples of the golden ratio modulo 1 are spread evenly over [0, 1), however many are drawn.
   const uint64_t fraction = (step * math::kGoldenGamma) >> 32;
   return static_cast<uint32_t>((fraction * object_count) >> 32);
 }

@@ -1,23 +1,29 @@
-// Scene descriptors from a small sample of objects, so that their cost per frame is small and does
-// not depend on the size of the scene.
+// Scene descriptors from a small sample of objects. The cost per frame is small and does not depend
+// on the size of the scene.
 //
-// Even frames store the boxes of kObjectsPerStep objects, odd frames compare them with the same
-// objects' new boxes to measure their motion. After kPeriodFrames frames a descriptor is ready, of
-// the period's motion, so that a change shows at once, and of the shape of the latest kShapePeriods
-// periods, in which kSampleCount objects were sampled (of fewer until there were so many). Up to
-// kSampleCount objects are visited in turn, more objects by a low-discrepancy walk over the
-// indices, which reaches all of them in time.
+// Even frames store the boxes of kObjectsPerStep objects. Odd frames compare them with the new
+// boxes of the same objects to measure motion. After kPeriodFrames frames a descriptor is ready.
+// Its motion fields are those of this period, so that a change shows at once. Its shape fields are
+// those of the latest kShapePeriods complete periods, in which kSampleCount objects were sampled;
+// before that they are those of the periods so far. Up to kSampleCount objects are visited in turn.
+// In larger scenes a low-discrepancy walk over the indices chooses the objects and reaches all of
+// them eventually.
 //
-// Accuracy (standard error, independent objects): size_spread ±5 %, speed_mean ±13 % × speed_spread
-// ÷ speed_mean, static_ratio ±0.06, density_ratio biased up by some 2 % (the sample's bounds stay
-// inside the scene's) plus ±6 % × the relative spread of the volumes. clustering_ratio is measured
-// on the sample and scaled to the whole scene by D = 1 + (D_sample − 1) · n ÷ sample, exact for
-// independent thinning, with a standard error of 0.18 · n ÷ sample: it tells uniform from
-// clustered, not one clustering from a slightly different one. A scene with a changing object count
-// has no motion fields while it changes: an index may then mean another object.
+// Accuracy (standard error, independent objects):
+// - size_spread ±5 %
+// - speed_mean ±13 % × speed_spread ÷ speed_mean
+// - static_ratio ±0.06
+// - density_ratio ±6 % × relative spread of the volumes, and a bias of about +2 %, because the
+//   sample's bounds lie inside the scene's
+// - clustering_ratio ±0.18 · n ÷ sample. It is measured on the sample and scaled to the whole scene
+//   by D = 1 + (D_sample − 1) · n ÷ sample, which is exact for independent thinning. This
+//   distinguishes uniform from clustered, but not two similar degrees of clustering.
 //
-// Not thread-safe. Allocates nothing, holds about 4 KB. Invalid boxes (aabb.h) are skipped. Units:
-// world units and frames.
+// While a scene's object count changes, it has no motion fields, because an index may then belong
+// to another object.
+//
+// Not thread-safe. Allocates nothing and holds about 4 KB. Invalid boxes (aabb.h) are skipped.
+// Units: world units and frames.
 #pragma once
 
 #include <array>
@@ -40,15 +46,15 @@ class DescriptorEstimator {
 
   // Returns true once per kPeriodFrames frames, until Take is called.
   bool ready() const { return frame_count_ >= kPeriodFrames; }
-  // Returns the descriptor of the period that has ended and begins the next one. A field that could
-  // not be measured is -1.
+  // Returns the descriptor of the period that has ended and begins the next period. A field that
+  // could not be measured is -1.
   SceneDescriptor Take();
 
  private:
   struct Point {
     float coordinate[3];
   };
-  // The sum and the sum of squares, which give a mean and a standard deviation.
+  // A sum and a sum of squares, from which mean and standard deviation follow.
   struct Moments {
     double sum = 0;
     double square_sum = 0;
@@ -67,22 +73,22 @@ class DescriptorEstimator {
   double DensityRatio(const Aabb& bounds) const;
   double ClusteringRatio(const Aabb& bounds) const;
 
-  // The present step.
+  // The current step of two frames.
   std::array<uint32_t, kObjectsPerStep> step_index_{};
   std::array<Aabb, kObjectsPerStep> step_box_{};
-  uint32_t step_object_count_ = 0;  // the objects of the frame; 0 if nothing is stored
+  uint32_t step_object_count_ = 0;  // the object count of the stored frame; 0 if nothing is stored
   uint64_t walk_ = 0;
 
-  // The present period.
+  // The current period.
   uint32_t frame_count_ = 0;
   uint32_t object_count_ = 0;
   Moments speed_;
   uint32_t static_count_ = 0;
 
-  // The present periods of shape.
+  // The current shape periods.
   uint32_t period_count_ = 0;
-  SceneDescriptor shape_;        // of the latest kShapePeriods periods
-  bool shape_complete_ = false;  // whether there were so many
+  SceneDescriptor shape_;        // from the latest complete set of shape periods
+  bool shape_complete_ = false;  // whether kShapePeriods periods have ended
   std::array<Point, kSampleCount> centre_{};
   uint32_t centre_count_ = 0;
   Aabb bounds_{};

@@ -25,9 +25,10 @@ void LaneCost::BeginWork() {
   work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
-// Searches that the work ends or begins within count as beside it: their extra time is all there,
-// and what they took without the lane is at most the work's time. The few searches before a first
-// sweep, of structures that still grow, are no measure.
+// A search that overlaps the begin or the end of the work counts as a search during the work: all
+// of its extra time is then included. The expected time without the lane is capped at the work's
+// own time. A comparison needs at least as many searches before the work as during it, because the
+// few searches before the first sweep run on structures that still grow.
 double LaneCost::EndWork(uint64_t wall_ns) {
   work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   const Searches beside = beside_.sum() - beside_before_;

@@ -1,11 +1,13 @@
-// What the shadow lane costs the frame thread: how much longer a search takes while the lane works,
-// since the two share caches, memory, a core's execution units, or the only core that there is.
+// Measures how much the shadow lane slows the frame thread down. A search takes longer while the
+// lane works, because both share caches, memory bandwidth, a core's execution units, or the only
+// core.
 //
-// Searches during the lane's work are compared with those since its work before, of the same arm,
-// where there were as many. Means forget: the latest ten stretches of work count for most of it.
+// Searches during one stretch of the lane's work are compared with the searches since the previous
+// stretch. The comparison needs the same arm throughout and at least as many searches without the
+// lane. Means decay exponentially: the latest ten stretches have most of the weight.
 //
 // Thread safety: Begin and End on the frame thread, which never wait, lock or allocate; the rest on
-// the lane's. Times are ns.
+// the lane's thread. Times are ns.
 #pragma once
 
 #include <atomic>
@@ -15,30 +17,32 @@ namespace sweepstake {
 
 class LaneCost {
  public:
-  // Before anything is measured. 2 cores of AMD Zen 4: 0 to 0.07, at 1,000 to 10,000 objects.
+  // The slowdown assumed before anything is measured. Measured on 2 cores of AMD Zen 4 with 1,000
+  // to 10,000 objects: 0 to 0.07.
   static constexpr double kPriorSlowdown = 0.1;
-  // The prior counts for as much as this time of searches beside the lane.
+  // The weight of the prior slowdown, as ns of searches during lane work.
   static constexpr double kPriorNs = 2e6;
-  // What is left of the weight of a stretch after the next one.
+  // The factor by which each new stretch of work reduces the weight of the earlier ones.
   static constexpr double kKept = 0.9;
-  // A stretch tells at most so much, and as little: what else goes on in the machine must not keep
-  // the lane from measuring for long.
+  // Clamps the slowdown measured in one stretch to ±kMost, so that other load on the machine cannot
+  // stop the lane from measuring for long.
   static constexpr double kMost = 0.5;
 
-  // Before a search, for End.
+  // Call before a search, and pass the result to End.
   uint32_t Begin() const noexcept { return work_.load(std::memory_order_relaxed); }
-  // After the search that took this time; an epoch has one arm.
+  // Call after the search, with the time it took. `epoch` changes whenever the active arm changes.
   void End(uint32_t begun, uint64_t detection_ns, uint32_t epoch) noexcept;
 
+  // Marks the begin of a stretch of the lane's work.
   void BeginWork();
-  // The work took `wall_ns` by the clock. Returns what it has cost the frame thread, by the
-  // slowdown measured so far, even if no search fell into it.
+  // Ends a stretch that took `wall_ns` of wall-clock time. Returns the estimated extra time of the
+  // frame thread: wall_ns · slowdown(), even if no search ran during the stretch.
   double EndWork(uint64_t wall_ns);
-  // Time of the frame thread beside the lane ÷ without, minus 1; >= 0.
+  // Search time during lane work ÷ search time without it, minus 1; >= 0.
   double slowdown() const;
-  // What all searches have taken, in ns. Any thread may ask.
+  // Total time of all searches, in ns. Any thread.
   uint64_t search_ns() const { return alone_.sum().ns + beside_.sum().ns; }
-  // What all work has cost the frame thread, in ns. Any thread may ask.
+  // Total estimated cost to the frame thread of all lane work, in ns. Any thread.
   uint64_t total_ns() const { return total_ns_.load(std::memory_order_relaxed); }
 
  private:
@@ -58,16 +62,16 @@ class LaneCost {
     }
   };
 
-  std::atomic<uint32_t> work_{0};  // odd during work
+  std::atomic<uint32_t> work_{0};  // odd while the lane works
   std::atomic<uint32_t> epoch_{0};
   Cell alone_;
   Cell beside_;
   // Written by the lane's thread.
   std::atomic<uint64_t> total_ns_{0};
-  // Of the lane's thread.
-  Searches alone_before_;   // up to the latest work's end
-  Searches beside_before_;  // up to the present work's begin
-  Searches alone_between_;  // from the latest work's end to the present one's begin
+  // Used by the lane's thread only.
+  Searches alone_before_;   // searches up to the end of the latest work
+  Searches beside_before_;  // searches up to the begin of the current work
+  Searches alone_between_;  // searches between the latest work and the current one
   uint32_t epoch_before_ = 0;
   double extra_ns_ = 0;
   double base_ns_ = 0;

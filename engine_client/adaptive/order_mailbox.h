@@ -1,4 +1,4 @@
-// Passes one order to the frame thread; a newer order overwrites one that is not yet taken. Any
+// Passes one order to the frame thread. A newer order overwrites one that was not yet taken. Any
 // thread posts, the frame thread takes; lock-free.
 #pragma once
 
@@ -20,7 +20,7 @@ class OrderMailbox {
   }
 
   std::optional<OperatorOrder> Take() noexcept {
-    // As with SwitchMailbox: nearly every frame finds nothing.
+    // As in SwitchMailbox: the slot is empty in nearly every frame, so a plain load comes first.
     if (slot_.load(std::memory_order_relaxed) == 0) return std::nullopt;
     const uint64_t slot = slot_.exchange(0, std::memory_order_acquire);
     const auto arm = static_cast<uint32_t>(slot >> 8 & 0xff);

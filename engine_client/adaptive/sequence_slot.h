@@ -2,10 +2,10 @@
 // atomics.
 //
 // A slot's version is 2i + 1 while the writer writes value i, and 2i + 2 once the value is
-// complete, so that a reader discards what it read from a slot that was overwritten meanwhile.
-// Words are stored with release and loaded with acquire, which costs nothing on x86: a reader that
-// sees a word of a later value then also sees the slot's version change. (Fences would do too, but
-// ThreadSanitizer does not understand them.)
+// complete. A reader therefore discards what it read from a slot that was overwritten meanwhile.
+// Words are stored with release and loaded with acquire, which costs nothing on x86. A reader that
+// sees a word of a later value then also sees the changed version. Fences would work too, but
+// ThreadSanitizer does not support them.
 //
 // Thread safety: one writer at a time, any number of readers. No allocation and no system call.
 #pragma once
@@ -24,7 +24,7 @@ class SequenceSlot {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(uint64_t) == 0);
 
  public:
-  // Writes value `index`, which counts up from 0.
+  // Writes value number `index`. Numbers count up from 0.
   void Write(uint64_t index, const T& value) noexcept {
     Words words;
     std::memcpy(words.data(), &value, sizeof value);
@@ -33,7 +33,7 @@ class SequenceSlot {
     version_.store(2 * index + 2, std::memory_order_release);
   }
 
-  // Returns value `index`, unless another one is there or is being written.
+  // Returns value number `index`, unless the slot holds another one or is being written.
   std::optional<T> Read(uint64_t index) const noexcept {
     const uint64_t whole = 2 * index + 2;
     if (version_.load(std::memory_order_acquire) != whole) return std::nullopt;
@@ -54,8 +54,8 @@ class SequenceSlot {
   std::array<std::atomic<uint64_t>, kWordCount> words_{};
 };
 
-// The latest value of a writer. A reader begins again only if two values were written while it
-// read, so that a writer which rests in the midst of a value does not keep it.
+// The latest value of a writer. A reader retries only if two values were written while it read. The
+// two slots alternate, so a writer that is suspended while it writes does not block readers.
 template <typename T>
 class LatestSlot {
  public:

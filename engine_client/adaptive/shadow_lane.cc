@@ -12,11 +12,11 @@ namespace {
 
 using State = SwitchHandover::State;
 
-// The lane sees a copied frame or an order within a fraction of a frame of 16 ms.
+// Short enough to see a copied frame or an order within a fraction of a 16 ms frame.
 constexpr std::chrono::microseconds kBusyPoll{1'000};
 constexpr std::chrono::microseconds kIdlePoll{4'000};
-// Yields while a preparation waits for a frame: long enough for the next frame of a game with 5,000
-// frames/s.
+// The maximum number of yields while a preparation waits for a frame: long enough for the next
+// frame of a game with 5,000 frames/s.
 constexpr int kMaxYields = 200;
 constexpr uint64_t kRetryNs = 1'000'000'000;
 constexpr std::chrono::seconds kCorePoll{1};
@@ -34,14 +34,14 @@ ShadowScheduleOptions ScheduleOf(const ShadowOptions& options) {
 
 }  // namespace
 
-// Ends a call of a backend once nobody wants its result any more, its time is over, or its pairs
-// outgrow the memory cap.
+// Stops a backend's call if nobody wants its result any more, its time is over, or its pairs exceed
+// the memory cap.
 class ShadowLane::Watch final : public StopRequest {
  public:
   enum class End { kNone, kInterrupted, kTime, kMemory };
 
-  // Watches a call for the order `followed`, or of a visit if that is null, for `time_ns` from
-  // Begin on. `held_bytes` is what the backend and the pairs take before it.
+  // Watches a call made for the order `followed`, or for a visit if that is null. The call may take
+  // `time_ns` from Begin on. `held_bytes` is what backend and pairs hold before it.
   Watch(const ShadowLane& lane, const SwitchHandover::Order* followed, uint64_t time_ns,
         uint64_t held_bytes)
       : lane_(lane), followed_(followed), time_ns_(time_ns), held_bytes_(held_bytes) {}
@@ -72,7 +72,7 @@ class ShadowLane::Watch final : public StopRequest {
   End end_ = End::kNone;
 };
 
-// A stretch of work, and what it costs the frame thread.
+// Measures a stretch of the lane's work and charges its cost to the schedule.
 class ShadowLane::Work {
  public:
   explicit Work(ShadowLane& lane) : lane_(lane), begin_ns_(lane.setup_.clock.NowNs()) {
@@ -139,7 +139,8 @@ std::chrono::microseconds ShadowLane::StepWithMemory() {
   return collecting_ ? kBusyPoll : kIdlePoll;
 }
 
-// Asks once a second. Frames that are being copied are awaited before the lane rests.
+// Returns whether the lane may use a core; the number of cores is read once a second. A burst that
+// is being copied is completed before the lane rests.
 bool ShadowLane::HasCore() {
   const uint64_t now_ns = setup_.clock.NowNs();
   if (setup_.usable_cores != nullptr && !collecting_ && now_ns >= next_core_count_ns_) {
@@ -159,15 +160,16 @@ bool ShadowLane::sweep_is_due() const {
          tap_.latest_frame_index() >= next_burst_frame_;
 }
 
-// Returns whether the work for the order `followed`, or a visit if that is null, has to end early,
-// since stopping and switches must not wait for it.
+// Returns whether the work for the order `followed` (null: a visit) must end early, because the
+// lane is stopping or a switch needs it.
 bool ShadowLane::interrupted(const SwitchHandover::Order* followed) const {
   if (stopping_.load(std::memory_order_relaxed)) return true;
   const SwitchHandover::Order present = handover_.order();
   return followed == nullptr ? present.state == State::kWanted : present != *followed;
 }
 
-// Requests the frames of a burst. Without memory the request only returns the object count.
+// Requests the frames of a burst. If no memory is reserved yet, the request only yields the object
+// count (BoxTap::too_big_count).
 void ShadowLane::RequestBurst() {
   if (tap_.slot_count() == 0) tap_.Reserve(1, 0);
   accounted_frames_ = 0;
@@ -184,8 +186,8 @@ void ShadowLane::OnBurst() {
   if (tap_.filled_count() >= kMinFrames && !tap_.frame(0).boxes.empty()) Sweep();
 }
 
-// Reserves memory for slightly more objects, so that a slowly growing scene does not reallocate all
-// the time. Returns false if they do not fit within the cap.
+// Reserves memory for slightly more objects, so that a slowly growing scene does not reallocate
+// often. Returns false if fewer than kMinFrames frames fit within the cap.
 bool ShadowLane::MakeRoom(size_t object_count) {
   const size_t capacity = object_count + object_count / 8 + 64;
   const uint64_t cap_bytes = setup_.options.memory_cap_bytes / 2;
@@ -201,8 +203,9 @@ bool ShadowLane::MakeRoom(size_t object_count) {
   return fits;
 }
 
-// Counts each copied frame once. The spacing is based on the mean frame time, since engines report
-// times near 0 after a pause.
+// Counts each copied frame once, and spaces the bursts so that copying takes kCopyRatio of the
+// frame time. The spacing uses the mean frame time, because engines report times near 0 after a
+// pause.
 void ShadowLane::AccountCopies() {
   constexpr uint64_t kMinFrameNs = 1000;
   const uint32_t filled = tap_.filled_count();
@@ -244,8 +247,9 @@ void ShadowLane::Sweep() {
   Add(counters_.sweep_count, 1);
 }
 
-// Visits the arm. The result is absent if the visit was interrupted. A frame that is stopped midway
-// does not count, unless it is the first and ran for most of the time cap, which then bounds it.
+// Visits the arm. Returns nullopt if the visit was interrupted. A frame that is stopped midway does
+// not count, except a first frame that ran for most of the time cap: that cap then bounds its cost
+// from below.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
   const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
@@ -306,7 +310,7 @@ void ShadowLane::Report(const ShadowVisit& visit) {
                          .flags = flags});
 }
 
-// Does a step of the requested preparation. Returns false if no switch is wanted.
+// Does one step of a requested preparation. Returns false if no switch is wanted.
 bool ShadowLane::PrepareSwitch() {
   const SwitchHandover::Order order = handover_.order();
   if (order.state == State::kReady || order.state == State::kTaken) return true;
@@ -318,8 +322,7 @@ bool ShadowLane::PrepareSwitch() {
 void ShadowLane::Prepare(const SwitchHandover::Order& order) {
   if (!progress_ || progress_->ticket != order.ticket) {
     progress_ = Progress{.ticket = order.ticket};
-    // The frames of a burst that is still being copied are used; those of a complete one are too
-    // old.
+    // Frames of a burst that is still being copied are used; those of a complete burst are too old.
     next_slot_ = std::exchange(collecting_, false) ? 0 : tap_.filled_count();
   }
   while (AwaitFrame(order)) {
@@ -336,7 +339,8 @@ void ShadowLane::Prepare(const SwitchHandover::Order& order) {
   }
 }
 
-// Returns whether there is a frame in the next slot. If none arrives soon, the next Step continues.
+// Waits for a frame in the next slot and returns true. Returns false if none arrives soon; the next
+// Step then continues.
 bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
   for (int yields = 0; yields < kMaxYields; ++yields) {
     if (stopping_.load(std::memory_order_relaxed) || handover_.order() != order) return false;
@@ -351,7 +355,7 @@ bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
   return false;
 }
 
-// Requests frames for a preparation. Returns false if there is no memory for the boxes.
+// Requests frames for a preparation. Returns false if the boxes do not fit in the memory cap.
 bool ShadowLane::RequestForPreparation() {
   AccountCopies();
   if (tap_.too_big_count() > 0 && !MakeRoom(tap_.too_big_count())) return false;
@@ -362,8 +366,8 @@ bool ShadowLane::RequestForPreparation() {
   return true;
 }
 
-// Processes the frame in the next slot. Returns false if the structure exceeds the memory cap, or
-// nobody wants it any more.
+// Runs the backend on the frame in the next slot. Returns false if the structure exceeds the memory
+// cap, or the order was cancelled.
 bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   const Zone zone(kZoneLanePreparation);
   const Work work(*this);
@@ -382,7 +386,8 @@ uint64_t ShadowLane::WorkNs() const {
   return work_ns > 0 ? work_ns : setup_.clock.NowNs();
 }
 
-// Builds or updates, and searches, so that buffers grow to what the scene needs. Returns the time.
+// Builds or updates the structure and searches, so that all buffers grow to what the scene needs.
+// Returns the time that this took, in ns.
 uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes,
                           Watch& watch) {
   watch.Begin(setup_.clock.NowNs());
@@ -415,7 +420,7 @@ uint64_t ShadowLane::structure_bytes() const {
                          });
 }
 
-// Frees the structure of the arm just visited if all together exceed the cap.
+// Frees the structure of the arm just visited if all structures together exceed the cap.
 void ShadowLane::TrimMemory(uint32_t arm) {
   if (structure_bytes() > structure_cap_bytes()) {
     backends_[arm] = {};
@@ -424,8 +429,8 @@ void ShadowLane::TrimMemory(uint32_t arm) {
   CountMemory();
 }
 
-// Frees all structures but that of the arm to prepare if all together exceed the cap: the switch
-// has priority, and a visit begins with a new structure anyway.
+// Frees all structures except that of the arm to prepare, if all together exceed the cap. The
+// switch has priority, and a visit begins with a new structure anyway.
 void ShadowLane::FreeOthers(uint32_t arm) {
   if (structure_bytes() <= structure_cap_bytes()) return;
   for (uint32_t index = 0; index < backends_.size(); ++index)
@@ -433,12 +438,12 @@ void ShadowLane::FreeOthers(uint32_t arm) {
   CountMemory();
 }
 
-// Called on the lane's thread, and by TakeOver while the lane waits for it.
+// Called on the lane's thread, and by TakeOver while the lane waits for the frame thread.
 void ShadowLane::CountMemory() {
   counters_.memory_bytes.store(structure_bytes() + tap_.memory_bytes(), std::memory_order_relaxed);
 }
 
-// Copies that the frame thread is making are kept.
+// Frees the lane's memory, except boxes that the frame thread is still copying.
 void ShadowLane::Release() {
   for (ArmBackend& own : backends_) own = {};
   pairs_ = PairBuffer();

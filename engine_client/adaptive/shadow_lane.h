@@ -3,26 +3,29 @@
 //
 // For a sweep the frame thread copies up to kShadowBurstFrames consecutive frames (box_tap.h). Each
 // arm that is due (shadow_schedule.h) builds its structure on the first frame and updates it on the
-// others, so that all arms of a sweep are compared on the same boxes. A sweep's first visit, or
-// kShadowWarmUpNs of it, is made twice: what follows a pause takes longer, and does not count.
-// (2 cores of AMD Zen 3, 3,000 objects: an arm took 1.2 to 1.4 times as long in a first visit.)
-// What a slower kind of core took is told as what the fastest one would have taken, by how the
-// system rates them, since the frame thread is on a fast one (core_speed.h).
+// others. All arms of a sweep are therefore compared on the same boxes.
+//
+// The first visit after a pause is slower: 1.2 to 1.4 times on 2 cores of AMD Zen 3 with 3,000
+// objects. The first kShadowWarmUpNs of a sweep's first visit are therefore run once before,
+// without counting.
+//
+// The frame thread runs on one of the fastest cores. Times measured on a slower kind of core are
+// converted to those of the fastest kind, by the speeds that the system reports (core_speed.h).
+//
 // Sweeps are spaced so that copying takes at most kCopyRatio of the frame time on average, and so
 // that their work costs the frame thread little (lane_cost.h). Without a core to spare
-// (UsableCores, asked every second) the lane rests.
+// (UsableCores, checked every second) the lane rests.
 //
-// A preparation has priority over sweeps: the lane builds the arm's structure on the next frame,
-// updates it on the following frames until its buffers have grown and the extra cost of a new
-// structure is over, and offers it (switch_handover.h).
+// A preparation has priority over sweeps. The lane builds the arm's structure on the next frame and
+// updates it on the following ones. It offers the structure (switch_handover.h) when the buffers
+// have grown and the extra cost of a new structure is over.
 //
 // Thread safety: Ask, Cancel, TakeOver, Trim and OnFrame on the frame thread; they never wait,
 // lock, allocate, or make a system call other than the clock. stats() on any thread. Step belongs
 // to the lane's thread and is public for tests, which call it instead of Start. Ownership: sink,
-// clock, mode and frozen are borrowed. The destructor, Ask and Cancel end what the lane's backend
-// is doing (StopRequest has the times), in the midst of a search too, and so do the caps of time
-// and memory. Errors: if memory runs out, the lane frees its own memory and tries again a second
-// later.
+// clock, mode and frozen are borrowed. The destructor, Ask, Cancel and the caps of time and memory
+// interrupt the lane's backend, even during a search; StopRequest states how soon. Errors: if
+// memory runs out, the lane frees its own memory and tries again a second later.
 #pragma once
 
 #include <algorithm>
@@ -55,12 +58,14 @@ class ShadowLane {
     Clock& clock;
     const std::atomic<Mode>& mode;
     const std::atomic<bool>* frozen = nullptr;  // while it is true the lane rests; null: never
-    // How long the lane's thread has run, which is what arms cost it even where it has to share its
-    // core; null: the clock.
+    // Returns the CPU time of the lane's thread, by which visits are timed. It excludes time during
+    // which the thread had to give up its core. Null: the clock is used.
     uint64_t (*thread_time_ns)() noexcept = nullptr;
-    // The speed of the core that the lane's thread is on ÷ the fastest one's; null: all are alike.
+    // Returns the speed of the lane thread's present core ÷ that of the fastest core; null: all
+    // cores are equal.
     double (*core_speed)() noexcept = nullptr;
-    // The lane rests where the engine's threads leave none of these cores; null: it never does.
+    // The lane rests while engine_threads >= usable_cores(); null: it never rests for want of a
+    // core.
     size_t engine_threads = 1;
     size_t (*usable_cores)() noexcept = nullptr;
   };
@@ -71,7 +76,7 @@ class ShadowLane {
   static constexpr double kCopyRatio = 0.01;
   // The number of frames that a structure processes before it is offered.
   static constexpr uint32_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
-  // A structure that is more frames behind than this is updated once more before it is offered.
+  // A structure that lags more frames than this is updated once more before it is offered.
   static constexpr uint64_t kRecentFrames = 4;
 
   explicit ShadowLane(Setup setup);
@@ -80,30 +85,31 @@ class ShadowLane {
   ShadowLane& operator=(const ShadowLane&) = delete;
 
   void Start();
-  // Does the present work. Returns the time to wait before the next call.
+  // Does the work that is due. Returns the time to wait before the next call.
   std::chrono::microseconds Step();
 
-  // Begins to prepare `arm`, or returns the state of its preparation. Abandons the preparation of
-  // another arm.
+  // Begins to prepare `arm`, or returns the state of its preparation. Cancels the preparation of
+  // any other arm.
   Preparation Ask(uint32_t arm);
   void Cancel() { handover_.Cancel(); }
-  // Exchanges `own` for the backend prepared for `arm`, whose boxes are a few frames old; false if
-  // none is ready. `pairs` gets the lane's buffer if that is larger, and then loses its content.
+  // Swaps `own` with the backend prepared for `arm`, whose boxes are a few frames old. Returns
+  // false if none is ready. `pairs` is swapped with the lane's buffer if that one is larger, and
+  // then loses its content.
   bool TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs);
-  // Has the lane free its structures and copies once it prepares no switch.
+  // Makes the lane free its structures and copies as soon as it prepares no switch.
   void Trim() { trim_is_wanted_.store(true, std::memory_order_relaxed); }
   void OnFrame(std::span<const Aabb> boxes, const FrameNote& note) noexcept {
     tap_.OnFrame(boxes, note, setup_.clock);
   }
 
-  // For the frame thread to say how long its searches take.
+  // The frame thread records the times of its searches here.
   LaneCost& cost() { return cost_; }
 
   // Returns all fields but the switch counts.
   ShadowStats stats() const;
 
  private:
-  // The minimum number of frames of a burst, of which a visit still measures one.
+  // The minimum number of frames of a burst, so that a visit measures at least one frame.
   static constexpr uint32_t kMinFrames = 1 + kShadowWarmUpFrames + 1;
 
   struct Counters {
@@ -120,14 +126,14 @@ class ShadowLane {
     uint32_t ticket = 0;
     uint32_t frame_count = 0;  // the frames that the structure has processed
     uint64_t frame_index = 0;  // the latest frame of these
-    bool caught_up = false;    // whether it was updated once more
+    bool caught_up = false;    // whether it was updated once more before the offer
   };
 
   class Watch;
   class Work;
 
   void Run();
-  // Step, which frees the lane's memory where there is none left for this.
+  // Does the work of Step. Throws std::bad_alloc; Step then frees the lane's memory.
   std::chrono::microseconds StepWithMemory();
   bool enabled() const {
     if (setup_.frozen != nullptr && setup_.frozen->load(std::memory_order_relaxed)) return false;
@@ -152,7 +158,8 @@ class ShadowLane {
   bool Follow(const SwitchHandover::Order& order);
 
   uint64_t WorkNs() const;
-  // Of a frame in which the thread changed cores, by the core on which it ended.
+  // Converts a time to that of the fastest core. If the thread changed cores during the frame, the
+  // speed of the last core is used.
   uint64_t OnFastestCoreNs(uint64_t time_ns) const {
     if (setup_.core_speed == nullptr) return time_ns;
     return static_cast<uint64_t>(setup_.core_speed() * static_cast<double>(time_ns));
@@ -160,8 +167,9 @@ class ShadowLane {
   uint64_t Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes, Watch& watch);
   ArmBackend& BackendOf(uint32_t arm);
   void AccountCopies();
-  // In a game whose frames are long, twice as long as those before the copied ones were, so that an
-  // arm that costs no more than the active one is measured.
+  // Returns the time cap of a visit: visit_cap_ns, or twice the sum of the previous frame times
+  // noted with the copied frames, if that is longer. In a game with long frames, an arm that costs
+  // no more than the active one is then measured completely.
   uint64_t VisitCapNs() const {
     return std::max(setup_.options.visit_cap_ns, 2 * tap_.frame_time_ns());
   }
@@ -188,14 +196,14 @@ class ShadowLane {
   std::vector<ArmBackend> backends_;
   PairBuffer pairs_;
   bool collecting_ = false;        // whether the tap's request is a burst for a sweep
-  uint32_t accounted_frames_ = 0;  // the frames of the tap's request whose copies are accounted for
+  uint32_t accounted_frames_ = 0;  // frames of the tap's request whose copies are accounted for
   uint64_t next_burst_frame_ = 0;
   uint64_t next_try_ns_ = 0;
   uint64_t next_core_count_ns_ = 0;
   uint32_t next_slot_ = 0;  // the tap's slot that the preparation reads next
   std::optional<Progress> progress_;
 
-  std::atomic<bool> was_ai_{false};  // whether the mode has been kAi
+  std::atomic<bool> was_ai_{false};  // whether the mode was kAi at least once
   std::atomic<bool> trim_is_wanted_{false};
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -7,7 +7,7 @@
 namespace sweepstake {
 namespace {
 
-// Searches that take so long allow for kWorkAheadNs.
+// The search time that justifies kWorkAheadNs of work.
 constexpr auto kSearchAheadNs = static_cast<uint64_t>(
     static_cast<double>(ShadowSchedule::kWorkAheadNs) / ShadowSchedule::kMaxWorkRatio);
 
@@ -17,7 +17,7 @@ bool HasMoved(uint64_t now, uint64_t reference) {
   return std::max(change, -change) > ShadowSchedule::kChangeRatio * before;
 }
 
-// Returns the median, which is the lower middle value if the number of values is even.
+// Returns the median; for an even number of values the lower of the two middle ones.
 uint64_t LowerMedian(std::span<const uint64_t> values) {
   std::array<uint64_t, kShadowBurstFrames> sorted;
   std::copy(values.begin(), values.end(), sorted.begin());
@@ -125,7 +125,7 @@ void ShadowSchedule::Renew(bool end_back_off) {
   }
 }
 
-// Returns the arm in this place of a sweep that visits all of them.
+// Returns the arm at this place of a sweep that visits all arms.
 uint32_t ShadowSchedule::ArmAt(uint32_t place) const {
   if (sweep_ % 2 == 0) place = static_cast<uint32_t>(arms_.size()) - 1 - place;
   if (place == 0) return active_arm_;

@@ -2,9 +2,9 @@
 // frame time lost until the new arm has settled.
 //
 // The settled mean is the mean frame time of the second half of the settling time. The settling
-// cost is the sum of what the frames of the first half took above that mean, at least 0. Paused and
-// loading frames count for neither. A switch before the last one has settled ends that measurement
-// early.
+// cost is the sum, over the frames of the first half, of frame time minus settled mean; at least 0.
+// Paused and loading frames count in neither half. Another switch before the end of the settling
+// time ends the measurement early.
 //
 // SetSettling may be called from any thread, the rest on the frame thread. Nothing waits or
 // allocates.
@@ -27,17 +27,17 @@ class SwitchCostMeter {
   }
   uint64_t settling_ns() const { return settling_ns_.load(std::memory_order_relaxed); }
 
-  // Begins the measurement of a switch; `warm` says that the structure exists already. Returns the
-  // outcome of the previous switch if that one has not settled.
+  // Begins the measurement of a switch. `warm` means that the structure is already built. Returns
+  // the outcome of the previous switch if its settling time had not ended.
   std::optional<SwitchOutcome> Begin(const SwitchCommand& command, uint32_t switch_epoch,
                                      bool warm = false);
 
-  // Returns true from the Begin of a cold switch to OnRebuild: the next build belongs to the
-  // switch.
+  // Returns true from the Begin of a cold switch until OnRebuild: the time of the next build is
+  // part of the switch's cost.
   bool awaits_rebuild() const { return awaits_rebuild_; }
   void OnRebuild(uint64_t rebuild_time_ns);
 
-  // Adds a finished frame. Returns the outcome at the frame that settles the arm.
+  // Adds a finished frame. Returns the outcome when the settling time ends.
   std::optional<SwitchOutcome> OnFrame(const FrameSample& sample);
 
  private:

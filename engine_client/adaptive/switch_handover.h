@@ -1,13 +1,15 @@
-// Passes a backend that the shadow lane has prepared to the frame thread, with one atomic word that
-// both sides change, so that neither waits.
+// Passes a backend that the shadow lane has prepared to the frame thread. Both sides change one
+// atomic word, so that neither waits.
 //
 //   frame: Want(arm) → wanted → lane: Offer → ready → frame: Take → taken → frame: Done → none
 //                             → lane: Decline → declined
 //
 // The lane's backend of the arm belongs to the frame thread from Take to Done, otherwise to the
-// lane. A new Want or a Cancel voids every earlier order: the lane's answer to it is ignored.
+// lane. A new Want or a Cancel voids every earlier order: a later Offer or Decline for it has no
+// effect.
 //
 // Thread safety: Want, Cancel, Take and Done on the frame thread, Offer and Decline on the lane's,
+// order() on both. Lock-free.
 // order() on both. Lock-free.
 #pragma once
 
@@ -34,7 +36,7 @@ class SwitchHandover {
   void Want(uint32_t arm) { Store({State::kWanted, arm, order().ticket + 1}); }
   void Cancel() { Store({State::kNone, 0, order().ticket + 1}); }
   // Returns true if the order is ready; the lane's backend of its arm then belongs to the caller
-  // until Done. An order that is not ready is void: nobody would take what is prepared for it
+  // until Done. Cancels an order that is not ready yet, because nobody would take the backend
   // later.
   bool Take() {
     const Order ready = order();

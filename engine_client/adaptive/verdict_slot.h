@@ -1,5 +1,5 @@
-// Passes the latest verdict from the thread that receives it to any other. Lock-free; a verdict is
-// read as a whole.
+// Passes the latest verdict from the thread that receives it to any other thread. Lock-free; a
+// verdict is always read as a whole.
 #pragma once
 
 #include <atomic>

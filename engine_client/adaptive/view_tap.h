@@ -1,10 +1,11 @@
-// Passes copies of some of a frame's boxes from the frame thread to whoever shows them to people.
+// Copies some of a frame's boxes for display to an operator, from the frame thread to another
+// thread.
 //
-// One thread asks; the frame thread copies every so-manieth box of the next frame, and nothing
-// while nothing is asked for. Memory: 24 bytes per box that is asked for, until Release.
+// The other thread requests boxes. The frame thread then copies every stride-th box of the next
+// frame; without a request it copies nothing. Memory: 24 bytes per requested box, until Release.
 //
-// Thread safety: OnFrame on the frame thread, the rest on the thread that asks. Cost of OnFrame: a
-// load; when boxes are wanted also the copy. It never waits, allocates or makes a system call.
+// Thread safety: OnFrame on the frame thread, the rest on the requesting thread. Cost of OnFrame:
+// one load, and the copy if boxes are requested. It never waits, allocates or makes a system call.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +24,7 @@ struct ViewedFrame {
   uint64_t frame_index = 0;
   size_t object_count = 0;
   size_t stride = 1;
-  std::span<const Aabb> boxes;  // of the objects 0, stride, 2 · stride …; until the next Request
+  std::span<const Aabb> boxes;  // of objects 0, stride, 2 · stride …; valid until the next Request
 };
 
 class ViewTap {
@@ -32,14 +33,14 @@ class ViewTap {
     if (state_.load(std::memory_order_relaxed) == State::kWanted) Copy(boxes, frame_index);
   }
 
-  // Asks for at most `max_boxes` boxes of the next frame. REQUIRES: nothing is asked for that has
-  // not come, max_boxes > 0.
+  // Requests at most `max_boxes` boxes of the next frame. REQUIRES: no request is pending,
+  // max_boxes > 0.
   void Request(size_t max_boxes);
-  // Returns whether the boxes that were asked for are there.
+  // Returns whether the requested boxes were copied.
   bool has_frame() const { return state_.load(std::memory_order_acquire) == State::kThere; }
   // REQUIRES: has_frame().
   ViewedFrame frame() const;
-  // Takes back what was asked for, and frees the memory. Returns false, and does nothing, while the
+  // Cancels a pending request and frees the memory. Returns false, and does nothing, while the
   // frame thread copies.
   bool Release();
 
@@ -49,7 +50,7 @@ class ViewTap {
   void Copy(std::span<const Aabb> boxes, uint64_t frame_index) noexcept;
 
   std::atomic<State> state_{State::kIdle};
-  // The frame thread's while it copies, otherwise the other's.
+  // Owned by the frame thread while it copies, otherwise by the requesting thread.
   HookedVector<Aabb> storage_;
   ViewedFrame frame_;
 };

@@ -7,8 +7,8 @@
 namespace sweepstake {
 namespace {
 
-// Returns whether the broad phase has caused a long frame, which means that it took half of it or
-// more.
+// Returns whether detection took at least half of the frame, and the game was neither paused nor
+// loading.
 bool IsCausedByDetection(const FrameSample& sample) {
   if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return false;
   const uint64_t detection_ns = std::min(sample.detection_time_ns, sample.frame_time_ns);

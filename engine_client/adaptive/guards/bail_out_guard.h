@@ -1,9 +1,9 @@
-// Step 5 of the one path: finds frames over the bail-out limit (paper §4), which the decider judges
-// by its policy's rule, and, while no decider is present, chooses the arm to switch to.
+// Step 5 of the frame path: finds frames over the bail-out limit (paper §4). The decider judges
+// these frames by its policy. While no decider is present, the guard chooses the arm to switch to.
 //
 // The setters may be called from any thread, the rest on the frame thread; nothing waits. Posterior
-// means are read one by one: a choice that is made while a new snapshot is written may mix the two
-// and take the second-best arm.
+// means are read one by one: a choice made while a new snapshot is written may mix the two
+// snapshots and pick the second-best arm.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ class BailOutGuard {
   // REQUIRES: limit_ns > 0, 1 <= arm_count <= kMaxArms.
   BailOutGuard(uint64_t limit_ns, uint32_t arm_count);
 
-  // 0 is ignored.
+  // Sets the limit; 0 is ignored.
   void SetLimit(uint64_t limit_ns);
   void SetDeciderPresent(bool present);
   // Ignores a snapshot that does not have one finite mean per arm.
@@ -33,12 +33,12 @@ class BailOutGuard {
     return frame_time_ns > limit_ns_.load(std::memory_order_relaxed);
   }
 
-  // Returns whether the frame is over the limit because of its arm. It is not if detection took
-  // less than half of it, or if the game was paused or loading.
+  // Returns whether the frame exceeds the limit because of its arm. That is so if detection took at
+  // least half of it and the game was neither paused nor loading.
   bool BlamesArm(const FrameSample& sample) const;
 
-  // Returns the arm to switch to after this frame. It is absent if its arm is not to blame, if a
-  // decider is present, or if there is no other arm.
+  // Returns the arm to switch to after this frame. Absent if the frame's arm is not to blame, if a
+  // decider is present, or if no other arm exists.
   std::optional<uint32_t> LocalChoice(const FrameSample& sample) const;
 
  private:

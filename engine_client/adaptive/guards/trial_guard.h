@@ -1,17 +1,20 @@
-// Ends a trial (SwitchCommand::trial_limit_percent): compares the frames of the arm that is tried
-// with those of late of the arm before, and says when to go back.
+// Ends a trial (SwitchCommand::trial_limit_percent): compares the frames of the tried arm with the
+// recent frames of the arm before, and reports when to go back.
 //
-// A search may take the longest of late and, besides, what the limit grants of the longest frame of
-// late, or kLeastNs, which nobody sees. Two frames in a row over it end the trial: an arm that is
-// too expensive takes both, and what interrupts a game takes one. All searches together may take
-// the mean of late for each and, besides, a kBudgetShare-th of the trial's duration, of which one
-// of them spends at most a kFrameShare-th.
+// Recent frames are the latest kBlockFrames to 2 kBlockFrames frames of the arm before, or all of
+// them if there are fewer. Two rules end a trial:
+// - Limit: two searches in a row exceed the longest recent search by more than the allowance. The
+//   allowance is trial_limit_percent − 100 percent of the longest recent frame, at least kLeastNs.
+//   An interruption of the game lengthens one frame only; an arm that is too expensive lengthens
+//   both.
+// - Budget: all searches together take longer than the recent mean for each, plus 1/kBudgetShare of
+//   the trial's duration. One search uses up at most 1/kFrameShare of this budget.
 //
-// Of late are the latest kBlockFrames to 2 kBlockFrames frames of a run, or as many as there were.
-// A trial's first frame and the kShadowWarmUpFrames after it, which are not of its time, and frames
-// that rebuild are not compared, since what a new structure takes besides is the switch's cost and
-// not the arm's; nor are frames without a search, which are of the trial's time. Paused and loading
-// ones count for nothing. The searches of one frame count as one. Plain values; not thread-safe.
+// A trial's first frame, the next kShadowWarmUpFrames and frames that rebuild are not compared: the
+// extra time of a new structure is part of the switch cost. The first kShadowWarmUpFrames + 1
+// searches do not shorten the trial either. Frames without a search shorten it, but are not
+// compared. Paused and loading frames are ignored. The searches of one frame count as one. Plain
+// values; not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -30,20 +33,20 @@ class TrialGuard {
   static constexpr uint64_t kLeastNs = 1'000'000;
   static constexpr uint64_t kBudgetShare = 40;
   static constexpr uint64_t kFrameShare = 8;
-  // The longest trial after which the arm before goes on with the structure that it had, since its
-  // objects have not moved far; after a longer one it builds.
+  // The longest trial, in frames, after which the arm before continues with its old structure,
+  // because objects have not moved far. After a longer trial it rebuilds.
   static constexpr uint64_t kMaxKeptFrames = 8;
 
   // How a trial ended.
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns = 0;  // of two frames the shorter one, or the mean or less
-    uint64_t frame_count = 0;        // of the trial
+    uint64_t detection_time_ns = 0;  // of the shorter of two frames, or the mean or less
+    uint64_t frame_count = 0;        // frames with a search in the trial
   };
 
-  // A switch from `arm_before` is executed. If it is a trial, it lasts for `duration_ns` of frame
-  // time. Without a frame to compare with there is none.
+  // Call when a switch from `arm_before` is executed. Begins a trial of `duration_ns` of frame time
+  // if the command asks for one and at least one frame of the arm before was recorded.
   void Begin(uint32_t arm_before, const SwitchCommand& command, uint64_t duration_ns) {
     trial_.reset();
     const Frames late = Frames::Of(block_, earlier_block_);
@@ -58,11 +61,11 @@ class TrialGuard {
                    .left_ns = duration_ns};
   }
 
-  // Ends a trial that the game takes over.
+  // Cancels the trial, for example because the game has chosen an arm.
   void Cancel() { trial_.reset(); }
 
-  // Takes a finished frame. Returns the end of the trial if it and the one before are over its
-  // limit, or all of them are over its budget; then the next frame is to run the arm before.
+  // Adds a finished frame. Returns the end of the trial if a rule above is broken; the next frame
+  // must then run the arm before.
   std::optional<End> OnFrame(const FrameSample& sample) {
     if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return std::nullopt;
     const bool searches = sample.detection_time_ns > 0;
@@ -75,7 +78,7 @@ class TrialGuard {
   }
 
  private:
-  // Frames of a run that count.
+  // Sums and maxima over the compared frames of one run of an arm.
   struct Frames {
     uint64_t count = 0;
     uint64_t detection_ns = 0;  // of all
@@ -92,16 +95,16 @@ class TrialGuard {
   };
   struct Trial {
     uint32_t arm_before = 0;
-    Frames before;  // of late
+    Frames before;  // recent frames of the arm before
     uint64_t limit_ns = 0;
     uint64_t budget_ns = 0;
     uint64_t left_ns = 0;
     uint64_t frame_count = 0;
     uint64_t judged_count = 0;
-    uint64_t judged_ns = 0;  // of these searches, each with what it may spend at most
-    uint64_t over_ns = 0;    // detection of the frame before, if it was over the limit
+    uint64_t judged_ns = 0;  // sum of the compared searches, each capped as the budget rule says
+    uint64_t over_ns = 0;    // detection time of the previous frame if over the limit
 
-    // Takes a search. Returns the time that shows the arm to be too expensive, 0 if none does.
+    // Adds a search. Returns the detection time that broke a rule, or 0.
     uint64_t Judge(uint64_t detection_ns) {
       const uint64_t before_ns =
           std::exchange(over_ns, detection_ns > limit_ns ? detection_ns : uint64_t{0});
@@ -132,7 +135,7 @@ class TrialGuard {
   }
 
   std::optional<Trial> trial_;
-  Frames block_;  // the present one
+  Frames block_;  // the current block of up to kBlockFrames frames
   Frames earlier_block_;
 };
 
