@@ -51,9 +51,10 @@ inline bool Overlap(const Aabb& a, const Aabb& b) {
 }
 
 // Returns the smallest box of floats that contains this box of doubles: min is rounded down and max
-// up. A coordinate that no float reaches becomes infinite, and the box invalid.
+// up. A coordinate beyond the range of float becomes infinite, which makes the box invalid.
 //
-// A box that is not min <= max gives an invalid one too, however near its faces are.
+// A box that violates min <= max gives an invalid box too, even if its faces round to the same
+// float.
 inline Aabb RoundOutward(const double min[3], const double max[3]) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Aabb box;

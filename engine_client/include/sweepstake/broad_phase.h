@@ -4,8 +4,8 @@
 // time and discards all state. The boxes are read during the call only, and the id of an object is
 // its index in the span. Thread safety: one thread at a time per object; distinct objects are
 // independent, unless they share an Executor. Units: world units of the caller. Memory is kept for
-// reuse until destruction. Errors: if memory runs out, a call ends as OutOfMemory() says (hooks.h),
-// and the next call must be Build.
+// reuse until destruction. Errors: if memory runs out, a call ends as described at OutOfMemory()
+// (hooks.h), and the next call must be Build.
 #pragma once
 
 #include <cstddef>
@@ -21,17 +21,17 @@
 
 namespace sweepstake {
 
-// Ends a backend's call from within, for a caller that cannot wait for its end: the shadow lane.
+// Stops a backend's call early, for a caller that cannot wait for its end: the shadow lane.
 class StopRequest {
  public:
   virtual ~StopRequest() = default;
-  // Returns whether the call is to end now; true stays true until the call has returned. The
-  // backend asks on each thread that runs a part of the call: in a search every few hundred
-  // thousand checks, which take 2 ms or less, and in Build and Update for each block of some ten
-  // thousand boxes in the passes that load and sort them. It does not ask while it splits a whole
-  // tree in two, or doubles a pair buffer and copies it. Measured on a machine with other work, a
-  // call ended 7 ms or less after it was to with 300,000 boxes, and 40 ms or less with 1,000,000.
-  // `grown_bytes` is what its pair buffers have grown by since it last asked.
+  // Returns whether the call must end now; true stays true until the call has returned. The backend
+  // calls this on each thread that runs a part of the call. A search calls it every few hundred
+  // thousand checks, which take 2 ms or less. Build and Update call it for each block of about ten
+  // thousand boxes in the passes that load and sort them. It is not called while a whole tree is
+  // split in two, or while a pair buffer doubles and is copied. Measured on a machine with other
+  // load, a call ended within 7 ms with 300,000 boxes, and within 40 ms with 1,000,000.
+  // `grown_bytes` is the growth of the backend's pair buffers since the previous call.
   virtual bool WantsStop(uint64_t grown_bytes) noexcept = 0;
 };
 
@@ -43,14 +43,14 @@ class BroadPhase {
   virtual std::string_view name() const = 0;
 
   // Returns the version, which is incremented by every change that could alter the backend's cost.
-  // Evidence about one version is kept apart from that about others.
+  // Evidence about one version is kept separate from evidence about others.
   virtual uint32_t version() const = 0;
 
   // Discards all state and takes these boxes: 0 to 2^31 − 1.
   virtual void Build(std::span<const Aabb> boxes) = 0;
 
   // Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller
-  // count removes the last ones; the others keep their ids. REQUIRES: Build was called before.
+  // count removes the last ones; the others keep their ids. REQUIRES: Build was called.
   virtual void Update(std::span<const Aabb> boxes) = 0;
 
   // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, with a < b. The order
@@ -65,8 +65,8 @@ class BroadPhase {
   // Returns the capacity of the backend's own buffers in bytes, whether it is used or not.
   virtual size_t native_bytes() const = 0;
 
-  // Has `stop`, which is borrowed, asked during the calls that follow; null, as at first: nobody.
-  // A call that it ends returns early, with some of the pairs, and the next call must be Build.
+  // Sets the StopRequest for later calls; borrowed. Null, the default: calls are never stopped. A
+  // stopped call returns early with only some of the pairs, and the next call must be Build.
   void SetStop(StopRequest* stop) { stop_ = stop; }
 
  protected:
@@ -86,8 +86,9 @@ struct BroadPhaseOptions {
   Executor* executor = nullptr;
 };
 
-// Returns kNotFound for an unknown name, with a message that lists the valid ones, and
-// kInvalidArgument if SWEEPSTAKE_CLIENT_SIMD (simd.h) names no instruction set of this machine.
+// Returns kNotFound for an unknown name, with a message that lists the valid ones. Returns
+// kInvalidArgument if SWEEPSTAKE_CLIENT_SIMD (simd.h) names an instruction set that this machine
+// lacks.
 Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
                                                    const BroadPhaseOptions& options = {});
 

@@ -1,8 +1,8 @@
 // "AI Decides" without a daemon: the daemon's decision core runs in the game process and starts
 // from priors.
 //
-// What is learnt is not lost: ExportPriors gives the priors together with what was learnt since,
-// for the next run to start from, or for a daemon (`sweepstake priors import`):
+// ExportPriors saves what is learnt. It returns the priors together with what was learnt since.
+// The result serves the next run, or a daemon (`sweepstake priors import`):
 //
 //   options.source_id = installation_id;              // the same in each run
 //   options.priors_data = ReadSave("priors.json");    // empty in the first run
@@ -28,23 +28,23 @@
 
 namespace sweepstake {
 
-// An arm's cost ÷ that of the arm that is the best most probably. It is below the median as
-// probably as above, and from low to high with a probability of 95 %.
+// An arm's cost ÷ that of the leader, the arm most probably the best. The true ratio is below the
+// median with a probability of 50 %, and between low and high with 95 %.
 struct CostRatio {
   double median = 1;
   double low = 1;
   double high = 1;
 };
 
-// What a session has measured of an arm, and what follows from it in units that people read.
+// A session's measurements of an arm, and the conclusions from them in readable units.
 struct ArmStanding {
   uint64_t live_window_count = 0;  // decision windows in which the arm was active and learnt from
   uint64_t lane_visit_count = 0;   // visits of the shadow lane that were learnt from
-  // The width of the posterior as a number: so many live windows of an arm that does not change
-  // would leave it. What priors and the lane tell is included.
+  // The width of the posterior, expressed as the number of live windows of an unchanging arm that
+  // would give the same width. Priors and evidence of the lane are included.
   double effective_window_count = 0;
-  double best_probability = 0;  // the probability to be the best arm
-  // Absent while nothing is known, and where the policy's reward is not of the cost alone.
+  double best_probability = 0;  // the probability that this arm is the best
+  // Absent while nothing is known, and if the policy's reward does not depend on the cost alone.
   std::optional<CostRatio> cost_ratio;
 };
 
@@ -53,7 +53,7 @@ struct ArmBelief {
   std::string arm;
   double alpha = 1;
   double beta = 1;
-  // Absent while nothing is learnt, and from a daemon that does not tell.
+  // Absent while nothing is learnt, and if a daemon does not send it.
   std::optional<ArmStanding> standing{};
 };
 
@@ -85,55 +85,60 @@ struct EmbeddedOptions {
   std::string project = "default";
   std::string scene = "default";
   std::string machine_class;  // machines whose timings compare; empty: MachineClass() says it
-  std::string build;          // of the game; what others taught counts less. Empty: unknown
+  std::string build;          // of the game; evidence from other builds counts less. Empty: unknown
   // Priors to start from, as `sweepstake priors export` and ExportPriors write them: the path of a
-  // file (in UTF-8), their text, or both, for example those that came with the game and those that
-  // it saved. They are united; of evidence that is in both, the later counts. Empty: Beta(1,1).
+  // file (in UTF-8), their text, or both. An example of both: priors that came with the game, and
+  // priors that it saved. They are merged; evidence that is in both counts once, in its later
+  // version. Both empty: Beta(1,1).
   std::string priors_file;
   std::string priors_data;
-  // What is learnt is exported under this name, at most 128 bytes. A game that keeps a name per
-  // installation, such as a random number, has one record per arm that grows from run to run, which
-  // a store takes in place of the earlier one. Two installations must not share one, and one that
-  // loses its save needs a new one: the numbers of its records begin at 1 again, and a store that
-  // has later ones ignores them. Empty: a new name in each run, so that a save which is given back
-  // and exported again grows by the records of each run; at 200,000 records it is refused.
+  // The name under which evidence is exported, at most 128 bytes. A game that keeps a name per
+  // installation, such as a random number, has one record per arm. The record grows from run to
+  // run, and a store replaces the earlier one by it. Two installations must not share a name. An
+  // installation that loses its save needs a new name: the numbers of its records begin at 1 again,
+  // and a store that has later ones ignores them.
+  //
+  // Empty: a new name in each run. A save that is loaded and exported again then grows by the
+  // records of each run; above 200,000 records it is refused.
   std::string source_id;
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: every interval but the bail-out limit is divided by it
-  // Time from one decision to the next, 1 ns to 100 days; what a decision learns is averaged over
-  // it. Half of it doubles the noise and the cost, and finds a change twice as soon.
+  // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. Half
+  // of the time doubles the noise and the cost, and detects a change twice as fast.
   uint64_t decision_interval_ns = 2'000'000'000;
   // Minimum time from an executed switch to the next one that the policy chooses, at most 100 days.
-  // Some policies wait for less after a switch that was cheap. Bail-outs do not wait.
+  // Some policies wait less after a cheap switch. Bail-outs do not wait.
   uint64_t cooldown_ns = 40'000'000'000;
   // Frame time after a switch that is not learnt from, at most 100 days. A trial lasts for twice
-  // that; with 0 there is none.
+  // this time; with 0 no trials are made.
   uint64_t settling_ns = 2'000'000'000;
-  // Frames/s, 0–1000: a scene whose best arm has fewer gets the verdict degraded. 0: no scene does.
+  // The frame-rate floor in frames/s, 0–1000. A scene whose best arm is slower gets the verdict
+  // degraded; with 0 no scene does.
   double fps_floor = 30;
   Mode mode = Mode::kAi;
-  // Called with every decision as it is made, on the thread that drives the decider. It must not
-  // call the decider.
+  // Called with every decision, on the thread that drives the decider. It must not call the
+  // decider.
   std::function<void(const DecisionEvent&)> on_decision = nullptr;
   // Called with every row of the audit log under the same rules. A row is a line of CSV without its
-  // line end; EmbeddedDecider::AuditHeader() is the header. Null: no log is made.
+  // line end; EmbeddedDecider::AuditHeader() is the header. Null: no log is written.
   std::function<void(std::string_view row)> on_audit_row = nullptr;
 };
 
 class EmbeddedDecider {
  public:
-  // Arms as in AdaptiveBroadPhase::arms() and arm_versions(). kInvalidArgument, kNotFound (no such
-  // file), kDataLoss (broken priors: one line naming the record).
+  // Takes arms as in AdaptiveBroadPhase::arms() and arm_versions(). Returns kInvalidArgument,
+  // kNotFound (no such file), or kDataLoss (broken priors; the message is one line and names the
+  // record).
   static Result<std::unique_ptr<EmbeddedDecider>> Create(const EmbeddedOptions& options,
                                                          std::span<const std::string> arms,
                                                          std::span<const uint32_t> arm_versions,
                                                          uint64_t now_ns);
   ~EmbeddedDecider();
 
-  // Returns the arm, of those that the priors know, that costs least by them, for
-  // AdaptiveBroadPhase::Freeze. The same
-  // priors give the same arm, whatever the machine, the time and the seed. Errors: those of Create,
-  // and kNotFound (the priors have nothing of the project with these arms).
+  // Returns the arm that the priors expect to cost least, for AdaptiveBroadPhase::Freeze. Only arms
+  // that the priors contain are considered. The same priors give the same arm on any machine, at
+  // any time and with any seed. Errors: those of Create, and kNotFound if the priors have no
+  // evidence of the project with these arms.
   static Result<std::string> ArmOfPriors(const EmbeddedOptions& options,
                                          std::span<const std::string> arms,
                                          std::span<const uint32_t> arm_versions);
@@ -141,16 +146,16 @@ class EmbeddedDecider {
   // Returns the header line of the audit log, without a line end.
   static std::string AuditHeader();
 
-  // Takes frames and switch outcomes in the order in which they happened.
+  // Adds frames and switch outcomes, in the order in which they happened.
   void Observe(std::span<const FrameSample> frames, uint64_t now_ns);
   void Observe(const SwitchOutcome& outcome, uint64_t now_ns);
-  // Takes the shadow lane's samples and the scene's descriptor. The next decision learns from both.
+  // Adds the shadow lane's samples and the scene's descriptor. The next decision learns from both.
   void Observe(std::span<const ShadowSample> samples);
   void Observe(const SceneDescriptor& descriptor);
   void SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns);
 
-  // Makes the decision that is due, if any. The caller posts a returned command, which may be that
-  // of an earlier bail-out, into the mailbox.
+  // Makes a decision if one is due. The caller posts a returned command into the mailbox. The
+  // command may be that of an earlier bail-out.
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
   // Returns the settling time divided by the time scale, for AdaptiveBroadPhase::SetSettling.
@@ -161,12 +166,12 @@ class EmbeddedDecider {
   // Returns the latest decision, with its reasons; absent before the first.
   const std::optional<DecisionEvent>& last_decision() const;
   uint64_t decision_count() const;
-  // Returns the number of sources (sessions) in the priors that it started from; with 0 it started
-  // from Beta(1,1).
+  // Returns the number of sources (sessions) in the priors that it started from; 0: it started from
+  // Beta(1,1).
   uint64_t prior_source_count() const;
-  // Returns the text of a priors file with all records that it was given and what it has learnt
-  // since. Where it is imported, or given with other priors, each piece of evidence counts once,
-  // however often it comes. Cost: linear in the number of records, some 400 bytes each.
+  // Returns the text of a priors file with all given records and the evidence learnt since. If the
+  // text is imported or merged with other priors, each piece of evidence counts once, however often
+  // it occurs. Cost: linear in the number of records, about 400 bytes each.
   std::string ExportPriors() const;
 
  private:

@@ -1,11 +1,11 @@
 // The interface through which a broad phase spreads one call over several threads, for example
 // those of an engine's job system.
 //
-// An engine derives from Executor and gives the parts to its jobs; MakeThreadPool makes a small
-// pool for programs without a job system. A backend calls RunParts on the thread that called the
-// backend, never from inside a part. Ownership: whoever is given an Executor borrows it. Cost: a
-// backend uses a few parts per thread; a small scene runs on the calling thread alone. The calling
-// thread works too, and then waits for the parts that other threads have begun.
+// An engine derives from Executor and runs the parts in its jobs. MakeThreadPool makes a small pool
+// for programs without a job system. A backend calls RunParts on the thread that called the
+// backend, never from inside a part. Ownership: an object that is given an Executor borrows it.
+// Cost: a backend uses a few parts per thread; a small scene runs on the calling thread alone. The
+// calling thread runs parts too, and then waits for parts that other threads have begun.
 #pragma once
 
 #include <cstddef>
@@ -24,16 +24,16 @@ class Executor {
   // or more and never changes.
   virtual size_t thread_count() const noexcept = 0;
 
-  // Calls run_part(context, part) once for each part in [0, part_count), in any order, and returns
-  // when all calls have returned. What they have written is then visible to the caller. REQUIRES:
-  // part_count <= 65,535; one call at a time per Executor.
+  // Calls run_part(context, part) once for each part in [0, part_count), in any order. Returns when
+  // all calls have returned; their writes are then visible to the caller. REQUIRES: part_count <=
+  // 65,535; one call at a time per Executor.
   virtual void RunParts(size_t part_count, RunPart run_part, void* context) noexcept = 0;
 };
 
-// Makes a pool of `thread_count` threads, of which the caller of RunParts is one, so that it starts
-// thread_count − 1. Threads without work spin for a fraction of a millisecond and then sleep.
-// REQUIRES: 1 <= thread_count <= 256. If the system has no more threads, it
-// throws std::system_error, and aborts in a library built without exceptions (hooks.h).
+// Makes a pool of `thread_count` threads. The caller of RunParts is one of them, so thread_count −
+// 1 threads are started. Idle threads spin for a fraction of a millisecond and then sleep.
+// REQUIRES: 1 <= thread_count <= 256. If the system has no more threads, it throws
+// std::system_error, and aborts in a library built without exceptions (hooks.h).
 std::unique_ptr<Executor> MakeThreadPool(size_t thread_count);
 
 }  // namespace sweepstake

@@ -1,4 +1,4 @@
-// The cost of one frame (paper §4: FPS, DET, MEM, CHK, and the context of these). Plain data.
+// The cost of one frame (paper §4: FPS, DET, MEM, CHK) and its context. Plain data.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ enum FrameFlag : uint32_t {
   kFrameBailOut = 8,  // over the bail-out limit
 };
 
-// A frame may search several times, once per substep. Its times and checks are then the sums; the
+// A frame may search several times, once per substep. Its times and checks are then sums. Its
 // counts of bytes, pairs and objects are those of its latest search.
 struct FrameSample {
   uint64_t frame_index;        // since the session began
@@ -49,7 +49,7 @@ struct SceneDescriptor {
 // Bits of ShadowSample::flags; the same values as sweepstake.v1.ShadowFlag.
 enum ShadowFlag : uint32_t {
   kShadowActive = 1,  // the arm that was active on the frame thread
-  kShadowCapped = 2,  // a cap of the lane ended it: the times are those of what ran until then
+  kShadowCapped = 2,  // a cap of the lane ended the visit; the times are those until then
 };
 
 // One visit of the shadow lane: the cost of an arm off the frame thread, on copies of consecutive
@@ -58,7 +58,7 @@ enum ShadowFlag : uint32_t {
 struct ShadowSample {
   uint64_t first_frame_index;
   uint64_t detection_time_ns;  // median over the measured frames: update and search
-  uint64_t build_time_ns;      // of the first frame, which builds the structure, with its search
+  uint64_t build_time_ns;      // of the first frame, which builds the structure and searches
   uint64_t aabb_check_count;   // mean over the measured frames
   uint64_t native_bytes;
   uint32_t arm;
@@ -69,7 +69,8 @@ struct ShadowSample {
 static_assert(sizeof(ShadowSample) == 56);
 static_assert(std::is_trivially_copyable_v<ShadowSample>);
 
-// Who decides which arm is active; the same values as sweepstake.v1.Mode.
+// The decider of the active arm: the game or an operator (kManual), or the policy (kAi). The same
+// values as sweepstake.v1.Mode.
 enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 
 // Why the active arm changed; the same values as sweepstake.v1.SwitchReason.
@@ -79,32 +80,33 @@ struct SwitchCommand {
   uint64_t command_id = 0;  // 0: local
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
-  // A trial: two frames in a row in which the new arm makes the longest frame of late longer than
-  // this share of it, in percent, and longer by 1 ms, send the game back to the arm before; so do
-  // searches that take longer than those of late by a fortieth of the trial's time in all. 0: no
-  // trial; at most 255, and less than 100 counts as 100.
+  // Nonzero: a trial, which returns to the arm before if the new arm is too expensive. It does so
+  // after two frames in a row in which detection would make the longest recent frame longer than
+  // this percentage of it, and by at least 1 ms. It also does so if all searches together exceed
+  // the recent mean by a fortieth of the trial's duration. At most 255; below 100 counts as 100. 0:
+  // no trial.
   uint32_t trial_limit_percent = 0;
 };
 
-// What an operator wants of the game, through the daemon.
+// An order of an operator for the game, sent through the daemon.
 struct OperatorOrder {
   uint64_t order_id = 0;
   Mode mode = Mode::kManual;
-  std::optional<uint32_t> arm;  // to use in kManual; absent: the active one
+  std::optional<uint32_t> arm;  // the arm to use in kManual; absent: the active one
 };
 
-// A change of the mode that the decider is told about.
+// A change of the mode that is reported to the decider.
 struct ModeChange {
   Mode mode = Mode::kAi;
   uint32_t active_arm = 0;
-  uint64_t order_id = 0;  // the order that the game obeys with it; 0: its own change
+  uint64_t order_id = 0;  // the order that the game executes with it; 0: the game's own change
 };
 
-// The decider's conclusion about the scene, held until three decisions in a row give another; the
-// same values as sweepstake.v1.Verdict.
+// The decider's conclusion about the scene. It changes when three decisions in a row give another
+// one. The same values as sweepstake.v1.Verdict.
 enum class Verdict : uint32_t {
   kUnknown = 0,    // nothing decided yet
-  kStable = 1,     // one arm is the best with a probability of 0.8 or more
+  kStable = 1,     // one arm is the best with a probability of at least 0.8
   kTie = 2,        // several arms are nearly equal: choosing the leader loses 0.5 % or less
   kAmbiguous = 3,  // the best arm is not known, and the choice matters
   kDegraded = 4,   // even the best arm misses the frame-rate floor
@@ -113,8 +115,8 @@ enum class Verdict : uint32_t {
 // The verdict with the leading arm.
 struct SceneVerdict {
   Verdict verdict = Verdict::kUnknown;
-  uint32_t leader_arm = 0;        // most probably the best; 0 while nothing is known
-  double leader_probability = 0;  // of being the best, 0–1, to seven digits
+  uint32_t leader_arm = 0;        // most probably the best arm; 0 while nothing is known
+  double leader_probability = 0;  // the probability that it is the best, 0–1, to seven digits
 };
 
 // The outcome of a decision's candidate; the same values as sweepstake.v1.DecisionOutcome.
@@ -122,35 +124,35 @@ enum class DecisionOutcome : uint32_t {
   kKept = 1,
   kSwitched = 2,
   kHeldCooldown = 3,  // the cooldown after the latest switch has not passed
-  kHeldSettling = 4,  // all frames were settling frames, or a commanded switch is under way
+  kHeldSettling = 4,  // all frames were settling frames, or a switch is in progress
   kNoFrames = 5,      // there was no frame to learn from since the previous decision
   kManual = 6,        // the mode is Mode::kManual
   kExploring = 7,     // no candidate; a command goes to the next arm of the exploration
   kRejected = 8,      // a metric of the window is not finite
-  kHeldGate = 9,      // the expected gain is not worth the cost of the switch
-  kHeldTie = 12,      // the candidate is not better by as much as matters
+  kHeldGate = 9,      // the expected gain is less than the cost of the switch
+  kHeldTie = 12,      // the candidate's advantage is below the relevant difference
 };
 
-// The latest decision and why it came out as it did, for a game that shows or logs it
-// (AdaptiveBroadPhase::last_decision). A daemon tells of its decisions the commands alone: then
-// there is the latest command, and the verdict that was told latest.
+// The latest decision and its reasons, for a game that shows or logs them
+// (AdaptiveBroadPhase::last_decision). A daemon sends only its commands: the fields then hold the
+// latest command and the latest verdict received.
 struct LastDecision {
   static constexpr size_t kMaxArms = 32;
 
   uint64_t decision_id = 0;  // from 1; 0 with a daemon
-  // When it was made, or came from the daemon: SteadyClock() with a Session, otherwise the clock of
-  // now_ns. Its age is the time since then.
+  // When it was made, or received from the daemon; its age is the time since then. The clock is
+  // SteadyClock() with a Session, otherwise the one of now_ns.
   uint64_t time_ns = 0;
   uint32_t active_arm = 0;
   DecisionOutcome outcome = DecisionOutcome::kKept;
   std::optional<uint32_t> candidate_arm = {};  // what the policy proposed
-  std::optional<SwitchCommand> command = {};   // what was commanded, with its reason
+  std::optional<SwitchCommand> command = {};   // the command and its reason; absent: none
   // The expected loss of choosing the leader, relative to the cost of the best arm; 0 with a
   // daemon.
   double expected_loss_ratio = 0;
   SceneVerdict verdict = {};
-  uint64_t arm_count = 0;  // of best_probability; 0: nothing is known, or with a daemon
-  std::array<double, kMaxArms> best_probability{};  // of each arm to be the best
+  uint64_t arm_count = 0;  // number of entries of best_probability; 0: unknown, or with a daemon
+  std::array<double, kMaxArms> best_probability{};  // the probability of each arm to be the best
 };
 static_assert(std::is_trivially_copyable_v<LastDecision>);
 
@@ -164,9 +166,9 @@ struct SwitchOutcome {
   uint64_t settling_cost_ns = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
-  // The way back from a trial: the detection time that was over its limit (of two frames the
-  // shorter one's) or, over its budget, at most the mean one, and the arm that was tried. 0: any
-  // other switch.
+  // Set if the switch ends a trial that was too expensive; 0 for any other switch. The detection
+  // time is that of the shorter of two frames over the limit, or at most the mean one if the budget
+  // was exceeded. trial_arm is the arm that was tried.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

@@ -15,8 +15,8 @@ namespace sweepstake {
 
 class PairBuffer {
  public:
-  // The number of pairs that may be written behind the room that EnsureRoom has made: a vector
-  // store may overrun it by one register.
+  // Spare room beyond the count passed to EnsureRoom, in pairs: a vector store may overrun that
+  // count by one register.
   static constexpr size_t kSlack = 64;
 
   PairBuffer() = default;

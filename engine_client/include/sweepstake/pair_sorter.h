@@ -1,8 +1,8 @@
-// Sorts overlap pairs in ascending order, by a and then by b: for callers whose results must not
-// depend on the backend, and for comparing one frame with another.
+// Sorts overlap pairs in ascending order of a and then b, for callers whose results must not depend
+// on the backend, and for comparing frames.
 //
 // Not thread-safe. Owns scratch memory, which is kept between calls: 8 bytes per pair and 48 KiB.
-// Cost: O(pairs), with a pass for each 11 bits in which ids differ; proxy_set.h has figures.
+// Cost: O(pairs), with one pass for each 11 bits in which ids differ; proxy_set.h has figures.
 #pragma once
 
 #include <memory>
@@ -19,8 +19,8 @@ class PairSorter {
   PairSorter(PairSorter&&) noexcept;
   PairSorter& operator=(PairSorter&&) noexcept;
 
-  // Keeps equal pairs. If memory runs out, it ends as OutOfMemory() says (hooks.h); the order is
-  // then unspecified, but no pair is lost.
+  // Keeps duplicate pairs. If memory runs out, it ends as described at OutOfMemory() (hooks.h); the
+  // order is then unspecified, but no pair is lost.
   void Sort(std::span<OverlapPair> pairs);
 
   size_t native_bytes() const;

@@ -1,7 +1,7 @@
 // Moving boxes to run a broad phase on: the paper's five scenarios, the reference suite, scenes
 // that change, degenerate scenes, and recorded files.
 //
-// One seed gives the same boxes bit for bit on every platform, whatever the frame rate. Not
+// The same seed gives the same boxes bit for bit on every platform, whatever the frame rate. Not
 // thread-safe; distinct scenes are independent.
 #pragma once
 
@@ -20,9 +20,9 @@ namespace sweepstake {
 
 inline constexpr uint32_t kMaxSceneObjectCount = 16'777'216;
 
-// Defaults in the spirit of the paper (§6.1); lengths in world units, times in seconds. MakeScene
-// validates them: a value outside its range, or not finite, is kInvalidArgument. How each scenario
-// uses them: scene/README.md.
+// Defaults follow the paper (§6.1); lengths in world units, times in seconds. MakeScene validates
+// them: a value that is outside its range or not finite is kInvalidArgument. scene/README.md
+// describes how each scenario uses them.
 struct SceneOptions {
   uint32_t object_count = 1000;       // 0 to kMaxSceneObjectCount
   uint64_t spawn_seed = 1;            // sizes and spawn positions
@@ -43,19 +43,19 @@ class Scene {
   virtual ~Scene() = default;
 
   virtual std::string_view name() const = 0;
-  // Returns the bounds of the motion; boxes may extend beyond them by their size, in suite-h by
-  // 1/40 of the side more. For a recorded file these are the bounds in its header; degenerate
-  // scenes do not keep to theirs.
+  // Returns the bounds of the motion. Boxes may extend beyond them by their size, in suite-h by
+  // another 1/40 of the side. For a recorded file these are the bounds in its header. Degenerate
+  // scenes leave their bounds.
   virtual Aabb world() const = 0;
-  // Returns the number of steps taken; 0 is the spawn state, which aabbs() shows from the start.
+  // Returns the number of steps taken. At 0, aabbs() returns the boxes as they were spawned.
   virtual uint64_t frame_index() const = 0;
   // Returns the boxes of this frame, valid until the next Step. Only recorded files, changing and
   // degenerate scenes may change the count.
   virtual std::span<const Aabb> aabbs() const = 0;
-  // Moves the scene on by one fixed step; does not allocate and does not fail. A recorded file
-  // starts again after its last frame, while frame_index() goes on; if it has become unreadable
-  // since it was opened, the boxes stay as they are. Cost: O(objects), and for a recorded file
-  // reading the frame.
+  // Advances the scene by one fixed step; does not allocate and does not fail. A recorded file
+  // starts again after its last frame, while frame_index() goes on. If the file has become
+  // unreadable, the boxes stay unchanged. Cost: O(objects); for a recorded file, that of reading
+  // the frame.
   virtual void Step() = 0;
 };
 
@@ -72,29 +72,32 @@ struct SceneDescription {
   std::string_view summary;  // a few words
 };
 
-// Returns every scene that MakeScene knows by name, group by group. The names end with NUL.
+// Returns every scene that MakeScene knows by name, by group. The names end with NUL.
 std::span<const SceneDescription> SceneDescriptions();
 std::span<const std::string_view> SceneNames();
 std::span<const std::string_view> SceneNames(SceneGroup group);
 
-// `scene` is one of SceneNames() or the path of a .aabbs file, in UTF-8. The scenarios use every
-// option, the suite only object_count, the changing and degenerate scenes object_count and
-// spawn_seed, a file none. kNotFound lists the names, the nearest first; kInvalidArgument names the
-// option; kDataLoss says in one line what is broken in the file; kResourceExhausted: the file has
-// more than kMaxSceneObjectCount objects, or there is no memory for them.
+// Makes a scene. `scene` is one of SceneNames() or the path of a .aabbs file, in UTF-8. The
+// scenarios use every option, the suite only object_count, the changing and degenerate scenes
+// object_count and spawn_seed, a file none.
+//
+// Errors: kNotFound lists the names, the nearest first. kInvalidArgument names the option.
+// kDataLoss states in one line what is broken in the file. kResourceExhausted: the file has more
+// than kMaxSceneObjectCount objects, or memory ran out.
 Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOptions& options);
 
 // Steps `scene` `frame_count` times and writes it as Broadmark's .aabbs (1 + frame_count frames,
-// its present state first) to `path`, in UTF-8. The file appears whole or not at all and replaces
-// an existing one. kInvalidArgument: a coordinate is not finite, no frame has an object,
-// frame_count is over 2^31 - 1, or `path` is no file name; kNotFound: no such directory;
-// kUnavailable: the system's reason (Windows replaces no file that is open, a scene being replayed
-// from it included). Takes 4 bytes of memory per frame besides one frame. The file keeps `notes`,
-// any text of at most 16 MiB, as it is.
+// its present state first) to `path`, in UTF-8. The file is written completely or not at all, and
+// replaces an existing one. The file contains `notes`, any text of at most 16 MiB, unchanged.
+// Memory: 4 bytes per frame besides one frame.
+//
+// Errors: kInvalidArgument: a coordinate is not finite, no frame has an object, frame_count is over
+// 2^31 - 1, or `path` is not a file name; kNotFound: no such directory; kUnavailable: the system's
+// reason. Windows does not replace an open file, such as the one that a scene is replayed from.
 Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path,
                    std::string_view notes = {});
 
-// Returns the notes of the .aabbs file at `path`, in UTF-8; empty: it has none. Errors: those of
+// Returns the notes of the .aabbs file at `path`, in UTF-8; empty if it has none. Errors: those of
 // MakeScene with that file.
 Result<std::string> RecordedNotes(std::string_view path);
 

@@ -1,11 +1,11 @@
-// Connects an AdaptiveBroadPhase to its decider, which is a daemon (over gRPC) or the embedded
-// decider. Steps 6, 7 and 11.
+// Connects an AdaptiveBroadPhase to its decider: a daemon (over gRPC) or the embedded decider.
+// Steps 6, 7 and 11 of the one path (README).
 //
-// A Session owns one sender thread. The frame thread only pushes into a bounded lock-free queue
-// (full: the oldest sample is dropped and counted) and takes commands from the mailbox; it never
-// waits for the sender, whether the daemon is absent at the start, slow, killed or restarted. A
-// lost connection is opened again with exponential back-off and jitter. Messages that were not
-// acknowledged are sent again under the same numbers, so that nothing is counted twice.
+// A Session owns one sender thread. The frame thread only pushes into a bounded lock-free queue and
+// reads commands from the mailbox. If the queue is full, the oldest sample is dropped and counted.
+// The frame thread never waits for the sender, even if the daemon is absent, slow, killed or
+// restarted. A lost connection is opened again with exponential back-off and jitter. Messages that
+// were not acknowledged are sent again under the same numbers, so nothing is counted twice.
 #pragma once
 
 #include <cstdint>
@@ -31,12 +31,12 @@ enum class ConnectionState : uint32_t {
   kClosed = 4
 };
 
-// A file that the flight recorder has written.
+// A file written by the flight recorder.
 struct FlightRecording {
-  uint64_t recording_id = 0;  // numbers those of the session from 1 on
+  uint64_t recording_id = 0;  // counts the session's recordings from 1
   std::string path;           // UTF-8
   int64_t recorded_unix_ms = 0;
-  uint64_t recorded_ns = 0;  // the same, by SteadyClock()
+  uint64_t recorded_ns = 0;  // the same time by SteadyClock()
   uint64_t bytes = 0;
   uint64_t worst_frame_ns = 0;  // the longest frame in it
 };
@@ -45,92 +45,92 @@ struct FlightRecording {
 struct SessionStats {
   ConnectionState state = ConnectionState::kOffline;
   std::string last_error;  // what went wrong most recently and what to do; empty: nothing
-  // The daemon's reason when it refused the latest attempt, for example an unknown policy or a
-  // token that was revoked. Trying again does not help; it is tried once in a while all the same.
-  // Empty: the daemon did not refuse.
+  // The daemon's reason for refusing the latest attempt, for example an unknown policy or a revoked
+  // token. Trying again does not help, but is done at long intervals. Empty: the daemon did not
+  // refuse.
   std::string refusal;
   std::string session_id;  // empty before the first welcome
   uint64_t sent_frame_count = 0;
-  uint64_t dropped_frame_count = 0;  // because the queue was full, or the daemon refused them
+  uint64_t dropped_frame_count = 0;  // the queue was full, or the daemon refused them
   uint64_t acknowledged_sequence = 0;
   uint64_t sent_sequence = 0;
-  // Nothing more is sent until the daemon acknowledges: SessionOptions::unacknowledged_messages are
-  // with it. After Stop: it was so to the end.
+  // Sending is paused until the daemon acknowledges, because
+  // SessionOptions::unacknowledged_messages messages are unacknowledged. After Stop: whether it was
+  // paused at the end.
   bool awaits_acknowledgement = false;
   uint64_t connection_count = 0;  // welcomes received
   uint64_t resumed_count = 0;     // of those, resumed
   uint64_t resent_message_count = 0;
   uint64_t command_count = 0;          // switch commands received
-  uint64_t unknown_message_count = 0;  // of a newer protocol, not acted on
+  uint64_t unknown_message_count = 0;  // of a newer protocol, ignored
   uint64_t prior_source_count = 0;     // sources in the priors the session started from
   bool priors_unavailable = false;     // the daemon could not read all of its priors
-  // What the daemon decides with; empty and 0 before the first welcome, and without a daemon. The
-  // same seed and policy make the same draws.
+  // The daemon's version, policy and seed; empty and 0 before the first welcome, and without a
+  // daemon. The same seed and policy give the same draws.
   std::string daemon_version;
   std::string policy;
   uint64_t seed = 0;
-  // The sender thread's time with an embedded decider; 0 with a daemon, which decides elsewhere.
-  uint64_t intake_time_ns = 0;    // to empty the queue and hand it to the decider
+  // Times of the sender thread with an embedded decider; 0 with a daemon, which decides elsewhere.
+  uint64_t intake_time_ns = 0;    // to empty the queue and pass it to the decider
   uint64_t decision_time_ns = 0;  // to decide, summed over all decisions
   uint64_t longest_decision_ns = 0;
   std::vector<ArmBelief> beliefs;  // the latest posterior snapshot; empty: none yet
-  // What the flight recorder has written and is still there, the oldest first; at most 8.
+  // Existing files of the flight recorder, the oldest first; at most 8.
   std::vector<FlightRecording> recordings;
-  std::string recording_error;  // why the latest one was not written, and what to do; empty: it was
-  // The verdict of the same snapshot; the frame thread reads AdaptiveBroadPhase::verdict().
+  std::string recording_error;  // why the latest file was not written, and what to do; empty: none
+  // The verdict of the same snapshot. The frame thread uses AdaptiveBroadPhase::verdict() instead.
   SceneVerdict verdict;
 };
 
-// TLS 1.2 or newer of a connection to a daemon. The files are PEM, of at most 1 MiB, and their
-// paths have at most 4096 bytes. They are read for every connection, so that they may be replaced
-// while the game runs.
+// TLS 1.2 or newer for a connection to a daemon. The files are PEM, of at most 1 MiB; their paths
+// have at most 4096 bytes. They are read for every connection, so they may be replaced while the
+// game runs.
 struct TlsOptions {
   std::string ca_file;      // authorities of the daemon's certificate; empty: the system's
-  std::string cert_file;    // the client's certificate, where the daemon asks for one
+  std::string cert_file;    // the client's certificate, if the daemon requires one
   std::string key_file;     // its private key, without a passphrase; with cert_file only
   std::string server_name;  // the host in the daemon's certificate; empty: that of the address
 };
 
-// The token that a daemon may ask for. It is sent with TLS, or to a daemon on this machine, and
-// shown nowhere. At most one of the two is given.
+// The token that a daemon may require. It is sent only with TLS, or to a daemon on this machine,
+// and never displayed. At most one of the two is set. The file is read for every connection.
 struct ClientToken {
-  std::string file;  // of at most 4096 bytes, with the token alone; read for every connection
+  std::string file;  // path, at most 4096 bytes, of a file with only the token
   std::string text;  // the token itself
 };
 
-// Keeps the latest five seconds, and writes them to a file after a frame that took too long: the
-// boxes, the figures of all frames, and the decisions, for `sweepstake replay --recording` on any
-// machine. At most one file in 30 s of frame time, none in the first second, the newest 8 of a
-// session. Cost: README.md, Flight recorder.
+// Keeps the latest five seconds in memory and writes them to a file after a frame that took too
+// long: the boxes, the measurements of all frames, and the decisions. `sweepstake replay
+// --recording` replays the file on any machine. At most one file in 30 s of frame time, none in the
+// first second; the newest 8 files of a session are kept. Cost: README.md, Flight recorder.
 struct FlightRecorderOptions {
-  // Of boxes, 24 bytes each, at most 1024; 0: off. Where the boxes of five seconds need more, those
-  // of fewer frames are kept, at equal intervals.
+  // Memory for boxes (24 bytes each), at most 1024; 0: off. If five seconds of boxes need more, the
+  // boxes of fewer frames are kept, at equal intervals.
   uint32_t memory_mb = 0;
-  // A longer frame is recorded, unless it was paused or loading; over 0.
+  // A longer frame triggers a recording, unless it was paused or loading; over 0.
   double frame_budget_ms = 50;
-  std::string directory = {};  // an existing folder, in UTF-8, for files of memory_mb × 4/3 at most
+  std::string directory = {};  // an existing folder, in UTF-8; a file has at most memory_mb × 4/3
 };
 
 struct SessionOptions {
   std::string project = "default";
   std::string scene = "default";
   std::string build;          // empty: unknown
-  std::string machine_class;  // machines whose timings compare; empty: MachineClass() says it
+  std::string machine_class;  // class of comparable machines; empty: MachineClass()
   std::string policy;         // empty: the decider's default
   double time_scale = 1;      // 1–1000; above 1 a daemon refuses unless it is set to allow it
   bool ignore_priors = false;
   uint64_t seed = 0;  // 0: the decider chooses
-  // Whether operators of the daemon may choose the mode and the arm; of no use to an embedded
-  // decider. Leave it off in a game that players get.
+  // Lets operators of the daemon choose the mode and the arm. Unused with an embedded decider.
+  // Leave it off in a game that is shipped to players.
   bool allow_operator_orders = false;
-  // Whether operators of the daemon may look at the boxes of the game's objects: some thousands of
-  // them, at most four times a second, and none while nobody looks. Of no use to an embedded
-  // decider. Leave it off in a game that players get.
+  // Lets operators of the daemon see the boxes of the game's objects: a few thousand of them, at
+  // most four times a second, and only while an operator looks. Unused with an embedded decider.
+  // Leave it off in a game that is shipped to players.
   bool allow_box_view = false;
   FlightRecorderOptions flight_recorder;
-  // Whether operators of the daemon may download what the flight recorder has written. Nothing is
-  // sent unless they ask. Of no use to an embedded decider. Leave it off in a game that players
-  // get.
+  // Lets operators of the daemon download the flight recorder's files. Nothing is sent unless they
+  // request it. Unused with an embedded decider. Leave it off in a game that is shipped to players.
   bool allow_recording_download = false;
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
@@ -139,41 +139,40 @@ struct SessionOptions {
   uint32_t batch_interval_ms = 250;  // 1–10,000
   uint32_t batch_frames = 240;       // 1–240
   uint32_t batch_bytes = 16 * 1024;  // 512–262,144
-  // 1–4096. At the bound sending pauses, and the queue drops its oldest samples. A daemon
-  // acknowledges every two seconds, so that 1024 full batches of about 1.5 kB allow 15,000
-  // frames/s.
+  // 1–4096. At this bound sending pauses, and the queue drops its oldest samples. A daemon
+  // acknowledges every two seconds, so 1024 full batches of about 1.5 kB allow 15,000 frames/s.
   uint32_t unacknowledged_messages = 1024;
   uint32_t backoff_min_ms = 100;  // doubles with each attempt up to the maximum, with full jitter
   uint32_t backoff_max_ms = 10'000;
 
-  std::optional<TlsOptions> tls;  // absent: plain text; of no use to an embedded decider
-  ClientToken token;              // empty: none; of no use to an embedded decider
+  std::optional<TlsOptions> tls;  // absent: plain text; unused with an embedded decider
+  ClientToken token;              // empty: none; unused with an embedded decider
 };
 
 class Session {
  public:
-  // Returns the sink to give to AdaptiveBroadPhase::Create. The session is therefore created first
-  // and learns the arms in Start.
+  // Returns the sink to pass to AdaptiveBroadPhase::Create. The session is therefore created first
+  // and gets the arms in Start.
   virtual FrameSink& sink() = 0;
-  // Starts the sender thread; to be called once. `adaptive` must outlive Stop.
+  // Starts the sender thread; call it once. `adaptive` must outlive Stop.
   virtual Status Start(AdaptiveBroadPhase& adaptive) = 0;
-  // Tells the decider about a mode change that was made with AdaptiveBroadPhase::SetMode. Called on
-  // the frame thread; it does not wait.
+  // Reports a mode change made with AdaptiveBroadPhase::SetMode to the decider. Called on the frame
+  // thread; it does not wait.
   virtual void OnModeChange() = 0;
-  // Sends the content of the queue and a goodbye within `deadline_ms`, and ends the thread. If the
-  // daemon could not put the last evidence on disk, or did not say in time that it has,
-  // stats().last_error says so. Idempotent.
+  // Sends the content of the queue and a goodbye within `deadline_ms`, then ends the thread. If the
+  // daemon did not confirm in time that the last evidence is on disk, stats().last_error says so.
+  // Idempotent.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
   virtual SessionStats stats() const = 0;
-  // Returns what EmbeddedDecider::ExportPriors does, from Start on and after Stop. Any thread; the
-  // frame thread does not wait for it, but should not call it: it waits for a decision under way.
-  // kFailedPrecondition before Start, and with a daemon, which keeps what it learns itself.
+  // Returns EmbeddedDecider::ExportPriors(), from Start on and after Stop. Any thread except the
+  // frame thread: it waits for a decision in progress. The frame thread never waits for it.
+  // kFailedPrecondition before Start, and with a daemon, which stores the evidence itself.
   virtual Result<std::string> ExportPriors() const = 0;
   virtual ~Session() = default;
 };
 
-// `address` is HOST:PORT. Start connects to it in the background. Error: kInvalidArgument (the
-// address, an option, or a file of `tls` that cannot be used).
+// Makes a session with the daemon at `address` (HOST:PORT). Start connects to it in the background.
+// kInvalidArgument: the address, an option, or a file of `tls` cannot be used.
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options);
 // Makes a session without a daemon: the embedded decider runs on the sender thread.

@@ -1,7 +1,7 @@
 // The outcome of an operation that can fail for a reason outside the program: a code for the
-// program and a message that tells people what to do. Both are value types, safe to copy between
-// threads; constructing an OK status does not allocate. Beside X11/Xlib.h, whose macro has the same
-// name: names/begin.h.
+// program and a message for people that states what to do. Both types are values, safe to copy
+// between threads; constructing an OK status does not allocate. X11/Xlib.h has a macro named
+// Status: see names/begin.h.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace sweepstake {
 
-// The values are stable, since swp_result of the C ABI has the same ones.
+// The values are stable: swp_result of the C ABI has the same ones.
 enum class StatusCode : int32_t {
   kOk = 0,
   kInvalidArgument = 1,     // The caller's value is wrong.
   kNotFound = 2,            // No such file or name.
   kDataLoss = 3,            // A file exists and its content is broken.
-  kUnavailable = 4,         // Could not reach something; trying again may help.
+  kUnavailable = 4,         // Something cannot be reached; trying again may help.
   kResourceExhausted = 5,   // A documented bound was hit.
   kFailedPrecondition = 6,  // Calls in the wrong order.
-  kInternal = 7,            // A bug of ours.
+  kInternal = 7,            // A bug in this library.
 };
 
 class [[nodiscard]] Status {
@@ -32,7 +32,7 @@ class [[nodiscard]] Status {
 
   bool ok() const { return code_ == StatusCode::kOk; }
   StatusCode code() const { return code_; }
-  // Returns a single line without a full stop at its end; empty if ok.
+  // Returns a single line without a full stop at the end; empty if ok.
   const std::string& message() const { return message_; }
 
  private:
@@ -40,7 +40,7 @@ class [[nodiscard]] Status {
   std::string message_;
 };
 
-// A value, or the status that says why there is none.
+// A value, or the status that explains why there is none.
 template <typename T>
 class [[nodiscard]] Result {
  public:

@@ -1,2 +1,2 @@
-// Brings back what names/begin.h has set aside. At the end of a header, without a guard.
+// Restores what names/begin.h has hidden. Included at the end of a header, without a guard.
 #pragma pop_macro("Status")
