@@ -1,37 +1,37 @@
-/* The C ABI of Sweepstake: what Unity and other engines load from the shared library `sweepstake`.
- * This header has what holds for all of it, and includes one header per thing: c_hooks.h,
+/* The C ABI of Sweepstake, which Unity and other engines load from the shared library `sweepstake`.
+ * This header has the rules for all of it, and includes one header per topic: c_hooks.h,
  * c_worlds.h, c_sessions.h, c_deciders.h, c_link.h, c_proxies.h and c_scenes.h.
  *
- * Threads: distinct objects are independent. An object belongs to one caller at a time: no call of
- * it may begin before the one before it has returned, wherever that one ran. "The frame thread" of
- * a session means just that: one caller at a time, not one thread of the operating system, so that
- * a job may make a call on any worker, and the next one on another. Where two calls may run at the
- * same time, a comment says so. The library calls back only into an executor that was given, to run
- * parts of a search, and into hooks that were set (c_hooks.h).
+ * Threads: distinct objects are independent. An object has one caller at a time. A call may begin
+ * only after the object's previous call has returned, on whichever thread that ran. "The frame
+ * thread" of a session means one caller at a time, not one thread of the operating system. A job
+ * may make a call on any worker, and the next job on another. Comments state where two calls may
+ * run at the same time. The library calls back only into a caller's executor, to run parts of a
+ * search, and into hooks that were set (c_hooks.h).
  *
- * Ownership: what a _create function returns is ended by the matching _destroy, which takes NULL as
- * free() does; using it afterwards is undefined. Memory that a function hands out belongs to the
- * library and is valid as long as its comment says.
+ * Ownership: the object that a _create function returns is ended by the matching _destroy, which
+ * accepts NULL as free() does. Using it afterwards is undefined. Memory that a function returns
+ * belongs to the library and is valid as long as its comment says.
  *
  * Units: lengths are in world units of the caller, times in nanoseconds, text is UTF-8 and ends
- * with NUL. Truth values are uint32_t, 0 or 1. Nothing but scalars and pointers is passed by value.
+ * with NUL. Truth values are uint32_t, 0 or 1. Only scalars and pointers are passed by value.
  *
- * Structs: where the first member is struct_size, set it to sizeof the struct before any call that
- * takes it, the _init functions included:
+ * Structs: if the first member is struct_size, set it to sizeof the struct before any call that
+ * takes the struct, including the _init functions:
  *
  *   swp_world_options options = {.struct_size = sizeof options};
  *   swp_world_options_init(&options);
  *   options.sorted_pairs = 1;
  *
  * Such a struct may grow at its end, and the library never reads or writes beyond struct_size. It
- * takes the sizes of earlier revisions, with the defaults for the rest, and larger ones whose rest
- * is zero; what it fills is cut or filled up with zeros. Structs without struct_size (boxes, pairs,
- * rays, hits, samples, filters and whatever else stands in arrays) are as they are for ever.
+ * accepts the sizes of earlier revisions, with defaults for the missing members. It also accepts
+ * larger sizes if the additional bytes are zero. Structs that the library fills are cut, or padded
+ * with zeros. Structs without struct_size (boxes, pairs, rays, hits, samples, filters and other
+ * elements of arrays) never change.
  *
  * Errors: functions return a swp_result. If it is not SWP_OK, swp_last_error() says what to do.
- * NULL for a pointer that is needed is SWP_INVALID_ARGUMENT. A function that fails leaves its
- * outputs as they were, unless its comment says otherwise. No exception leaves the library.
- */
+ * NULL for a required pointer is SWP_INVALID_ARGUMENT. A function that fails leaves its outputs
+ * unchanged, unless its comment says otherwise. No exception leaves the library. */
 #ifndef SWEEPSTAKE_C_API_H_
 #define SWEEPSTAKE_C_API_H_
 
@@ -41,9 +41,9 @@
 #error "Sweepstake needs a 64-bit target"
 #endif
 
-/* What links the archive (sweepstake_static) defines SWP_STATIC; what links or loads the shared
- * library defines nothing. A shared library that links the archive does not export the archive's
- * functions. */
+/* A program that links the archive (sweepstake_static) defines SWP_STATIC. A program that links or
+ * loads the shared library defines nothing. A shared library that links the archive does not export
+ * the archive's functions. */
 #if defined(SWP_STATIC)
 #define SWP_API
 #elif !defined(_WIN32)
@@ -74,20 +74,21 @@ enum {
   SWP_INVALID_ARGUMENT = 1,    /* a value of the caller is wrong */
   SWP_NOT_FOUND = 2,           /* no such file, name or proxy */
   SWP_DATA_LOSS = 3,           /* a file exists and its content is broken */
-  SWP_UNAVAILABLE = 4,         /* could not reach something; trying again may help */
-  SWP_RESOURCE_EXHAUSTED = 5,  /* a buffer is too small, a bound was hit, or memory is out */
+  SWP_UNAVAILABLE = 4,         /* something cannot be reached; trying again may help */
+  SWP_RESOURCE_EXHAUSTED = 5,  /* a buffer is too small, a bound was hit, or memory ran out */
   SWP_FAILED_PRECONDITION = 6, /* calls in the wrong order */
-  SWP_INTERNAL = 7             /* a bug of the library */
+  SWP_INTERNAL = 7             /* a bug in the library */
 };
 
-/* One line about the latest failed call on this thread, "" if none has failed. It is valid until
- * the next failure on this thread. */
+/* One line about the latest failed call on this thread, "" if none has failed. Valid until the next
+ * failure on this thread. */
 SWP_API const char* swp_last_error(void);
 
-/* The latest failed call of one object, whichever thread it was on: jobs migrate. Writes one line,
- * "" if none has failed, cut to 255 bytes and to `capacity` with its NUL. It takes a lock that no
- * frame takes, and may be called by any thread at any time; SWP_NOT_FOUND if there is no such
- * object. Where two calls of the object fail at the same moment, one of them is told. */
+/* The same for the latest failed call of one object, on whichever thread: jobs migrate between
+ * threads. Writes one line, "" if none has failed, cut to 255 bytes and to `capacity` with its NUL.
+ * Any thread, any time; it takes a lock that no frame takes. SWP_NOT_FOUND if the object does not
+ * exist. If two calls of the object fail at the same moment, one of the two messages is returned.
+ */
 SWP_API swp_result swp_last_error_of(const void* object, char* text, uint32_t capacity);
 
 /* ---- hosts that lose their handles ---- */
@@ -102,38 +103,38 @@ enum {
   SWP_KIND_LINK = 5
 };
 
-/* How many objects of this kind live in the process; 0 of an unknown kind. Any thread, any time. */
+/* The number of living objects of this kind in the process; 0 for an unknown kind. Any thread, any
+ * time. */
 SWP_API uint32_t swp_live_count(swp_kind kind);
 
-/* Ends every object of the process, with its threads and memory: for a host whose domain was
- * reloaded and has left its handles behind, before it makes new ones.
+/* Ends every object of the process, with its threads and memory, for a host that has lost its
+ * handles because its domain was reloaded. Call it before new objects are made.
  *
- * No call begins any more: each is answered with SWP_FAILED_PRECONDITION. Those under way are
- * waited for, at most deadline_ms; freeing takes its time beside that (a session's lane leaves
- * its search in its midst). SWP_UNAVAILABLE if some have not returned by then: what they use lives
- * on, all else is freed, and a later call goes on. With 0 no call is waited for. What is made
- * meanwhile lives.
+ * New calls on old objects fail with SWP_FAILED_PRECONDITION. The function waits at most
+ * deadline_ms for calls in progress; with 0 it does not wait. Freeing takes additional time,
+ * although a session's lane stops in the middle of a search. SWP_UNAVAILABLE: some calls have not
+ * returned by then. Their objects stay alive, everything else is freed, and a later call continues.
+ * Objects made meanwhile stay alive.
  *
- * Safe: any thread may call it, at any time, also beside calls that take an object as non-const,
- * and more than once. A handle that turns up afterwards may be given to any function, on any
- * thread: it is SWP_FAILED_PRECONDITION, and _destroy takes it once, as ever. Each lost handle
- * keeps a small block of memory until then.
+ * Safe: any thread may call it, at any time and more than once, also while other threads are in
+ * calls that take an object as non-const. An old handle that is used afterwards gives
+ * SWP_FAILED_PRECONDITION in any function, on any thread, and may be passed to its _destroy once.
+ * Each lost handle keeps a small block of memory until then.
  *
- * Not safe: a call that takes the object as const (to read pairs, or to query proxies), or a
- * _destroy, under way on another thread; reading memory that an object has handed out; and a handle
- * that was destroyed, as ever. An executor of the caller's is not called any more once SWP_OK is
- * returned. */
+ * Not safe while it runs: on another thread, a _destroy or a call that takes its object as const
+ * (to read pairs or query proxies). Also unsafe: reading memory that an object has returned, and
+ * using a destroyed handle. After SWP_OK the caller's executors are not called any more. */
 SWP_API swp_result swp_shutdown_all(uint32_t deadline_ms);
 
 /* ---- version ---- */
 
-/* SWP_ABI_VERSION of the loaded library. Compare it before anything else: another version is
- * another library. */
+/* SWP_ABI_VERSION of the loaded library. Compare it before anything else: a library with another
+ * version is incompatible. */
 SWP_API uint32_t swp_abi_version(void);
-/* SWP_ABI_REVISION of the loaded library. A caller may ask it before it calls a function that an
- * earlier revision lacks; a library of any revision serves a caller of any other one otherwise. */
+/* SWP_ABI_REVISION of the loaded library. Check it before calling a function that an earlier
+ * revision lacks. Apart from that, callers and libraries of different revisions are compatible. */
 SWP_API uint32_t swp_abi_revision(void);
-/* The version of the library, for people: programs compare the two above. */
+/* The version of the library, for display. Programs compare the two numbers above instead. */
 SWP_API swp_result swp_version(uint32_t* major, uint32_t* minor, uint32_t* patch);
 
 typedef uint32_t swp_struct;
@@ -166,8 +167,8 @@ enum {
   SWP_STRUCT_HOOKS = 26
 };
 
-/* The size in bytes of a struct below in this library, for bindings of other languages; 0 for an
- * unknown struct. */
+/* The size in bytes of a struct in this library, for bindings of other languages; 0 for an unknown
+ * struct. */
 SWP_API uint32_t swp_struct_size(swp_struct which);
 
 /* ---- boxes and pairs ---- */
@@ -190,22 +191,22 @@ typedef struct swp_pair {
 /* Runs one part of a search; any thread of the caller may call it. */
 typedef void (*swp_run_part)(void* job, uint64_t part);
 
-/* The caller's own job system. Call swp_executor_init, then set run_parts. The object that it is
- * given to copies it; what `user` points to must outlive that object. */
+/* The caller's own job system. Call swp_executor_init, then set run_parts. The object that gets the
+ * executor copies it; what `user` points to must outlive that object. */
 typedef struct swp_executor {
   uint32_t struct_size;
   /* The number of threads that may run parts at the same time, the calling one included; 1 to 256.
    */
   uint32_t thread_count;
   /* Calls run_part(job, part) once for each part in [0, part_count), in any order and on any
-   * thread, and returns when all have returned. It is called on the thread that is in a call of the
-   * library, so it should run parts itself. It must return normally: no exception and no longjmp
-   * may leave it or run_part. */
+   * thread. Returns when all have returned. It is called on the thread that is in a call of the
+   * library, so that thread should run parts too. It must return normally: no exception and no
+   * longjmp may leave it or run_part. */
   void (*run_parts)(void* user, uint64_t part_count, swp_run_part run_part, void* job);
   void* user;
 } swp_executor;
 
-/* Fills in one thread and no run_parts. */
+/* Sets one thread, and run_parts to NULL. */
 SWP_API swp_result swp_executor_init(swp_executor* executor);
 
 /* NOLINTEND(modernize-use-using) */
@@ -214,7 +215,7 @@ SWP_API swp_result swp_executor_init(swp_executor* executor);
 }
 #endif
 
-/* The game's own memory, profiling zones and threads. */
+/* Replaces the library's memory functions, and observes its profiling zones and threads. */
 #include "sweepstake/c_hooks.h" /* IWYU pragma: export */
 /* One backend, driven by hand. */
 #include "sweepstake/c_worlds.h" /* IWYU pragma: export */
@@ -222,11 +223,11 @@ SWP_API swp_result swp_executor_init(swp_executor* executor);
 #include "sweepstake/c_sessions.h" /* IWYU pragma: export */
 /* "AI Decides" without a daemon. */
 #include "sweepstake/c_deciders.h" /* IWYU pragma: export */
-/* A session with a daemon, over a transport of the caller's. */
+/* A session with a daemon over the caller's own transport. */
 #include "sweepstake/c_link.h" /* IWYU pragma: export */
 /* Objects by handle, filters, static objects, pair events and queries. */
 #include "sweepstake/c_proxies.h" /* IWYU pragma: export */
-/* Moving boxes to try a broad phase on. */
+/* Scenes of moving boxes, to try a broad phase on. */
 #include "sweepstake/c_scenes.h" /* IWYU pragma: export */
 
 #endif /* SWEEPSTAKE_C_API_H_ */

@@ -1,15 +1,14 @@
-/* The part of the C ABI for the embedded decider: "AI Decides" without a daemon; c_api.h includes
- * it and says what holds for all: threads, ownership, units, results. The functions mirror
+/* The part of the C ABI for the embedded decider: "AI Decides" without a daemon. c_api.h includes
+ * this header and has the rules for threads, ownership, units and results. The functions mirror
  * sweepstake/embedded_decider.h. Beside the frame thread:
  *
  *   swp_session_attach_decider(session, NULL, now_ns);
  *   ... every 250 ms: swp_session_poll_decider(session, now_ns, NULL, NULL);
  *
- * Threads: these are functions of one caller at a time, which may be the frame thread; attach and
+ * Threads: these functions have one caller at a time, which may be the frame thread. Attach and
  * detach while no frame runs. Cost: a poll is linear in the frames since the last one, and takes
- * longer where a decision is due; it allocates, so that a game with little time to spare polls on
- * another thread.
- */
+ * longer if a decision is due. It allocates, so a game with tight frame times polls on another
+ * thread. */
 /* Before the guard: c_api.h includes the headers in the order in which they need one another. */
 #include "sweepstake/c_api.h"
 
@@ -31,15 +30,15 @@ typedef struct swp_decider_options {
   const char* project;       /* NULL: "default" */
   const char* scene;         /* NULL: "default" */
   const char* machine_class; /* NULL: detected from processor, threads and memory */
-  const char* build;         /* of the game; priors of others count less. NULL: unknown */
-  /* Under what name swp_session_export_priors gives what is learnt. A game that keeps a name per
-   * installation has records that grow from run to run. If it loses its save, it needs a new name
-   * too: the numbers of its records begin at 1 again, and a store that has later ones ignores them.
-   * NULL: a new one each time, so that a save which is given back and exported again grows by the
-   * records of each run; at 200,000 records it is refused. */
+  const char* build;         /* of the game; priors of other builds count less. NULL: unknown */
+  /* The name under which swp_session_export_priors exports what is learnt. A game that keeps a name
+   * per installation has records that grow from run to run. An installation that loses its save
+   * needs a new name: the numbers of its records begin at 1 again, and a store that has later ones
+   * ignores them. NULL: a new name each time. A save that is loaded and exported again then grows
+   * by the records of each run; above 200,000 records it is refused. */
   const char* source_id;
   /* Priors to start from, as `sweepstake priors export` and swp_session_export_priors write them: a
-   * file, its content, or both, which are then united. NULL: Beta(1,1). */
+   * file, its content, or both, which are then merged. NULL: Beta(1,1). */
   const char* priors_file;
   const char* priors_data;    /* read during the call only; it needs no NUL at its end */
   uint64_t priors_data_bytes; /* 0 if priors_data is NULL */
@@ -47,7 +46,7 @@ typedef struct swp_decider_options {
   double time_scale; /* 1 to 1000: every interval but the bail-out limit is divided by it */
   uint64_t decision_interval_ns; /* from one decision to the next, 1 to 8.64e15 (100 days); 2 s */
   uint64_t cooldown_ns; /* between switches that the policy chooses, at most 100 days; 40 s */
-  double fps_floor;     /* SWP_VERDICT_DEGRADED if the best arm has fewer frames/s, 0 to 1000; 30 */
+  double fps_floor;     /* in frames/s, 0 to 1000; a slower best arm is SWP_VERDICT_DEGRADED; 30 */
 } swp_decider_options;
 
 /* A posterior of an arm's reward, Beta(alpha, beta). */
@@ -56,28 +55,28 @@ typedef struct swp_belief {
   double beta;
 } swp_belief;
 
-/* Fills in the defaults: those of NULL above, seed 1 and time scale 1. */
+/* Sets the defaults given above, seed 1 and time scale 1. */
 SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
 
-/* `now_ns` is the caller's steady clock, the same one in all calls, from any origin and never going
- * back. */
+/* `now_ns` comes from a steady clock of the caller that never goes back: the same clock in all
+ * calls, from any origin. */
 
-/* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION if a decider is attached already,
- * SWP_NOT_FOUND if there is no such file, SWP_DATA_LOSS names the first broken record. */
+/* `options` NULL uses the defaults. SWP_FAILED_PRECONDITION if a decider is already attached,
+ * SWP_NOT_FOUND if the file does not exist. SWP_DATA_LOSS names the first broken record. */
 SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
-/* Ends the decider and what it has learnt; the session then switches by itself at a bail-out, and
- * its settling time is no longer divided by the time scale. */
+/* Ends the decider and discards what it has learnt. The session then handles bail-outs itself, and
+ * its settling time is not divided by the time scale any more. */
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
 /* Chooses the arm that these priors expect to cost least, executed at the next begin_frame; with
- * NULL the session keeps its arm. From then on it is in SWP_MODE_MANUAL, and nothing that depends
- * on time happens, so that runs repeat bit for bit (builds, replays, tournaments): no clock is
- * read, samples have no detection time, the lane is shown no frames, and commands and orders are
- * refused. swp_session_select_arm still chooses; swp_session_set_mode ends it. SWP_NOT_FOUND if the
- * priors have nothing of the project with the session's arms; the session is then as before. Frame
- * thread. */
+ * NULL the session keeps its arm. Sets SWP_MODE_MANUAL and disables everything that depends on
+ * time, so that runs repeat bit for bit (builds, replays, tournaments). The clock is not read,
+ * samples have no detection time, the lane gets no frames, and commands and orders are refused.
+ * swp_session_select_arm still works; swp_session_set_mode ends this state. SWP_NOT_FOUND if the
+ * priors have no evidence of the project with the session's arms; the session is then unchanged.
+ * Frame thread. */
 SWP_API swp_result swp_session_freeze(swp_session* session, const swp_decider_options* options);
-/* Takes the costs of the frames since the last poll, decides if a decision is due
+/* Reads the costs of the frames since the last poll, decides if a decision is due
  * (decision_interval_ns), and posts the command. `commanded` is 1 if one was posted, which is then
  * also written to `command`; both may be NULL. Poll every 250 ms or more often. */
 SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
@@ -86,15 +85,15 @@ SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_n
  * too small, the result is SWP_RESOURCE_EXHAUSTED and only `count` is written. */
 SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs,
                                        uint32_t capacity, uint32_t* count);
-/* The number of decisions since it was attached. */
+/* The number of decisions since the decider was attached. */
 SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
-/* The number of sources in the priors it started from; 0: Beta(1,1). */
+/* The number of sources in the decider's priors; 0: it started from Beta(1,1). */
 SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);
 /* Writes the content of a priors file: all records that the decider was given, and what it has
- * learnt since, for the next run's priors_data or for `sweepstake priors import`. Each piece of
- * evidence counts once there, however often it comes. `bytes` is its length, without a NUL. If
- * `capacity` is too small, the result is SWP_RESOURCE_EXHAUSTED and only `bytes` is written. Ask
- * before the decider is detached, which ends what it knows. */
+ * learnt since. Use it as the next run's priors_data or with `sweepstake priors import`. Each piece
+ * of evidence counts once there, however often it occurs. `bytes` is the length without a NUL. If
+ * `capacity` is too small, the result is SWP_RESOURCE_EXHAUSTED and only `bytes` is written. Call
+ * it before the decider is detached, which discards the evidence. */
 SWP_API swp_result swp_session_export_priors(const swp_session* session, char* data,
                                              uint64_t capacity, uint64_t* bytes);
 

@@ -1,8 +1,8 @@
-/* The part of the C ABI for objects by handle, filters, static objects, pair events and queries;
- * c_api.h includes it and says what holds for all: threads, ownership, units, results.
+/* The part of the C ABI for objects by handle, filters, static objects, pair events and queries.
+ * c_api.h includes this header and has the rules for threads, ownership, units and results.
  *
- * The functions mirror sweepstake/proxy_set.h, which says what each of them costs. A frame, with a
- * world or a session:
+ * The functions mirror sweepstake/proxy_set.h, which states the cost of each. A frame, with a world
+ * or a session:
  *
  *   swp_proxies_set_boxes(proxies, handles, boxes, count);
  *   swp_proxies_moving_boxes(proxies, &moving, &moving_count);
@@ -12,10 +12,9 @@
  *   swp_proxies_resolve(proxies, found, found_count);
  *   swp_proxies_pairs(proxies, &pairs, &pair_count);
  *
- * One caller at a time may use a set, but for those who only read: calls that take a const set may
- * run on any number of threads at the same time, with none of the others beside them. A handle of a
- * removed proxy, or one that never had a proxy, is SWP_NOT_FOUND and changes nothing.
- */
+ * A set has one caller at a time. Calls that take a const set are the exception: they may run on
+ * any number of threads at the same time, if no other call runs. A handle of a removed proxy, or
+ * one that never had a proxy, is SWP_NOT_FOUND and changes nothing. */
 /* Before the guard: c_api.h includes the headers in the order in which they need one another. */
 #include "sweepstake/c_api.h"
 
@@ -32,17 +31,17 @@ extern "C" {
 
 typedef struct swp_proxies swp_proxies;
 
-/* A handle of a proxy; 0 means no proxy. The low 32 bits are its id in pairs while it lives, the
- * high ones count the owners of that id. */
+/* A handle of a proxy; 0 means no proxy. The low 32 bits are its id in pairs while it lives; the
+ * high 32 bits count the owners of that id. */
 typedef uint64_t swp_proxy;
 #define SWP_PROXY_ID(proxy) ((uint32_t)(proxy))
 
 /* This bit is set in the ids of proxies that were added as static, and only there. */
 #define SWP_STATIC_PROXY_BIT 0x80000000U
 
-/* Two proxies may form a pair when the category of each shares a bit with the mask of the other.
- * Where a function takes a filter, NULL is the one of all bits: everything passes but a proxy
- * without a category or a mask. */
+/* Two proxies may form a pair if the category of each shares a bit with the mask of the other. If a
+ * function takes a filter, NULL means all bits set: it passes every proxy that has a category and a
+ * mask. */
 typedef struct swp_filter {
   uint32_t category;
   uint32_t mask;
@@ -50,11 +49,11 @@ typedef struct swp_filter {
 
 enum {
   SWP_PROXY_STATIC = 1,  /* paired with moving and sleeping proxies only */
-  SWP_PROXY_SLEEPING = 2 /* swp_proxies_get alone gives it: see swp_proxies_set_sleeping */
+  SWP_PROXY_SLEEPING = 2 /* only swp_proxies_get sets it; see swp_proxies_set_sleeping */
 };
 
 typedef struct swp_proxy_options {
-  swp_filter filter; /* {0, 0} passes with nothing; {~0u, ~0u}, as without options, with all */
+  swp_filter filter; /* {0, 0} passes with nothing; {~0u, ~0u} with everything (the default) */
   uint32_t flags;    /* SWP_PROXY_ bits */
   uint32_t reserved; /* 0 */
   uint64_t user;     /* any value of the caller */
@@ -79,8 +78,7 @@ typedef struct swp_sphere {
   float radius;
 } swp_sphere;
 
-/* A valid box at all places from where it is to where the translation, which is finite, takes it.
- */
+/* A valid box swept along a finite translation, and all points it covers on the way. */
 typedef struct swp_box_sweep {
   swp_aabb box;
   float translation[3];
@@ -88,8 +86,8 @@ typedef struct swp_box_sweep {
 
 typedef struct swp_ray_hit {
   swp_proxy proxy;
-  float distance;    /* the t at which the ray enters the box, or the part of its way after which
-                      * a swept box touches it; 0 if it starts inside */
+  float distance;    /* the t at which the ray enters the box; for a sweep the fraction of the
+                      * translation after which the boxes touch; 0 if it starts inside */
   uint32_t reserved; /* 0 */
 } swp_ray_hit;
 
@@ -99,75 +97,78 @@ typedef struct swp_proxies_options {
   uint32_t sorted_pairs;        /* 1: ascending pairs, whatever the backend; implied by events */
   uint32_t thread_count;        /* as in swp_world_options */
   const swp_executor* executor; /* as in swp_world_options */
-  float event_margin;           /* a pair's end is told when the boxes are farther apart than this
-                                 * on an axis; the pairs themselves stay exact; not negative */
+  float event_margin;           /* a pair ends when its boxes are farther apart than this on an
+                                 * axis; the pairs themselves stay exact; not negative */
   uint32_t reserved;            /* 0 */
 } swp_proxies_options;
 
-/* Fills in the defaults: neither events nor sorted pairs, and the calling thread alone. */
+/* Sets the defaults: no events, unsorted pairs, and the calling thread alone. */
 SWP_API swp_result swp_proxies_options_init(swp_proxies_options* options);
-/* Makes an empty set. `options` NULL takes the defaults; SWP_RESOURCE_EXHAUSTED if the system has
- * no more threads. */
+/* Makes an empty set. `options` NULL uses the defaults. SWP_RESOURCE_EXHAUSTED if the system has no
+ * more threads. */
 SWP_API swp_result swp_proxies_create(const swp_proxies_options* options, swp_proxies** proxies);
 SWP_API void swp_proxies_destroy(swp_proxies* proxies);
 
-/* Adds a proxy for each box and writes their handles to `added`. `options` has one element for each
- * of them; NULL makes moving proxies with category 1, all bits in the mask and user 0. Cost: O(1)
- * for a moving one; of static ones, see ProxySet::Add. If memory is out, nothing was added, and
- * what `added` holds is undefined. */
+/* Adds a proxy for each box and writes their handles to `added`. `options` has one element per box;
+ * NULL makes moving proxies with category 1, all bits in the mask and user 0. Cost: O(1) per moving
+ * proxy; for static ones see ProxySet::Add. If memory runs out, no proxy is added, and the content
+ * of `added` is undefined. */
 SWP_API swp_result swp_proxies_add_many(swp_proxies* proxies, const swp_aabb* boxes,
                                         const swp_proxy_options* options, uint32_t count,
                                         swp_proxy* added);
-/* Removes these proxies. If one handle is SWP_NOT_FOUND, none is removed; one that is given twice
- * is removed once. */
+/* Removes these proxies. If one handle is SWP_NOT_FOUND, none is removed. A handle may be given
+ * twice. */
 SWP_API swp_result swp_proxies_remove_many(swp_proxies* proxies, const swp_proxy* removed,
                                            uint32_t count);
-/* Gives boxes[k] to moved[k]. If one handle is SWP_NOT_FOUND, no proxy is moved. Cost: O(1) each,
- * and nothing more for a box that is the same as before; what rests costs an add at the next use.
+/* Gives boxes[k] to moved[k]. If one handle is SWP_NOT_FOUND, no proxy is moved. Cost: O(1) each;
+ * almost nothing for an unchanged box. A resting proxy with a new box costs an add at the next use.
  */
 SWP_API swp_result swp_proxies_set_boxes(swp_proxies* proxies, const swp_proxy* moved,
                                          const swp_aabb* boxes, uint32_t count);
-/* The next resolve and the next query see the new filter. */
+/* The next resolve and the next query use the new filter. */
 SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy,
                                           const swp_filter* filter);
-/* Any value of the caller, which swp_proxies_get gives back. */
+/* Sets the user value, which swp_proxies_get returns. */
 SWP_API swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t user);
-/* 1 makes a moving proxy static, 0 a static one moving and awake. Handle and id stay. Cost: that of
- * an add. */
+/* 1 makes a moving proxy static; 0 makes a static one moving and awake. Handle and id stay the
+ * same. Cost: that of an add. */
 SWP_API swp_result swp_proxies_set_static(swp_proxies* proxies, swp_proxy proxy,
                                           uint32_t is_static);
-/* 1 promises that the proxy does not move: its pairs with others that rest are kept, and no search
- * begins at it. Another box wakes it. Pairs, events and queries do not depend on it; a static proxy
- * stays as it is. Cost: that of an add; the next resolve searches once among all that rest. */
+/* 1 marks a proxy that will not move: its pairs with other resting proxies are kept, and no search
+ * starts from it. Setting a different box wakes it. Pairs, events and queries do not depend on it.
+ * Does nothing for a static proxy. Cost: that of an add; the next resolve searches once among all
+ * resting proxies. */
 SWP_API swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy proxy,
                                             uint32_t is_sleeping);
-/* Subtracts offset[0..2] from all coordinates. No pair ends; boxes may begin to touch that are
- * nearer than coordinates are rounded. A box that the shift takes beyond the largest float is
- * invalid until it gets another, as one that was before. SWP_INVALID_ARGUMENT for an offset that is
- * not finite, which changes nothing. Cost: O(proxies). */
+/* Subtracts offset[0..2] from all coordinates. No pair ends. Boxes whose gap is below the rounding
+ * of coordinates may begin to touch. A box that the shift takes beyond the largest float is invalid
+ * until it gets another box; an invalid box stays invalid. SWP_INVALID_ARGUMENT for an offset that
+ * is not finite, which changes nothing. Cost: O(proxies). */
 SWP_API swp_result swp_proxies_shift_origin(swp_proxies* proxies, const float* offset);
-/* Frees what former proxies held. Ids and handles of living ones stay. Cost: O(proxies), and the
- * next use sorts all trees. Pointers to pairs and boxes end. If memory is out, all proxies are as
- * they were. */
+/* Frees the memory of removed proxies. Ids and handles of living ones stay the same. Cost:
+ * O(proxies), and the next use sorts all trees. Invalidates pointers to pairs and boxes. If memory
+ * runs out, all proxies are as they were. */
 SWP_API swp_result swp_proxies_compact(swp_proxies* proxies);
 
-/* The bytes that a snapshot takes now. */
+/* The bytes that a snapshot of the current state takes. */
 SWP_API swp_result swp_proxies_snapshot_bytes(const swp_proxies* proxies, uint64_t* bytes);
 /* Writes the whole state to the caller's memory, without pointers, for a game that rolls back.
- * SWP_INVALID_ARGUMENT if there is less room than swp_proxies_snapshot_bytes. */
+ * SWP_INVALID_ARGUMENT if `capacity` is below swp_proxies_snapshot_bytes. */
 SWP_API swp_result swp_proxies_save(const swp_proxies* proxies, void* snapshot, uint64_t capacity);
-/* Makes the set what it was: handles, pairs, events and queries go on as they did; handles that
- * were made since the save are given out again, then for others. `bytes` may be more than the
- * snapshot has. Pointers to pairs and boxes end. The set stays as it is if the snapshot is refused:
- * SWP_DATA_LOSS if it is cut off or damaged, SWP_INVALID_ARGUMENT if it is of another version of
- * the library or of a set with other options. Do not restore what others may have made. If memory
- * is out, part of the state is lost: only another restore or swp_proxies_destroy may follow. */
+/* Restores the state: handles, pairs, events and queries are again those of the save. Handles made
+ * since the save are given out again. `bytes` may exceed the size of the snapshot. Invalidates
+ * pointers to pairs and boxes.
+ *
+ * The set is unchanged if the snapshot is refused. The result is SWP_DATA_LOSS if it is cut off or
+ * damaged, SWP_INVALID_ARGUMENT if it is of another version of the library or of a set with other
+ * options. Do not restore untrusted snapshots. If memory runs out, part of the state is lost: only
+ * another restore or swp_proxies_destroy may follow. */
 SWP_API swp_result swp_proxies_restore(swp_proxies* proxies, const void* snapshot, uint64_t bytes);
 
-/* The box and the options as they are now. Either output may be NULL. */
+/* Writes the current box and options. Either output may be NULL. */
 SWP_API swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb* box,
                                    swp_proxy_options* options);
-/* Gives the handle of the proxy that has this id now. */
+/* Writes the handle of the proxy that has this id now. */
 SWP_API swp_result swp_proxies_handle(const swp_proxies* proxies, uint32_t id, swp_proxy* proxy);
 /* The numbers of living proxies, and the bytes held. Each output may be NULL. */
 SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* moving_count,
@@ -178,62 +179,63 @@ SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* movi
  * invalid box, which overlaps nothing. */
 SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                             uint32_t* count);
-/* To be called once per frame with all pairs that were found in those boxes, with no change of the
- * set since they were taken. Keeps the pairs of ids that pass the filters, and adds those with
- * static proxies. SWP_INVALID_ARGUMENT for a pair that is not of those boxes. After
- * SWP_RESOURCE_EXHAUSTED (memory) there are no pairs and no events; the next resolve has the events
- * since the latest one that succeeded. */
+/* Call it once per frame with all pairs found in those boxes, with no change of the set since they
+ * were read. Keeps the pairs of ids that pass the filters, and adds those with static proxies.
+ * SWP_INVALID_ARGUMENT for a pair that is not of those boxes. After SWP_RESOURCE_EXHAUSTED (memory)
+ * there are no pairs and no events; the next resolve has the events since the latest successful
+ * one. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
                                        uint64_t moving_pair_count);
-/* The pairs of the latest resolve: valid until the next one, and no longer than the moving_pairs
- * that it was given, which they may be themselves. SWP_FAILED_PRECONDITION before the first. */
+/* The pairs of the latest resolve, valid until the next one. They may share memory with
+ * moving_pairs, and are then valid only as long as that. SWP_FAILED_PRECONDITION before the first
+ * resolve. */
 SWP_API swp_result swp_proxies_pairs(const swp_proxies* proxies, const swp_pair** pairs,
                                      uint64_t* count);
-/* The pairs that began and ended between the latest two resolves, in ascending order; none without
+/* The pairs that began and ended between the latest two resolves, in ascending order; empty without
  * pair_events. Pairs of a removed proxy have ended. Valid until the next resolve. */
 SWP_API swp_result swp_proxies_added(const swp_proxies* proxies, const swp_proxy_pair** added,
                                      uint64_t* count);
 SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_proxy_pair** removed,
                                        uint64_t* count);
 
-/* Queries over the current moving and static proxies whose filter and the query's filter pass. They
- * take a const set and write to the caller's memory, so that any number of threads may query at the
- * same time; none allocates. SWP_FAILED_PRECONDITION if something has changed since
+/* Queries find the current moving and static proxies whose filter and the query's filter pass. They
+ * take a const set and write to the caller's memory, so any number of threads may query at the same
+ * time. Queries do not allocate. SWP_FAILED_PRECONDITION if the set has changed since
  * swp_proxies_prepare_queries. */
 
-/* Makes the queries ready, as ProxySet::PrepareQueries: O(1) if nothing has changed, O(moving
+/* Prepares the queries, as ProxySet::PrepareQueries. Cost: O(1) if nothing has changed, O(moving
  * proxies) if one of those has, otherwise O(changes). */
 SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
-/* For each box, gives all proxies that overlap it, by ascending id: those of box k are in `found`
+/* Finds all proxies that overlap each box, by ascending id. The proxies of box k are in `found`
  * from ends[k - 1] (0 for the first box) to ends[k]. If the capacity of `found` is too small, the
- * result is SWP_RESOURCE_EXHAUSTED; `ends` is right, its last says what is needed, and what `found`
- * holds is undefined. */
+ * result is SWP_RESOURCE_EXHAUSTED. `ends` is then correct, its last value is the needed capacity,
+ * and the content of `found` is undefined. */
 SWP_API swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
                                            uint32_t box_count, const swp_filter* filter,
                                            swp_proxy* found, uint64_t capacity, uint64_t* ends);
-/* The same for the proxies that spheres touch. */
+/* The same for the proxies that overlap spheres. */
 SWP_API swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const swp_sphere* spheres,
                                              uint32_t sphere_count, const swp_filter* filter,
                                              swp_proxy* found, uint64_t capacity, uint64_t* ends);
-/* For each ray, gives the nearest hit; without one, proxy and distance are 0. SWP_INVALID_ARGUMENT
- * for a ray that is not finite or has a negative max_distance. */
+/* Finds the nearest hit of each ray; proxy and distance are 0 if there is none.
+ * SWP_INVALID_ARGUMENT for a ray that is not finite or has a negative max_distance. */
 SWP_API swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
                                          uint32_t ray_count, const swp_filter* filter,
                                          swp_ray_hit* hits);
-/* The same for boxes on their way. */
+/* The same for swept boxes. */
 SWP_API swp_result swp_proxies_sweep_boxes(const swp_proxies* proxies, const swp_box_sweep* sweeps,
                                            uint32_t sweep_count, const swp_filter* filter,
                                            swp_ray_hit* hits);
-/* Gives all hits of one ray by ascending distance, at equal distance by id. If the capacity is too
- * small, the result is SWP_RESOURCE_EXHAUSTED, `count` says what is needed, and what `hits` holds
- * is undefined. */
+/* Finds all hits of one ray by ascending distance, then by id. If the capacity is too small, the
+ * result is SWP_RESOURCE_EXHAUSTED, `count` is the needed capacity, and the content of `hits` is
+ * undefined. */
 SWP_API swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,
                                         const swp_filter* filter, swp_ray_hit* hits,
                                         uint64_t capacity, uint64_t* count);
 
-/* The smallest box of floats that contains the box of doubles min[0..2] to max[0..2]: min is
- * rounded down and max up. A coordinate that no float reaches becomes infinite, and the box
- * invalid. A box that is not min <= max gives an invalid one too. */
+/* Writes the smallest box of floats that contains the box of doubles min[0..2] to max[0..2]: min is
+ * rounded down and max up. A coordinate beyond the range of float becomes infinite, which makes the
+ * box invalid. A box that violates min <= max gives an invalid box too. */
 SWP_API swp_result swp_round_outward(const double* min, const double* max, swp_aabb* box);
 
 /* NOLINTEND(modernize-use-using) */

@@ -1,10 +1,9 @@
-/* The part of the C ABI for scenes, moving boxes to try a broad phase on; c_api.h includes it and
- * says what holds for all: threads, ownership, units, results. The functions mirror
+/* The part of the C ABI for scenes: moving boxes to try a broad phase on. c_api.h includes this
+ * header and has the rules for threads, ownership, units and results. The functions mirror
  * sweepstake/scene.h.
  *
- * Threads: one caller at a time may use a scene; while none does, any number may read its boxes.
- * Cost: a step is O(objects); the boxes are not copied.
- */
+ * Threads: a scene has one caller at a time; while no call runs, any number of threads may read its
+ * boxes. Cost: a step is O(objects); the boxes are not copied. */
 /* Before the guard: c_api.h includes the headers in the order in which they need one another. */
 #include "sweepstake/c_api.h"
 
@@ -21,8 +20,8 @@ extern "C" {
 
 typedef struct swp_scene swp_scene;
 
-/* The same as SceneOptions in sweepstake/scene.h. Call swp_scene_options_init, then change what you
- * wish. */
+/* The same as SceneOptions in sweepstake/scene.h. Call swp_scene_options_init, then change members.
+ */
 typedef struct swp_scene_options {
   uint32_t struct_size;
   uint32_t object_count;
@@ -38,21 +37,21 @@ typedef struct swp_scene_options {
   uint32_t reserved; /* 0 */
 } swp_scene_options;
 
-/* The number of scenes, and their names, which are valid for ever; NULL for an index of
- * swp_scene_count() or above. Any thread, any time. */
+/* The number of scenes, and their names, which stay valid; NULL for an index of swp_scene_count()
+ * or above. Any thread, any time. */
 SWP_API uint32_t swp_scene_count(void);
 SWP_API const char* swp_scene_name(uint32_t index);
 
-/* Fills in the defaults, which scene.h says. */
+/* Sets the defaults, which scene.h documents. */
 SWP_API swp_result swp_scene_options_init(swp_scene_options* options);
 
-/* `scene` is one of swp_scene_name() or the path of a .aabbs file; `options` NULL takes the
- * defaults. SWP_NOT_FOUND lists the names, SWP_DATA_LOSS says what is broken in the file. */
+/* `scene` is one of swp_scene_name() or the path of a .aabbs file; `options` NULL uses the
+ * defaults. SWP_NOT_FOUND lists the names; SWP_DATA_LOSS says what is broken in the file. */
 SWP_API swp_result swp_scene_create(const char* scene, const swp_scene_options* options,
                                     swp_scene** out);
 SWP_API void swp_scene_destroy(swp_scene* scene);
 
-/* Moves the scene on by one fixed step. */
+/* Advances the scene by one fixed step. */
 SWP_API swp_result swp_scene_step(swp_scene* scene);
 
 /* The boxes of this frame, valid until the next step. */
@@ -61,8 +60,8 @@ SWP_API swp_result swp_scene_boxes(const swp_scene* scene, const swp_aabb** boxe
 SWP_API swp_result swp_scene_world(const swp_scene* scene, swp_aabb* world);
 /* The number of steps taken. */
 SWP_API swp_result swp_scene_frame_index(const swp_scene* scene, uint64_t* frame_index);
-/* FNV-1a, 64 bits, over the bytes of this frame's boxes in little-endian order: equal on every
- * platform for one seed and step. */
+/* FNV-1a, 64 bits, over the bytes of this frame's boxes in little-endian order. The same seed and
+ * step give the same hash on every platform. */
 SWP_API swp_result swp_scene_hash(const swp_scene* scene, uint64_t* hash);
 
 /* NOLINTEND(modernize-use-using) */
