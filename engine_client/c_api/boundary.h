@@ -1,5 +1,5 @@
-// The boundary between C++ and C: results, the message of the latest failure, and the guard that
-// catches every exception of an exported function, and boxes and pairs, checked. Thread-safe: each
+// The boundary between C++ and C: results, the message of the latest failure, the guard that
+// catches all exceptions of an exported function, and checks of boxes and pairs. Thread-safe: each
 // thread has its own message.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace sweepstake::c_api {
 
-// Keeps the message for swp_last_error, cut to 1,023 bytes, and returns `result`. Does not
+// Stores the message for swp_last_error, cut to 1,023 bytes, and returns `result`. Does not
 // allocate.
 swp_result Fail(swp_result result, std::string_view message) noexcept;
 
@@ -23,12 +23,12 @@ swp_result ToResult(const Status& status) noexcept;
 // Fails with "NAME must not be NULL".
 swp_result NullArgument(std::string_view name) noexcept;
 
-// Runs `body`, which returns a swp_result, and turns an exception into one.
+// Runs `body`, which returns a swp_result, and converts an exception into a result.
 template <typename Body>
 swp_result Guard(const Body& body) noexcept {
   return CatchOutOfMemory(
       [&] { return CatchFailure(body, [](const char* what) { return Fail(SWP_INTERNAL, what); }); },
-      [] { return Fail(SWP_RESOURCE_EXHAUSTED, "memory is out: use fewer objects"); });
+      [] { return Fail(SWP_RESOURCE_EXHAUSTED, "out of memory: use fewer objects"); });
 }
 
 // Returns the text of a C string, or `absent` for NULL.
@@ -36,7 +36,7 @@ inline std::string_view TextOr(const char* text, std::string_view absent) {
   return text == nullptr ? absent : std::string_view(text);
 }
 
-// Returns SWP_OK if `boxes` holds `count` boxes that a backend can take.
+// Returns SWP_OK if `boxes` may be passed to a backend as `count` boxes.
 inline swp_result CheckBoxes(const swp_aabb* boxes, uint32_t count) noexcept {
   if (boxes == nullptr && count > 0) return NullArgument("boxes");
   if (count > 0x7fffffffU) return Fail(SWP_INVALID_ARGUMENT, "more than 2147483647 boxes");
@@ -49,12 +49,12 @@ inline std::span<const Aabb> ToBoxes(const swp_aabb* boxes, uint32_t count) {
 
 // Fails because a buffer of the caller is too small.
 inline swp_result TooFewPlaces() noexcept {
-  return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer results than there are");
+  return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer is too small for the results");
 }
 
 inline constexpr swp_result kOk = SWP_OK;
 
-// Hands out the library's own memory.
+// Writes a pointer to the library's own memory and its element count.
 template <typename From, typename To>
 swp_result GivePairs(std::span<From> pairs, const To** first, uint64_t* count) noexcept {
   static_assert(sizeof(From) == sizeof(To));

@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint32_t kMaxThreads = 256;
 
-// What a part needs when the caller's executor runs it.
+// The function and the argument of a part, for the caller's executor.
 struct Job {
   Executor::RunPart run_part;
   void* context;
@@ -38,7 +38,7 @@ constexpr swp_executor kDefaults = {sizeof(swp_executor), 1, nullptr, nullptr};
 
 swp_result CheckExecutor(uint32_t thread_count, const swp_executor& given) {
   if (thread_count > 1) {
-    return Fail(SWP_INVALID_ARGUMENT, "thread_count must be 0 or 1 where an executor is given");
+    return Fail(SWP_INVALID_ARGUMENT, "thread_count must be 0 or 1 if an executor is given");
   }
   if (given.thread_count < 1 || given.thread_count > kMaxThreads) {
     return Fail(SWP_INVALID_ARGUMENT, "thread_count of swp_executor must be from 1 to 256");
@@ -51,7 +51,7 @@ swp_result CheckExecutor(uint32_t thread_count, const swp_executor& given) {
 swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
                         std::unique_ptr<Executor>& executor) {
   if (thread_count > kMaxThreads) {
-    return Fail(SWP_INVALID_ARGUMENT, "thread_count is over 256");
+    return Fail(SWP_INVALID_ARGUMENT, "thread_count must be at most 256");
   }
   if (given != nullptr) {
     swp_executor known = kDefaults;
@@ -67,7 +67,7 @@ swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
         return SWP_OK;
       },
       [](const char*) {
-        return Fail(SWP_RESOURCE_EXHAUSTED, "the system has no more threads: ask for fewer");
+        return Fail(SWP_RESOURCE_EXHAUSTED, "the system has no more threads: use fewer");
       });
 }
 

@@ -1,4 +1,4 @@
-// The hooks of hooks.h in C, whose numbers are of 64 bits.
+// Converts the C hooks, whose sizes are uint64_t, to those of hooks.h.
 #include "sweepstake/hooks.h"
 
 #include "engine_client/c_api/boundary.h"
@@ -12,7 +12,7 @@ using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 constexpr swp_hooks kNoHooks = {sizeof(swp_hooks), 0,       nullptr, nullptr, nullptr,
                                 nullptr,           nullptr, nullptr, nullptr};
 
-// The hooks given last, and room for the next ones: the present ones stay if those are refused.
+// The hooks in use, and room for the next ones: if those are refused, the present ones stay.
 constinit swp_hooks given_hooks[2] = {kNoHooks, kNoHooks};
 constinit size_t present_slot = 0;
 
@@ -31,7 +31,7 @@ void StartThread(const char* name, void* user) {
 }
 void ReportOutOfMemory(void* user) { Given(user).out_of_memory(Given(user).user); }
 
-// Returns `function` where the game has given one.
+// Returns `function` if the game has set the hook `given`, otherwise null.
 template <typename Function, typename GivenFunction>
 Function* IfGiven(GivenFunction* given, Function* function) {
   return given == nullptr ? nullptr : function;
@@ -66,7 +66,7 @@ swp_result swp_set_hooks(const swp_hooks* hooks) {
     if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
     if (swp_live_count(SWP_KIND_ANY) > 0) {  // its threads read the hooks
       return Fail(SWP_FAILED_PRECONDITION,
-                  "an object lives: set hooks before the first is made, or after the last is gone");
+                  "an object exists: set hooks before the first is made or after the last ends");
     }
     return InstallHooks(known);
   });

@@ -1,4 +1,4 @@
-// The session with a daemon over the caller's transport: SessionLink behind a lock.
+// The session with a daemon over the caller's transport: a SessionLink behind a lock.
 #include <algorithm>
 #include <cstring>
 #include <mutex>
@@ -46,10 +46,10 @@ struct Link : LinkedSession {
     owner->content->adaptive->SetDeciderPresent(false);
     owner->content->adaptive->SetSettling(owner->content->settling_ns);
     owner->content->adaptive->SetBailOutLimit(owner->content->bail_out_ns);
-    owner->content->link = nullptr;  // at last: a decider may be attached from now on
+    owner->content->link = nullptr;  // last: from now on a decider may be attached
   }
 
-  std::mutex mutex;  // guards what follows
+  std::mutex mutex;  // guards the members below
   SessionLink protocol;
 };
 
@@ -117,7 +117,7 @@ uint64_t JitterSeed(const swp_link_options& given, const swp_session& session) {
 
 swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_link** link) {
   if (session.content->decider_loop || session.content->link != nullptr) {
-    return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is attached already: end it first");
+    return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is already attached: end it first");
   }
   const std::string_view address = TextOr(given.daemon, "");
   std::string daemon = "the daemon";
@@ -128,8 +128,8 @@ swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_l
   return SWP_OK;
 }
 
-// Runs `body` with the link under its lock, while its session cannot be freed either. What fails is
-// kept by the link alone: the session has errors of its own.
+// Runs `body` with the link under its lock, and keeps the session from being freed. Only the link
+// stores a failure, because the session stores its own errors.
 template <typename Body>
 swp_result UseLink(swp_link* link, const Body& body) noexcept {
   return Use(link, [&](Link& live) {
@@ -153,10 +153,10 @@ swp_result TakeMessage(Link& live, uint64_t now_ns, void* buffer, uint64_t capac
   if (next == LinkAction::kFinish) live.protocol.Take(now_ns);
   if (next != LinkAction::kSend) return SWP_OK;
   *size = live.protocol.next_message_bytes();
-  if (capacity == 0) return SWP_RESOURCE_EXHAUSTED;  // the caller asks, with a write under way
+  if (capacity == 0) return SWP_RESOURCE_EXHAUSTED;  // the caller has a write in progress
   if (*size > capacity) {
     return Fail(SWP_RESOURCE_EXHAUSTED,
-                "the message is larger than the buffer: size says how large");
+                "the message is larger than the buffer: size is its length in bytes");
   }
   const std::string message = live.protocol.Take(now_ns);
   std::memcpy(buffer, message.data(), message.size());
@@ -289,7 +289,7 @@ swp_result swp_link_copy_text(swp_link* link, swp_link_text which, char* text, u
     }
     *size = chosen->size();
     if (chosen->size() >= capacity) {
-      return Fail(SWP_RESOURCE_EXHAUSTED, "the text and its NUL are longer than the buffer");
+      return Fail(SWP_RESOURCE_EXHAUSTED, "the text and its NUL are larger than the buffer");
     }
     std::memcpy(text, chosen->c_str(), chosen->size() + 1);
     return kOk;

@@ -9,8 +9,8 @@
 
 namespace sweepstake::c_api {
 
-// The objects of the process, in a list. It is the one global state of the library, for those who
-// have lost every handle.
+// The list of all objects of the process. It is the library's only global state, and serves hosts
+// that have lost their handles.
 class Registry {
  public:
   void Add(LiveObject& object) noexcept {
@@ -36,7 +36,7 @@ class Registry {
     return count;
   }
 
-  // Lets no further call begin.
+  // Marks all objects as ended, so that no further call begins.
   void EndAll() noexcept {
     const std::lock_guard lock(mutex_);
     for (LiveObject* object = first_; object != nullptr; object = object->next_) {
@@ -60,7 +60,7 @@ class Registry {
     return freed;
   }
 
-  // Copies the object's latest failure; false if no handle points there.
+  // Copies the object's latest failure; returns false if no object has this address.
   bool ErrorOf(const void* handle, char* text, uint32_t capacity) noexcept {
     const std::lock_guard lock(mutex_);
     const LiveObject* object = first_;
@@ -76,7 +76,7 @@ class Registry {
 
  private:
   std::mutex mutex_;
-  LiveObject* first_ = nullptr;  // the latest first: what was made of others ends before them
+  LiveObject* first_ = nullptr;  // the latest first, so that dependent objects end first
 };
 
 namespace {
@@ -88,8 +88,8 @@ Registry registry;
 void Register(LiveObject& object) noexcept { registry.Add(object); }
 void Unregister(LiveObject& object) noexcept { registry.Remove(object); }
 
-// Another call of the same object that fails at this moment, or somebody who reads, is not waited
-// for: then this failure is only that of the thread.
+// Does not wait if another call of the object stores a failure or a reader copies it at this
+// moment. The failure is then stored for the thread only.
 void LiveObject::KeepError() const noexcept {
   if (writing_error_.test_and_set()) return;
   const char* const message = swp_last_error();
@@ -128,7 +128,7 @@ swp_result swp_shutdown_all(uint32_t deadline_ms) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return sweepstake::c_api::Fail(
-      SWP_UNAVAILABLE, "objects are in calls still: let those return, then shut down again");
+      SWP_UNAVAILABLE, "calls are still in progress: wait for their return, then shut down again");
 }
 
 swp_result swp_last_error_of(const void* object, char* text, uint32_t capacity) {
@@ -136,7 +136,7 @@ swp_result swp_last_error_of(const void* object, char* text, uint32_t capacity) 
   if (object == nullptr || text == nullptr) {
     return sweepstake::c_api::NullArgument("object and text");
   }
-  if (capacity == 0) return Fail(SWP_INVALID_ARGUMENT, "capacity must hold the NUL at least");
+  if (capacity == 0) return Fail(SWP_INVALID_ARGUMENT, "capacity must be at least 1, for the NUL");
   if (registry.ErrorOf(object, text, capacity)) return SWP_OK;
-  return Fail(SWP_NOT_FOUND, "no object has this handle: it was destroyed, or never was one");
+  return Fail(SWP_NOT_FOUND, "no object has this handle: it was destroyed, or never existed");
 }

@@ -1,13 +1,13 @@
-// What a handle of C points to. The object itself is small and remembers whether its content lives;
-// the content is freed by _destroy, or by swp_shutdown_all for a host that has lost its handles.
-// The object then stays behind, so that a handle which turns up later is answered and not followed
-// into freed memory.
+// The object behind a C handle. The object is small and stores whether its content lives. _destroy
+// frees the content, and so does swp_shutdown_all for a host that has lost its handles. After
+// swp_shutdown_all the object itself stays, so that a later use of the handle fails with an error
+// instead of accessing freed memory.
 //
 // Thread safety: a call that may change the object counts itself in, so that swp_shutdown_all frees
-// nothing under it; that takes two atomic additions and no lock. A call of a const object only
-// looks whether the content lives: it may run beside others of its kind, and must not beside
-// swp_shutdown_all. Objects are made and destroyed under one lock, which no other call takes but
-// swp_live_count, swp_last_error_of and swp_shutdown_all.
+// nothing under it. That takes two atomic additions and no lock. A call of a const object only
+// checks whether the content lives; it may run beside other const calls, but not beside
+// swp_shutdown_all. Objects are made and destroyed under one lock. Apart from that only
+// swp_live_count, swp_last_error_of and swp_shutdown_all take this lock.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ class LiveObject {
   swp_kind kind() const { return kind_; }
   bool has_ended() const noexcept { return ended_; }
 
-  // Returns false if the content has gone or is about to; otherwise it stays until Leave.
+  // Returns false if the content was freed or is about to be. Otherwise it stays alive until Leave.
   bool Enter() noexcept {
     ++call_count_;
     if (!ended_) return true;
@@ -40,7 +40,7 @@ class LiveObject {
   }
   void Leave() noexcept { --call_count_; }
 
-  // Makes this thread's latest failure that of the object.
+  // Stores this thread's latest failure as that of the object.
   void KeepError() const noexcept;
 
  private:
@@ -50,8 +50,8 @@ class LiveObject {
   virtual void FreeContent() noexcept = 0;
 
   const swp_kind kind_;
-  // Sequentially consistent: either a call sees that the object has ended, or swp_shutdown_all sees
-  // the call.
+  // Sequentially consistent with call_count_: either a call sees that the object has ended, or
+  // swp_shutdown_all sees the call.
   std::atomic<bool> ended_ = false;
   std::atomic<uint32_t> call_count_ = 0;
   mutable std::atomic_flag writing_error_ = {};
@@ -61,7 +61,7 @@ class LiveObject {
   LiveObject* previous_ = nullptr;
 };
 
-// swp_world is Handle<World>, and so on.
+// The type of every handle: swp_world is Handle<World>, and so on.
 template <typename ContentType>
 class Handle : public LiveObject {
  public:
@@ -79,10 +79,10 @@ class Handle : public LiveObject {
 void Register(LiveObject& object) noexcept;
 void Unregister(LiveObject& object) noexcept;
 
-// Fails with "swp_shutdown_all has ended this NAME: …", which the object keeps.
+// Fails with "swp_shutdown_all has ended this NAME: …", and stores the message in the object.
 swp_result Ended(const LiveObject& object, std::string_view name) noexcept;
 
-// Hands `content` to the caller.
+// Passes the ownership of `content` to the caller, as a new object.
 template <typename Object, typename Content>
 void Publish(std::unique_ptr<Content> content, Object** object) {
   auto made = std::make_unique<Object>(std::move(content));
@@ -97,8 +97,8 @@ void Destroy(Object* object) noexcept {
   delete object;
 }
 
-// Runs `body` with the content, turns exceptions into results, and keeps what went wrong. A body
-// that returns nothing succeeds.
+// Runs `body` with the content, converts exceptions into results, and stores a failure in the
+// object. A body that returns nothing succeeds.
 template <typename Object, typename Content, typename Body>
 swp_result RunWith(const Object& object, Content& content, const Body& body) noexcept {
   const swp_result result = Guard([&] {
@@ -113,8 +113,8 @@ swp_result RunWith(const Object& object, Content& content, const Body& body) noe
   return result;
 }
 
-// What every function with a handle does: refuses NULL and an object that has ended, and runs
-// `body`.
+// The common part of every function with a handle: refuses NULL and an object that has ended, then
+// runs `body`.
 template <typename Object, typename Body>
 swp_result Use(Object* object, const Body& body) noexcept {
   using Content = typename Object::Content;

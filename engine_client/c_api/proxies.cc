@@ -1,4 +1,4 @@
-// Proxies: the set of proxy_set.h behind handles of C.
+// The C functions of ProxySet (proxy_set.h).
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -50,7 +50,7 @@ struct Proxies {
 };
 
 swp_result NoSuchProxy() {
-  return Fail(SWP_NOT_FOUND, "no proxy has this handle: it was removed, or never was one");
+  return Fail(SWP_NOT_FOUND, "no proxy has this handle: it was removed or never existed");
 }
 
 ProxyHandle ToHandle(swp_proxy proxy) { return std::bit_cast<ProxyHandle>(proxy); }
@@ -90,8 +90,7 @@ swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxi
 swp_result CheckMovingPairs(std::span<const OverlapPair> pairs, size_t moving_count) {
   for (const OverlapPair& pair : pairs) {
     if (pair.a < pair.b && pair.b < moving_count) continue;
-    return Fail(SWP_INVALID_ARGUMENT,
-                "a pair that is not of the boxes of swp_proxies_moving_boxes");
+    return Fail(SWP_INVALID_ARGUMENT, "a pair has an id outside of swp_proxies_moving_boxes");
   }
   return SWP_OK;
 }
@@ -109,7 +108,7 @@ ProxyOptions ToOptions(const swp_proxy_options& given) {
   return {ToFilter(given.filter), (given.flags & SWP_PROXY_STATIC) != 0, given.user};
 }
 
-// Removes what was added before memory ran out.
+// Adds proxies, and removes them again unless Keep is called, for example if memory runs out.
 class Batch {
  public:
   Batch(ProxySet& set, swp_proxy* added) : set_(set), added_(added) {}
@@ -130,20 +129,21 @@ class Batch {
   uint32_t count_ = 0;
 };
 
-// Returns the result of a query.
+// Converts the status of a query.
 swp_result ToQueryResult(const sweepstake::Status& status) {
   if (status.code() != sweepstake::StatusCode::kFailedPrecondition) return ToResult(status);
   return Fail(SWP_FAILED_PRECONDITION,
               "call swp_proxies_prepare_queries first, and again after every change");
 }
 
-// A query writes its hits to the beginning of the caller's array, where they are closer together.
+// Uses the beginning of the caller's array for a query's hits, which are smaller than swp_ray_hit.
 std::span<RayHit> Packed(swp_ray_hit* hits, uint64_t capacity) {
   static_assert(sizeof(RayHit) <= sizeof(swp_ray_hit));
   return {reinterpret_cast<RayHit*>(hits), capacity};
 }
 
-// Spreads them: from the last one on, so that each is read before another is written over it.
+// Converts the packed hits in place, from the last to the first, so that each is read before it is
+// overwritten.
 void Unpack(swp_ray_hit* hits, uint64_t count) {
   for (uint64_t k = count; k-- > 0;) {
     RayHit hit;

@@ -1,4 +1,4 @@
-// The frame thread's side of a session, and its options.
+// The functions of a session's frame thread, and its options.
 #include "engine_client/c_api/session.h"
 
 #include <bit>
@@ -40,14 +40,14 @@ swp_session_options DefaultOptions() {
   return options;
 }
 
-// Returns the names between the commas; none for NULL and "".
+// Returns the names between the commas; empty for NULL and "".
 std::vector<std::string> Names(const char* list) {
   std::vector<std::string> names;
   std::string_view rest = TextOr(list, "");
   while (!rest.empty()) {
     const size_t comma = rest.find(',');
     names.emplace_back(rest.substr(0, comma));
-    // A comma at the end is followed by a name too, which is empty and so unknown.
+    // A comma at the end is followed by an empty name, which is refused as unknown.
     if (comma + 1 == rest.size()) names.emplace_back();
     rest = comma == std::string_view::npos ? "" : rest.substr(comma + 1);
   }
@@ -122,7 +122,7 @@ swp_result swp_session_begin_frame(swp_session* session) {
   return Use(session, [](Session& live) {
     if (live.in_frame) {
       return Fail(SWP_FAILED_PRECONDITION,
-                  "a frame runs already: call swp_session_end_frame first");
+                  "a frame is already running: call swp_session_end_frame first");
     }
     live.pairs.reset();
     live.adaptive->BeginFrame();
@@ -168,7 +168,7 @@ swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns, u
 swp_result swp_session_trim(swp_session* session) {
   return Use(session, [](Session& live) {
     if (live.in_frame) {
-      return Fail(SWP_FAILED_PRECONDITION, "a frame runs: call swp_session_end_frame first");
+      return Fail(SWP_FAILED_PRECONDITION, "a frame is running: call swp_session_end_frame first");
     }
     live.pairs.reset();
     live.adaptive->Trim();

@@ -1,5 +1,5 @@
-// The content of a session: the frame path, the queue that it fills, and the consumer that
-// empties the queue.
+// The content of a session: the frame path, the queue that it fills, and the consumer that empties
+// the queue.
 #pragma once
 
 #include <atomic>
@@ -14,10 +14,10 @@
 
 namespace sweepstake::c_api {
 
-// What a link knows of its session: whichever ends first tells the other, since the finalizers of a
-// garbage collector run in any order.
+// A link's pointer to its session. Whichever ends first clears the other's pointer, because the
+// finalizers of a garbage collector run in any order.
 struct LinkedSession {
-  std::atomic<swp_session*> session;  // null: it has ended
+  std::atomic<swp_session*> session;  // null: the session has ended
 };
 
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): grouped by thread, one per game.
@@ -32,17 +32,17 @@ struct Session {
 
   SampleQueue queue;
   std::unique_ptr<Executor> executor;
-  // Ends before the queue, its sink, and the executor.
+  // Destroyed before the queue (its sink) and the executor.
   std::unique_ptr<AdaptiveBroadPhase> adaptive;
-  // Its own; a daemon's welcome replaces them while there is a link.
+  // The session's own limits; a daemon's welcome replaces them while a link is attached.
   uint64_t settling_ns = 0;
   uint64_t bail_out_ns = 0;
 
-  // Frame thread.
+  // Used by the frame thread.
   bool in_frame = false;                              // between begin_frame and end_frame
   std::optional<std::span<const OverlapPair>> pairs;  // absent: not searched
 
-  // Of whoever polls the decider or drives the link.
+  // Used by the thread that polls the decider or drives the link.
   std::optional<DeciderLoop> decider_loop;     // absent: no decider is attached
   std::atomic<LinkedSession*> link = nullptr;  // null: none is attached
 };

@@ -1,4 +1,4 @@
-// The embedded decider of a session, which takes the place of a transport.
+// The embedded decider of a session, which replaces a transport to a daemon.
 #include <algorithm>
 #include <utility>
 
@@ -57,12 +57,12 @@ swp_result Take(const swp_decider_options* given, EmbeddedOptions& options) {
     return wrong;
   if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
   if (known.priors_data == nullptr && known.priors_data_bytes > 0)
-    return NullArgument("priors_data, of which priors_data_bytes are to be read,");
+    return NullArgument("priors_data (priors_data_bytes is over 0)");
   options = ToEmbeddedOptions(known);
   return SWP_OK;
 }
 
-// A new decider assumes the first arm and epoch 0; this tells it the actual ones.
+// Passes the actual arm and epoch to a new decider, which assumes the first arm and epoch 0.
 void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider, uint64_t now_ns) {
   const uint32_t arm = adaptive.active_arm();
   const uint32_t epoch = adaptive.switch_epoch();
@@ -108,7 +108,7 @@ swp_result swp_session_attach_decider(swp_session* session, const swp_decider_op
                                       uint64_t now_ns) {
   return Use(session, [&](Session& live) {
     if (live.decider_loop || live.link != nullptr) {
-      return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is attached already: end it first");
+      return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is already attached: end it first");
     }
     EmbeddedOptions taken;
     const swp_result wrong = Take(options, taken);

@@ -1,4 +1,4 @@
-// The functions of a session for any thread.
+// The functions of a session that any thread may call.
 #include <algorithm>
 #include <cstring>
 
@@ -38,7 +38,7 @@ void Tell(const LastDecision& decision, swp_decision& told) {
 
 swp_result CheckArm(const Session& session, uint32_t arm) {
   if (arm < session.adaptive->arms().size()) return SWP_OK;
-  return Fail(SWP_INVALID_ARGUMENT, "there is no such arm: see swp_session_arm_count");
+  return Fail(SWP_INVALID_ARGUMENT, "arm must be below swp_session_arm_count");
 }
 
 }  // namespace

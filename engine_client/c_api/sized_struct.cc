@@ -7,11 +7,11 @@
 namespace sweepstake::c_api {
 namespace {
 
-// No struct becomes larger, so that a size which was never set is refused before memory beyond the
-// struct is read.
+// An upper bound for the size of all structs, in bytes. A struct_size that was never set is then
+// refused before memory beyond the struct is read.
 constexpr uint32_t kMaxBytes = 4096;
 
-// Reads only struct_size: a struct that is too short ends behind it.
+// Reads only struct_size, because a struct of an invalid size may end after it.
 swp_result ReadSize(const SizedStruct& type, const void* given, uint32_t& size) noexcept {
   std::memcpy(&size, given, sizeof size);
   const auto earlier = type.earlier_sizes;
@@ -21,7 +21,7 @@ swp_result ReadSize(const SizedStruct& type, const void* given, uint32_t& size) 
   std::array<char, 192> message;
   const int length = static_cast<int>(type.name.size());
   std::snprintf(message.data(), message.size(),
-                "struct_size of %.*s is %u, which it never was (%u in this library): set it to "
+                "struct_size of %.*s is %u, an unknown size (%u in this library): set it to "
                 "sizeof(%.*s) before the call",
                 length, type.name.data(), size, type.size, length, type.name.data());
   return Fail(SWP_INVALID_ARGUMENT, message.data());

@@ -1,15 +1,15 @@
-// How structs of the C ABI grow while callers stay as they are compiled: the one place that
-// compares sizes. A struct whose first member is struct_size may grow at its end. Its caller sets
-// struct_size to what it was compiled with, and the library takes
+// Checks the sizes of structs of the C ABI, so that structs can grow while compiled callers stay
+// the same. A struct whose first member is struct_size may grow at its end. Its caller sets
+// struct_size to the size it was compiled with, and the library accepts
 //
-//   its own size                 as it is,
-//   the size of an earlier revision   with the defaults in the place of the rest,
-//   a larger one (a newer caller)     if it is all zero beyond the library's own size,
+//   its own size                      unchanged,
+//   the size of an earlier revision   with defaults for the missing members,
+//   a larger size (a newer caller)    if all bytes beyond the library's own size are zero,
 //
 // and refuses every other size. Nothing beyond the caller's size is read or written.
 //
-// To let a struct grow: add fields at its end (none may be padding), put its former size into
-// kEarlierSizes below, raise SWP_ABI_REVISION, and write the golden files again (abi_test.py).
+// To extend a struct: add fields at its end without padding, add its previous size to kEarlierSizes
+// below, increment SWP_ABI_REVISION, and write the golden files again (abi_test.py).
 //
 // Thread safety: these functions have no state.
 #pragma once
@@ -33,14 +33,14 @@ struct SizedStruct {
   std::span<const uint32_t> earlier_sizes;
 };
 
-// Overwrites the beginning of `known`, which holds the defaults, with what the caller gave.
+// Overwrites the beginning of `known`, which holds the defaults, with the caller's values.
 swp_result TakeSized(const SizedStruct& type, const void* given, void* known) noexcept;
 
-// Writes as much of `known` as the caller's struct holds, and zeros where it is larger; struct_size
-// stays.
+// Copies `known` to the caller's struct as far as it fits, and fills the rest with zeros;
+// struct_size stays unchanged.
 swp_result GiveSized(const SizedStruct& type, const void* known, void* out) noexcept;
 
-// Takes options of the caller, where NULL leaves `options` as they are: the defaults.
+// Reads options of the caller; for NULL `options` keeps the defaults.
 template <typename Options>
 swp_result TakeOptions(std::string_view name, const Options* given, Options& options) noexcept {
   static_assert(offsetof(Options, struct_size) == 0);
@@ -48,7 +48,7 @@ swp_result TakeOptions(std::string_view name, const Options* given, Options& opt
   return TakeSized({name, sizeof(Options), kEarlierSizes<Options>}, given, &options);
 }
 
-// Fills a struct of the caller.
+// Writes to a struct of the caller.
 template <typename Struct>
 swp_result Give(std::string_view name, const Struct& known, Struct* out) noexcept {
   static_assert(offsetof(Struct, struct_size) == 0);

@@ -18,7 +18,7 @@ static_assert(offsetof(swp_frame_sample, pair_count) == offsetof(FrameSample, pa
 static_assert(offsetof(swp_frame_sample, arm) == offsetof(FrameSample, arm));
 static_assert(offsetof(swp_frame_sample, flags) == offsetof(FrameSample, flags));
 static_assert(sizeof(swp_switch_command) == 16);
-static_assert(sizeof(swp_switch_outcome) == 40);  // the first members, without those of a trial
+static_assert(sizeof(swp_switch_outcome) == 40);  // without the members of a trial
 static_assert(offsetof(swp_switch_outcome, settling_cost_ns) ==
               offsetof(SwitchOutcome, settling_cost_ns));
 static_assert(offsetof(swp_switch_outcome, executed) == offsetof(SwitchOutcome, executed));

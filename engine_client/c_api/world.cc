@@ -24,7 +24,7 @@ struct World {
 
   std::unique_ptr<sweepstake::Executor> executor;  // outlives the backend
   std::unique_ptr<BroadPhase> backend;
-  std::unique_ptr<PairSorter> sorter;  // null: as the backend finds them
+  std::unique_ptr<PairSorter> sorter;  // null: pairs stay in the backend's order
   PairBuffer pairs;
   bool built = false;
   bool searched = false;
@@ -33,7 +33,7 @@ struct World {
   uint64_t search_time_ns = 0;
 };
 
-// Gives the boxes to the backend by `take`. An exception leaves the world unbuilt.
+// Passes the boxes to the backend by calling `take`. An exception leaves the world unbuilt.
 template <typename Take>
 void TakeBoxes(World& world, uint32_t count, const Take& take) {
   world.built = false;
@@ -84,7 +84,7 @@ struct swp_world final : Handle<World> {
 
 uint32_t swp_backend_count(void) { return static_cast<uint32_t>(BroadPhaseNames().size()); }
 
-// The names are literals and so end with NUL.
+// The names are literals and therefore end with NUL.
 const char* swp_backend_name(uint32_t index) {
   const auto names = BroadPhaseNames();
   return index < names.size() ? names[index].data() : nullptr;

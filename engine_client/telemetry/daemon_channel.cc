@@ -36,20 +36,21 @@ Result<std::string> ReadTokenFile(const std::string& path) {
 // Returns the token, or an empty text if there is none.
 Result<std::string> TokenText(const ClientToken& token) {
   if (!token.file.empty() && !token.text.empty())
-    return Status(StatusCode::kInvalidArgument, "give a token or the file of one, not both");
+    return Status(StatusCode::kInvalidArgument, "give a token or a token file, not both");
   std::string text = token.text;
   if (!token.file.empty()) {
     auto read = ReadTokenFile(token.file);
     if (!read.ok()) return read.status();
     text = *std::move(read);
-    if (text.empty()) return Status(StatusCode::kInvalidArgument, token.file + " holds no token");
+    if (text.empty())
+      return Status(StatusCode::kInvalidArgument, token.file + " contains no token");
   }
   const bool printable =
       std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
   if (printable && text.size() <= kMaxTokenBytes) return text;
   return Status(StatusCode::kInvalidArgument,
                 (token.file.empty() ? std::string("the token given") : token.file) +
-                    " is no token: it has spaces or characters that none has");
+                    " is not a token: it has spaces, invalid characters or more than 4096 bytes");
 }
 
 // Adds the token to each call. Call credentials would do the same with TLS only.
@@ -92,7 +93,8 @@ std::shared_ptr<grpc::Channel> MakeChannel(
                                                                  std::move(senders));
 }
 
-// Whoever is not let in is hung up on. Which words that gets depends on who writes first.
+// Returns whether the daemon closed the connection, as it does with clients that it rejects. The
+// message depends on which side wrote first.
 bool IsHungUp(const std::string& reason) {
   return Has(reason, "Socket closed") || Has(reason, "Connection reset by peer") ||
          Has(reason, "Broken pipe");
@@ -128,29 +130,31 @@ Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& addr
                      arguments, *text);
 }
 
-// The words are those of gRPC 1.51 and of OpenSSL 3; with others there is no advice.
+// Matches messages of gRPC 1.51 and of OpenSSL 3; for others it returns no advice.
 std::string ConnectionAdvice(const std::string& reason, bool with_tls, const TlsNames& names) {
   if (Has(reason, "certificate verify failed")) {
-    return "the daemon's certificate has expired, or is not signed by a known authority: name the "
-           "one that signed it (" +
+    return "the daemon's certificate has expired, or is not signed by a known authority: give "
+           "the certificate of the authority that signed it (" +
            names.ca + ")";
   }
   if (Has(reason, "is not in peer certificate")) {
-    return "the daemon's certificate is for another host: connect to that one, or say its name (" +
+    return "the daemon's certificate is for another host: connect to that host, or give its name "
+           "(" +
            names.server_name + ")";
   }
   if (Has(reason, "wrong version number")) {
-    return "the daemon speaks plain text: start it with --tls-cert and --tls-key, or connect "
+    return "the daemon uses plain text: start it with --tls-cert and --tls-key, or connect "
            "without TLS";
   }
   if (!Has(reason, "failed to connect") || !IsHungUp(reason)) return "";
   if (!with_tls) {
-    return "the daemon may speak TLS only: name the authority that signed its certificate (" +
+    return "the daemon may require TLS: give the certificate of the authority that signed its own "
+           "(" +
            names.ca + ")";
   }
-  return "the daemon may ask for a certificate of yours: name one that its authority signed (" +
+  return "the daemon may require a client certificate: give one that its authority has signed (" +
          names.cert + " and " + names.key +
-         "), or its own TLS files are broken; see its log or /readyz";
+         "); otherwise its own TLS files may be broken: see its log or /readyz";
 }
 
 }  // namespace sweepstake

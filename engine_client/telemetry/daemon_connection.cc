@@ -36,7 +36,7 @@ DaemonConnection::DaemonConnection(std::shared_ptr<grpc::Channel> channel,
                                    std::function<void()> wake)
     : wake_(std::move(wake)), channel_(std::move(channel)), stub_(channel_) {
   stub_.PrepareBidiStreamingCall(&context_, kMethod, {}, this);
-  // Writes start outside of gRPC's reactions. The hold keeps the stream alive in between.
+  // Writes start outside of gRPC's callbacks. The hold keeps the stream alive in between.
   AddHold();
   StartRead(&read_);
   StartCall();
@@ -123,7 +123,7 @@ void DaemonConnection::OnWriteDone(bool ok) {
 }
 
 void DaemonConnection::OnDone(const grpc::Status& status) {
-  // All of this happens under the lock: once it is free, the destructor may return.
+  // The whole function holds the lock: once it is free, the destructor may return.
   const std::lock_guard lock(mutex_);
   status_ = status;
   wake_();

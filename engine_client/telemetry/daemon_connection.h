@@ -1,9 +1,9 @@
-// One connection to the daemon, which moves the bytes of a session's messages.
+// One connection to the daemon, which carries the messages of a session.
 //
-// A connection is a bidirectional gRPC stream on a channel of its own, driven by polling. gRPC's
-// threads only put what they receive into a bounded inbox and wake the owner; nothing here waits. A
-// channel per connection keeps gRPC's own reconnection delays out of the session's back-off.
-// Keep-alive pings find a half-open connection within 30 s.
+// A connection is a bidirectional gRPC stream on its own channel, driven by polling. gRPC's threads
+// only put received messages into a bounded inbox and wake the owner; nothing here waits. A
+// separate channel per connection keeps gRPC's own reconnection delays out of the session's
+// back-off. Keep-alive pings detect a half-open connection within 30 s.
 //
 // Thread safety: all public methods, the destructor included, belong to the sender thread. They
 // must never run on one of gRPC's threads: a channel that is destroyed on the thread that serves it
@@ -38,9 +38,8 @@ class DaemonConnection final : public grpc::ClientBidiReactor<grpc::ByteBuffer, 
                                                             const ClientToken& token,
                                                             const TlsNames& names);
 
-  // Begins to connect over a channel of MakeChannel that nobody else has. `wake` is called from
-  // gRPC's threads whenever there is something to look at, until the destructor returns; it must
-  // not block.
+  // Begins to connect over a channel of MakeChannel that is used by nothing else. `wake` is called
+  // on gRPC's threads whenever the state changes, until the destructor returns; it must not block.
   DaemonConnection(std::shared_ptr<grpc::Channel> channel, std::function<void()> wake);
   // Cancels the stream and waits until gRPC releases it, which needs no answer from the daemon.
   ~DaemonConnection() override;
@@ -54,9 +53,9 @@ class DaemonConnection final : public grpc::ClientBidiReactor<grpc::ByteBuffer, 
   // Ends the stream at once; closed() follows.
   void Cancel();
 
-  // Takes the oldest response; the result is absent if there is none.
+  // Removes and returns the oldest response, or nullopt if there is none.
   std::optional<std::string> TakeResponse();
-  // Returns how the stream ended; it is absent until all responses have been taken.
+  // Returns the stream's final status; nullopt until all responses have been taken.
   std::optional<grpc::Status> closed();
 
  private:
@@ -73,11 +72,11 @@ class DaemonConnection final : public grpc::ClientBidiReactor<grpc::ByteBuffer, 
   grpc::ByteBuffer read_;     // used while a read is in flight
   bool held_ = true;          // the owner may still start operations
 
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::deque<std::string> inbox_;
   bool read_in_flight_ = true;
   bool write_in_flight_ = false;
-  bool broken_ = false;                 // a read or write failed: the stream is at its end
+  bool broken_ = false;                 // a read or write failed, so the stream has ended
   std::optional<grpc::Status> status_;  // present from OnDone on
   std::condition_variable done_;
 };

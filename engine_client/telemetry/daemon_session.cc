@@ -1,8 +1,9 @@
 // The session with a daemon: the sender thread moves the bytes of a SessionLink through a gRPC
 // stream.
 //
-// Each step reads the daemon's responses, sends what the link has, and connects or disconnects if
-// it says so. The frame thread never wakes it, so it polls; gRPC's threads and Stop wake it.
+// Each step reads the daemon's responses, sends the link's messages, and connects or disconnects if
+// the link requires it. The frame thread never wakes the sender, which therefore polls. gRPC's
+// threads and Stop wake it.
 #include "engine_client/telemetry/daemon_session.h"
 
 #include <chrono>
@@ -50,7 +51,7 @@ class DaemonSession final : public SessionBase {
   const SessionOptions options_;
   const TlsNames names_;
 
-  // On the sender thread, from Prepare on.
+  // Used by the sender thread, from Prepare on.
   std::optional<SessionLink> link_;
   std::unique_ptr<DaemonConnection> connection_;  // null: none
   uint64_t next_attempt_ns_ = 0;
@@ -74,7 +75,7 @@ bool DaemonSession::Step(bool stopping) {
 
 void DaemonSession::Connect(uint64_t now_ns) {
   auto channel = DaemonConnection::MakeChannel(address_, options_.tls, options_.token, names_);
-  // The files could be used when the session was made, so that they may be again.
+  // The files were valid when the session was made, so they may become valid again.
   if (!channel.ok())
     return OnClosed({.code = 0, .message = channel.status().message(), .details = ""}, now_ns);
   connection_ = std::make_unique<DaemonConnection>(*std::move(channel), [this] { Wake(); });
@@ -83,7 +84,7 @@ void DaemonSession::Connect(uint64_t now_ns) {
 }
 
 void DaemonSession::Receive(uint64_t now_ns) {
-  // A message that cannot be read makes the link cancel the stream, and say why.
+  // After a message that cannot be parsed, the link cancels the stream and reports why.
   while (const auto response = connection_->TakeResponse())
     (void)link_->OnMessage(*response, now_ns);
   const std::optional<grpc::Status> status = connection_->closed();
@@ -102,7 +103,8 @@ void DaemonSession::OnClosed(const StreamEnd& end, uint64_t now_ns) {
   next_attempt_ns_ = delay_ms ? now_ns + *delay_ms * kNsPerMs : kNever;
 }
 
-// Does what is to be done until a write is in flight or nothing is left.
+// Sends the link's messages until a write is in flight or nothing is left, then performs its
+// action.
 void DaemonSession::Send(uint64_t now_ns) {
   LinkAction action = link_->Advance(now_ns);
   for (; action == LinkAction::kSend && connection_->writable(); action = link_->Advance(now_ns))

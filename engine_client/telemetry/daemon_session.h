@@ -1,4 +1,4 @@
-// The session with a daemon of session.h, for a caller whose options have names of their own.
+// The session with a daemon of session.h, for a caller whose options have other names.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,7 @@
 
 namespace sweepstake {
 
-// As MakeDaemonSession of session.h; its error and the errors of the session call the options of
-// TLS by `names`.
+// As MakeDaemonSession of session.h, but errors refer to the TLS options by `names`.
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options,
                                                    const TlsNames& names);

@@ -10,7 +10,7 @@
 
 namespace sweepstake {
 
-// Returns the reason; ERROR_REASON_UNSPECIFIED if there is none, or one of a newer daemon.
+// Returns the reason; ERROR_REASON_UNSPECIFIED if there is none or it is of a newer daemon.
 v1::ErrorReason ReasonOf(const grpc::Status& status);
 
 // Returns the message, with the reason's name in brackets if there is one: "... (DRAINING)".

@@ -1,6 +1,7 @@
 // The only converter between the public plain structs and protobuf's messages of sweepstake.v1, for
-// what the command line exchanges with a daemon and writes to files. (A session speaks without
-// protobuf: protocol/wire.h.) ToProto makes a message, FromProto reads one. Pure functions.
+// messages that the command line exchanges with a daemon and writes to files. (A session encodes
+// its messages without protobuf: protocol/wire.h.) ToProto makes a message, FromProto reads one.
+// Pure functions.
 #pragma once
 
 #include <optional>
@@ -17,7 +18,7 @@ namespace sweepstake {
 v1::SceneDescriptor ToProto(const SceneDescriptor& descriptor);
 SceneDescriptor FromProto(const v1::SceneDescriptor& message);
 
-// The result is absent if a parameter of the posterior is not finite or not above 0.
+// Returns nullopt if a parameter of the posterior is not finite or not above 0.
 std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std::string& arm);
 ArmStanding FromProto(const v1::ArmStanding& standing);
 v1::PriorRecord ToProto(const PriorRecord& record);

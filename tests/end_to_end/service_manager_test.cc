@@ -123,14 +123,14 @@ TEST_F(TlsProbeTest, AProbeWithoutAnAnswerSaysWhatMayBeWrong) {
     const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(&other_authority_));
     address = "--listen " + daemon.address();
     EXPECT_THAT(Complaint(tls + address), HasSubstr("one that this authority accepts of clients"));
-    EXPECT_THAT(Complaint(address), HasSubstr("the daemon may speak TLS"));
+    EXPECT_THAT(Complaint(address), HasSubstr("the daemon may require TLS"));
     EXPECT_THAT(Complaint("--tls-cert nowhere.pem --tls-key nowhere.pem " + address),
                 HasSubstr("cannot read nowhere.pem"));
   }
   EXPECT_THAT(Complaint(address), HasSubstr("is the daemon running there?"));
   const DaemonProcess plain(data_.path());
   EXPECT_THAT(Complaint(tls + "--listen " + plain.address()),
-              HasSubstr("the daemon speaks plain text"));
+              HasSubstr("the daemon uses plain text"));
 }
 
 TEST_F(TlsProbeTest, ADaemonWhoseOwnCertificateHasExpiredIsToldSoWhereClientsNeedOne) {

@@ -111,12 +111,12 @@ TEST_F(TlsTest, AGameThatTrustsAnotherAuthorityIsToldToNameThisOne) {
 
 TEST_F(TlsTest, APlainGameIsToldThatTheDaemonMaySpeakTlsOnly) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags());
-  EXPECT_THAT(Play(daemon.address(), std::nullopt), HasSubstr("may speak TLS only"));
+  EXPECT_THAT(Play(daemon.address(), std::nullopt), HasSubstr("may require TLS"));
 }
 
 TEST_F(TlsTest, AGameWithTlsIsToldThatTheDaemonSpeaksPlainText) {
   const DaemonProcess daemon(data_.path());
-  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("the daemon speaks plain text"));
+  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("the daemon uses plain text"));
 }
 
 TEST_F(TlsTest, ACertificateForAnotherHostNeedsItsName) {
@@ -129,11 +129,11 @@ TEST_F(TlsTest, ACertificateForAnotherHostNeedsItsName) {
 
 TEST_F(TlsTest, ADaemonWithAClientAuthorityLetsInOnlyWhomItSigned) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", FlagsWithClientCa());
-  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("may ask for a certificate of yours"));
+  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("may require a client certificate"));
   tls_.cert_file = client_.cert;
   tls_.key_file = client_.key;
   other_authority_.Issue("DNS:game", client_);
-  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("may ask for a certificate of yours"));
+  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("may require a client certificate"));
   authority_.Issue("DNS:game", client_);
   EXPECT_EQ(Play(daemon.address(), tls_), "");
 }
@@ -143,7 +143,7 @@ TEST_F(TlsTest, AClientWhoseCertificateHasExpiredIsNotLetInWhereThatIsAskedFor) 
   tls_.cert_file = client_.cert;
   tls_.key_file = client_.key;
   authority_.Issue("DNS:game", client_, /*expires_in_s=*/-60);
-  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("may ask for a certificate of yours"));
+  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("may require a client certificate"));
   authority_.Issue("DNS:game", client_);
   EXPECT_EQ(Play(daemon.address(), tls_), "");
 }

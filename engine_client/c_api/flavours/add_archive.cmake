@@ -1,4 +1,5 @@
-# Puts the members of an archive into another. Variables: AR, ARCHIVE, ADDED, WORK (a folder, emptied first).
+# Adds the members of one archive to another. Variables: AR, ARCHIVE, ADDED, WORK (a folder, emptied
+# first).
 cmake_minimum_required(VERSION 3.25)
 
 file(REMOVE_RECURSE ${WORK})

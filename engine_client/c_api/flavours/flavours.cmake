@@ -1,5 +1,6 @@
-# The C ABI for engines that take no shared library of a system: an archive (consoles, iOS), and a plug-in (Unity) that asks the
-# system for nothing but libc, libm and libpthread. Both bring Highway along, so it has to be static.
+# The C ABI for engines that cannot load a shared library of the system: an archive (consoles, iOS),
+# and a plug-in (Unity) that depends only on libc, libm and libpthread. Both contain Highway, which
+# must therefore be static.
 get_target_property(highway_type hwy::hwy TYPE)
 if(highway_type STREQUAL "STATIC_LIBRARY")
   set(highway $<TARGET_FILE:hwy::hwy>)
@@ -13,7 +14,8 @@ if(NOT highway)
   return()
 endif()
 
-# sweepstake_c_parts(RESULT targets...): those of our static libraries that the targets consist of, each once.
+# sweepstake_c_parts(RESULT targets...): this project's static libraries that the targets consist
+# of, each once.
 function(sweepstake_c_parts result)
   set(open ${ARGN})
   set(found)
@@ -37,7 +39,7 @@ function(sweepstake_c_parts result)
   set(${result} ${found} PARENT_SCOPE)
 endfunction()
 
-# Without the marks of a shared library's functions, which a game's own shared library would export too.
+# Compiled without export attributes, which a game's own shared library would export too.
 sweepstake_c_objects(sweepstake_c_static_objects SWP_STATIC)
 set(objects $<TARGET_OBJECTS:sweepstake_c_static_objects>)
 sweepstake_c_parts(all_parts ${parts})
@@ -71,7 +73,7 @@ else()
   endif()
 endif()
 
-# A C compiler links it, and so has to be told what a C++ compiler adds by itself.
+# A C compiler links the archive, so the libraries that a C++ compiler adds implicitly are listed.
 set(runtime ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
 list(REMOVE_ITEM runtime ${CMAKE_C_IMPLICIT_LINK_LIBRARIES})
 list(REMOVE_DUPLICATES runtime)
@@ -87,7 +89,8 @@ list(TRANSFORM runtime PREPEND "-l" OUTPUT_VARIABLE runtime_flags)
 list(JOIN runtime_flags " " runtime_flags)
 sweepstake_c_pkg_config(sweepstake-static "an archive" " -DSWP_STATIC" "-lsweepstake_static ${runtime_flags} ${CMAKE_THREAD_LIBS_INIT}")
 
-# The plug-in, by the rules of glibc. Elsewhere the shared library is one, if the tool chain links its runtime statically.
+# The plug-in for glibc. On other systems the shared library serves as the plug-in, if the tool
+# chain links its runtime statically.
 string(TOLOWER "${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR}" platform)
 string(REPLACE "amd64" "x86_64" platform "${platform}")
 include(CheckSymbolExists)
@@ -101,7 +104,7 @@ if(SWEEPSTAKE_HAS_GLIBC AND platform MATCHES "^linux-(x86_64|aarch64)$")
   target_link_libraries(sweepstake_plugin PRIVATE
     $<BUILD_INTERFACE:sweepstake_flags> $<LINK_GROUP:RESCAN,${plugin_parts},${highway}>)
   add_dependencies(sweepstake_plugin ${all_parts})
-  # In glibc before 2.34 the threads are in a library of their own, which must be loaded then.
+  # Before version 2.34 glibc had its thread functions in libpthread, which must then be loaded.
   target_link_options(sweepstake_plugin PRIVATE
     -static-libstdc++ -static-libgcc LINKER:--gc-sections LINKER:--exclude-libs,ALL LINKER:--no-undefined LINKER:-z,noexecstack
     LINKER:-z,relro LINKER:--version-script=${CMAKE_CURRENT_SOURCE_DIR}/exports.map
@@ -111,11 +114,11 @@ else()
   add_custom_target(sweepstake_plugin DEPENDS sweepstake_c)
   set(plugin sweepstake_c)
 endif()
-# Laid out as in a Unity package, whose folders that end with ~ Unity does not import.
+# The layout of a Unity package. Unity does not import folders whose names end with ~.
 install(TARGETS ${plugin} COMPONENT plugin EXCLUDE_FROM_ALL
   LIBRARY DESTINATION Runtime/Plugins/${platform} RUNTIME DESTINATION Runtime/Plugins/${platform}
   ARCHIVE DESTINATION Native~/${platform})
-# The metas tell Unity for which platform the library is; Unity has no name for other platforms than these.
+# The .meta files set the platform of the library for Unity. Unity has no names for other platforms.
 set(metas ${PROJECT_SOURCE_DIR}/unity_client/tools/plugin_metas/Runtime)
 if(EXISTS ${metas}/Plugins/${platform}.meta)
   install(FILES ${metas}/Plugins.meta DESTINATION Runtime COMPONENT plugin EXCLUDE_FROM_ALL)

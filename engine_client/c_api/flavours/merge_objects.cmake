@@ -1,16 +1,19 @@
-# Makes one object file of all parts of the C ABI in which only swp_* is global, so that a game may have another Highway, another
-# JSON library or another Sweepstake in the same program. Variables: LINKER, OBJCOPY, NM (binutils), OBJECTS and ARCHIVES (lists;
-# of an archive only what is used comes along), OUT.
+# Merges all parts of the C ABI into one object file in which only swp_* is global. A game may then
+# have another Highway, another JSON library or another Sweepstake in the same program. Variables:
+# LINKER, OBJCOPY, NM (binutils), OBJECTS and ARCHIVES (lists; only the used members of an archive
+# are included), OUT.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-# Without groups: a group that another object of the game has too would be discarded with what is local to it here.
+# Resolve section groups: otherwise a group that the game has too would be discarded together with
+# its local symbols.
 run(${LINKER} -r --force-group-allocation -o ${OUT} ${OBJECTS} --start-group ${ARCHIVES} --end-group)
 
-# What gcc marks as unique in a process (static data of inline functions) stays global otherwise; weak symbols do not.
+# Symbols that gcc marks as unique in a process (static data of inline functions) would stay global;
+# make them weak, which objcopy can then hide.
 execute_process(COMMAND ${NM} --defined-only ${OUT} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL " u [^\n]+" unique "${symbols}")
 list(TRANSFORM unique REPLACE "^ u " "")

@@ -1,8 +1,8 @@
-/* Names that newer versions of glibc have, answered with what glibc 2.30 has, so that a plug-in
- * that was linked on a newer system loads on an older one. The static C++ runtime, the compiler's
- * unwinder and our threads ask for them. The linker prefers these definitions to libc's, and the
- * list of exports keeps them inside the plug-in. Which versions the plug-in needs is tested
- * (plugin_test.py): a name that is missing here shows there. */
+/* Defines functions of newer glibc versions by those of glibc 2.30, so that a plug-in linked on a
+ * newer system loads on an older one. The static C++ runtime, the compiler's unwinder and our
+ * threads use these functions. The linker prefers these definitions to libc's, and the list of
+ * exports keeps them inside the plug-in. plugin_test.py checks which versions the plug-in needs,
+ * and so detects a missing function. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -53,7 +53,7 @@ int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, cl
   return older_pthread_cond_clockwait(condition, mutex, clock, until);
 }
 
-/* The runtime only asks whether there are threads, by the address. */
+/* The runtime uses only the address of this function, to detect whether the program has threads. */
 extern int __pthread_key_create(pthread_key_t* key, void (*destroy)(void*));
 int __pthread_key_create(pthread_key_t* key, void (*destroy)(void*)) {
   (void)key;
@@ -61,7 +61,7 @@ int __pthread_key_create(pthread_key_t* key, void (*destroy)(void*)) {
   return -1;
 }
 
-/* ---- glibc 2.32 says whether the process has one thread: an engine never has ---- */
+/* ---- glibc 2.32 has a flag for single-threaded processes: an engine never is one ---- */
 
 extern char __libc_single_threaded;
 char __libc_single_threaded = 0;
@@ -104,15 +104,15 @@ uint32_t arc4random(void) {
   return number;
 }
 
-/* ---- glibc 2.35 finds the unwinder's tables for it; dl_iterate_phdr is older ---- */
+/* ---- glibc 2.35 looks up the unwinder's tables itself; dl_iterate_phdr is older ---- */
 
 struct search {
   ElfW(Addr) address;
   struct dl_find_object* found;
 };
 
-/* Stops, with 1, at the object that holds the address; its tables are in the segment
- * PT_GNU_EH_FRAME. */
+/* Returns 1, which ends the iteration, at the object that contains the address. Its unwind tables
+ * are in the segment PT_GNU_EH_FRAME. */
 static int HoldsAddress(struct dl_phdr_info* object, size_t size, void* user) {
   (void)size;
   const struct search* search = user;

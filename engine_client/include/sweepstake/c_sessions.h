@@ -73,8 +73,8 @@ typedef struct swp_session_options {
                               neither paused nor loading. > 0. A daemon's welcome replaces the value
                               while a link is attached */
   uint64_t settling_ns;    /* the time after a switch whose extra frame time is part of the switch's
-                              cost; nothing is learnt from these frames. A trial lasts for twice this
-                              time; with 0 no trials are made. At most 100 days if a decider is
+                              cost; nothing is learnt from these frames. A trial lasts for twice
+                              this time; with 0 no trials are made. At most 100 days if a decider is
                               attached. A daemon's welcome replaces the value while a link is
                               attached */
   const swp_executor* executor; /* as in swp_world_options */

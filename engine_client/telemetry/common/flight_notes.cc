@@ -1,4 +1,5 @@
-// The notes of a flight recorder's file. Frames are rows of numbers, since there are thousands.
+// Writes the notes of a flight recorder's file. Frames are rows of numbers, because there are
+// thousands.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/decider/audit/cell_text.h"
@@ -10,7 +11,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// `boxes` is the number of the frame's boxes among those in the file; null: they are not in it.
+// `boxes` is the index of the frame's boxes among those in the file; null: they are not in the
+// file.
 constexpr const char* kColumns[] = {"frame",        "frame_ns", "detection_ns", "objects",
                                     "pairs",        "checks",   "native_bytes", "arm",
                                     "switch_epoch", "flags",    "boxes"};

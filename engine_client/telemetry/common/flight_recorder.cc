@@ -29,8 +29,9 @@ uint64_t BudgetNs(const FlightRecorderOptions& options) {
   return static_cast<uint64_t>(options.frame_budget_ms * 1e6);
 }
 
-// The frames of a frozen ring that have boxes, as a scene. A box with a coordinate that is not
-// finite, which the file cannot hold, becomes an inverted one, which overlaps nothing either.
+// The frames of a frozen ring that have boxes, as a scene. The file cannot hold coordinates that
+// are not finite. A box with such a coordinate is replaced by an inverted one, which overlaps
+// nothing either.
 class FlightScene final : public Scene {
  public:
   FlightScene(std::string name, const FlightRing& ring, const std::vector<FlightFrame>& frames)
@@ -65,7 +66,7 @@ class FlightScene final : public Scene {
       boxes_.push_back(BoxOf(frame, index));
   }
 
-  // The bounds of the valid boxes of the first frame and the last.
+  // Sets the world to the bounds of all valid boxes of the first and the last frame.
   void NoteWorld() {
     Aabb bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
     for (const FlightFrame* frame : shown_) {
@@ -114,7 +115,7 @@ std::string TimeName(std::chrono::milliseconds since_epoch) {
   return text;
 }
 
-// Returns a path in the folder that is no file's yet.
+// Returns a path in the folder at which no file exists.
 fs::path FreePath(const fs::path& folder, std::chrono::milliseconds now) {
   std::error_code error;
   fs::path path;
@@ -160,7 +161,7 @@ Status FlightRecorder::Write(const AdaptiveBroadPhase& adaptive) {
             "a frame was over the budget, but the flight recorder's memory does not hold the boxes "
             "of two frames of " +
                 std::to_string(frames.back().sample.object_count) +
-                " objects; give flight_recorder.memory_mb more"};
+                " objects; raise flight_recorder.memory_mb"};
   }
   const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
       std::chrono::system_clock::now().time_since_epoch());

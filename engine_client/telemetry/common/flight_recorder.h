@@ -1,13 +1,13 @@
-// Writes what a FlightRing has frozen as a .aabbs file, whose notes have the figures of the frames
-// and the decisions of those seconds.
+// Writes the content of a frozen FlightRing as a .aabbs file. The file's notes contain the
+// measurements of the frames and the decisions of the recorded seconds.
 //
-// The files are flight-TIME.aabbs in the folder of the options, TIME being the moment in UTC. The
-// newest kMaxRecordings of a session stay; for a further one the session removes its own oldest,
+// The files are flight-TIME.aabbs in the folder of the options; TIME is in UTC. The newest
+// kMaxRecordings of a session are kept. For a further one the session removes its own oldest file,
 // and never another file.
 //
 // Thread safety: Step on the sender thread, the ring's OnBoxes and OnFrame on the frame thread,
-// recordings(), Read and error() on any thread. Memory: the ring's, and while it writes one frame
-// and the notes, some 400 kB at most.
+// recordings(), Read and error() on any thread. Memory: that of the ring; during a write also one
+// frame and the notes, at most about 400 kB.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 
 namespace sweepstake {
 
-// A decision, and the latest frame when it was seen.
+// A decision, and the latest frame at the time when it was noted.
 struct FlightDecision {
   uint64_t frame_index = 0;
   LastDecision decision;
@@ -37,14 +37,14 @@ class FlightRecorder {
   explicit FlightRecorder(const SessionOptions& options);
 
   FlightRing& ring() { return ring_; }
-  // Notes the latest decision, and writes what is frozen. Called every few milliseconds.
+  // Notes the latest decision, and writes a frozen ring to a file. Called every few milliseconds.
   void Step(const AdaptiveBroadPhase& adaptive);
-  // Returns what was written and is still there, the oldest first.
+  // Returns the files that were written and still exist, the oldest first.
   std::vector<FlightRecording> recordings() const;
-  // Returns at most `max_bytes` bytes of a recording's file from `offset` on; empty: it ends there,
-  // or cannot be read, or there is no such recording. Any thread; it reads the file.
+  // Returns at most `max_bytes` bytes of a recording's file from `offset` on. Empty: the file ends
+  // there, cannot be read, or does not exist. Any thread; it reads the file.
   std::string Read(uint64_t recording_id, uint64_t offset, uint32_t max_bytes) const;
-  // Returns why the latest recording could not be written; empty: it could.
+  // Returns why the latest recording could not be written; empty if it was written.
   std::string error() const;
 
  private:
@@ -58,12 +58,12 @@ class FlightRecorder {
 
   mutable std::mutex mutex_;
   std::vector<FlightRecording> recordings_;  // guarded by mutex_
-  uint64_t written_count_ = 0;               // the sender's
+  uint64_t written_count_ = 0;               // used by the sender thread
   std::string error_;                        // guarded by mutex_
 };
 
 // Returns the recording's notes: one JSON document (engine_client/README.md, Flight recorder).
-// `worst` is the index among `frames` of the one that took longest.
+// `worst` is the index of the longest frame in `frames`.
 std::string FlightNotes(const SessionOptions& options, const AdaptiveBroadPhase& adaptive,
                         const std::vector<FlightFrame>& frames, size_t worst,
                         const std::deque<FlightDecision>& decisions, int64_t recorded_unix_ms);

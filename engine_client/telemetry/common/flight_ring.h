@@ -1,16 +1,18 @@
-// What a flight recorder keeps of the latest frames: their figures, and the boxes of as many of
-// them as fit into its memory for five seconds.
+// The flight recorder's memory of the latest frames: their measurements, and the boxes of as many
+// frames as fit into its memory for five seconds.
 //
-// The frame thread writes into it. A frame over the budget freezes it: from then on it is the
-// sender thread's, until Release starts it again, empty. One atomic word says whose it is.
+// The frame thread writes into the ring. A frame over the budget freezes it. From then on the
+// sender thread owns it, until Release empties it and returns it to the frame thread. One atomic
+// flag states who owns it.
 //
-// Boxes are copied whole, since a broad phase is not told which of them have moved, and so rarely
-// that those of five seconds fit: the frame thread copies as much as the memory holds, 24 bytes per
-// box, in five seconds at most. All frames have their figures. A frame over the budget without
-// boxes is followed by one more, of which they are copied.
+// The boxes of a frame are copied completely, because the ring does not know which boxes have
+// moved. The copies are spaced so that they fit for five seconds: in five seconds the frame thread
+// copies at most the size of the memory, 24 bytes per box. The measurements of all frames are kept.
+// If a frame over the budget has no copied boxes, the boxes of the next frame are copied before the
+// ring freezes.
 //
-// Time: sums of the frame times that the game passes; there is no clock. Memory: allocated once.
-// Cost: a load while it is frozen, otherwise the copy. It never waits, allocates or makes a system
+// Time: sums of the frame times passed by the game; no clock is read. Memory: allocated once. Cost:
+// a load while the ring is frozen, otherwise the copy. It never waits, allocates or makes a system
 // call.
 #pragma once
 
@@ -32,18 +34,18 @@ namespace sweepstake {
 // A frame in a frozen ring.
 struct FlightFrame {
   FrameSample sample{};
-  uint64_t first_box = 0;  // where its boxes are, counted since the ring began
-  uint32_t box_count = 0;  // 0: its boxes were not copied, or are no longer there
+  uint64_t first_box = 0;  // index of its first box, counted since the ring began
+  uint32_t box_count = 0;  // 0: its boxes were not copied, or are overwritten
 };
 
 class FlightRing {
  public:
   static constexpr uint64_t kSpanNs = 5'000'000'000;
-  // At least so much frame time is between two recordings, and passes before the first one: the
-  // frames in which a game starts are long, and no one wonders why.
+  // The minimum frame time between two recordings, and before the first one, in ns. The first
+  // frames of a game are long anyway and not worth a recording.
   static constexpr uint64_t kCooldownNs = 30'000'000'000;
   static constexpr uint64_t kWarmUpNs = 1'000'000'000;
-  // More frames than this are not kept: at over 800 frames/s less than five seconds.
+  // The maximum number of kept frames. Above about 800 frames/s they cover less than five seconds.
   static constexpr uint64_t kFrames = 4096;
 
   // Keeps at most `max_boxes` boxes. REQUIRES: max_boxes > 0, budget_ns > 0.
@@ -54,7 +56,7 @@ class FlightRing {
     frames_.resize(kFrames);
   }
 
-  // On the frame thread: the boxes of the frame, and its figures at its end.
+  // Call on the frame thread: OnBoxes with the frame's boxes, then OnFrame at its end.
   void OnBoxes(std::span<const Aabb> boxes) noexcept {
     if (!frozen() && IsDue(boxes.size())) Copy(boxes);
   }
@@ -65,17 +67,17 @@ class FlightRing {
   uint64_t latest_frame_index() const {
     return latest_frame_index_.load(std::memory_order_relaxed);
   }
-  // Returns whether the ring is the sender's. Any thread.
+  // Returns whether the ring is frozen, so that the sender thread owns it. Any thread.
   bool frozen() const { return frozen_.load(std::memory_order_acquire); }
 
-  // REQUIRES of the following, on the sender thread: frozen().
+  // The following functions run on the sender thread. REQUIRES: frozen().
   // Returns the frames of the last five seconds in order.
   std::vector<FlightFrame> Frames() const;
   // Returns box `index` of the frame. REQUIRES: index < frame.box_count.
   const Aabb& BoxOf(const FlightFrame& frame, uint32_t index) const {
     return boxes_[(frame.first_box + index) % boxes_.size()];
   }
-  // Empties the ring and gives it back to the frame thread.
+  // Empties the ring and returns it to the frame thread.
   void Release();
 
  private:
@@ -90,21 +92,21 @@ class FlightRing {
   std::atomic<bool> frozen_{false};
   std::atomic<uint64_t> latest_frame_index_{0};
 
-  // The frame thread's, or the sender's while it is frozen.
+  // Owned by the frame thread, or by the sender thread while the ring is frozen.
   HookedVector<Aabb> boxes_;
   HookedVector<FlightFrame> frames_;
-  uint64_t box_total_ = 0;        // copied since the ring began
-  uint64_t frame_total_ = 0;      // likewise
+  uint64_t box_total_ = 0;        // boxes copied since the ring began
+  uint64_t frame_total_ = 0;      // frames added since the ring began
   uint64_t recorded_ns_ = 0;      // frame time since the ring began
-  uint64_t wait_ns_ = kWarmUpNs;  // of it, before a frame may freeze the ring
+  uint64_t wait_ns_ = kWarmUpNs;  // the part of recorded_ns_ before a frame may freeze the ring
   uint64_t since_copy_ns_ = 0;    // frame time since boxes were copied
-  FlightFrame next_{};            // the frame under way
+  FlightFrame next_{};            // the current frame
   bool copied_any_ = false;
-  bool awaits_boxes_ = false;  // the frame before was over the budget, without boxes
+  bool awaits_boxes_ = false;  // the previous frame was over the budget and had no boxes
 };
 
 inline bool FlightRing::IsDue(size_t count) const {
-  // A recording of fewer than two frames' boxes says nothing.
+  // A recording needs the boxes of at least two frames.
   if (count == 0 || count > boxes_.size() / 2 || next_.box_count != 0) return false;
   const uint64_t waited_ns = std::min(since_copy_ns_, kSpanNs);
   return !copied_any_ || awaits_boxes_ || waited_ns * boxes_.size() >= kSpanNs * count;

@@ -1,9 +1,8 @@
 // A bounded queue from one producer thread to one consumer thread that never makes the producer
-// wait: when it is full, it overwrites the oldest element, and the consumer learns the number of
-// lost elements.
+// wait. A full queue overwrites its oldest element and counts the lost elements.
 //
-// Each slot is a sequence lock (sequence_slot.h), so that the consumer discards what it read from
-// one that was overwritten meanwhile.
+// Each slot is a sequence lock (sequence_slot.h): the consumer detects a slot that was overwritten
+// while it was read, and discards the value.
 //
 // Thread safety: Push on the producer, Pop on the consumer, the counts on any thread. Memory:
 // allocated once. Cost: Push is one pass over the words, without a read-modify-write, a system
@@ -23,7 +22,7 @@
 namespace sweepstake {
 
 template <typename T>
-// The padding keeps the two threads' cache lines apart.
+// The padding keeps the two threads' data on separate cache lines.
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding)
 class LossyRing {
  public:
@@ -39,7 +38,8 @@ class LossyRing {
     head_.store(index + 1, std::memory_order_release);
   }
 
-  // Takes the oldest element that is still there. Elements come in order, each at most once.
+  // Removes and returns the oldest element that still exists. Elements come in order, each at most
+  // once.
   std::optional<T> Pop() noexcept {
     for (;;) {
       const uint64_t index = passed_count();
@@ -58,8 +58,8 @@ class LossyRing {
   uint64_t capacity() const { return mask_ + 1; }
   // Returns the number of elements pushed since the beginning.
   uint64_t pushed_count() const noexcept { return head_.load(std::memory_order_acquire); }
-  // Returns the number of elements popped or lost since the beginning, which is the index of the
-  // next one.
+  // Returns the number of elements popped or lost since the beginning. It is the index of the next
+  // element.
   uint64_t passed_count() const noexcept { return tail_.load(std::memory_order_relaxed); }
   // Returns the number of elements that were overwritten before they were popped, including those
   // that the consumer has not skipped yet.
@@ -71,7 +71,7 @@ class LossyRing {
   }
 
  private:
-  // Moves on to the oldest element that is not overwritten yet. The one at `index` is lost.
+  // Advances to the oldest element that is not overwritten yet. The one at `index` is lost.
   void SkipOverwritten(uint64_t index) noexcept {
     const uint64_t head = pushed_count();
     const uint64_t oldest = head > capacity() ? head - capacity() : 0;

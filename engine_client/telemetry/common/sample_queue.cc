@@ -26,8 +26,8 @@ void SampleQueue::OnModeChange(const ModeChange& change) noexcept {
 }
 
 std::optional<QueuedItem> SampleQueue::Pop() {
-  // The number of frames is read before the notes, so that every note that is older than one of
-  // these frames is visible too.
+  // The number of frames is read before the notes: every note older than one of these frames is
+  // then visible too.
   const uint64_t frame_limit = frames_.pushed_count();
   if (!next_note_) next_note_ = notes_.Pop();
   const bool frames_left = frames_.passed_count() < frame_limit;

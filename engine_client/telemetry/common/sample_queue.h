@@ -1,14 +1,13 @@
-// Step 6: the queue between the frame thread and one sender thread.
+// Step 6 of the one path: the queue between the frame thread and one sender thread.
 //
 // It is a FrameSink that never waits: a full queue drops its oldest element and counts it. Frames
-// have a queue of their own. The rarer notes (descriptors, switch outcomes, mode changes) carry the
-// number of frames pushed before them, so that Pop returns everything in the order it happened. The
-// shadow lane's samples have a third queue, in no order with the others.
+// have their own queue. The rarer notes (descriptors, switch outcomes, mode changes) store the
+// number of frames pushed before them, so Pop returns everything in the order it happened. The
+// shadow lane's samples have a third queue, without an order relative to the others.
 //
-// Thread safety: OnShadow belongs to the lane's thread, the sink's other calls to the frame thread,
-// Pop and PopShadow to the sender thread; any thread may read the counts. Memory:
-// 80 bytes per frame of capacity, allocated once. Pushing a frame neither allocates nor makes a
-// system call.
+// Thread safety: OnShadow on the lane's thread, the other calls of the sink on the frame thread,
+// Pop and PopShadow on the sender thread, the counts on any thread. Memory: 80 bytes per frame of
+// capacity, allocated once. Pushing a frame neither allocates nor makes a system call.
 #pragma once
 
 #include <cstdint>
@@ -26,11 +25,11 @@ using QueuedItem = std::variant<FrameSample, SceneDescriptor, SwitchOutcome, Mod
 
 class SampleQueue final : public FrameSink {
  public:
-  // The maximum number of notes. They outlast the frames, since a scene makes one descriptor per
-  // 256 frames and few switches.
+  // The maximum number of notes. It suffices for longer than the frames, because a scene makes one
+  // descriptor per 256 frames and few switches.
   static constexpr uint32_t kNoteCapacity = 256;
   static constexpr uint32_t kMaxFrameCapacity = 1 << 20;
-  // The maximum number of visits: eight sweeps over 32 arms, which take two seconds at the lane's
+  // The maximum number of visits: eight sweeps over 32 arms, at least two seconds at the lane's
   // minimum interval.
   static constexpr uint32_t kShadowCapacity = 256;
 
@@ -54,10 +53,9 @@ class SampleQueue final : public FrameSink {
   void OnShadow(const ShadowSample& sample) noexcept override { shadows_.Push(sample); }
   void OnModeChange(const ModeChange& change) noexcept override;
 
-  // Takes the next item in the order in which they happened; the result is absent if the queue is
-  // empty.
+  // Removes and returns the oldest item; nullopt if the queue is empty.
   std::optional<QueuedItem> Pop();
-  // Takes the oldest visit of the shadow lane.
+  // Removes and returns the oldest visit of the shadow lane.
   std::optional<ShadowSample> PopShadow() { return shadows_.Pop(); }
 
   uint64_t dropped_frame_count() const { return frames_.lost_count(); }
@@ -81,7 +79,7 @@ class SampleQueue final : public FrameSink {
   LossyRing<Note> notes_;
   LossyRing<ShadowSample> shadows_;
   FlightRing* const flight_;
-  // Popped from notes_; it waits for the frames before it.
+  // The latest popped note; it is returned after the frames before it.
   std::optional<Note> next_note_;
 };
 

@@ -60,7 +60,7 @@ SessionBase::SessionBase(const SessionOptions& options)
 
 Status SessionBase::Start(AdaptiveBroadPhase& adaptive) {
   if (adaptive_.load() != nullptr || stats().state == ConnectionState::kClosed) {
-    return {StatusCode::kFailedPrecondition, "the session was started before; make a new one"};
+    return {StatusCode::kFailedPrecondition, "the session was already started: make a new one"};
   }
   if (Status status = Prepare(adaptive); !status.ok()) return status;
   adaptive_.store(&adaptive);
@@ -89,7 +89,7 @@ void SessionBase::Stop(uint32_t deadline_ms) {
 
 Result<std::string> SessionBase::ExportPriors() const {
   return Status(StatusCode::kFailedPrecondition,
-                "the daemon has what it learns: use `sweepstake priors export`");
+                "the daemon stores what this session learns: use `sweepstake priors export`");
 }
 
 SessionStats SessionBase::stats() const {

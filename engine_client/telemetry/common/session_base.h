@@ -1,5 +1,5 @@
-// The parts that the session with a daemon and the embedded session share: the queue that the frame
-// thread fills, the sender thread that empties it, the order of start and stop, and the statistics.
+// The common base of the session with a daemon and the embedded session: the queue that the frame
+// thread fills, the sender thread that empties it, start and stop, and the statistics.
 //
 // Thread safety: OnModeChange and the sink belong to the frame thread, Prepare and Step to the
 // sender; Start, Stop and stats may be called on any thread.
@@ -20,18 +20,18 @@
 
 namespace sweepstake {
 
-// One thread that does a step every `interval`, or sooner if it is woken.
+// One thread that runs a step every `interval`, or earlier if it is woken.
 //
-// It polls because the frame thread must not make the system call that would wake it; Wake is for
-// other threads (a transport's callbacks, Stop). Thread safety: every method from any thread, Start
-// once.
+// It polls because the frame thread must not make the system call that would wake it. Wake is for
+// other threads (a transport's callbacks, Stop). Thread safety: every method on any thread, Start
+// only once.
 class PollingThread {
  public:
-  // The step gets true from RequestStop on, and returns whether it wants to be called again.
+  // `stopping` is true from RequestStop on. Returns whether the step must be called again.
   using Step = std::function<bool(bool stopping)>;
 
   PollingThread() = default;
-  // Stops and joins.
+  // Stops and joins the thread.
   ~PollingThread();
   PollingThread(const PollingThread&) = delete;
   PollingThread& operator=(const PollingThread&) = delete;
@@ -39,7 +39,7 @@ class PollingThread {
   void Start(std::chrono::milliseconds interval, Step step);
   void Wake();
   void RequestStop();
-  // Waits for the step that returns false. Idempotent; returns at once if Start was not called.
+  // Waits until a step returns false. Idempotent; returns at once if Start was not called.
   void Join();
 
  private:
@@ -49,7 +49,7 @@ class PollingThread {
   std::condition_variable changed_;
   bool woken_ = false;     // guarded by mutex_
   bool stopping_ = false;  // guarded by mutex_
-  std::mutex join_mutex_;  // keeps two callers of Join from joining twice
+  std::mutex join_mutex_;  // prevents two callers of Join from joining twice
   std::thread thread_;     // guarded by join_mutex_
 };
 
@@ -63,19 +63,19 @@ class SessionBase : public Session {
   Result<std::string> ExportPriors() const override;
 
  protected:
-  // The destructor of a derived class must call Stop first, since the sender thread uses its
-  // members.
+  // The destructor of a derived class must call Stop first, because the sender thread uses the
+  // members of the derived class.
   explicit SessionBase(const SessionOptions& options);
 
-  // Makes the objects that Step needs, on the thread of Start, before the sender thread exists. An
-  // error makes Start fail; it may then be called again.
+  // Makes the objects that Step needs. Called by Start on its thread, before the sender thread
+  // exists. An error makes Start fail; Start may then be called again.
   virtual Status Prepare(AdaptiveBroadPhase& adaptive) = 0;
-  // Does one step of the sender thread; the result false ends the thread. `stopping` is true once
+  // Runs one step on the sender thread; the result false ends the thread. `stopping` is true once
   // Stop was called.
   virtual bool Step(bool stopping) = 0;
   virtual std::chrono::milliseconds poll_interval() const = 0;
 
-  // The sender thread alone calls these, between Prepare and the end of Stop.
+  // Only for the sender thread, between Prepare and the end of Stop.
   AdaptiveBroadPhase& adaptive() const { return *adaptive_.load(std::memory_order_relaxed); }
   uint64_t stop_deadline_ns() const { return stop_deadline_ns_.load(); }
 

@@ -78,7 +78,7 @@ Status ValidateFlightRecorder(const FlightRecorderOptions& options) {
   const std::optional<std::filesystem::path> folder = PathOfUtf8(options.directory);
   std::error_code error;
   if (folder && std::filesystem::is_directory(*folder, error)) return {};
-  return Invalid("flight_recorder.directory", "a folder that exists: make it first");
+  return Invalid("flight_recorder.directory", "an existing folder: create it first");
 }
 
 }  // namespace
@@ -100,7 +100,7 @@ Status ValidateTlsOptions(const TlsOptions& options, const TlsNames& names) {
     return Invalid(names.ca + ", " + pair, "paths of at most 4096 bytes");
   }
   if (options.cert_file.empty() != options.key_file.empty()) {
-    return Invalid(pair, "given both, or neither");
+    return Invalid(pair, "set together or not at all");
   }
   if (!options.server_name.empty() && !IsHost(options.server_name)) {
     return Invalid(names.server_name, "a host name of at most 253 bytes");

@@ -10,12 +10,12 @@
 
 namespace sweepstake {
 
-// An address is HOST:PORT: a host name, an IPv4 address or an [IPv6 address], and a port of 1 to
-// 65535. kInvalidArgument says what is wrong.
+// Checks an address HOST:PORT: a host name, an IPv4 address or an [IPv6 address], and a port from 1
+// to 65535. The message of kInvalidArgument says what is wrong.
 Status ValidateDaemonAddress(std::string_view address);
 
-// What messages call the options of TLS: as here for a program, which sets fields, or as the
-// options of a command line.
+// The names of the TLS options in messages. The defaults are the fields that a program sets; the
+// command line passes its own option names.
 struct TlsNames {
   std::string tls = "tls";
   std::string ca = "ca_file";
@@ -24,10 +24,10 @@ struct TlsNames {
   std::string server_name = "server_name";
 };
 
-// The files are not read. kInvalidArgument names the option and its bounds.
+// Checks the options without reading the files. kInvalidArgument names the option and its bounds.
 Status ValidateTlsOptions(const TlsOptions& options, const TlsNames& names = {});
 
-// kInvalidArgument names the option and its bounds.
+// Checks the options. kInvalidArgument names the option and its bounds.
 Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& names = {});
 
 }  // namespace sweepstake

@@ -60,7 +60,7 @@ class ThreadLimitTest : public testing::Test {
 
 TEST_F(ThreadLimitTest, ASessionWhosePoolCannotStartIsRefused) {
   options_.thread_count = 2;
-  ExpectRefused("ask for fewer");
+  ExpectRefused("use fewer");
   ExpectMadeWithThreads();
 }
 

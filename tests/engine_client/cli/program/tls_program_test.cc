@@ -88,15 +88,16 @@ TEST_F(TlsProgram, WhereItFailsItSaysWhatToDo) {
     const char* said;
   } cases[] = {
       {Daemon(), 3,
-       "may speak TLS only: name the authority that signed its certificate (--tls-ca)"},
-      {Daemon() + " --tls", 3, "name the one that signed it (--tls-ca)"},
-      {Daemon() + " --tls-ca " + authority_.cert().string(), 3, "say its name (--tls-server-name)"},
+       "may require TLS: give the certificate of the authority that signed its own (--tls-ca)"},
+      {Daemon() + " --tls", 3, "give the certificate of the authority that signed it (--tls-ca)"},
+      {Daemon() + " --tls-ca " + authority_.cert().string(), 3,
+       "give its name (--tls-server-name)"},
       {Trusting(), 3,
-       "may ask for a certificate of yours: name one that its authority signed (--tls-cert and "
-       "--tls-key), or its own TLS files are broken; see its log or /readyz"},
+       "may require a client certificate: give one that its authority has signed (--tls-cert and "
+       "--tls-key); otherwise its own TLS files may be broken: see its log or /readyz"},
       {Daemon() + " --tls-ca nowhere.pem", 2, "cannot read nowhere.pem"},
       {Daemon() + " --tls-cert " + client_.cert.string(), 2,
-       "--tls-cert and --tls-key must be given both, or neither"},
+       "--tls-cert and --tls-key must be set together or not at all"},
       {Daemon() + " --tls-server-name 'a b'", 2, "--tls-server-name must be a host name"},
   };
   for (const auto& [options, exit_code, said] : cases) {
