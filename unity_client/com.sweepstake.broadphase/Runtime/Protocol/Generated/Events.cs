@@ -39,7 +39,7 @@ namespace Sweepstake.Protocol.V1 {
   }
   #region Messages
   /// <summary>
-  /// Which event of which daemon it is, and when it was made. BOOT:SEQUENCE names it.
+  /// Identifies an event of a daemon, and states when it was made. BOOT:SEQUENCE is its unique name.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class EventStamp : pb::IMessage<EventStamp>
@@ -92,7 +92,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BootFieldNumber = 1;
     private ulong boot_;
     /// <summary>
-    /// A random number of the daemon's run: the numbers of different runs do not compare. Never absent.
+    /// A random number of the daemon's run. Sequence numbers of different runs cannot be compared. Never absent.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -107,8 +107,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int SequenceFieldNumber = 2;
     private ulong sequence_;
     /// <summary>
-    /// The events of a run are numbered from 1 on, those for all watchers of all services together. One watcher does not see all of
-    /// them, and a scene or session as it is now may come before events that were made earlier. Never absent.
+    /// The number of the event, counted from 1 in each run, over all watchers of all services. One watcher does not receive all
+    /// numbers. The initial state of a scene or session may arrive before events with lower numbers. Never absent.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -123,7 +123,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixMsFieldNumber = 3;
     private long unixMs_;
     /// <summary>
-    /// By the daemon's wall clock, since 1970. Never absent.
+    /// When it was made, by the daemon's wall clock, since 1970. Never absent.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

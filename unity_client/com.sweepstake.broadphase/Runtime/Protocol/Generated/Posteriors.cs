@@ -106,7 +106,7 @@ namespace Sweepstake.Protocol.V1 {
   }
   #region Enums
   /// <summary>
-  /// What became of a decision's candidate.
+  /// The outcome of a decision's candidate.
   /// </summary>
   public enum DecisionOutcome {
     /// <summary>
@@ -134,23 +134,23 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_NO_FRAMES")] NoFrames = 5,
     /// <summary>
-    /// Manual mode: recorded, not learnt.
+    /// Manual mode: the window was recorded, not learnt from.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_MANUAL")] Manual = 6,
     /// <summary>
-    /// The initial exploration is under way.
+    /// The initial exploration is in progress.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_EXPLORING")] Exploring = 7,
     /// <summary>
-    /// The window was rejected (a value that is not finite).
+    /// The window was rejected, because a value is not finite.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_REJECTED")] Rejected = 8,
     /// <summary>
-    /// The expected gain is not worth the switch.
+    /// The expected gain is less than the cost of the switch.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_HELD_GATE")] HeldGate = 9,
     /// <summary>
-    /// The candidate is not better by as much as matters.
+    /// The candidate's advantage is below the relevant difference.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_HELD_TIE")] HeldTie = 12,
   }
@@ -159,7 +159,7 @@ namespace Sweepstake.Protocol.V1 {
 
   #region Messages
   /// <summary>
-  /// Asks for a page of scenes.
+  /// Requests a page of scenes.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ListPosteriorsRequest : pb::IMessage<ListPosteriorsRequest>
@@ -227,7 +227,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PageSizeFieldNumber = 2;
     private uint pageSize_;
     /// <summary>
-    /// Max number of scenes in the answer, 1–100. Absent (0): 100.
+    /// Maximum number of scenes in the response, 1–100. Absent (0): 100.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -242,7 +242,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PageTokenFieldNumber = 3;
     private string pageToken_ = "";
     /// <summary>
-    /// Where to go on, from next_page_token. Absent: at the start.
+    /// The next_page_token of the previous page. Absent: at the start.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -509,7 +509,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int NextPageTokenFieldNumber = 2;
     private string nextPageToken_ = "";
     /// <summary>
-    /// Token of the next page. Absent: this was the last.
+    /// Token of the next page. Absent: this was the last page.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -676,7 +676,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Asks for one scene.
+  /// Requests one scene.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class GetPosteriorRequest : pb::IMessage<GetPosteriorRequest>
@@ -1213,7 +1213,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Which scenes to watch.
+  /// Selects scenes.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class WatchPosteriorsRequest : pb::IMessage<WatchPosteriorsRequest>
@@ -1296,7 +1296,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MarkAllToldFieldNumber = 3;
     private bool markAllTold_;
     /// <summary>
-    /// True: a message says when all scenes as they are now have been told (all_told). Absent: none does.
+    /// True: a message marks the end of the initial state (all_told). Absent: no mark.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1497,7 +1497,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What has changed of one scene: it has a posterior or decisions, or is a mark. One with nothing is of a newer protocol.
+  /// A change of one scene: a posterior or decisions. Or a mark. A message with none of these is of a newer protocol.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class WatchPosteriorsResponse : pb::IMessage<WatchPosteriorsResponse>
@@ -1551,7 +1551,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PosteriorFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.ScenePosterior posterior_;
     /// <summary>
-    /// The scene's posteriors, whole. Absent: see decisions.
+    /// The scene's complete posteriors. Absent: see decisions.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1568,7 +1568,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(18, global::Sweepstake.Protocol.V1.DecisionEvent.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.DecisionEvent> decisions_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.DecisionEvent>();
     /// <summary>
-    /// What its sessions decided since they were told last, up to 100 decisions in the order in which they were taken. Absent: none.
+    /// The decisions of its sessions since the previous message, up to 100, in the order of time. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1595,7 +1595,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AllToldFieldNumber = 4;
     private bool allTold_;
     /// <summary>
-    /// True, once in a stream that asks for it: every matching scene has been told; what follows are changes. Absent: see posterior.
+    /// True, once in a stream that requests it: every matching scene has been sent; changes follow. Absent: see posterior.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1960,7 +1960,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ActiveSessionCountFieldNumber = 6;
     private uint activeSessionCount_;
     /// <summary>
-    /// Sessions connected now. Absent: 0.
+    /// Number of connected sessions. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2410,8 +2410,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int EffectiveWindowCountFieldNumber = 7;
     private double effectiveWindowCount_;
     /// <summary>
-    /// The width of the posterior as a number: so many live windows, each worth as much as those of the scene are on average, would leave
-    /// it; finite, >= 0. What the lane tells is included. Absent: 0, or unknown, because nothing was live in the scene.
+    /// The width of the posterior, expressed as a number of live windows: that many windows with the scene's mean weight would give
+    /// the same width. Finite, >= 0. Evidence of the lane is included. Absent: 0, or unknown, because no arm was live in the scene.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2426,8 +2426,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixLastSeenSFieldNumber = 8;
     private long unixLastSeenS_;
     /// <summary>
-    /// When a source that taught something of the arm taught last, of this arm or another, by its daemon's wall clock, since 1970: the
-    /// latest of the last 8 sources. Absent: unknown.
+    /// The latest time at which one of the arm's last 8 sources added evidence, of this arm or another, by its daemon's wall clock,
+    /// since 1970. Absent: unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2887,7 +2887,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ActiveArmFieldNumber = 5;
     private string activeArm_ = "";
     /// <summary>
-    /// The active arm when it was taken. Always set.
+    /// The active arm at the time of the decision. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2917,7 +2917,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int OutcomeFieldNumber = 7;
     private global::Sweepstake.Protocol.V1.DecisionOutcome outcome_ = global::Sweepstake.Protocol.V1.DecisionOutcome.Unspecified;
     /// <summary>
-    /// What followed. Absent: an error.
+    /// The outcome. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2932,7 +2932,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ReasonFieldNumber = 8;
     private global::Sweepstake.Protocol.V1.SwitchReason reason_ = global::Sweepstake.Protocol.V1.SwitchReason.Unspecified;
     /// <summary>
-    /// Why, when a switch was commanded. Absent: no switch.
+    /// The reason of the commanded switch. Absent: no switch.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2949,7 +2949,7 @@ namespace Sweepstake.Protocol.V1 {
 
     private double reward_;
     /// <summary>
-    /// The window's reward, 0–1. Absent: the window taught nothing.
+    /// The window's reward, 0–1. Absent: nothing was learnt from the window.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3006,8 +3006,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ExpectedLossRatioFieldNumber = 12;
     private double expectedLossRatio_;
     /// <summary>
-    /// The expected loss of choosing the leader, which is the arm with the highest probability to be the best, relative to
-    /// the best arm's cost. Absent: 0.
+    /// The expected loss of choosing the leader, relative to the best arm's cost. The leader is the arm with the highest probability
+    /// to be the best. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3022,7 +3022,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int VerdictFieldNumber = 13;
     private global::Sweepstake.Protocol.V1.Verdict verdict_ = global::Sweepstake.Protocol.V1.Verdict.Unspecified;
     /// <summary>
-    /// What the beliefs say about the scene. Absent: unknown.
+    /// The verdict about the scene. Absent: unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3052,7 +3052,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MeasurementsFieldNumber = 16;
     private global::Sweepstake.Protocol.V1.FrameMeasurements measurements_;
     /// <summary>
-    /// What the frames since the last event with measurements cost, at most four times a second. Absent: none were seen.
+    /// Costs of the frames since the last event with measurements, at most four times a second. Absent: no frames.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3069,8 +3069,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForString(138);
     private readonly pbc::RepeatedField<string> arms_ = new pbc::RepeatedField<string>();
     /// <summary>
-    /// The session's arms, in the order of best_probability and standings. Absent: nothing is learnt, or not told, as by older
-    /// daemons.
+    /// The session's arms, in the order of best_probability and standings. Absent: nothing is learnt, or the daemon is older.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3084,7 +3083,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(146, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> standings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding>();
     /// <summary>
-    /// What each of the arms was measured by in this session, and what follows. Absent: as arms.
+    /// The session's measurements of each of the arms, and the conclusions. Absent: as arms.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3096,7 +3095,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixMsFieldNumber = 19;
     private long unixMs_;
     /// <summary>
-    /// When it was taken, by the daemon's wall clock, since 1970. Always set.
+    /// When it was made, by the daemon's wall clock, since 1970. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3638,7 +3637,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What frames cost, without those that were paused or loading.
+  /// Costs of frames, without those that were paused or loading.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class FrameMeasurements : pb::IMessage<FrameMeasurements>
@@ -3949,8 +3948,8 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// How many values there are of each size. Two are merged by adding the counts of equal buckets. A value is at most 4.5 %
-  /// off the middle of its bucket, 2^((n − 0.5)/8) for bucket n.
+  /// Counts of values by size, in logarithmic buckets. Two histograms are merged by adding the counts of equal buckets. A value
+  /// differs by at most 4.5 % from the middle of its bucket, 2^((n − 0.5)/8) for bucket n.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class LogHistogram : pb::IMessage<LogHistogram>
@@ -4004,9 +4003,9 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForUInt32(10);
     private readonly pbc::RepeatedField<uint> bucketSteps_ = new pbc::RepeatedField<uint>();
     /// <summary>
-    /// The numbers of the buckets that hold values, at most 64, ascending: the first one, then how much larger each is than
-    /// the one before. Bucket 0 holds the zeros, bucket n the whole numbers from 2^((n − 1)/8) to below 2^(n/8). Where there
-    /// would be more buckets, the lowest one also holds the smaller values. Absent: no values.
+    /// The numbers of the nonempty buckets, at most 64, ascending: the first number, then the differences. Bucket 0 contains the
+    /// zeros, bucket n the integers from 2^((n − 1)/8) to below 2^(n/8). If there would be more buckets, the lowest one also
+    /// contains the smaller values. Absent: no values.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4020,7 +4019,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForUInt32(18);
     private readonly pbc::RepeatedField<uint> counts_ = new pbc::RepeatedField<uint>();
     /// <summary>
-    /// How many values each of them holds. Absent: no values.
+    /// The number of values in each of these buckets. Absent: no values.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

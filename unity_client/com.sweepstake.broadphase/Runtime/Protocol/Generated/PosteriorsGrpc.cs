@@ -119,7 +119,7 @@ namespace Sweepstake.Protocol.V1 {
       }
 
       /// <summary>
-      /// All scenes of a project, or of all projects, ordered by project and scene; a scene once per class of machines and
+      /// All scenes of a project, or of all projects, ordered by project and scene. A scene has one entry per class of machines and
       /// version of the reward.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
@@ -133,7 +133,7 @@ namespace Sweepstake.Protocol.V1 {
         return ListPosteriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// All scenes of a project, or of all projects, ordered by project and scene; a scene once per class of machines and
+      /// All scenes of a project, or of all projects, ordered by project and scene. A scene has one entry per class of machines and
       /// version of the reward.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
@@ -145,7 +145,7 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.BlockingUnaryCall(__Method_ListPosteriors, null, options, request);
       }
       /// <summary>
-      /// All scenes of a project, or of all projects, ordered by project and scene; a scene once per class of machines and
+      /// All scenes of a project, or of all projects, ordered by project and scene. A scene has one entry per class of machines and
       /// version of the reward.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
@@ -159,7 +159,7 @@ namespace Sweepstake.Protocol.V1 {
         return ListPosteriorsAsync(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// All scenes of a project, or of all projects, ordered by project and scene; a scene once per class of machines and
+      /// All scenes of a project, or of all projects, ordered by project and scene. A scene has one entry per class of machines and
       /// version of the reward.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
@@ -219,7 +219,7 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.AsyncUnaryCall(__Method_GetPosterior, null, options, request);
       }
       /// <summary>
-      /// The matching scenes as they are now, then every decision and every changed scene, up to four times a second. A watcher
+      /// The current state of the matching scenes, then every decision and every changed scene, at most four times a second. A watcher
       /// that reads slowly misses decisions; one that does not read for 20 s is dropped with RESOURCE_EXHAUSTED.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
@@ -233,7 +233,7 @@ namespace Sweepstake.Protocol.V1 {
         return WatchPosteriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// The matching scenes as they are now, then every decision and every changed scene, up to four times a second. A watcher
+      /// The current state of the matching scenes, then every decision and every changed scene, at most four times a second. A watcher
       /// that reads slowly misses decisions; one that does not read for 20 s is dropped with RESOURCE_EXHAUSTED.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>

@@ -108,7 +108,7 @@ namespace Sweepstake.Protocol.V1 {
   }
   #region Messages
   /// <summary>
-  /// What to export.
+  /// The evidence to export.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ExportPriorsRequest : pb::IMessage<ExportPriorsRequest>
@@ -192,7 +192,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int QuarantinedOnlyFieldNumber = 3;
     private bool quarantinedOnly_;
     /// <summary>
-    /// Only what waits in quarantine. Absent: what counts, too.
+    /// Only evidence in quarantine. Absent: all evidence.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -207,7 +207,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WithWeightsFieldNumber = 4;
     private bool withWeights_;
     /// <summary>
-    /// True: each record says its weight. Absent: none does.
+    /// True: each record has its weight. Absent: no weights.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -499,8 +499,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int FoldedRecordCountFieldNumber = 2;
     private ulong foldedRecordCount_;
     /// <summary>
-    /// Records that this part leaves out: they are of old sessions, whose evidence the daemon has folded together, so that a
-    /// daemon that has some of it would count it twice. Absent: 0.
+    /// Records left out of this part. They belong to old sessions whose evidence the daemon has folded together. A daemon that
+    /// already has some of this evidence would count it twice. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -515,7 +515,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int FoldedWindowCountFieldNumber = 3;
     private ulong foldedWindowCount_;
     /// <summary>
-    /// Decision windows behind them. Absent: 0.
+    /// Decision windows of these records. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -772,7 +772,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PromoteFieldNumber = 2;
     private bool promote_;
     /// <summary>
-    /// True in any message of the stream: all of it counts at once, without quarantine. Absent: it waits to be promoted.
+    /// True in any message of the stream: all of it counts at once, without quarantine. Absent: it must be promoted.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -939,7 +939,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What the import did.
+  /// The result of an import.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ImportPriorsResponse : pb::IMessage<ImportPriorsResponse>
@@ -991,7 +991,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AppliedCountFieldNumber = 1;
     private ulong appliedCount_;
     /// <summary>
-    /// Records that were new or newer. Absent: 0.
+    /// Records that were new or newer than the stored ones. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1006,7 +1006,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnchangedCountFieldNumber = 2;
     private ulong unchangedCount_;
     /// <summary>
-    /// Records the store already had, or of one of its own sessions or of a revoked source. Absent: 0.
+    /// Records that the store already had, or that belong to one of its own sessions or to a revoked source. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1183,7 +1183,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Which sources: those that match all that is set.
+  /// Selects sources: those that match all fields that are set.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class SourceFilter : pb::IMessage<SourceFilter>
@@ -1239,7 +1239,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProjectFieldNumber = 1;
     private string project_ = "";
     /// <summary>
-    /// Only evidence of this project. Absent: of all.
+    /// Only evidence of this project. Absent: all.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1284,7 +1284,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int TokenIdFieldNumber = 4;
     private long tokenId_;
     /// <summary>
-    /// Number of the token that the session began with, as `sweepstaked token list` shows it. Absent: any.
+    /// Number of the token with which the session began, as `sweepstaked token list` shows it. Absent: any.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1299,7 +1299,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixFromSFieldNumber = 5;
     private long unixFromS_;
     /// <summary>
-    /// Only sources that began then or later, by the daemon's wall clock, since 1970. Imported sources began at 0. Absent: any.
+    /// Only sources that began at this time or later, by the daemon's wall clock, since 1970. Imported sources began at 0. Absent:
+    /// any.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1314,7 +1315,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixUntilSFieldNumber = 6;
     private long unixUntilS_;
     /// <summary>
-    /// Only sources that began then or before. Absent: any.
+    /// Only sources that began at this time or before. Absent: any.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1587,7 +1588,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A scene in which a change makes another arm the one that is believed to cost least.
+  /// A scene in which a change makes another arm the leader: the arm that is believed to cost least.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class LeaderChange : pb::IMessage<LeaderChange>
@@ -1703,7 +1704,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ArmFieldNumber = 5;
     private string arm_ = "";
     /// <summary>
-    /// The arm that is it now: of the arms with evidence, in their newest versions, that with the best mean. Absent: nothing is known.
+    /// The present leader: among the arms with evidence, in their newest versions, the one with the best mean. Absent: nothing is
+    /// known.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1718,7 +1720,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int NextArmFieldNumber = 6;
     private string nextArm_ = "";
     /// <summary>
-    /// The arm that would be. Absent: nothing would be known.
+    /// The leader after the change. Absent: nothing would be known.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1991,7 +1993,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What a change does to leaders.
+  /// The effect of a change on leaders.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class LeaderChanges : pb::IMessage<LeaderChanges>
@@ -2045,7 +2047,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(10, global::Sweepstake.Protocol.V1.LeaderChange.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.LeaderChange> scenes_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.LeaderChange>();
     /// <summary>
-    /// The first 20 scenes with another leader, by project and scene. Absent: none.
+    /// The first 20 scenes whose leader changes, by project and scene. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2057,7 +2059,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneCountFieldNumber = 2;
     private ulong sceneCount_;
     /// <summary>
-    /// How many there are among the 10,000 first scenes that were compared. Absent: 0.
+    /// The number of such scenes among the first 10,000 scenes that were compared. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2224,7 +2226,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What to revoke.
+  /// The evidence to revoke.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class RevokePriorsRequest : pb::IMessage<RevokePriorsRequest>
@@ -2291,7 +2293,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PreviewFieldNumber = 2;
     private bool preview_;
     /// <summary>
-    /// True: nothing changes, and the answer says what would. Absent: revoke.
+    /// True: nothing changes, and the response describes what would change. Absent: revoke.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2477,7 +2479,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What was, or would be, revoked.
+  /// The revoked evidence, or in a preview the evidence that would be revoked.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class RevokePriorsResponse : pb::IMessage<RevokePriorsResponse>
@@ -2561,7 +2563,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WindowCountFieldNumber = 3;
     private ulong windowCount_;
     /// <summary>
-    /// Decision windows, and visits of the lane, behind them. Absent: 0.
+    /// Decision windows and lane visits of these records. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2576,7 +2578,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LeaderChangesFieldNumber = 4;
     private global::Sweepstake.Protocol.V1.LeaderChanges leaderChanges_;
     /// <summary>
-    /// What that would do to leaders. Absent: it is no preview.
+    /// The effect on leaders. Absent: the request was not a preview.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2810,7 +2812,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What to promote.
+  /// The evidence to promote.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class PromotePriorsRequest : pb::IMessage<PromotePriorsRequest>
@@ -2862,7 +2864,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourcesFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.SourceFilter sources_;
     /// <summary>
-    /// Of which sources. Absent: all that waits in quarantine.
+    /// Its sources. Absent: all evidence in quarantine.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2877,7 +2879,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PreviewFieldNumber = 2;
     private bool preview_;
     /// <summary>
-    /// True: nothing changes, and the answer says what would. Absent: promote.
+    /// True: nothing changes, and the response describes what would change. Absent: promote.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3063,7 +3065,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What was, or would be, promoted.
+  /// The promoted evidence, or in a preview the evidence that would be promoted.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class PromotePriorsResponse : pb::IMessage<PromotePriorsResponse>
@@ -3118,7 +3120,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourceCountFieldNumber = 1;
     private ulong sourceCount_;
     /// <summary>
-    /// Sources with records that waited. Absent: 0.
+    /// Sources with records in quarantine. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3148,7 +3150,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WindowCountFieldNumber = 3;
     private ulong windowCount_;
     /// <summary>
-    /// Decision windows, and visits of the lane, behind them. Absent: 0.
+    /// Decision windows and lane visits of these records. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3178,7 +3180,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LeaderChangesFieldNumber = 5;
     private global::Sweepstake.Protocol.V1.LeaderChanges leaderChanges_;
     /// <summary>
-    /// What that would do to leaders. Absent: it is no preview.
+    /// The effect on leaders. Absent: the request was not a preview.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3436,7 +3438,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A build of a game, and what it was made from.
+  /// A build of a game, and the builds that it was made from.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class Build : pb::IMessage<Build>
@@ -3505,7 +3507,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int NameFieldNumber = 2;
     private string name_ = "";
     /// <summary>
-    /// As its games say it in Hello. Absent: an error.
+    /// The build's name, as its games send it in Hello. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3522,7 +3524,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForString(26);
     private readonly pbc::RepeatedField<string> parents_ = new pbc::RepeatedField<string>();
     /// <summary>
-    /// Up to 8 builds of the project, as the one before it and one that was merged into it. Absent: none.
+    /// Up to 8 builds of the project, such as the previous build and one that was merged into it. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3749,7 +3751,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What to say of builds.
+  /// Descriptions of builds.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class DescribeBuildsRequest : pb::IMessage<DescribeBuildsRequest>
@@ -3815,7 +3817,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ForgetFieldNumber = 2;
     private bool forget_;
     /// <summary>
-    /// True: what was said of them is forgotten, and only their project and name count. Absent: it is what their fields say.
+    /// True: the descriptions of these builds are deleted; only project and name are used. Absent: the descriptions are stored.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3982,7 +3984,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// It is on disk.
+  /// The descriptions are on disk.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class DescribeBuildsResponse : pb::IMessage<DescribeBuildsResponse>
@@ -4146,7 +4148,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Of which builds to tell.
+  /// Selects builds.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ListBuildsRequest : pb::IMessage<ListBuildsRequest>
@@ -4197,7 +4199,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProjectFieldNumber = 1;
     private string project_ = "";
     /// <summary>
-    /// Only of this project. Absent: of all.
+    /// Only builds of this project. Absent: all.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4543,7 +4545,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What one source (a session) taught about one arm.
+  /// The evidence of one source (a session) about one arm.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class PriorRecord : pb::IMessage<PriorRecord>
@@ -4641,7 +4643,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MeasuredByFieldNumber = 3;
     private string measuredBy_ = "";
     /// <summary>
-    /// What measured it: "lane" is the shadow lane, with visits in place of windows. Absent: the frame thread.
+    /// The measuring thread: "lane" is the shadow lane, with visits instead of windows. Absent: the frame thread.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4776,7 +4778,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WindowCountFieldNumber = 12;
     private ulong windowCount_;
     /// <summary>
-    /// Decision windows behind it. Absent: 0.
+    /// Number of decision windows. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4791,7 +4793,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BailOutCountFieldNumber = 13;
     private ulong bailOutCount_;
     /// <summary>
-    /// Bail-outs behind it. Absent: 0.
+    /// Number of bail-outs. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4821,7 +4823,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixLastSeenSFieldNumber = 15;
     private long unixLastSeenS_;
     /// <summary>
-    /// When the source taught last, by its daemon's wall clock, since 1970. Absent: unknown.
+    /// When the source last added evidence, by its daemon's wall clock, since 1970. Absent: unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4836,7 +4838,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int IsImportedFieldNumber = 16;
     private bool isImported_;
     /// <summary>
-    /// True in exports: the daemon has the source from an import. Imports take no notice of it. Absent: a session of the daemon.
+    /// True in exports: the daemon has the source from an import. Ignored in imports. Absent: a session of the daemon.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4851,7 +4853,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int IsQuarantinedFieldNumber = 17;
     private bool isQuarantined_;
     /// <summary>
-    /// True in exports: it waits in the daemon's quarantine and counts nowhere. Imports take no notice of it. Absent: it counts.
+    /// True in exports: it is in the daemon's quarantine and does not count. Ignored in imports. Absent: it counts.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4866,9 +4868,10 @@ namespace Sweepstake.Protocol.V1 {
     public const int WeightFieldNumber = 18;
     private double weight_;
     /// <summary>
-    /// In exports that ask for it: how much it counts in a new session of its scene and class of machines, which plays the build of the
-    /// source that was seen there last and has the newest version of the arm that is known there: for reward version 3, from 0 to 0.5, the
-    /// weight of its power prior, which what was said of builds changes; otherwise 1. Imports take no notice of it. Absent: 0, such a session does not look at it.
+    /// In exports that request it: its weight in a new session of its scene and class of machines. That session plays the source's
+    /// build that was seen there last, and has the newest known version of the arm. For reward version 3 it is the weight of the
+    /// power prior, from 0 to 0.5, which depends on the descriptions of builds; otherwise 1. Ignored in imports. Absent: 0, such a
+    /// session does not use the record.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

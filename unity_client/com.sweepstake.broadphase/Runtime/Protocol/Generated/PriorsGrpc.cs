@@ -9,7 +9,7 @@ using grpc = global::Grpc.Core;
 
 namespace Sweepstake.Protocol.V1 {
   /// <summary>
-  /// Carries evidence in and out of the store.
+  /// Exports and imports the store's evidence.
   /// </summary>
   public static partial class PriorsService
   {
@@ -155,7 +155,7 @@ namespace Sweepstake.Protocol.V1 {
       }
 
       /// <summary>
-      /// All matching evidence, scene by scene, in a stable order; what waits in quarantine comes last.
+      /// All matching evidence, scene by scene, in a stable order; evidence in quarantine comes last.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -168,7 +168,7 @@ namespace Sweepstake.Protocol.V1 {
         return ExportPriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// All matching evidence, scene by scene, in a stable order; what waits in quarantine comes last.
+      /// All matching evidence, scene by scene, in a stable order; evidence in quarantine comes last.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
@@ -179,10 +179,10 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.AsyncServerStreamingCall(__Method_ExportPriors, null, options, request);
       }
       /// <summary>
-      /// Adds evidence; all of the stream or, on any error, none of it. It waits in quarantine: no session begins with it and no
-      /// posterior has it, until it is promoted. Evidence of a source the store already has is taken only where it is newer, and
-      /// then replaces it: importing a file twice changes nothing. The audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT names the first bad record; RESOURCE_EXHAUSTED (more than an import, the quarantine or a project may have).
+      /// Adds all evidence of the stream or, on any error, none of it. The evidence waits in quarantine until it is promoted: until
+      /// then no session uses it and no posterior includes it. Evidence of a source that the store already has replaces the stored one
+      /// if it is newer, so importing a file twice changes nothing. The audit log records the import. Errors: INVALID_ARGUMENT names
+      /// the first invalid record; RESOURCE_EXHAUSTED (over the limits of an import, the quarantine or a project).
       /// </summary>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
       /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
@@ -194,10 +194,10 @@ namespace Sweepstake.Protocol.V1 {
         return ImportPriors(new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Adds evidence; all of the stream or, on any error, none of it. It waits in quarantine: no session begins with it and no
-      /// posterior has it, until it is promoted. Evidence of a source the store already has is taken only where it is newer, and
-      /// then replaces it: importing a file twice changes nothing. The audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT names the first bad record; RESOURCE_EXHAUSTED (more than an import, the quarantine or a project may have).
+      /// Adds all evidence of the stream or, on any error, none of it. The evidence waits in quarantine until it is promoted: until
+      /// then no session uses it and no posterior includes it. Evidence of a source that the store already has replaces the stored one
+      /// if it is newer, so importing a file twice changes nothing. The audit log records the import. Errors: INVALID_ARGUMENT names
+      /// the first invalid record; RESOURCE_EXHAUSTED (over the limits of an import, the quarantine or a project).
       /// </summary>
       /// <param name="options">The options for the call.</param>
       /// <returns>The call object.</returns>
@@ -207,9 +207,10 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.AsyncClientStreamingCall(__Method_ImportPriors, null, options);
       }
       /// <summary>
-      /// Takes the evidence of sources out of the store, exactly, and bars them: what they commit, and imports of them, count no
-      /// more. Of sources that were folded the evidence stays, unless all of a build are revoked. The audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT (it does not say which sources), PERMISSION_DENIED (the token is for some projects, and it names none).
+      /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
+      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
+      /// names none).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -222,9 +223,10 @@ namespace Sweepstake.Protocol.V1 {
         return RevokePriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Takes the evidence of sources out of the store, exactly, and bars them: what they commit, and imports of them, count no
-      /// more. Of sources that were folded the evidence stays, unless all of a build are revoked. The audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT (it does not say which sources), PERMISSION_DENIED (the token is for some projects, and it names none).
+      /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
+      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
+      /// names none).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
@@ -235,9 +237,10 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.BlockingUnaryCall(__Method_RevokePriors, null, options, request);
       }
       /// <summary>
-      /// Takes the evidence of sources out of the store, exactly, and bars them: what they commit, and imports of them, count no
-      /// more. Of sources that were folded the evidence stays, unless all of a build are revoked. The audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT (it does not say which sources), PERMISSION_DENIED (the token is for some projects, and it names none).
+      /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
+      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
+      /// names none).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -250,9 +253,10 @@ namespace Sweepstake.Protocol.V1 {
         return RevokePriorsAsync(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Takes the evidence of sources out of the store, exactly, and bars them: what they commit, and imports of them, count no
-      /// more. Of sources that were folded the evidence stays, unless all of a build are revoked. The audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT (it does not say which sources), PERMISSION_DENIED (the token is for some projects, and it names none).
+      /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
+      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
+      /// names none).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
@@ -263,10 +267,9 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.AsyncUnaryCall(__Method_RevokePriors, null, options, request);
       }
       /// <summary>
-      /// Lets evidence that waits in quarantine count from now on, as if its import had. What is promoted already is left alone. The
-      /// audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT (a name or a number is none), PERMISSION_DENIED (the token is for some projects, and it names none),
-      /// RESOURCE_EXHAUSTED (a project would have more scenes than it may).
+      /// Promotes evidence in quarantine: it counts from now on, as if its import had promoted it. Promoted evidence is not changed.
+      /// The audit log records it. Errors: INVALID_ARGUMENT (an invalid name or number), PERMISSION_DENIED (the token is limited to
+      /// some projects, and the request names none), RESOURCE_EXHAUSTED (a project would exceed its limit of scenes).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -279,10 +282,9 @@ namespace Sweepstake.Protocol.V1 {
         return PromotePriors(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Lets evidence that waits in quarantine count from now on, as if its import had. What is promoted already is left alone. The
-      /// audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT (a name or a number is none), PERMISSION_DENIED (the token is for some projects, and it names none),
-      /// RESOURCE_EXHAUSTED (a project would have more scenes than it may).
+      /// Promotes evidence in quarantine: it counts from now on, as if its import had promoted it. Promoted evidence is not changed.
+      /// The audit log records it. Errors: INVALID_ARGUMENT (an invalid name or number), PERMISSION_DENIED (the token is limited to
+      /// some projects, and the request names none), RESOURCE_EXHAUSTED (a project would exceed its limit of scenes).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
@@ -293,10 +295,9 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.BlockingUnaryCall(__Method_PromotePriors, null, options, request);
       }
       /// <summary>
-      /// Lets evidence that waits in quarantine count from now on, as if its import had. What is promoted already is left alone. The
-      /// audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT (a name or a number is none), PERMISSION_DENIED (the token is for some projects, and it names none),
-      /// RESOURCE_EXHAUSTED (a project would have more scenes than it may).
+      /// Promotes evidence in quarantine: it counts from now on, as if its import had promoted it. Promoted evidence is not changed.
+      /// The audit log records it. Errors: INVALID_ARGUMENT (an invalid name or number), PERMISSION_DENIED (the token is limited to
+      /// some projects, and the request names none), RESOURCE_EXHAUSTED (a project would exceed its limit of scenes).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -309,10 +310,9 @@ namespace Sweepstake.Protocol.V1 {
         return PromotePriorsAsync(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Lets evidence that waits in quarantine count from now on, as if its import had. What is promoted already is left alone. The
-      /// audit log has a row of it.
-      /// Errors: INVALID_ARGUMENT (a name or a number is none), PERMISSION_DENIED (the token is for some projects, and it names none),
-      /// RESOURCE_EXHAUSTED (a project would have more scenes than it may).
+      /// Promotes evidence in quarantine: it counts from now on, as if its import had promoted it. Promoted evidence is not changed.
+      /// The audit log records it. Errors: INVALID_ARGUMENT (an invalid name or number), PERMISSION_DENIED (the token is limited to
+      /// some projects, and the request names none), RESOURCE_EXHAUSTED (a project would exceed its limit of scenes).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
@@ -323,10 +323,10 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.AsyncUnaryCall(__Method_PromotePriors, null, options, request);
       }
       /// <summary>
-      /// Says what builds were made from, in place of what was said of them before: sessions that begin after it weigh what related
-      /// builds taught by how many steps there are between them. All of the request or, on any error, none of it. The audit log has a
-      /// row of it.
-      /// Errors: INVALID_ARGUMENT (a name is none, or there are too many), RESOURCE_EXHAUSTED (a project would have more than 10,000).
+      /// Stores the parents of builds, replacing earlier descriptions of the same builds. Sessions that begin later weigh the evidence
+      /// of related builds by the number of steps between them. Stores all of the request or, on any error, nothing. The audit log
+      /// records it. Errors: INVALID_ARGUMENT (an invalid name, or too many), RESOURCE_EXHAUSTED (a project would have more than
+      /// 10,000 builds).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -339,10 +339,10 @@ namespace Sweepstake.Protocol.V1 {
         return DescribeBuilds(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Says what builds were made from, in place of what was said of them before: sessions that begin after it weigh what related
-      /// builds taught by how many steps there are between them. All of the request or, on any error, none of it. The audit log has a
-      /// row of it.
-      /// Errors: INVALID_ARGUMENT (a name is none, or there are too many), RESOURCE_EXHAUSTED (a project would have more than 10,000).
+      /// Stores the parents of builds, replacing earlier descriptions of the same builds. Sessions that begin later weigh the evidence
+      /// of related builds by the number of steps between them. Stores all of the request or, on any error, nothing. The audit log
+      /// records it. Errors: INVALID_ARGUMENT (an invalid name, or too many), RESOURCE_EXHAUSTED (a project would have more than
+      /// 10,000 builds).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
@@ -353,10 +353,10 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.BlockingUnaryCall(__Method_DescribeBuilds, null, options, request);
       }
       /// <summary>
-      /// Says what builds were made from, in place of what was said of them before: sessions that begin after it weigh what related
-      /// builds taught by how many steps there are between them. All of the request or, on any error, none of it. The audit log has a
-      /// row of it.
-      /// Errors: INVALID_ARGUMENT (a name is none, or there are too many), RESOURCE_EXHAUSTED (a project would have more than 10,000).
+      /// Stores the parents of builds, replacing earlier descriptions of the same builds. Sessions that begin later weigh the evidence
+      /// of related builds by the number of steps between them. Stores all of the request or, on any error, nothing. The audit log
+      /// records it. Errors: INVALID_ARGUMENT (an invalid name, or too many), RESOURCE_EXHAUSTED (a project would have more than
+      /// 10,000 builds).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -369,10 +369,10 @@ namespace Sweepstake.Protocol.V1 {
         return DescribeBuildsAsync(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Says what builds were made from, in place of what was said of them before: sessions that begin after it weigh what related
-      /// builds taught by how many steps there are between them. All of the request or, on any error, none of it. The audit log has a
-      /// row of it.
-      /// Errors: INVALID_ARGUMENT (a name is none, or there are too many), RESOURCE_EXHAUSTED (a project would have more than 10,000).
+      /// Stores the parents of builds, replacing earlier descriptions of the same builds. Sessions that begin later weigh the evidence
+      /// of related builds by the number of steps between them. Stores all of the request or, on any error, nothing. The audit log
+      /// records it. Errors: INVALID_ARGUMENT (an invalid name, or too many), RESOURCE_EXHAUSTED (a project would have more than
+      /// 10,000 builds).
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>
@@ -383,7 +383,7 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.AsyncUnaryCall(__Method_DescribeBuilds, null, options, request);
       }
       /// <summary>
-      /// What was said of builds, ordered by project and name.
+      /// The stored descriptions of builds, ordered by project and name.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -396,7 +396,7 @@ namespace Sweepstake.Protocol.V1 {
         return ListBuilds(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// What was said of builds, ordered by project and name.
+      /// The stored descriptions of builds, ordered by project and name.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>

@@ -46,7 +46,7 @@ namespace Sweepstake.Protocol.V1 {
   }
   #region Messages
   /// <summary>
-  /// A wish to know which flight recordings there are, or to have a part of one. The game answers with a recording part.
+  /// Requests the list of flight recordings, or a part of one. The game answers with a recording part.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class RecordingRequest : pb::IMessage<RecordingRequest>
@@ -100,7 +100,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RequestIdFieldNumber = 1;
     private ulong requestId_;
     /// <summary>
-    /// Numbers the requests of a session from 1 on. Absent (0): an error.
+    /// Counts the requests of a session from 1. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -115,7 +115,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RecordingIdFieldNumber = 2;
     private ulong recordingId_;
     /// <summary>
-    /// The recording. Absent (0): which ones there are.
+    /// The recording. Absent (0): list the recordings.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -130,7 +130,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int OffsetFieldNumber = 3;
     private ulong offset_;
     /// <summary>
-    /// Where in its file the part begins, in bytes. Absent: at the start.
+    /// Offset of the part in its file, in bytes. Absent: at the start.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -145,7 +145,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MaxBytesFieldNumber = 4;
     private uint maxBytes_;
     /// <summary>
-    /// Max size of the part, up to 65,536 bytes. Absent (0): no part.
+    /// Maximum size of the part, up to 65,536 bytes. Absent (0): no part.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -424,7 +424,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RecordingIdFieldNumber = 1;
     private ulong recordingId_;
     /// <summary>
-    /// Numbers the recordings of a session from 1 on. Never absent.
+    /// Counts the recordings of a session from 1. Never absent.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -439,7 +439,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AgeMsFieldNumber = 2;
     private ulong ageMs_;
     /// <summary>
-    /// How long before this message it was written. Absent: 0.
+    /// The time from its writing to this message. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -764,7 +764,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(18, global::Sweepstake.Protocol.V1.Recording.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Recording> recordings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Recording>();
     /// <summary>
-    /// The recordings that there are, the oldest first, up to 8. Absent: none, or a part was asked for.
+    /// The existing recordings, the oldest first, at most 8. Absent: none, or a part was requested.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -776,7 +776,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DataFieldNumber = 3;
     private pb::ByteString data_ = pb::ByteString.Empty;
     /// <summary>
-    /// The bytes of the file. Absent: it ends here, or the recording is not there any more.
+    /// The bytes of the file. Absent: the file ends here, or the recording does not exist any more.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

@@ -180,7 +180,7 @@ namespace Sweepstake.Protocol.V1 {
   }
   #region Enums
   /// <summary>
-  /// Who decides which arm is active.
+  /// Determines what chooses the active arm.
   /// </summary>
   public enum Mode {
     /// <summary>
@@ -188,7 +188,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("MODE_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The game chose the arm; everything is recorded, only the shadow lane is learnt from, and nothing becomes evidence.
+    /// The game chooses the arm. Everything is recorded, but only the shadow lane is learnt from, and nothing becomes evidence.
     /// </summary>
     [pbr::OriginalName("MODE_MANUAL")] Manual = 1,
     /// <summary>
@@ -198,7 +198,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Why the active arm was changed.
+  /// The reason why the active arm was changed.
   /// </summary>
   public enum SwitchReason {
     /// <summary>
@@ -224,7 +224,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What not every client of a version of the protocol can do. One that only a newer protocol has is ignored.
+  /// Abilities that only some clients of a protocol version have. Abilities of a newer protocol are ignored.
   /// </summary>
   public enum Capability {
     /// <summary>
@@ -232,15 +232,15 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("CAPABILITY_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The game does what operators order. A shipped game does not have it.
+    /// The game executes operators' orders. A shipped game does not have this.
     /// </summary>
     [pbr::OriginalName("CAPABILITY_OPERATOR_ORDERS")] OperatorOrders = 1,
     /// <summary>
-    /// The game shows the boxes of its objects to operators who ask. A shipped game does not have it.
+    /// The game shows the boxes of its objects to operators on request. A shipped game does not have this.
     /// </summary>
     [pbr::OriginalName("CAPABILITY_BOX_VIEW")] BoxView = 2,
     /// <summary>
-    /// The game gives the files of its flight recorder to operators who ask. A shipped game does not have it.
+    /// The game sends the files of its flight recorder to operators on request. A shipped game does not have this.
     /// </summary>
     [pbr::OriginalName("CAPABILITY_RECORDINGS")] Recordings = 3,
   }
@@ -258,7 +258,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("SHADOW_FLAG_ACTIVE")] Active = 1,
     /// <summary>
-    /// Stopped at a cap of the lane: the times are those of what ran until then.
+    /// Stopped at a cap of the lane; the times are those until then.
     /// </summary>
     [pbr::OriginalName("SHADOW_FLAG_CAPPED")] Capped = 2,
   }
@@ -272,7 +272,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("FRAME_FLAG_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The frame built the backend's structure anew (a switch or a changed object count).
+    /// The frame rebuilt the backend's structure (after a switch or a change of the object count).
     /// </summary>
     [pbr::OriginalName("FRAME_FLAG_REBUILD")] Rebuild = 1,
     /// <summary>
@@ -290,29 +290,29 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Why a game does not obey an order.
+  /// The reason why a game does not execute an order.
   /// </summary>
   public enum OrderRefusalReason {
     /// <summary>
-    /// Not said, or a reason of a newer protocol.
+    /// Unknown, or a reason of a newer protocol.
     /// </summary>
     [pbr::OriginalName("ORDER_REFUSAL_REASON_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The game was built to take no orders, as shipped games are.
+    /// The game was built to accept no orders, as shipped games are.
     /// </summary>
     [pbr::OriginalName("ORDER_REFUSAL_REASON_NOT_ALLOWED")] NotAllowed = 1,
     /// <summary>
-    /// The game knows no such mode or arm.
+    /// The mode or arm is unknown to the game.
     /// </summary>
     [pbr::OriginalName("ORDER_REFUSAL_REASON_UNKNOWN")] Unknown = 2,
   }
 
   /// <summary>
-  /// What the beliefs say about the scene (paper §7.1).
+  /// The decider's conclusion about the scene (paper §7.1).
   /// </summary>
   public enum Verdict {
     /// <summary>
-    /// Nothing decided yet.
+    /// No decision yet.
     /// </summary>
     [pbr::OriginalName("VERDICT_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
@@ -320,11 +320,11 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("VERDICT_STABLE")] Stable = 1,
     /// <summary>
-    /// Below, and choosing the leader loses 0.5 % or less.
+    /// Less than that, and choosing the leader loses at most 0.5 %.
     /// </summary>
     [pbr::OriginalName("VERDICT_TIE")] Tie = 2,
     /// <summary>
-    /// Below, and choosing the leader may lose more.
+    /// Less than that, and choosing the leader may lose more.
     /// </summary>
     [pbr::OriginalName("VERDICT_AMBIGUOUS")] Ambiguous = 3,
     /// <summary>
@@ -337,7 +337,7 @@ namespace Sweepstake.Protocol.V1 {
 
   #region Messages
   /// <summary>
-  /// What the game sends.
+  /// A message of the game.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class StreamTelemetryRequest : pb::IMessage<StreamTelemetryRequest>
@@ -418,9 +418,9 @@ namespace Sweepstake.Protocol.V1 {
     public const int SequenceFieldNumber = 1;
     private ulong sequence_;
     /// <summary>
-    /// Numbers every message that carries evidence (frame batch, switch outcome, bail-out, mode change, order refusal) from 1
-    /// on, within the session and across its connections. A number at or below one already applied is counted as a replay and not
-    /// applied again. Gaps are allowed (the client dropped messages). Absent (0) in Hello, Goodbye, box views and recording parts only.
+    /// Numbers every message with evidence (frame batch, switch outcome, bail-out, mode change, order refusal), counted from 1
+    /// within the session and across its connections. A message with a number that was already applied counts as a replay and is
+    /// ignored. Gaps are allowed (the client dropped messages). Absent (0) in Hello, Goodbye, box views and recording parts only.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -449,7 +449,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>Field number for the "frame_batch" field.</summary>
     public const int FrameBatchFieldNumber = 3;
     /// <summary>
-    /// What a run of frames cost.
+    /// The costs of consecutive frames.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -464,7 +464,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>Field number for the "switch_outcome" field.</summary>
     public const int SwitchOutcomeFieldNumber = 4;
     /// <summary>
-    /// How a switch went.
+    /// The outcome of a switch.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -479,7 +479,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>Field number for the "bail_out" field.</summary>
     public const int BailOutFieldNumber = 5;
     /// <summary>
-    /// A frame over the bail-out limit, reported at once.
+    /// A frame over the bail-out limit, sent at once.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -524,7 +524,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>Field number for the "order_refusal" field.</summary>
     public const int OrderRefusalFieldNumber = 8;
     /// <summary>
-    /// The game does not do what an operator ordered.
+    /// The game refuses an operator's order.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -539,7 +539,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>Field number for the "box_view" field.</summary>
     public const int BoxViewFieldNumber = 9;
     /// <summary>
-    /// The boxes of a frame, which an operator asked for: no evidence, not acknowledged, and not sent again.
+    /// The boxes of a frame, requested by an operator. Not evidence: not acknowledged, and not sent again.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -554,7 +554,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>Field number for the "recording_part" field.</summary>
     public const int RecordingPartFieldNumber = 10;
     /// <summary>
-    /// Flight recordings, or a part of one, which an operator asked for: no evidence, not acknowledged, and not sent again.
+    /// Flight recordings, or a part of one, requested by an operator. Not evidence: not acknowledged, and not sent again.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1074,8 +1074,8 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What the daemon sends: whatever has changed since its last response. Each field is taken on its own, in this order; a
-  /// client passes over those it does not know. In version 1 of the protocol a response has one field only.
+  /// A message of the daemon: everything that has changed since its last response. The client processes the fields one by one in
+  /// this order, and ignores unknown ones. In version 1 of the protocol a response has one field only.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class StreamTelemetryResponse : pb::IMessage<StreamTelemetryResponse>
@@ -1133,7 +1133,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WelcomeFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.Welcome welcome_;
     /// <summary>
-    /// Answers Hello, once per connection, first.
+    /// The answer to Hello, once per connection, first.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1148,7 +1148,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SwitchCommandFieldNumber = 2;
     private global::Sweepstake.Protocol.V1.SwitchCommand switchCommand_;
     /// <summary>
-    /// The arm to use from the next frame on. Only the latest one counts.
+    /// The arm to use from the next frame on. Only the latest command counts.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1178,7 +1178,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PosteriorSnapshotFieldNumber = 4;
     private global::Sweepstake.Protocol.V1.PosteriorSnapshot posteriorSnapshot_;
     /// <summary>
-    /// Posteriors to decide with while the daemon is away, and what they say about the scene. Sent when either changed.
+    /// Posteriors to decide with while the daemon is away, and the verdict about the scene. Sent when either changes.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1193,7 +1193,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ReconnectFieldNumber = 5;
     private global::Sweepstake.Protocol.V1.Reconnect reconnect_;
     /// <summary>
-    /// The daemon is going away.
+    /// The daemon is shutting down.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1208,7 +1208,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int OperatorOrderFieldNumber = 6;
     private global::Sweepstake.Protocol.V1.OperatorOrder operatorOrder_;
     /// <summary>
-    /// What an operator wants of the game; only with CAPABILITY_OPERATOR_ORDERS. Only the latest one counts.
+    /// An operator's order for the game; only with CAPABILITY_OPERATOR_ORDERS. Only the latest one counts.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1223,7 +1223,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BoxRequestFieldNumber = 7;
     private global::Sweepstake.Protocol.V1.BoxRequest boxRequest_;
     /// <summary>
-    /// An operator wants to see the game's boxes; only with CAPABILITY_BOX_VIEW. Only the latest one counts.
+    /// An operator's request for the game's boxes; only with CAPABILITY_BOX_VIEW. Only the latest one counts.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1238,7 +1238,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RecordingRequestFieldNumber = 8;
     private global::Sweepstake.Protocol.V1.RecordingRequest recordingRequest_;
     /// <summary>
-    /// An operator wants to see the game's flight recordings; only with CAPABILITY_RECORDINGS. Only the latest one counts.
+    /// An operator's request for the game's flight recordings; only with CAPABILITY_RECORDINGS. Only the latest one counts.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1631,7 +1631,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// One arm the client can run.
+  /// One arm that the client can run.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class Arm : pb::IMessage<Arm>
@@ -1683,7 +1683,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int NameFieldNumber = 1;
     private string name_ = "";
     /// <summary>
-    /// Name, 1–128 bytes of UTF-8 without control characters, unique in the session, as "KDTree". Absent: an error.
+    /// Name, 1–128 bytes of UTF-8 without control characters, unique in the session, such as "KDTree". Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1698,7 +1698,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BackendVersionFieldNumber = 2;
     private uint backendVersion_;
     /// <summary>
-    /// Version of the backend's code; evidence of different versions is kept apart. Absent (0): an error.
+    /// Version of the backend's code; evidence of different versions is kept separate. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1942,7 +1942,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProtocolVersionFieldNumber = 1;
     private uint protocolVersion_;
     /// <summary>
-    /// The newest version of this protocol that the client speaks; 2. Absent (0): an error.
+    /// The newest version of this protocol that the client supports; 2. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1957,7 +1957,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProjectFieldNumber = 2;
     private string project_ = "";
     /// <summary>
-    /// The game project the priors belong to; 1–128 bytes. Absent: an error.
+    /// The game project that the priors belong to; 1–128 bytes. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2002,7 +2002,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MachineClassFieldNumber = 5;
     private string machineClass_ = "";
     /// <summary>
-    /// Class of machine whose timings are comparable. Absent: unknown class, a class of its own.
+    /// Class of machines with comparable timings. Absent: the unknown class, a class of its own.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2019,7 +2019,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(50, global::Sweepstake.Protocol.V1.Arm.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Arm> arms_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Arm>();
     /// <summary>
-    /// The arms, 1–32; an arm is named by its index in this list from here on. Absent: an error.
+    /// The arms, 1–32. Later messages name an arm by its index in this list. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2031,7 +2031,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ActiveArmFieldNumber = 8;
     private uint activeArm_;
     /// <summary>
-    /// Index of the arm that is active now. Absent: 0, the first arm.
+    /// Index of the active arm. Absent: 0, the first arm.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2046,7 +2046,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ModeFieldNumber = 9;
     private global::Sweepstake.Protocol.V1.Mode mode_ = global::Sweepstake.Protocol.V1.Mode.Unspecified;
     /// <summary>
-    /// Who decides. Absent: an error.
+    /// The mode. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2061,8 +2061,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int SessionIdFieldNumber = 10;
     private string sessionId_ = "";
     /// <summary>
-    /// The session to resume, from an earlier Welcome. If the daemon does not know it, or not as one of this scene,
-    /// machine class, policy's reward version and these arms, a new session begins. Absent: a new session.
+    /// The session to resume, from an earlier Welcome. A new session begins if the daemon does not know it, or if its scene, machine
+    /// class, policy's reward version or arms differ. Absent: a new session.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2077,8 +2077,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TimeScaleFieldNumber = 11;
     private double timeScale_;
     /// <summary>
-    /// Every interval of the decision side but the bail-out limit is divided by it, 1–1000, for experiments that run
-    /// faster than real time. More than the daemon allows is an error. Absent (0): 1.
+    /// A divisor, 1–1000, of every interval of the decision side except the bail-out limit, for experiments that run faster than
+    /// real time. A value above the daemon's limit is an error. Absent (0): 1.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2093,7 +2093,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int IgnorePriorsFieldNumber = 12;
     private bool ignorePriors_;
     /// <summary>
-    /// True: start from Beta(1,1) whatever the store holds, as the paper's experiments do. Absent: use the store's priors.
+    /// True: start from Beta(1,1) whatever the store contains, as the paper's experiments do. Absent: use the store's priors.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2108,7 +2108,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SeedFieldNumber = 13;
     private ulong seed_;
     /// <summary>
-    /// Seed of the session's draws. Absent (0): the daemon chooses one and reports it.
+    /// Seed of the session's random draws. Absent (0): the daemon chooses one and reports it.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2123,7 +2123,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PolicyFieldNumber = 14;
     private string policy_ = "";
     /// <summary>
-    /// Name of the policy, as "paper". Absent: the daemon's default.
+    /// Name of the policy, such as "paper". Absent: the daemon's default.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2138,7 +2138,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SwitchEpochFieldNumber = 15;
     private uint switchEpoch_;
     /// <summary>
-    /// The switch epoch of the frames that follow: 0 at first, one more at each executed switch. Absent: 0.
+    /// The switch epoch of the frames that follow: 0 at first, incremented by each executed switch. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2153,7 +2153,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ResumeTokenFieldNumber = 16;
     private pb::ByteString resumeToken_ = pb::ByteString.Empty;
     /// <summary>
-    /// The token of session_id, from the same Welcome. Absent or wrong: the daemon does not know the session.
+    /// The token of session_id, from the same Welcome. Absent or wrong: the session is treated as unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2168,8 +2168,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int MinProtocolVersionFieldNumber = 17;
     private uint minProtocolVersion_;
     /// <summary>
-    /// The oldest version of this protocol that the client speaks. The newest version that both speak is in force; there
-    /// must be one. Absent (0): protocol_version only.
+    /// The oldest version of this protocol that the client supports. The newest version that both sides support is used; without a
+    /// common one the stream fails. Absent (0): protocol_version only.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2186,7 +2186,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForEnum(146, x => (int) x, x => (global::Sweepstake.Protocol.V1.Capability) x);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Capability> capabilities_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Capability>();
     /// <summary>
-    /// What else the client can do. Absent: nothing.
+    /// The client's capabilities. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2702,8 +2702,8 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What consecutive frames cost, in columns: element i of each column is frame i. All columns have the same length,
-  /// 1–240; any other length is an error. Values are as measured: nothing is scaled or smoothed.
+  /// Costs of consecutive frames, in columns: element i of each column belongs to frame i. All columns have the same length, 1–240;
+  /// any other length is an error. Values are as measured, neither scaled nor smoothed.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class FrameBatch : pb::IMessage<FrameBatch>
@@ -2794,7 +2794,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForUInt64(34);
     private readonly pbc::RepeatedField<ulong> aabbCheckCount_ = new pbc::RepeatedField<ulong>();
     /// <summary>
-    /// AABB–AABB checks made. Absent: an error.
+    /// AABB–AABB checks. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2876,7 +2876,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneDescriptorFieldNumber = 11;
     private global::Sweepstake.Protocol.V1.SceneDescriptor sceneDescriptor_;
     /// <summary>
-    /// The scene over these frames. Absent: not measured.
+    /// The scene during these frames. Absent: not measured.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2908,7 +2908,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(106, global::Sweepstake.Protocol.V1.ShadowSample.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ShadowSample> shadowSamples_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ShadowSample>();
     /// <summary>
-    /// What the shadow lane measured meanwhile; up to 64. Absent: nothing.
+    /// Measurements of the shadow lane during these frames; up to 64. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3233,9 +3233,8 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// One visit of the shadow lane: what an arm cost off the frame thread, on copies of consecutive frames' boxes. Visits
-  /// with the same first_frame_index were measured on the same frames and form a sweep; the arm that was active then is
-  /// measured along with the others.
+  /// One visit of the shadow lane: the cost of an arm off the frame thread, on copies of consecutive frames' boxes. Visits with the
+  /// same first_frame_index were measured on the same frames and form a sweep, which includes the arm that was active then.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ShadowSample : pb::IMessage<ShadowSample>
@@ -3324,7 +3323,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DetectionTimeNsFieldNumber = 3;
     private ulong detectionTimeNs_;
     /// <summary>
-    /// Median over the measured frames: update and search. Times are those of the fastest kind of core, if known. Absent (0): an error.
+    /// Median over the measured frames: update and search, on the fastest kind of core if that is known. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3339,7 +3338,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BuildTimeNsFieldNumber = 4;
     private ulong buildTimeNs_;
     /// <summary>
-    /// Time of the first frame, which builds the structure, with its search. Absent: 0.
+    /// Time of the first frame, which builds the structure and searches. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3354,7 +3353,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AabbCheckCountFieldNumber = 5;
     private ulong aabbCheckCount_;
     /// <summary>
-    /// AABB–AABB checks made, mean over the measured frames. Absent: 0.
+    /// AABB–AABB checks, mean over the measured frames. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3759,7 +3758,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What the scene looks like to a broad phase. Lengths are in world units. A field that was not measured is absent.
+  /// The properties of a scene that matter to a broad phase. Lengths are in world units. A field that was not measured is absent.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class SceneDescriptor : pb::IMessage<SceneDescriptor>
@@ -4310,7 +4309,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// How a commanded or local switch went; sent when the new arm has settled, or when the command was refused.
+  /// The outcome of a commanded or local switch; sent when the new arm has settled, or when the command was refused.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class SwitchOutcome : pb::IMessage<SwitchOutcome>
@@ -4369,7 +4368,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int CommandIdFieldNumber = 1;
     private ulong commandId_;
     /// <summary>
-    /// The command it answers. Absent (0): a local switch (bail-out while offline, or by hand).
+    /// The command. Absent (0): a local switch (a bail-out while offline, or manual).
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4399,7 +4398,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SwitchEpochFieldNumber = 3;
     private uint switchEpoch_;
     /// <summary>
-    /// The switch epoch that began with it. Absent: 0.
+    /// The switch epoch that began with the switch. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4414,8 +4413,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ExecutedFieldNumber = 4;
     private bool executed_;
     /// <summary>
-    /// False: the client did not switch, since the arm was active already, is not one of the session's, or the game was choosing for
-    /// itself. Absent: false.
+    /// False: the client did not switch, because the arm was already active, is not one of the session's, or the game was in manual
+    /// mode. Absent: false.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4430,7 +4429,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RebuildTimeNsFieldNumber = 5;
     private ulong rebuildTimeNs_;
     /// <summary>
-    /// Time of building the new backend's structure. Absent: 0.
+    /// Build time of the new backend's structure. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4460,7 +4459,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ReasonFieldNumber = 8;
     private global::Sweepstake.Protocol.V1.SwitchReason reason_ = global::Sweepstake.Protocol.V1.SwitchReason.Unspecified;
     /// <summary>
-    /// Why the arm changed. Absent: an error.
+    /// The reason of the switch. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4475,8 +4474,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 9;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// The client has ended a trial (SwitchCommand.trial_limit_percent) and gone back by itself: detection time of the shorter of
-    /// the two frames over its limit, or over its budget at most the mean of the trial. Absent (0): no trial was ended with this switch.
+    /// Set if the switch ends a trial (SwitchCommand.trial_limit_percent) early: detection time of the shorter of two frames over the
+    /// limit, or at most the trial's mean if the budget was exceeded. Absent (0): it ended no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4836,8 +4835,8 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A frame over the bail-out limit of Welcome. One that is not over it is left out, whatever its flags say. More of them
-  /// than the limit allows in the time are answered, but are no evidence.
+  /// A frame over the bail-out limit of Welcome. A frame below the limit is ignored, whatever its flags are. If more frames arrive
+  /// than the rate limit allows, they are answered but do not become evidence.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class BailOut : pb::IMessage<BailOut>
@@ -4953,7 +4952,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DetectionTimeNsFieldNumber = 5;
     private ulong detectionTimeNs_;
     /// <summary>
-    /// Its broad-phase time; under half of the frame time no policy but `paper` blames the arm. Absent: 0.
+    /// Its broad-phase time. Below half of the frame time, only policy `paper` blames the arm. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5324,7 +5323,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int OrderIdFieldNumber = 3;
     private ulong orderId_;
     /// <summary>
-    /// The operator's order that the game obeys with it. Absent (0): the game's own change.
+    /// The operator's order that the game executes with it. Absent (0): the game's own change.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5525,7 +5524,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// An answer to an order that the game does not obey. One that it obeys is answered by a mode change.
+  /// The answer to an order that the game does not execute. An executed order is answered by a mode change.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class OrderRefusal : pb::IMessage<OrderRefusal>
@@ -5592,7 +5591,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ReasonFieldNumber = 2;
     private global::Sweepstake.Protocol.V1.OrderRefusalReason reason_ = global::Sweepstake.Protocol.V1.OrderRefusalReason.Unspecified;
     /// <summary>
-    /// Why. Absent: not said.
+    /// The reason. Absent: unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5933,7 +5932,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Answers Hello.
+  /// The answer to Hello.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class Welcome : pb::IMessage<Welcome>
@@ -6001,7 +6000,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SessionIdFieldNumber = 1;
     private string sessionId_ = "";
     /// <summary>
-    /// Name of the session, which others may see. Absent: an error.
+    /// Name of the session, which is not secret. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6016,8 +6015,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ResumedFieldNumber = 2;
     private bool resumed_;
     /// <summary>
-    /// True: the session that Hello named goes on; false: a new one begins, and messages that were not acknowledged are
-    /// numbered from 1 again. Absent: false.
+    /// True: the session named in Hello continues. False: a new one begins, and unacknowledged messages are numbered from 1 again.
+    /// Absent: false.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6032,7 +6031,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AcknowledgedSequenceFieldNumber = 3;
     private ulong acknowledgedSequence_;
     /// <summary>
-    /// Messages up to this sequence number are on disk already: send the later ones again. Absent: 0.
+    /// Messages up to this sequence number are already on disk: send the later ones again. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6047,7 +6046,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MaxBatchFramesFieldNumber = 4;
     private uint maxBatchFrames_;
     /// <summary>
-    /// Max number of frames in a batch. Absent (0): the client's own limit holds.
+    /// Maximum number of frames in a batch. Absent (0): the client's own limit.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6062,7 +6061,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MaxMessageBytesFieldNumber = 5;
     private uint maxMessageBytes_;
     /// <summary>
-    /// Max size of a message in bytes. Absent (0): the client's own limit holds.
+    /// Maximum size of a message in bytes. Absent (0): the client's own limit.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6077,7 +6076,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BatchIntervalMsFieldNumber = 6;
     private uint batchIntervalMs_;
     /// <summary>
-    /// How long the client should collect frames before it sends. Absent (0): the client's own interval holds.
+    /// How long the client should collect frames before it sends. Absent (0): the client's own interval.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6092,7 +6091,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DecisionIntervalMsFieldNumber = 7;
     private uint decisionIntervalMs_;
     /// <summary>
-    /// Interval between decisions, time scale applied. Absent (0): not told.
+    /// Interval between decisions, time scale applied. Absent (0): unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6107,7 +6106,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SettlingMsFieldNumber = 9;
     private uint settlingMs_;
     /// <summary>
-    /// Frames of this long after a switch are not learnt from, time scale applied. Absent: 0.
+    /// Time after a switch whose frames are not learnt from, time scale applied. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6122,7 +6121,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BailOutMsFieldNumber = 10;
     private uint bailOutMs_;
     /// <summary>
-    /// A frame over this is a bail-out; the client's own limit from here on. Absent (0): the client keeps its own.
+    /// The bail-out limit, which replaces the client's own. Absent (0): the client keeps its own.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6167,7 +6166,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SeedFieldNumber = 15;
     private ulong seed_;
     /// <summary>
-    /// Seed of the session's draws, with which it can be run again. Absent: 0.
+    /// Seed of the session's random draws, with which it can be repeated. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6184,7 +6183,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(130, global::Sweepstake.Protocol.V1.BetaPosterior.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.BetaPosterior> priors_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.BetaPosterior>();
     /// <summary>
-    /// Where each arm starts, in Hello's order. Absent: not told.
+    /// The initial posterior of each arm, in Hello's order. Absent: unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6196,7 +6195,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PriorSourceCountFieldNumber = 17;
     private ulong priorSourceCount_;
     /// <summary>
-    /// Sessions whose evidence is in these priors. 0: they start at Beta(1,1). Absent: 0.
+    /// Sessions whose evidence is in these priors; 0: they start at Beta(1,1). Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6211,7 +6210,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ResumeTokenFieldNumber = 18;
     private pb::ByteString resumeToken_ = pb::ByteString.Empty;
     /// <summary>
-    /// Secret that resuming the session needs beside its name; 32 bytes. Absent: it cannot be resumed.
+    /// Secret that is required with the name to resume the session; 32 bytes. Absent: it cannot be resumed.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6226,7 +6225,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PriorsUnavailableFieldNumber = 19;
     private bool priorsUnavailable_;
     /// <summary>
-    /// True: the daemon could not read all of its evidence, and the priors lack what it could not read. Absent: false.
+    /// True: the daemon could not read all of its evidence, and the priors lack the missing part. Absent: false.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6241,7 +6240,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProtocolVersionFieldNumber = 20;
     private uint protocolVersion_;
     /// <summary>
-    /// The version of the protocol that is in force: the newest that both speak. A client ends a stream of any other. Absent (0): 1.
+    /// The protocol version in use: the newest that both sides support. A client ends a stream with another one. Absent (0): 1.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6258,7 +6257,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForEnum(170, x => (int) x, x => (global::Sweepstake.Protocol.V1.Capability) x);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Capability> capabilities_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Capability>();
     /// <summary>
-    /// Those of Hello's capabilities that the daemon makes use of. Absent: none.
+    /// The capabilities of Hello that the daemon uses. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7096,7 +7095,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int CommandIdFieldNumber = 1;
     private ulong commandId_;
     /// <summary>
-    /// Numbers the commands of a session from 1 on. Absent (0): an error.
+    /// Counts the commands of a session from 1. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7126,7 +7125,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ReasonFieldNumber = 3;
     private global::Sweepstake.Protocol.V1.SwitchReason reason_ = global::Sweepstake.Protocol.V1.SwitchReason.Unspecified;
     /// <summary>
-    /// Why. Absent: an error.
+    /// The reason. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7141,8 +7140,9 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialLimitPercentFieldNumber = 4;
     private uint trialLimitPercent_;
     /// <summary>
-    /// A trial, for twice the settling time: the client goes back by itself if, after three frames, detection takes two in a row more than
-    /// the longest of late by this percentage less 100 and 1 ms, or in all a 40th of that time above its mean. Absent (0): no trial.
+    /// Makes the switch a trial of twice the settling time. The client returns to the arm before if two detections in a row exceed
+    /// the longest recent one by (this − 100) % of the longest recent frame, at least 1 ms. It also returns if all detections exceed
+    /// the mean by 1/40 of the trial's time in total. The first three frames do not count. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7419,7 +7419,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SequenceFieldNumber = 1;
     private ulong sequence_;
     /// <summary>
-    /// Every message up to this sequence number has been applied and what followed from it is durable. Absent: 0.
+    /// Every message up to this sequence number was applied, and its effects are on disk. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7434,7 +7434,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BatchIntervalMsFieldNumber = 2;
     private uint batchIntervalMs_;
     /// <summary>
-    /// How long the client should collect frames from now on, which depends on how many streams the daemon has. Absent (0): as before.
+    /// How long the client should collect frames from now on; it depends on the daemon's number of streams. Absent (0): as before.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7680,7 +7680,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int VerdictFieldNumber = 2;
     private global::Sweepstake.Protocol.V1.Verdict verdict_ = global::Sweepstake.Protocol.V1.Verdict.Unspecified;
     /// <summary>
-    /// What they say about the scene. Absent: unknown.
+    /// The verdict about the scene. Absent: unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7695,7 +7695,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LeaderArmFieldNumber = 3;
     private uint leaderArm_;
     /// <summary>
-    /// Index of the arm that is the best most probably. Absent: 0, the first arm.
+    /// Index of the leader, the arm that is most probably the best. Absent: 0, the first arm.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7710,7 +7710,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LeaderProbabilityFieldNumber = 4;
     private double leaderProbability_;
     /// <summary>
-    /// Probability that it is. Absent: 0.
+    /// Probability that the leader is the best. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7727,7 +7727,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(42, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> standings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding>();
     /// <summary>
-    /// What each of the arms was measured by, and what follows. Absent: nothing is learnt, or it is not told, as by older daemons.
+    /// The session's measurements of each of the arms, and the conclusions. Absent: nothing is learnt, or the daemon is older.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7953,7 +7953,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What a session has measured of an arm since the daemon has known it, and what follows from it in units that people read.
+  /// A session's measurements of an arm since the daemon has known it, and the conclusions in readable units.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ArmStanding : pb::IMessage<ArmStanding>
@@ -8038,8 +8038,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int EffectiveWindowCountFieldNumber = 3;
     private double effectiveWindowCount_;
     /// <summary>
-    /// The width of the posterior as a number: so many live windows of an arm that does not change would leave it; finite,
-    /// >= 0. What priors and the lane tell is included. Absent: 0.
+    /// The width of the posterior, expressed as the number of live windows of an unchanging arm that would give the same width;
+    /// finite, >= 0. Evidence of priors and of the lane is included. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8069,8 +8069,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int CostRatioFieldNumber = 5;
     private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
     /// <summary>
-    /// Its cost ÷ that of the arm that is the best most probably. Absent: unknown, as where the policy's reward is not of the
-    /// cost alone.
+    /// Its cost ÷ that of the leader. Absent: unknown, or the policy's reward does not depend on the cost alone.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8328,7 +8327,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A ratio of two costs that are not known for certain; finite, 0 &lt;= low &lt;= median &lt;= high.
+  /// A ratio of two uncertain costs; finite, 0 &lt;= low &lt;= median &lt;= high.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class CostRatio : pb::IMessage<CostRatio>
@@ -8381,7 +8380,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MedianFieldNumber = 1;
     private double median_;
     /// <summary>
-    /// It is below as probably as above. Absent: 0.
+    /// The true ratio is below it with a probability of 50 %. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8396,7 +8395,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LowFieldNumber = 2;
     private double low_;
     /// <summary>
-    /// With a probability of 95 % the ratio is not below, and not above high. Absent: 0.
+    /// The true ratio is between low and high with a probability of 95 %. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8411,7 +8410,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int HighFieldNumber = 3;
     private double high_;
     /// <summary>
-    /// Absent: 0.
+    /// The upper bound. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8612,7 +8611,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// The daemon is draining: finish the stream and connect again.
+  /// The daemon is shutting down: finish the stream and connect again.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class Reconnect : pb::IMessage<Reconnect>
@@ -8663,7 +8662,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DelayMsFieldNumber = 2;
     private uint delayMs_;
     /// <summary>
-    /// The min time to wait first; the client adds jitter. Absent: 0.
+    /// The minimum time to wait before connecting; the client adds jitter. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8816,9 +8815,9 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// What an operator wants of the game: that it keeps to an arm (MODE_MANUAL), or that the daemon decides (MODE_AI). The game
-  /// answers with a mode change that names the order, or with an order refusal. What it obeys holds until the next order, the
-  /// game's own change of mode, or a bail-out that the arm is to blame for: then the daemon decides again.
+  /// An operator's order: to use one arm (MODE_MANUAL), or to let the daemon decide (MODE_AI). The game answers with a mode change
+  /// that names the order, or with an order refusal. An executed order holds until the next order, until the game itself changes the
+  /// mode, or until a bail-out for which the arm is to blame; then the daemon decides again.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class OperatorOrder : pb::IMessage<OperatorOrder>
@@ -8873,7 +8872,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int OrderIdFieldNumber = 1;
     private ulong orderId_;
     /// <summary>
-    /// Numbers the orders of a session from 1 on. Absent (0): an error.
+    /// Counts the orders of a session from 1. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8888,7 +8887,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ModeFieldNumber = 2;
     private global::Sweepstake.Protocol.V1.Mode mode_ = global::Sweepstake.Protocol.V1.Mode.Unspecified;
     /// <summary>
-    /// Who is to decide. Absent: an error.
+    /// The mode. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8905,7 +8904,7 @@ namespace Sweepstake.Protocol.V1 {
 
     private uint arm_;
     /// <summary>
-    /// Index of the arm to use, with MODE_MANUAL. Absent: the active one.
+    /// Index of the arm to use with MODE_MANUAL. Absent: the active one.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9119,7 +9118,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A wish to see the boxes of the game's objects from time to time. It ends by itself, unless the next one comes before.
+  /// Requests the boxes of the game's objects at intervals. It expires by itself, unless the next request comes first.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class BoxRequest : pb::IMessage<BoxRequest>
@@ -9172,7 +9171,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int IntervalMsFieldNumber = 1;
     private uint intervalMs_;
     /// <summary>
-    /// Time between two views, 250–2000. Absent (0): no view any more.
+    /// Time between two views, 250–2000. Absent (0): no more views.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9187,7 +9186,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MaxBytesFieldNumber = 2;
     private uint maxBytes_;
     /// <summary>
-    /// Max size of a view's boxes and pairs together, up to 65,536 bytes. Absent (0): no view any more.
+    /// Maximum size of a view's boxes and pairs together, up to 65,536 bytes. Absent (0): no more views.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9202,7 +9201,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UntilMsFieldNumber = 3;
     private uint untilMs_;
     /// <summary>
-    /// How long from its receipt on it holds, 1–10,000. Absent (0): no view any more.
+    /// How long the request is valid after its receipt, 1–10,000. Absent (0): no more views.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9403,7 +9402,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// The boxes of some of a frame's objects, and which of these overlap.
+  /// The boxes of some of a frame's objects, and the overlapping pairs among these.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class BoxView : pb::IMessage<BoxView>
@@ -9489,7 +9488,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int StrideFieldNumber = 3;
     private uint stride_;
     /// <summary>
-    /// The view has each object whose index is a multiple of it. Absent (0): no object.
+    /// The view contains each object whose index is a multiple of the stride. Absent (0): no object.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9506,7 +9505,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForFloat(34);
     private readonly pbc::RepeatedField<float> bounds_ = new pbc::RepeatedField<float>();
     /// <summary>
-    /// What the boxes lie within: the smallest x, y and z, then the largest ones, in world units, finite. Absent: no boxes.
+    /// The common bounds of the boxes: smallest x, y and z, then the largest, in world units, finite. Absent: no boxes.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9518,7 +9517,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BoxesFieldNumber = 5;
     private pb::ByteString boxes_ = pb::ByteString.Empty;
     /// <summary>
-    /// Six little-endian numbers of 16 bits per box: the smallest x, y and z, then the largest ones, 0 to 65535 in the bounds. Absent: no boxes.
+    /// Six little-endian 16-bit numbers per box: smallest x, y and z, then the largest; 0–65535 spans the bounds. Absent: no boxes.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9533,7 +9532,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PairsFieldNumber = 6;
     private pb::ByteString pairs_ = pb::ByteString.Empty;
     /// <summary>
-    /// Two such numbers per pair of overlapping boxes, of which there may be more: their places in boxes, the smaller one first. Absent: none.
+    /// Two such numbers per overlapping pair: the indices of its boxes, the smaller first. Pairs may be left out. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

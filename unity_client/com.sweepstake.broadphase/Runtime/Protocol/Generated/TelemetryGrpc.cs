@@ -9,7 +9,7 @@ using grpc = global::Grpc.Core;
 
 namespace Sweepstake.Protocol.V1 {
   /// <summary>
-  /// Receives what the frames of one running game cost and answers with the broad phase it should use.
+  /// Receives the costs of a running game's frames, and answers with the broad phase to use.
   /// </summary>
   public static partial class TelemetryService
   {
@@ -97,8 +97,8 @@ namespace Sweepstake.Protocol.V1 {
       /// <summary>
       /// One stream is one connection of one session. The first request is Hello; the last one of an orderly end is Goodbye. A stream
       /// that ends without Goodbye is a lost connection: the session can be resumed. Errors: INVALID_ARGUMENT (a message that does not
-      /// parse or breaks a limit), FAILED_PRECONDITION (no Hello first, or a protocol version this daemon does not speak),
-      /// RESOURCE_EXHAUSTED (quota), DEADLINE_EXCEEDED (no Hello within 10 s), UNAVAILABLE (the daemon drains; reconnect).
+      /// parse or exceeds a limit), FAILED_PRECONDITION (no Hello first, or an unsupported protocol version), RESOURCE_EXHAUSTED
+      /// (quota), DEADLINE_EXCEEDED (no Hello within 10 s), UNAVAILABLE (the daemon drains; reconnect).
       /// </summary>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
       /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
@@ -112,8 +112,8 @@ namespace Sweepstake.Protocol.V1 {
       /// <summary>
       /// One stream is one connection of one session. The first request is Hello; the last one of an orderly end is Goodbye. A stream
       /// that ends without Goodbye is a lost connection: the session can be resumed. Errors: INVALID_ARGUMENT (a message that does not
-      /// parse or breaks a limit), FAILED_PRECONDITION (no Hello first, or a protocol version this daemon does not speak),
-      /// RESOURCE_EXHAUSTED (quota), DEADLINE_EXCEEDED (no Hello within 10 s), UNAVAILABLE (the daemon drains; reconnect).
+      /// parse or exceeds a limit), FAILED_PRECONDITION (no Hello first, or an unsupported protocol version), RESOURCE_EXHAUSTED
+      /// (quota), DEADLINE_EXCEEDED (no Hello within 10 s), UNAVAILABLE (the daemon drains; reconnect).
       /// </summary>
       /// <param name="options">The options for the call.</param>
       /// <returns>The call object.</returns>
