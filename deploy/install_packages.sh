@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what the build and the tests need and is missing: with apt on Debian and Ubuntu, elsewhere lists it.
-# Does nothing, and needs no rights, when everything is there. Arguments: packages that are wanted besides; before them
-# --programs leaves out what only tests need.
+# Installs missing packages of the build and the tests: with apt on Debian and Ubuntu; on other systems it lists them. If nothing
+# is missing, it does nothing and needs no rights. Arguments: additional packages. The option --programs before them leaves out
+# packages that only tests need.
 set -euo pipefail
 case ${1:-} in
   -h | --help)
@@ -17,7 +17,7 @@ packages=(
   libboost-dev libsystemd-dev libpq-dev prometheus-cpp-dev
 )
 tools=(c++ cmake ninja git protoc grpc_cpp_plugin npm)
-# A Node.js that did not come from a package serves as well.
+# A Node.js that was not installed from a package works too.
 command -v npm >/dev/null || packages+=(nodejs npm)
 if [ "${1:-}" = --programs ]; then
   shift
@@ -37,7 +37,7 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     printf '  %s\n' "${packages[@]}"
     ((${#missing_tools[@]} == 0)) || echo "Programs not found: ${missing_tools[*]}"
   } >&2
-  # The libraries cannot be checked from here; CMake names the one that is missing.
+  # The libraries cannot be checked here; CMake names a missing one.
   ((${#missing_tools[@]} == 0)) || exit 1
   exit 0
 fi
@@ -51,7 +51,7 @@ done
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null || {
-    echo "Missing packages: ${missing[*]}. Not root and no sudo here: ask an administrator to run" >&2
+    echo "Missing packages: ${missing[*]}. This user is not root, and there is no sudo: ask an administrator to run" >&2
     echo "  apt-get install --no-install-recommends ${missing[*]}" >&2
     exit 1
   }
@@ -59,10 +59,10 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 echo "Installing ${#missing[@]} packages: ${missing[*]}" >&2
 apt() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o Acquire::Retries=5 "$@" >&2; }
-# An archive in the middle of an update answers with lists that do not fit each other, or without a package of its own lists.
+# While an archive is being updated, its lists may be inconsistent, or may name packages that do not exist yet.
 for wait_s in 10 30 end; do
   apt update && apt install -y --no-install-recommends "${missing[@]}" && break
   [ "$wait_s" != end ] || exit 1
-  echo "Once more in $wait_s s." >&2
+  echo "Trying again in $wait_s s." >&2
   sleep "$wait_s"
 done

@@ -1,15 +1,15 @@
-# Sourced by scripts that download packages which this machine's package manager is to know nothing of: apt-get with sources,
-# lists and a cache of its own.
+# Sourced by scripts that download packages without changing the machine's package manager: apt-get with its own sources, lists
+# and cache.
 
-# "URI SUITE COMPONENT" of the archive this machine has Highway from, or would have it from: the lists of packages may have
-# been deleted to save space, the configuration of apt remains.
+# Prints "URI SUITE COMPONENT" of the archive that provides Highway on this machine. If the package lists were deleted to save
+# space, apt's configuration still names the archive.
 archive_of_highway() {
   local found
   found=$(apt-cache policy libhwy-dev | awk '$1 ~ /^[0-9]+$/ && $2 ~ /:\// { sub("/", " ", $3); print $2, $3; exit }')
   [[ -n $found ]] || found=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
     awk -v suite="$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" '$2 == suite && $3 ~ /^(main|universe)/ { print; exit }')
   [[ -n $found ]] || {
-    echo "apt has no archive of this release in its sources (/etc/apt), so there is none to take the libraries from." >&2
+    echo "apt has no archive of this release in its sources (/etc/apt): add one to download the libraries." >&2
     return 1
   }
   echo "$found"
@@ -25,7 +25,7 @@ private_apt() {
     -o Dir::State::Status=/dev/null -o Dir::Cache="$state/cache" "$@"
 }
 
-# start_private_apt STATE KIND...: makes the folder, with the lists of the archive's kinds, deb and deb-src.
+# start_private_apt STATE KIND...: creates the folder and downloads the archive's lists of these kinds (deb, deb-src).
 start_private_apt() {
   local state=$1 keys=/usr/share/keyrings/debian-archive-keyring.gpg archive
   shift

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# From a fresh clone to learnt posteriors: installs what is missing, builds, starts the daemon with its dashboard, runs the Hurricane
-# scene with 3,000 objects in AI mode over the real gRPC stream, prints switches and posteriors as they happen, and stops
-# everything it started. Run it again: it starts from the priors of the run before.
+# From a fresh clone to learnt posteriors: installs missing packages, builds, and starts the daemon with its dashboard. It runs the
+# Hurricane scene with 3,000 objects in AI mode over the real gRPC stream, prints switches and posteriors as they happen, and stops
+# everything it started. A second run starts from the priors of the first.
 #
-#   deploy/quickstart.sh              about a minute after the build
-#   deploy/quickstart.sh --fresh      forgets the priors of earlier runs first
+#   deploy/quickstart.sh              takes about a minute after the build
+#   deploy/quickstart.sh --fresh      first deletes the priors of earlier runs
 #   deploy/quickstart.sh --stay       a demo for the dashboard: plays seven scenes, one of them in two builds and on two classes of
 #                                     machines, until Ctrl-C; prints the page's address
-#   deploy/quickstart.sh --bin DIR    takes sweepstaked and sweepstake from there and builds nothing
-#   deploy/quickstart.sh --data DIR   keeps priors, logs and the file of ports there; otherwise in build/quickstart/data
+#   deploy/quickstart.sh --bin DIR    uses sweepstaked and sweepstake of this folder and builds nothing
+#   deploy/quickstart.sh --data DIR   keeps priors, logs and the file of ports there; default: build/quickstart/data
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -53,7 +53,7 @@ rm -f "$port_file"
 daemon=
 games=()
 
-# The games first, so that each says goodbye to the daemon.
+# Stops the games first, so that each sends its goodbye to the daemon.
 stop_all() {
   local status=0
   ((${#games[@]} == 0)) || kill -TERM "${games[@]}" 2>/dev/null || true
@@ -74,7 +74,7 @@ daemon=$!
 until [ -s "$port_file" ]; do
   kill -0 "$daemon" 2>/dev/null || {
     daemon=
-    echo "The daemon did not start. Its last words:" >&2
+    echo "The daemon did not start. The end of its log:" >&2
     tail -n 5 "$data/daemon.log" >&2
     exit 1
   }
@@ -83,7 +83,7 @@ done
 address=127.0.0.1:$(sed -n 1p "$port_file")
 echo "== the dashboard: http://127.0.0.1:$(sed -n 2p "$port_file")/ =="
 
-# A time scale of 8 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that the whole shows in 50 s.
+# A time scale of 8 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that 50 s show the complete process.
 play() {
   exec "$bin/sweepstake" run --daemon "$address" --project "$1" --scene "$2" --objects "$3" --seed 1 --mode ai --time-scale 8 "${@:4}"
 }
@@ -96,7 +96,7 @@ if [ -z "$stay" ]; then
 fi
 
 trap 'exit 0' INT TERM
-# What the page offers for download: the five seconds before a frame over 25 ms.
+# Recordings for download in the dashboard: the five seconds before a frame over 25 ms.
 flights=$data/flights
 mkdir -p "$flights"
 rm -f "$flights"/*.aabbs
@@ -118,6 +118,6 @@ SCENES
 echo "== ${#games[@]} games play (log in $data/games.log) until Ctrl-C =="
 wait "$daemon" || true
 daemon=
-echo "The daemon has ended. Its last words:" >&2
+echo "The daemon has ended. The end of its log:" >&2
 tail -n 5 "$data/daemon.log" >&2
 exit 1

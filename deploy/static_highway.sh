@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds Highway as the static library libhwy.a, which Debian and Ubuntu do not ship and which the archive and the plug-in of the
-# C ABI bring along. Does nothing if it is there.
+# Builds Highway as the static library libhwy.a, which the archive and the plug-in of the C ABI contain. Debian and Ubuntu do not
+# ship it. Does nothing if the library exists.
 #
 #   deploy/static_highway.sh                    build/highway/libhwy.a, where CMake looks, from the source of apt's package
 #   deploy/static_highway.sh FOLDER [SOURCE]    FOLDER/libhwy.a, from a source at hand of the version that is installed
 #
-# CMake finds it elsewhere by -DSWEEPSTAKE_STATIC_HIGHWAY=FOLDER/libhwy.a. The source stays in FOLDER/source.
+# For another place, pass -DSWEEPSTAKE_STATIC_HIGHWAY=FOLDER/libhwy.a to CMake. The source stays in FOLDER/source.
 set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # shellcheck source=deploy/private_apt.sh
@@ -40,7 +40,7 @@ log=$folder/log.txt
 source=${2:-$folder/source}
 { [[ -n ${2:-} ]] || download_source; } >"$log" 2>&1 && build "$source" >>"$log" 2>&1 || {
   tail -n 20 "$log" >&2
-  echo "Could not build a static Highway (all of it: $log). Name the folder of its source: $0 FOLDER SOURCE" >&2
+  echo "Could not build a static Highway (full log: $log). Pass the folder of its source: $0 FOLDER SOURCE" >&2
   exit 1
 }
 mv "$folder/build/libhwy.a" "$folder/"

@@ -8,7 +8,7 @@ from conan.tools.build import check_min_cppstd, stdcpp_library
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
 from conan.tools.files import collect_libs, copy, load, rmdir
 
-# What each static library of the package stands on, as its CMake target does.
+# The dependencies of each static library of the package: the same as those of its CMake target.
 LIBRARIES = {
     "math": [],
     "text": [],
@@ -108,20 +108,20 @@ class SweepstakeConan(ConanFile):
     def package(self):
         copy(self, "LICENSE", src=self.source_folder, dst=os.path.join(self.package_folder, "licenses"))
         CMake(self).install()
-        # Conan makes its own from package_info.
+        # Conan generates its own files from package_info.
         rmdir(self, os.path.join(self.package_folder, "lib", "cmake"))
         rmdir(self, os.path.join(self.package_folder, "lib", "pkgconfig"))
 
     def package_info(self):
         self.cpp_info.components["c"].libs = ["sweepstake"]
-        # The archive, which CMake leaves out where Highway is shared.
+        # The archive exists only if Highway is static.
         if "sweepstake_static" in collect_libs(self):
             archive = self.cpp_info.components["c_static"]
             archive.libs = ["sweepstake_static"]
             archive.defines = ["SWP_STATIC"]
             if self.settings.os == "Linux":
                 archive.system_libs = ["m", "pthread"]
-            # A C compiler links it too.
+            # A C compiler may link the archive.
             if runtime := stdcpp_library(self):
                 archive.system_libs.append(runtime)
         libraries = dict(LIBRARIES)
@@ -133,7 +133,7 @@ class SweepstakeConan(ConanFile):
             component.requires = requires
             if self.settings.os == "Linux":
                 component.system_libs = ["m", "pthread"]
-        # Headers and sources alone: they are compiled into the libraries.
+        # Header-only and source dependencies, which are compiled into the libraries.
         self.cpp_info.components["built_with"].requires = [
             "eigen::eigen", "nlohmann_json::nlohmann_json", "protozero::protozero"]
         if self.options.get_safe("daemon"):

@@ -1,7 +1,7 @@
-# An overlay port: it builds the tree that it is part of.
+# An overlay port, which builds the tree that contains it.
 get_filename_component(SOURCE_PATH "${CMAKE_CURRENT_LIST_DIR}/../../../.." ABSOLUTE)
 
-# The C ABI is a shared library whatever the triplet says, and an archive where Highway is static.
+# The C ABI is always built as a shared library, and also as an archive if Highway is static.
 set(VCPKG_POLICY_DLLS_IN_STATIC_LIBRARY enabled)
 
 vcpkg_check_features(OUT_FEATURE_OPTIONS feature_options
