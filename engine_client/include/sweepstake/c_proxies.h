@@ -174,8 +174,8 @@ SWP_API swp_result swp_proxies_handle(const swp_proxies* proxies, uint32_t id, s
 SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* moving_count,
                                       uint32_t* static_count, uint64_t* native_bytes);
 
-/* The boxes to give to a world or a session, valid until the next change of the set: an add, a
- * removal, other boxes, filters or flags, a shift, compact or restore. A free place holds an
+/* The boxes to give to a world or a session, valid until the next change of the set. Changes are
+ * adds, removals, new boxes, filters or flags, a shift, compact and restore. A free place holds an
  * invalid box, which overlaps nothing. */
 SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                             uint32_t* count);

@@ -167,8 +167,8 @@ struct SwitchOutcome {
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
   // Set if the switch ends a trial that was too expensive; 0 for any other switch. The detection
-  // time is that of the shorter of two frames over the limit, or at most the mean one if the budget
-  // was exceeded. trial_arm is the arm that was tried.
+  // time is that of the shorter of the two frames over the limit. If the budget was exceeded, it is
+  // at most the mean one. trial_arm is the arm that was tried.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

@@ -1,5 +1,5 @@
-// The common base of the session with a daemon and the embedded session: the queue that the frame
-// thread fills, the sender thread that empties it, start and stop, and the statistics.
+// The common base of the session with a daemon and the embedded session. It has the queue that the
+// frame thread fills, the sender thread that empties it, start and stop, and the statistics.
 //
 // Thread safety: OnModeChange and the sink belong to the frame thread, Prepare and Step to the
 // sender; Start, Stop and stats may be called on any thread.
