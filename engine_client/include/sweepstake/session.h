@@ -100,7 +100,7 @@ struct ClientToken {
 };
 
 // Keeps the latest five seconds in memory and writes them to a file after a frame that took too
-// long: the boxes, the measurements of all frames, and the decisions. `sweepstake replay
+// long: the boxes, the measurements of all frames, and the decisions. `sweepstake-lab replay
 // --recording` replays the file on any machine. At most one file in 30 s of frame time, none in the
 // first second; the newest 8 files of a session are kept. Cost: README.md, Flight recorder.
 struct FlightRecorderOptions {
