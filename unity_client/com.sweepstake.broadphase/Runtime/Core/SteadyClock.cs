@@ -3,7 +3,9 @@ using System.Diagnostics;
 
 namespace Sweepstake
 {
-    /// <summary>The clock of all times that a session, a decider and a link are told: steady, of any origin. It allocates nothing.</summary>
+    /// <summary>
+    /// The clock of all times passed to a session, a decider or a link: monotonic, with an arbitrary origin. It allocates nothing.
+    /// </summary>
     public static class SteadyClock
     {
         private const ulong NsPerSecond = 1_000_000_000;

@@ -3,21 +3,21 @@ using System;
 
 namespace Sweepstake
 {
-    /// <summary>How a native call ended.</summary>
+    /// <summary>The result of a native call.</summary>
     public enum ResultCode
     {
         Ok = 0,
-        /// <summary>A value of the caller is wrong.</summary>
+        /// <summary>An argument is wrong.</summary>
         InvalidArgument = 1,
-        /// <summary>No such file, name or proxy.</summary>
+        /// <summary>The file, name or proxy does not exist.</summary>
         NotFound = 2,
-        /// <summary>A file exists and its content is broken.</summary>
+        /// <summary>A file exists, but its content is broken.</summary>
         DataLoss = 3,
-        /// <summary>Could not reach something; trying again may help.</summary>
+        /// <summary>Something could not be reached; trying again may help.</summary>
         Unavailable = 4,
-        /// <summary>A buffer is too small, a bound was hit, or memory is out.</summary>
+        /// <summary>A buffer is too small, a limit was reached, or memory is exhausted.</summary>
         ResourceExhausted = 5,
-        /// <summary>Calls in the wrong order.</summary>
+        /// <summary>Functions were called in the wrong order.</summary>
         FailedPrecondition = 6,
         /// <summary>A bug of the library.</summary>
         Internal = 7,
@@ -35,7 +35,7 @@ namespace Sweepstake
         public ResultCode Code { get; }
     }
 
-    /// <summary>The native library is missing, of another ABI, or not made for this platform.</summary>
+    /// <summary>The native library is missing, has another ABI, or was built for another platform.</summary>
     public sealed class NativeLibraryException : SweepstakeException
     {
         public NativeLibraryException(string problem, string remedy, Exception? inner = null)

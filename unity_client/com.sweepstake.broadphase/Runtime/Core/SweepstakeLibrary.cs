@@ -17,12 +17,12 @@ namespace Sweepstake
     }
 
     /// <summary>
-    /// The native library: whether it is there and fits, what it holds, and its end. Any thread may call any of this at any time, but Shutdown.
+    /// The native library: whether it is present and matches, its contents, and its shutdown. Thread-safe, except for Shutdown.
     /// </summary>
     public static unsafe class SweepstakeLibrary
     {
         private const string Install =
-            "Put the plug-in of this package's version into Runtime/Plugins, or Assets/Plugins (Documentation~/native-library.md says how it is built).";
+            "Put the plug-in of this package's version into Runtime/Plugins or Assets/Plugins (Documentation~/native-library.md describes how to build it).";
 
 #if UNITY_WEBGL && !UNITY_EDITOR
         private const bool IsWebGL = true;
@@ -34,8 +34,8 @@ namespace Sweepstake
         private static IReadOnlyList<string>? backends;
         private static IReadOnlyList<string>? scenes;
 
-        /// <summary>The version of the library, for people.</summary>
-        /// <exception cref="NativeLibraryException">The library does not fit.</exception>
+        /// <summary>The version of the library, for display.</summary>
+        /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
         public static Version Version
         {
             get
@@ -47,8 +47,8 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The backends by name, in the order of the library; brute force, the oracle, is one of them.</summary>
-        /// <exception cref="NativeLibraryException">The library does not fit.</exception>
+        /// <summary>The names of the backends in the order of the library, including BruteForce, the reference for tests.</summary>
+        /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
         public static IReadOnlyList<string> Backends
         {
             get
@@ -58,8 +58,10 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The scenes by name: the five scenarios first, then the reference suite, changing and degenerate ones.</summary>
-        /// <exception cref="NativeLibraryException">The library does not fit.</exception>
+        /// <summary>
+        /// The names of the scenes: first the five scenarios, then the reference suite, then changing and degenerate scenes.
+        /// </summary>
+        /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
         public static IReadOnlyList<string> Scenes
         {
             get
@@ -70,9 +72,11 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// Loads the library and compares its ABI and each struct, field by field, with this assembly; once, then it costs nothing.
+        /// Loads the library and compares its ABI and each struct, field by field, with this assembly. Later calls cost nothing.
         /// </summary>
-        /// <exception cref="NativeLibraryException">It is missing, of another ABI, or there is none for this platform.</exception>
+        /// <exception cref="NativeLibraryException">
+        /// The library is missing, has another ABI, or does not exist for this platform.
+        /// </exception>
         public static void EnsureLoaded()
         {
             NativeLibraryException? problem = FindProblem();
@@ -80,7 +84,7 @@ namespace Sweepstake
                 throw problem;
         }
 
-        /// <summary>As <see cref="EnsureLoaded"/>, for user interfaces: null if all is well.</summary>
+        /// <summary>Like <see cref="EnsureLoaded"/>, for user interfaces: returns the problem, or null if there is none.</summary>
         public static NativeLibraryException? FindProblem()
         {
             if (isChecked)
@@ -106,7 +110,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Null where there can be a library, if not here.</summary>
+        /// <summary>Null if a native library may exist for the platform.</summary>
         internal static NativeLibraryException? FindPlatformProblem(bool isWebGL, int pointerBytes)
         {
             if (isWebGL)
@@ -116,7 +120,7 @@ namespace Sweepstake
                 : new NativeLibraryException("Sweepstake needs a 64-bit process.", "Choose a 64-bit architecture in the player's settings.");
         }
 
-        /// <summary>How many native objects of a kind live in the process.</summary>
+        /// <summary>The number of live native objects of a kind in this process.</summary>
         public static int LiveCount(ObjectKind kind = ObjectKind.Any)
         {
             EnsureLoaded();
@@ -124,12 +128,12 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// Ends all connections and deciders, then every native object of the process with its threads and memory, in about the given time
-        /// at most: before a domain reload, at the end of play mode and of the game. No frame, job or query may be under way. What is made
-        /// afterwards lives; wrappers that are left over throw. May be called more than once, where there is no library that fits, and first
-        /// of all in a new domain: what the former one has left behind ends, too.
+        /// Ends all connections and deciders, then frees every native object of the process with its threads and memory, within about the given
+        /// time. Call it before a domain reload, at the end of play mode and at the end of the game. No frame, job or query may be running.
+        /// Objects created afterwards work; older wrappers throw. It may be called repeatedly, without a matching library, and as the first call
+        /// in a new domain: then it also frees what the former domain left.
         /// </summary>
-        /// <returns>Whether all has ended; false: some call had not returned in time, and a later Shutdown goes on.</returns>
+        /// <returns>True if everything has ended. False: a call did not return in time, and a later Shutdown continues.</returns>
         public static bool Shutdown(int timeoutMs = SessionWork.DisposeTimeoutMs)
         {
             ulong endNs = SteadyClock.NowNs + (ulong)Math.Max(0, timeoutMs) * 1_000_000;

@@ -3,7 +3,7 @@ using System;
 
 namespace Sweepstake
 {
-    /// <summary>How a connection stood at one moment; it never changes, so that any thread may keep it.</summary>
+    /// <summary>The state of a connection at one moment. It is immutable, so any thread may keep it.</summary>
     public sealed class ConnectionStatus
     {
         internal static readonly ConnectionStatus Initial = new ConnectionStatus(default, new ConnectionTexts(), default);
@@ -19,14 +19,14 @@ namespace Sweepstake
         public LinkStats Stats { get; }
         /// <summary>What went wrong most recently and what to do; "": nothing.</summary>
         public string LastError => Texts.LastError;
-        /// <summary>Why the daemon refused the token, the names or the protocol of the latest attempt; "": it did not.</summary>
+        /// <summary>Why the daemon refused the latest attempt (its token, names or protocol); "" if it did not refuse.</summary>
         public string Refusal => Texts.Refusal;
-        /// <summary>"" before the first welcome, as the next two.</summary>
+        /// <summary>Like the next two properties, "" before the daemon's first welcome message.</summary>
         public string SessionId => Texts.SessionId;
         public string DaemonVersion => Texts.DaemonVersion;
-        /// <summary>The policy that decides.</summary>
+        /// <summary>The name of the policy that decides.</summary>
         public string Policy => Texts.Policy;
-        /// <summary>The daemon's latest posteriors in the order of arms; empty before the first.</summary>
+        /// <summary>The daemon's latest posteriors in the order of arms; empty until the first arrive.</summary>
         public ReadOnlyMemory<Belief> Beliefs { get; }
 
         internal ConnectionTexts Texts { get; }

@@ -7,9 +7,9 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// Connects a session to a daemon: moves the bytes of the native link over a transport on a thread of its own. Batches, sending again,
-    /// back-off, resuming and the orders to the frame path are the link's. The frame thread never meets it: without a daemon, with a slow or
-    /// a killed one, the game plays on, and it connects again by itself. Make and dispose of it while no frame runs.
+    /// Connects a session to a daemon: a separate thread moves the bytes of the native link over a transport. The native link handles batches,
+    /// resending, back-off, resuming and the commands for the frame path. The frame thread never waits for the connection. If the daemon is
+    /// absent, slow or killed, the game continues, and the connection is made again automatically. Create and dispose of it while no frame runs.
     /// </summary>
     public sealed unsafe class DaemonConnection : SessionWork
     {
@@ -29,15 +29,15 @@ namespace Sweepstake
         private volatile ConnectionStatus status = ConnectionStatus.Initial;
 
         /// <param name="transport">Disposed of when the connection has ended.</param>
-        /// <param name="options">Null: the defaults.</param>
-        /// <exception cref="SweepstakeException">The session has a decider or a connection, or a value is out of its range.</exception>
+        /// <param name="options">Null for the defaults.</param>
+        /// <exception cref="SweepstakeException">The session already has a decider or a connection, or a value is out of range.</exception>
         public DaemonConnection(BroadPhaseSession session, ITelemetryTransport transport, LinkOptions? options = null)
             : base(session)
         {
             this.transport = transport ?? throw new ArgumentNullException(nameof(transport));
             wakeAfter = task =>
             {
-                // A write that failed is seen by the read that ends.
+                // Mark a failed write as observed; the read that ends the stream reports the failure.
                 _ = task.Exception;
                 Wake();
             };
@@ -53,7 +53,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The latest status, which is another object whenever something has changed. Any thread; a game may read it each frame.
+        /// The latest status; a new object whenever something has changed. Callable from any thread and cheap enough for each frame.
         /// </summary>
         public ConnectionStatus Status => status;
 
@@ -74,7 +74,7 @@ namespace Sweepstake
 
         private protected override void BeginNativeStop(ulong endNs)
         {
-            // The stream is cancelled at the deadline, and the thread has a fifth of the time to see it.
+            // Cancel the stream after 4/5 of the remaining time, so that the thread has 1/5 to end.
             ulong nowNs = SteadyClock.NowNs;
             NativeMethods.swp_link_goodbye(link, nowNs + (endNs > nowNs ? (endNs - nowNs) / 5 * 4 : 0));
         }
@@ -86,7 +86,7 @@ namespace Sweepstake
             status = LinkMirror.Closed(status);
         }
 
-        /// <summary>Passes the time until the next stream; false: there is none.</summary>
+        /// <summary>Waits until the next stream is due; false if there will not be another stream.</summary>
         private bool WaitForStream(uint delayMs)
         {
             ulong dueNs = delayMs == Never ? 0 : SteadyClock.NowNs + delayMs * 1_000_000UL;
@@ -102,7 +102,7 @@ namespace Sweepstake
 
         private bool IsOver(LinkAction action) => action == LinkAction.Cancel || status.State == LinkState.Closed;
 
-        /// <summary>Opens a stream and serves it to its end; returns the delay before the next one.</summary>
+        /// <summary>Opens a stream and serves it until it ends; returns the delay before the next stream in milliseconds.</summary>
         private uint ServeStream()
         {
             ITelemetryStream stream;
@@ -165,7 +165,7 @@ namespace Sweepstake
 
         private static byte[]? ResultOf(Task<byte[]?> read) => read.IsCompletedSuccessfully ? read.Result : null;
 
-        /// <exception cref="BrokenStreamException">The stream throws, instead of failing in a task.</exception>
+        /// <exception cref="BrokenStreamException">The stream threw an exception instead of returning a failed task.</exception>
         private TTask Begun<TTask>(ITelemetryStream stream, Func<ITelemetryStream, ArraySegment<byte>, TTask> call, ArraySegment<byte> message = default)
             where TTask : Task
         {
@@ -183,7 +183,7 @@ namespace Sweepstake
             return task;
         }
 
-        /// <summary>What to do; with Send the message is in the buffer. Cancel once this is closed.</summary>
+        /// <summary>The link's next action; for Send, the message is in the buffer. Cancel once this object is closed.</summary>
         private LinkAction NextAction(bool canWrite, out int size)
         {
             lock (Gate)
@@ -245,7 +245,7 @@ namespace Sweepstake
                 ResultCode result;
                 fixed (byte* start = message)
                     result = NativeMethods.swp_link_on_message(link, start, (ulong)message.Length, SteadyClock.NowNs);
-                // What is no message ends the stream by the next action.
+                // After a message that cannot be parsed, the link's next action ends the stream.
                 if (result != ResultCode.DataLoss)
                     Native.Check(result);
                 Publish(true);

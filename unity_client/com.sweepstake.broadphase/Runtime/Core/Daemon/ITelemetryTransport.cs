@@ -4,36 +4,38 @@ using System.Threading.Tasks;
 
 namespace Sweepstake
 {
-    /// <summary>Carries the bytes of sessions to a daemon; knows nothing of what they mean. Used by one thread at a time.</summary>
+    /// <summary>Transports the bytes of sessions to a daemon without interpreting them. Used by one thread at a time.</summary>
     public interface ITelemetryTransport : IDisposable
     {
         /// <summary>
-        /// Begins a call of sweepstake.v1.TelemetryService/StreamTelemetry without waiting for the network. What cannot even begin, such as
-        /// a token file that is not there, throws with a message that says what to do; it is tried again once in a while.
+        /// Starts a call of sweepstake.v1.TelemetryService/StreamTelemetry without waiting for the network. If the call cannot be started, for
+        /// example because a token file is missing, it throws an exception whose message says what to do. The connection tries again later.
         /// </summary>
         ITelemetryStream Open();
     }
 
     /// <summary>
-    /// One stream. Its tasks may end on any thread. A call that throws ends it, and it is tried again. Dispose ends it at once, whatever is under
-    /// way, and does not wait.
+    /// One stream. Its tasks may complete on any thread. A call that throws ends the stream, and the connection tries again. Dispose ends
+    /// the stream at once, even during a call, and does not wait.
     /// </summary>
     public interface ITelemetryStream : IDisposable
     {
-        /// <summary>Writes a message, whose bytes stay as they are until the task ends. One write at a time.</summary>
+        /// <summary>Writes a message. The caller does not change its bytes until the task ends. One write at a time.</summary>
         Task WriteAsync(ArraySegment<byte> message);
 
-        /// <summary>There are no more messages to write. After the last write.</summary>
+        /// <summary>Ends the writing side. Called after the last write.</summary>
         Task FinishAsync();
 
-        /// <summary>The next message; null once the stream has ended, whyever, and <see cref="End"/> says how. One read at a time.</summary>
+        /// <summary>
+        /// Reads the next message; null after the stream has ended for any reason, see <see cref="End"/>. One read at a time.
+        /// </summary>
         Task<byte[]?> ReadAsync();
 
-        /// <summary>How it ended.</summary>
+        /// <summary>The status with which the stream ended.</summary>
         StreamEnd End { get; }
     }
 
-    /// <summary>A status of gRPC.</summary>
+    /// <summary>The gRPC status of a stream that has ended.</summary>
     public readonly struct StreamEnd
     {
         public const uint Cancelled = 1;
@@ -49,7 +51,7 @@ namespace Sweepstake
 
         public uint Code { get; }
         public string Message { get; }
-        /// <summary>The trailer grpc-status-details-bin; null: there was none.</summary>
+        /// <summary>The trailer grpc-status-details-bin; null if there was none.</summary>
         public byte[]? Details { get; }
     }
 }

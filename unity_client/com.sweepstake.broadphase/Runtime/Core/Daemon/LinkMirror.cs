@@ -5,13 +5,13 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
-    /// <summary>Makes a status of what a native link says; a new one only where something has changed.</summary>
+    /// <summary>Copies the state of a native link into a status; returns the former object if nothing has changed.</summary>
     internal sealed unsafe class LinkMirror
     {
         private readonly byte[] text = new byte[4096];
         private readonly Belief[] beliefs = new Belief[32];
 
-        /// <param name="hasNews">Texts and beliefs may have changed as well: a stream began or ended, or a message came.</param>
+        /// <param name="hasNews">True if texts and beliefs may have changed too: a stream began or ended, or a message arrived.</param>
         internal ConnectionStatus Read(IntPtr link, ConnectionStatus before, bool hasNews)
         {
             var stats = new LinkStats { StructSize = (uint)sizeof(LinkStats) };

@@ -3,12 +3,12 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
-    /// <summary>How an <see cref="EmbeddedDecider"/> decides; a new one holds the library's defaults.</summary>
+    /// <summary>How an <see cref="EmbeddedDecider"/> decides; a new object holds the library's defaults.</summary>
     public sealed unsafe class DeciderOptions
     {
         private NativeDeciderOptions native;
 
-        /// <exception cref="NativeLibraryException">The library does not fit.</exception>
+        /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
         public DeciderOptions()
         {
             SweepstakeLibrary.EnsureLoaded();
@@ -17,34 +17,38 @@ namespace Sweepstake
                 Native.Check(NativeMethods.swp_decider_options_init(options));
         }
 
-        /// <summary>Null: the default.</summary>
+        /// <summary>Name of the policy; null for the default.</summary>
         public string? Policy { get; set; }
-        /// <summary>Null: "default".</summary>
+        /// <summary>Null for "default".</summary>
         public string? Project { get; set; }
-        /// <summary>Null: "default".</summary>
+        /// <summary>Null for "default".</summary>
         public string? Scene { get; set; }
-        /// <summary>Null: processor, threads, instruction set and memory.</summary>
+        /// <summary>
+        /// Class of machines whose timings are comparable. Null: derived from processor, threads, instruction set and memory.
+        /// </summary>
         public string? MachineClass { get; set; }
-        /// <summary>Of the game; priors of other builds count less. Null: unknown.</summary>
+        /// <summary>Build of the game; priors of other builds have less weight. Null if unknown.</summary>
         public string? Build { get; set; }
         /// <summary>
-        /// Under what name <see cref="EmbeddedDecider.ExportPriors"/> gives what is learnt. A game that keeps a name per installation has
-        /// records that grow from run to run; one that loses its save needs a new name too. Null: a new one each time.
+        /// The source name under which <see cref="EmbeddedDecider.ExportPriors"/> exports what was learnt. With one name per installation, records
+        /// grow from run to run. A game that loses its save data needs a new name too. Null: a new name each time.
         /// </summary>
         public string? SourceId { get; set; }
-        /// <summary>The path of priors to start from. With <see cref="PriorsData"/> both are united; without: Beta(1,1).</summary>
+        /// <summary>
+        /// Path of the priors to start from; merged with <see cref="PriorsData"/> if both are set. With neither: Beta(1,1).
+        /// </summary>
         public string? PriorsFile { get; set; }
-        /// <summary>Priors as <see cref="EmbeddedDecider.ExportPriors"/> and `sweepstake priors export` write them.</summary>
+        /// <summary>Priors in the format that <see cref="EmbeddedDecider.ExportPriors"/> and `sweepstake priors export` write.</summary>
         public byte[]? PriorsData { get; set; }
-        /// <summary>Of all draws: the same seed and the same measurements give the same decisions.</summary>
+        /// <summary>Seed of all random draws: the same seed and the same measurements give the same decisions.</summary>
         public ulong Seed { get => native.Seed; set => native.Seed = value; }
-        /// <summary>1 to 1000: every interval but the bail-out limit is divided by it.</summary>
+        /// <summary>1 to 1000: divides every interval except the bail-out limit.</summary>
         public double TimeScale { get => native.TimeScale; set => native.TimeScale = value; }
-        /// <summary>From one decision to the next, in nanoseconds.</summary>
+        /// <summary>Interval between decisions in nanoseconds.</summary>
         public ulong DecisionIntervalNs { get => native.DecisionIntervalNs; set => native.DecisionIntervalNs = value; }
-        /// <summary>Between switches that the policy chooses, in nanoseconds.</summary>
+        /// <summary>Minimum interval between switches that the policy chooses, in nanoseconds.</summary>
         public ulong CooldownNs { get => native.CooldownNs; set => native.CooldownNs = value; }
-        /// <summary><see cref="VerdictKind.Degraded"/> if the best arm has fewer frames/s, 0 to 1000.</summary>
+        /// <summary>Frames per second below which even the best arm is <see cref="VerdictKind.Degraded"/>, 0 to 1000.</summary>
         public double FpsFloor { get => native.FpsFloor; set => native.FpsFloor = value; }
 
         internal NativeDeciderOptions With(CallMemory memory)

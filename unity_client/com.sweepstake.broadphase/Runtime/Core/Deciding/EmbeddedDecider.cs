@@ -4,7 +4,7 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
-    /// <summary>What an <see cref="EmbeddedDecider"/> knew at one moment; it never changes, so that any thread may keep it.</summary>
+    /// <summary>The state of an <see cref="EmbeddedDecider"/> at one moment. It is immutable, so any thread may keep it.</summary>
     public sealed class DeciderStatus
     {
         internal DeciderStatus(ulong decisionCount, ulong priorSourceCount, ReadOnlyMemory<Belief> beliefs)
@@ -14,27 +14,28 @@ namespace Sweepstake
             Beliefs = beliefs;
         }
 
-        /// <summary>Since it was made.</summary>
+        /// <summary>Number of decisions since the decider was created.</summary>
         public ulong DecisionCount { get; }
-        /// <summary>Sources in the priors it started from; 0: Beta(1,1).</summary>
+        /// <summary>Number of sources in the loaded priors; 0: it started from Beta(1,1).</summary>
         public ulong PriorSourceCount { get; }
         /// <summary>The posteriors in the order of arms.</summary>
         public ReadOnlyMemory<Belief> Beliefs { get; }
     }
 
     /// <summary>
-    /// "AI Decides" without a daemon: decides in this process, on a thread of its own that polls every 100 ms, or where the game polls.
-    /// Nothing leaves the machine. Make and dispose of it while no frame runs.
+    /// "AI Decides" without a daemon: decides in this process, on its own thread that polls every 100 ms, or in the game's calls of
+    /// <see cref="Poll"/>. Nothing leaves the machine. Create and dispose of it while no frame runs.
     /// </summary>
     public sealed unsafe class EmbeddedDecider : SessionWork
     {
         private const int PollIntervalMs = 100;
         private volatile DeciderStatus status = new DeciderStatus(0, 0, default);
 
-        /// <param name="options">Null: the defaults.</param>
-        /// <param name="ownThread">False: the game calls <see cref="Poll"/> every 250 ms or more often, from wherever it has time.</param>
+        /// <param name="options">Null for the defaults.</param>
+        /// <param name="ownThread">False: the game calls <see cref="Poll"/> from any thread, every 250 ms or more often.</param>
         /// <exception cref="SweepstakeException">
-        /// The session has a decider or a connection; a value is out of its range; the priors are missing or broken, which names the record.
+        /// The session already has a decider or a connection, a value is out of range, or the priors are missing or broken. The message names a
+        /// broken record.
         /// </exception>
         public EmbeddedDecider(BroadPhaseSession session, DeciderOptions? options = null, bool ownThread = true)
             : base(session)
@@ -48,14 +49,16 @@ namespace Sweepstake
             Start(ownThread ? "sweepstake decider" : null);
         }
 
-        /// <summary>What it knew after its latest decision: another object with each. Any thread; a game may read it each frame.</summary>
+        /// <summary>
+        /// The state after the latest decision; a new object with each decision. Callable from any thread and in each frame.
+        /// </summary>
         public DeciderStatus Status => status;
 
         /// <summary>
-        /// Takes the costs of the frames since the last poll, and decides if a decision is due. It allocates native memory, and waits for a
-        /// poll that is under way.
+        /// Reads the costs of the frames since the last poll, and decides if a decision is due. It allocates native memory and waits for a poll
+        /// that is running on another thread.
         /// </summary>
-        /// <param name="nowNs">Of <see cref="SteadyClock"/>, or of a steady clock of the game's own if it is the only one that polls.</param>
+        /// <param name="nowNs">The time of <see cref="SteadyClock"/>, or of another steady clock if only the game polls.</param>
         /// <returns>Whether a switch was commanded.</returns>
         public bool Poll(ulong nowNs)
         {
@@ -71,10 +74,10 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// All records that it was given and what it has learnt since, for the next run's <see cref="DeciderOptions.PriorsData"/> or for
-        /// `sweepstake priors import`. Ask before it is disposed of, which ends what it knows.
+        /// All records that it loaded and what it has learnt since, for the next run's <see cref="DeciderOptions.PriorsData"/> or for
+        /// `sweepstake priors import`. Call it before Dispose, which discards them.
         /// </summary>
-        /// <exception cref="SweepstakeException">It has ended; if by itself, the message says why.</exception>
+        /// <exception cref="SweepstakeException">The decider has ended. If it failed, the message says why.</exception>
         public byte[] ExportPriors()
         {
             lock (Gate)
@@ -93,8 +96,8 @@ namespace Sweepstake
         }
 
         private string EndReason() => Failure == null
-            ? "The decider has ended; export its priors before."
-            : "The decider has failed, and what it has learnt is lost; make another one. The failure: " + Failure.Message;
+            ? "The decider has ended; export its priors before you dispose of it."
+            : "The decider has failed, and what it has learnt is lost; create another one. The failure: " + Failure.Message;
 
         private void Publish()
         {

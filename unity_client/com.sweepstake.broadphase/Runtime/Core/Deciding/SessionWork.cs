@@ -6,13 +6,13 @@ using System.Threading;
 namespace Sweepstake
 {
     /// <summary>
-    /// What decides for a session from a thread of its own: its native calls are made under a gate, and none after it was closed. What is
-    /// native is given back by whoever stops it, since no frame may run then. All that was not stopped is known, for
-    /// <see cref="SweepstakeLibrary.Shutdown"/>. Thread-safe.
+    /// Base of everything that decides for a session on its own thread. Native calls are made under <see cref="Gate"/> and never after it is
+    /// closed. The caller of Stop frees the native parts, because no frame may run then. All instances that have not been stopped are
+    /// registered for <see cref="SweepstakeLibrary.Shutdown"/>. Thread-safe.
     /// </summary>
     public abstract class SessionWork : IDisposable
     {
-        /// <summary>How long Dispose waits at most, in milliseconds.</summary>
+        /// <summary>The longest that Dispose waits, in milliseconds.</summary>
         public const int DisposeTimeoutMs = 500;
 
         private static readonly object RunningGate = new object();
@@ -29,20 +29,20 @@ namespace Sweepstake
         {
             Session = session ?? throw new ArgumentNullException(nameof(session));
             if (session.Work != null)
-                throw new SweepstakeException(ResultCode.FailedPrecondition, "The session has a decider already; dispose of that one first.");
+                throw new SweepstakeException(ResultCode.FailedPrecondition, "The session already has a decider; dispose of that one first.");
         }
 
         public BroadPhaseSession Session { get; }
 
-        /// <summary>Why its thread has ended by itself; null: it runs, or was stopped.</summary>
+        /// <summary>Why its thread has failed; null while it runs or after it was stopped.</summary>
         public Exception? Failure => failure;
 
-        /// <summary>Held during native calls of this work, which must not be closed then.</summary>
+        /// <summary>Held during native calls of this object; it is not closed while the gate is held.</summary>
         private protected object Gate { get; } = new object();
         private protected bool IsClosed { get; private set; }
         private protected bool IsStopping { get; private set; }
 
-        /// <summary>The deciders and connections of this process that were not stopped.</summary>
+        /// <summary>Number of deciders and connections of this process that have not been stopped.</summary>
         public static int RunningCount
         {
             get
@@ -53,10 +53,10 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// Ends it as orderly as the time allows. May be called more than once: a thread that has outlived one stop is not waited for again.
-        /// Not in the midst of a frame.
+        /// Ends it in an orderly way if the time allows. May be called more than once; later calls do not wait again for a thread that outlived
+        /// the first one. Not during a frame.
         /// </summary>
-        /// <returns>Whether its thread has ended; one that has not makes no more native calls.</returns>
+        /// <returns>Whether its thread has ended. A thread that has not ended makes no more native calls.</returns>
         public bool Stop(int timeoutMs)
         {
             ulong endNs = SteadyClock.NowNs + (ulong)Math.Max(0, timeoutMs) * 1_000_000;
@@ -71,7 +71,7 @@ namespace Sweepstake
             Stop(DisposeTimeoutMs);
         }
 
-        /// <summary>Asks all to end at once, then waits for each until then. Returns them, for <see cref="Release"/>.</summary>
+        /// <summary>Starts the end of all instances, then waits for each until `endNs`. Returns them for <see cref="Release"/>.</summary>
         internal static SessionWork[] StopAll(ulong endNs)
         {
             SessionWork[] stopping;
@@ -87,7 +87,7 @@ namespace Sweepstake
             return stopping;
         }
 
-        /// <summary>Gives back what is native, once, after its end.</summary>
+        /// <summary>Frees the native parts, once, after the end.</summary>
         internal void Release()
         {
             lock (Gate)
@@ -102,7 +102,7 @@ namespace Sweepstake
                 Running.Remove(this);
         }
 
-        /// <summary>To be called last by the constructor. Without a thread the game polls.</summary>
+        /// <summary>The last call of each constructor. With a null name there is no thread and the game polls.</summary>
         private protected void Start(string? threadName)
         {
             Session.Work = this;
@@ -114,11 +114,11 @@ namespace Sweepstake
             thread.Start();
         }
 
-        /// <summary>The thread's whole work; returns soon after it was woken, once IsClosed.</summary>
+        /// <summary>The body of the thread; returns soon after it is woken if IsClosed.</summary>
         private protected abstract void Serve();
-        /// <summary>Under the gate: begins an orderly end that is over by then.</summary>
+        /// <summary>Called under the gate: begins an orderly end that is complete at `endNs`.</summary>
         private protected abstract void BeginNativeStop(ulong endNs);
-        /// <summary>Under the gate, once, while no frame runs: gives back what is native.</summary>
+        /// <summary>Called under the gate, once, while no frame runs: frees the native parts.</summary>
         private protected abstract void CloseNative();
 
         private protected void Wake()
@@ -130,7 +130,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Waits until it is woken, at most so long.</summary>
+        /// <summary>Waits until Wake is called or the timeout has passed.</summary>
         private protected void Sleep(int timeoutMs)
         {
             lock (wakeGate)
@@ -176,7 +176,7 @@ namespace Sweepstake
             }
             catch (Exception problem)
             {
-                // Nothing may leave a thread. A session that was shut down beside it ends it so too.
+                // An exception must not escape the thread. It also arrives here if the session is shut down at the same time.
                 failure = problem;
             }
             finally

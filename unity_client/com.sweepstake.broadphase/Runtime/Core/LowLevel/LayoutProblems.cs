@@ -3,14 +3,14 @@ using System.Collections.Generic;
 
 namespace Sweepstake.LowLevel
 {
-    /// <summary>Collects where this runtime, the headers and the loaded library put things at different places.</summary>
+    /// <summary>Collects differences between the struct layouts of this runtime, of the headers and of the loaded library.</summary>
     internal sealed class LayoutProblems
     {
         private readonly List<string> found = new List<string>();
 
         internal bool IsEmpty => found.Count == 0;
 
-        /// <summary>A struct that grows may be larger in a later library, and only there.</summary>
+        /// <summary>With `grows`, the struct may be larger in a newer library, but not in this runtime.</summary>
         internal void Size(string name, uint number, int here, int inHeaders, bool grows)
         {
             uint inLibrary = NativeMethods.swp_struct_size(number);

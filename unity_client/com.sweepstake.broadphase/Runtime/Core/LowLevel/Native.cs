@@ -6,7 +6,7 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
-    /// <summary>Results and texts of the C ABI.</summary>
+    /// <summary>Checks results and reads texts of the C ABI.</summary>
     internal static unsafe class Native
     {
         internal static void Check(ResultCode result)
@@ -17,7 +17,7 @@ namespace Sweepstake
 
         internal static string Text(byte* text) => Marshal.PtrToStringUTF8((IntPtr)text) ?? "";
 
-        /// <summary>Texts from a count and a function of the index.</summary>
+        /// <summary>Reads `count` texts through a function of the index.</summary>
         internal static IReadOnlyList<string> Texts(uint count, Func<uint, string> textOf)
         {
             var texts = new string[count];
@@ -27,13 +27,13 @@ namespace Sweepstake
         }
     }
 
-    /// <summary>Texts and bytes for the length of one call.</summary>
+    /// <summary>Owns texts and pinned bytes for the duration of one call.</summary>
     internal sealed unsafe class CallMemory : IDisposable
     {
         private readonly List<IntPtr> texts = new List<IntPtr>();
         private readonly List<GCHandle> pins = new List<GCHandle>();
 
-        /// <summary>UTF-8 with a 0 at its end; null for null.</summary>
+        /// <summary>UTF-8 with a terminating 0; null for null.</summary>
         internal byte* Text(string? text)
         {
             if (text == null)

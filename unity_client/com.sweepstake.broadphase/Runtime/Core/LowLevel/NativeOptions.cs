@@ -4,7 +4,7 @@ using System.Runtime.InteropServices;
 
 namespace Sweepstake.LowLevel
 {
-    /// <summary>Behind <see cref="SessionOptions"/>. Texts are UTF-8 and end with 0.</summary>
+    /// <summary>The native form of <see cref="SessionOptions"/>. Texts are UTF-8 with a terminating 0.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct NativeSessionOptions
     {
@@ -24,7 +24,7 @@ namespace Sweepstake.LowLevel
         public ulong MemoryBudgetBytes;
     }
 
-    /// <summary>Behind <see cref="DeciderOptions"/>. Texts are UTF-8 and end with 0, but PriorsData.</summary>
+    /// <summary>The native form of <see cref="DeciderOptions"/>. Texts, but not PriorsData, are UTF-8 with a terminating 0.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct NativeDeciderOptions
     {
@@ -46,7 +46,7 @@ namespace Sweepstake.LowLevel
         public double FpsFloor;
     }
 
-    /// <summary>Behind <see cref="LinkOptions"/>. Texts are UTF-8 and end with 0.</summary>
+    /// <summary>The native form of <see cref="LinkOptions"/>. Texts are UTF-8 with a terminating 0.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct NativeLinkOptions
     {

@@ -7,9 +7,9 @@ namespace Sweepstake
 {
     /// <summary>
     /// The frame path, which switches between backends. A frame is <see cref="BeginFrame"/>, <see cref="FindPairs(ReadOnlySpan{Aabb})"/> any
-    /// number of times, <see cref="Pairs"/>, <see cref="EndFrame"/>, by one caller at a time, on any thread. None of them waits, takes a lock,
-    /// or in steady state allocates. Decisions come from an <see cref="EmbeddedDecider"/> or a <see cref="DaemonConnection"/>; Dispose ends
-    /// that one first.
+    /// number of times, <see cref="Pairs"/>, <see cref="EndFrame"/>, from any thread but one at a time. None of them waits, takes a lock or, in
+    /// steady state, allocates. Decisions come from an <see cref="EmbeddedDecider"/> or a <see cref="DaemonConnection"/>; Dispose ends that
+    /// object first.
     /// </summary>
     public sealed unsafe class BroadPhaseSession : NativeObject
     {
@@ -20,7 +20,9 @@ namespace Sweepstake
         {
         }
 
-        /// <exception cref="SweepstakeException">A value is out of its range, there is no such backend (the message lists them), or no thread is left.</exception>
+        /// <exception cref="SweepstakeException">
+        /// A value is out of range, a backend is unknown (the message lists them), or no thread is left.
+        /// </exception>
         public BroadPhaseSession(SessionOptions options)
             : base(Create(options), NativeMethods.swp_session_destroy)
         {
@@ -32,21 +34,22 @@ namespace Sweepstake
                 armNames[arm] = System.Text.Encoding.UTF8.GetBytes(Arms[arm] + "\0");
         }
 
-        /// <summary>The names of the backends, in the order that arms are numbered by.</summary>
+        /// <summary>The names of the backends in the order of arm indices.</summary>
         public IReadOnlyList<string> Arms { get; }
 
-        /// <summary>The decider or connection that is attached; null: none.</summary>
+        /// <summary>The attached decider or connection; null if there is none.</summary>
         internal SessionWork? Work { get; set; }
 
-        /// <summary>Executes a pending switch, if there is one.</summary>
+        /// <summary>Executes a pending switch.</summary>
         public void BeginFrame()
         {
             Check(NativeMethods.swp_session_begin_frame(Pointer));
         }
 
         /// <summary>
-        /// The active backend takes these boxes, whose count may change as in <see cref="BroadPhaseWorld.Update(ReadOnlySpan{Aabb})"/>, and
-        /// searches. A frame with several fixed updates calls it for each; together they are one sample.
+        /// Passes these boxes to the active backend and searches. Their count may change as in
+        /// <see cref="BroadPhaseWorld.Update(ReadOnlySpan{Aabb})"/>. A frame with several fixed updates calls it once for each; together they give
+        /// one sample.
         /// </summary>
         public void FindPairs(ReadOnlySpan<Aabb> boxes)
         {
@@ -78,13 +81,13 @@ namespace Sweepstake
             Check(NativeMethods.swp_session_end_frame(Pointer, frameTimeNs, (uint)flags));
         }
 
-        /// <summary>Frees what the next frame does not need; for the end of a level. Not within a frame.</summary>
+        /// <summary>Frees memory that the next frame does not need, for example at the end of a level. Not during a frame.</summary>
         public void Trim()
         {
             Check(NativeMethods.swp_session_trim(Pointer));
         }
 
-        /// <summary>Chooses an arm by hand, from the next frame on; the mode stays. Allocates nothing.</summary>
+        /// <summary>Selects an arm from the next frame on; the mode does not change. Allocates nothing.</summary>
         /// <exception cref="ArgumentOutOfRangeException">There is no such arm.</exception>
         public void SelectArm(int arm)
         {
@@ -94,7 +97,7 @@ namespace Sweepstake
                 Check(NativeMethods.swp_session_select_arm(Pointer, name));
         }
 
-        /// <summary>Chooses an arm by hand, from the next frame on; the mode stays.</summary>
+        /// <summary>Selects an arm from the next frame on; the mode does not change.</summary>
         /// <exception cref="SweepstakeException">There is no such arm; the message lists them.</exception>
         public void SelectArm(string arm)
         {
@@ -103,13 +106,15 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// For runs that repeat bit for bit (builds, replays, tournaments): takes the arm that the priors of these options expect to cost least,
-        /// from the next frame on, and from then on is in <see cref="SessionMode.Manual"/>, where nothing depends on time. No clock is read,
-        /// samples have no detection time, and commands and orders are refused. <see cref="SelectArm(int)"/> still chooses; setting
-        /// <see cref="Mode"/> ends it. A function of the frame thread.
+        /// For runs that must repeat bit for bit (builds, replays, tournaments). Selects the arm with the lowest expected cost in the priors of
+        /// these options, from the next frame on. The session is then in <see cref="SessionMode.Manual"/>, where nothing depends on time: no clock
+        /// is read, samples have no detection time, and commands and orders are refused. <see cref="SelectArm(int)"/> still works; setting
+        /// <see cref="Mode"/> ends the freeze. Call it on the frame thread.
         /// </summary>
-        /// <param name="options">Null: it keeps its arm.</param>
-        /// <exception cref="SweepstakeException">The priors have nothing of the project with these arms; the session is as before.</exception>
+        /// <param name="options">Null: the session keeps its arm.</param>
+        /// <exception cref="SweepstakeException">
+        /// The priors contain nothing for the project and these arms; the session is unchanged.
+        /// </exception>
         public void Freeze(DeciderOptions? options = null)
         {
             if (options == null)
@@ -122,7 +127,7 @@ namespace Sweepstake
             Check(NativeMethods.swp_session_freeze(Pointer, &native));
         }
 
-        /// <summary>In <see cref="SessionMode.Manual"/> only the game's own choice counts. A function of the frame thread.</summary>
+        /// <summary>In <see cref="SessionMode.Manual"/> only the game selects arms. Call it on the frame thread.</summary>
         public SessionMode Mode
         {
             get
@@ -134,7 +139,7 @@ namespace Sweepstake
             set => Check(NativeMethods.swp_session_set_mode(Pointer, value));
         }
 
-        /// <summary>Index in <see cref="Arms"/>. A function of the frame thread, as the next two.</summary>
+        /// <summary>Index in <see cref="Arms"/>. Like the next two, call it on the frame thread.</summary>
         public int ActiveArm
         {
             get
@@ -156,7 +161,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The sample of the latest <see cref="EndFrame"/>; zeros before it.</summary>
+        /// <summary>The sample of the latest <see cref="EndFrame"/>; zeros before the first one.</summary>
         public FrameSample LastSample
         {
             get
@@ -167,7 +172,9 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>What the beliefs say about the scene, for the game to react to. Any thread, and cheap enough for each frame.</summary>
+        /// <summary>
+        /// A summary of the beliefs about the scene for the game. Callable from any thread and cheap enough for each frame.
+        /// </summary>
         public Verdict Verdict
         {
             get
@@ -178,7 +185,9 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The latest decision with its reasons; it stays when the decider has gone. Any thread, as all that follow.</summary>
+        /// <summary>
+        /// The latest decision with its reasons, also after the decider has gone. Like all that follow, callable from any thread.
+        /// </summary>
         public Decision LastDecision
         {
             get
@@ -189,7 +198,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The latest switch that has settled or was refused, whoever asked for it; zeros before the first.</summary>
+        /// <summary>The latest switch that has settled or was refused, whatever requested it; zeros before the first.</summary>
         public SwitchOutcome LastOutcome
         {
             get
@@ -200,7 +209,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Samples that the full queue dropped since the session began.</summary>
+        /// <summary>Samples dropped because the queue was full, since the session began.</summary>
         public ulong DroppedSampleCount
         {
             get
@@ -211,7 +220,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>What the shadow lane has done, and why it runs or does not.</summary>
+        /// <summary>What the shadow lane has done, and why it runs or does not run.</summary>
         public ShadowStats ShadowStats
         {
             get
@@ -222,7 +231,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The version of an arm's code; evidence of different versions is kept apart.</summary>
+        /// <summary>The version of an arm's code; evidence of different versions is not combined.</summary>
         public uint VersionOf(int arm)
         {
             uint version;

@@ -5,13 +5,13 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// One backend, driven by hand. A frame is <see cref="Update(ReadOnlySpan{Aabb})"/> (the first time <see cref="Build(ReadOnlySpan{Aabb})"/>),
-    /// <see cref="FindPairs"/>, <see cref="Pairs"/>. In steady state nothing allocates.
+    /// One backend that the game drives itself. A frame is <see cref="Update(ReadOnlySpan{Aabb})"/> (the first time
+    /// <see cref="Build(ReadOnlySpan{Aabb})"/>), <see cref="FindPairs"/>, <see cref="Pairs"/>. In steady state nothing allocates.
     /// </summary>
     public sealed unsafe class BroadPhaseWorld : NativeObject
     {
         /// <param name="backend">One of <see cref="SweepstakeLibrary.Backends"/>.</param>
-        /// <exception cref="SweepstakeException">There is no such backend (the message lists them), or no thread is left.</exception>
+        /// <exception cref="SweepstakeException">The backend is unknown (the message lists them), or no thread is left.</exception>
         public BroadPhaseWorld(string backend)
             : this(backend, WorldOptions.Default)
         {
@@ -22,7 +22,7 @@ namespace Sweepstake
         {
         }
 
-        /// <summary>The pairs of the search, each once, in the library's memory: valid until the next build or update.</summary>
+        /// <summary>The pairs of the latest search, each once, in the library's memory: valid until the next build or update.</summary>
         public ReadOnlySpan<OverlapPair> Pairs
         {
             get
@@ -34,7 +34,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>What the latest build or update and search took, and what the world holds.</summary>
+        /// <summary>The cost of the latest build or update and search, and the memory of the world.</summary>
         public WorldCounters Counters
         {
             get
@@ -45,7 +45,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Discards all state and takes these boxes, read during the call only.</summary>
+        /// <summary>Discards all state and copies these boxes, which are read during the call only.</summary>
         public void Build(ReadOnlySpan<Aabb> boxes)
         {
             fixed (Aabb* start = boxes)
@@ -58,8 +58,8 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller one removes the last ones; the
-        /// others keep their ids.
+        /// Replaces the boxes for the next frame. A larger count adds objects at the end, a smaller count removes the last ones; the others keep
+        /// their ids.
         /// </summary>
         public void Update(ReadOnlySpan<Aabb> boxes)
         {
@@ -72,7 +72,7 @@ namespace Sweepstake
             Check(NativeMethods.swp_world_update(Pointer, boxes, checked((uint)count)));
         }
 
-        /// <summary>Searches for each overlapping pair, once per build or update; a further call does nothing.</summary>
+        /// <summary>Finds each overlapping pair once per build or update; a second call does nothing.</summary>
         public void FindPairs()
         {
             Check(NativeMethods.swp_world_find_pairs(Pointer));

@@ -5,13 +5,15 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// Moving boxes to try a broad phase on: a scenario by name, or a recorded .aabbs file. One seed gives the same boxes bit for bit on
-    /// every platform, whatever the frame rate. A step costs O(objects) and allocates nothing.
+    /// Moving boxes to test a broad phase: a scenario by name, or a recorded .aabbs file. The same seed gives the same boxes bit for bit on
+    /// every platform, independent of the frame rate. A step costs O(objects) and allocates nothing.
     /// </summary>
     public sealed unsafe class MotionScene : NativeObject
     {
         /// <param name="scene">One of <see cref="SweepstakeLibrary.Scenes"/>, or the path of a .aabbs file.</param>
-        /// <exception cref="SweepstakeException">No such scene (the message lists them), a value out of its range, or a broken file.</exception>
+        /// <exception cref="SweepstakeException">
+        /// The scene is unknown (the message lists them), a value is out of range, or the file is broken.
+        /// </exception>
         public MotionScene(string scene)
             : this(scene, SceneOptions.Default)
         {
@@ -27,7 +29,7 @@ namespace Sweepstake
         public string Name { get; }
         public SceneOptions Options { get; }
 
-        /// <summary>The boxes of this frame, in the library's memory: valid until the next step.</summary>
+        /// <summary>The boxes of the current frame, in the library's memory: valid until the next step.</summary>
         public ReadOnlySpan<Aabb> Boxes
         {
             get
@@ -39,7 +41,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The bounds of the motion; boxes may extend beyond them by their size.</summary>
+        /// <summary>The bounds of the motion; boxes may extend beyond them by their own size.</summary>
         public Aabb World
         {
             get
@@ -61,7 +63,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>FNV-1a over this frame's boxes: equal on every platform for one seed and step.</summary>
+        /// <summary>FNV-1a hash of the current boxes: the same on every platform for the same seed and step.</summary>
         public ulong Hash
         {
             get
@@ -72,7 +74,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Moves the scene on by one fixed step.</summary>
+        /// <summary>Advances the scene by one fixed step.</summary>
         public void Step()
         {
             Check(NativeMethods.swp_scene_step(Pointer));

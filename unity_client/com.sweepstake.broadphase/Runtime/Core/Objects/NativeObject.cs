@@ -5,8 +5,8 @@ using System.Runtime.InteropServices;
 namespace Sweepstake
 {
     /// <summary>
-    /// Owns one object of the native library. One caller at a time may use it; distinct objects are independent. Dispose ends it; so does
-    /// <see cref="SweepstakeLibrary.Shutdown"/>, after which each call throws.
+    /// Owns one object of the native library. Only one caller at a time may use it; distinct objects are independent. Dispose frees it, and so
+    /// does <see cref="SweepstakeLibrary.Shutdown"/>, after which each call throws.
     /// </summary>
     public abstract class NativeObject : IDisposable
     {
@@ -18,9 +18,9 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// For <see cref="LowLevel.NativeMethods"/> in jobs; keep this object alive meanwhile.
+        /// The native pointer, for <see cref="LowLevel.NativeMethods"/> in jobs; keep this object alive while it is in use.
         /// </summary>
-        /// <exception cref="ObjectDisposedException">It was disposed of.</exception>
+        /// <exception cref="ObjectDisposedException">The object was disposed of.</exception>
         public IntPtr Pointer
         {
             get
@@ -38,7 +38,9 @@ namespace Sweepstake
             handle.Dispose();
         }
 
-        /// <summary>Throws if the call failed. Takes this object too, so that no finalizer ends it while the call runs.</summary>
+        /// <summary>
+        /// Throws if the call failed. It also keeps this object alive, so that a finalizer does not free it during the call.
+        /// </summary>
         private protected void Check(ResultCode result)
         {
             GC.KeepAlive(this);

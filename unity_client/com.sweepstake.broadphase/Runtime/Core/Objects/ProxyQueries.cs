@@ -5,8 +5,8 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// Queries over the moving and static proxies of a set whose filter and the query's filter pass. After <see cref="Prepare"/> any number of
-    /// threads may query at the same time until something changes. Nothing allocates.
+    /// Queries over the moving and static proxies of a set. A proxy is found if its filter and the query's filter match. After
+    /// <see cref="Prepare"/> any number of threads may query at the same time, until the set changes. Nothing allocates.
     /// </summary>
     public sealed unsafe class ProxyQueries
     {
@@ -17,16 +17,16 @@ namespace Sweepstake
             this.proxies = proxies;
         }
 
-        /// <summary>Makes the queries ready, after changes: O(1) if nothing has changed.</summary>
+        /// <summary>Prepares the queries after changes; O(1) if nothing has changed.</summary>
         public void Prepare()
         {
             proxies.CheckCall(NativeMethods.swp_proxies_prepare_queries(proxies.Pointer));
         }
 
-        /// <summary>For each box, gives all proxies that overlap it, by ascending id.</summary>
-        /// <param name="found">Takes them: those of box k from ends[k - 1] (0 for the first) to ends[k].</param>
-        /// <param name="ends">One for each box. Its last says how many were found.</param>
-        /// <returns>False: `found` is too small and holds nothing; the last of `ends` says what it takes.</returns>
+        /// <summary>For each box, finds all proxies that overlap it, by ascending id.</summary>
+        /// <param name="found">Receives them: those of box k are at ends[k - 1] (0 for the first box) to ends[k].</param>
+        /// <param name="ends">One entry per box; the last one is the number of proxies found.</param>
+        /// <returns>False: `found` is too small and was not filled; the last entry of `ends` is the required size.</returns>
         public bool Boxes(ReadOnlySpan<Aabb> boxes, ProxyFilter filter, Span<ProxyHandle> found, Span<ulong> ends)
         {
             CheckLengths(boxes.Length, ends.Length);
@@ -37,7 +37,7 @@ namespace Sweepstake
                     proxies.Pointer, box, (uint)boxes.Length, &filter, handle, (ulong)found.Length, end));
         }
 
-        /// <summary>The same for the proxies that spheres touch.</summary>
+        /// <summary>Like <see cref="Boxes"/>, for the proxies that touch a sphere.</summary>
         public bool Spheres(ReadOnlySpan<SphereQuery> spheres, ProxyFilter filter, Span<ProxyHandle> found, Span<ulong> ends)
         {
             CheckLengths(spheres.Length, ends.Length);
@@ -48,7 +48,7 @@ namespace Sweepstake
                     proxies.Pointer, sphere, (uint)spheres.Length, &filter, handle, (ulong)found.Length, end));
         }
 
-        /// <summary>For each ray, gives the nearest hit; without one, its proxy is none.</summary>
+        /// <summary>For each ray, finds the nearest hit; the hit's proxy is None if there is none.</summary>
         public void Rays(ReadOnlySpan<RayQuery> rays, ProxyFilter filter, Span<QueryHit> hits)
         {
             CheckLengths(rays.Length, hits.Length);
@@ -57,7 +57,7 @@ namespace Sweepstake
                 proxies.CheckCall(NativeMethods.swp_proxies_cast_rays(proxies.Pointer, ray, (uint)rays.Length, &filter, hit));
         }
 
-        /// <summary>For each box on its way, gives the nearest hit; without one, its proxy is none.</summary>
+        /// <summary>For each moving box, finds the nearest hit; the hit's proxy is None if there is none.</summary>
         public void Sweeps(ReadOnlySpan<BoxSweepQuery> sweeps, ProxyFilter filter, Span<QueryHit> hits)
         {
             CheckLengths(sweeps.Length, hits.Length);
@@ -66,9 +66,9 @@ namespace Sweepstake
                 proxies.CheckCall(NativeMethods.swp_proxies_sweep_boxes(proxies.Pointer, sweep, (uint)sweeps.Length, &filter, hit));
         }
 
-        /// <summary>Gives all hits of one ray by ascending distance.</summary>
-        /// <param name="count">How many there are.</param>
-        /// <returns>False: `hits` is too small and holds nothing.</returns>
+        /// <summary>Finds all hits of one ray by ascending distance.</summary>
+        /// <param name="count">The number of hits.</param>
+        /// <returns>False: `hits` is too small and was not filled.</returns>
         public bool AllHits(in RayQuery ray, ProxyFilter filter, Span<QueryHit> hits, out int count)
         {
             ulong found = 0;
@@ -91,7 +91,7 @@ namespace Sweepstake
         private static void CheckLengths(int queries, int results)
         {
             if (queries != results)
-                throw new ArgumentException("There is one result for each query.");
+                throw new ArgumentException("Pass as many results as queries.");
         }
     }
 }

@@ -5,11 +5,13 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// Objects by handle, with filters, static and sleeping objects and pair events, around a world or a session. A frame is
+    /// Objects with handles, filters, static and sleeping states and pair events, on top of a world or a session. A frame is
     /// <see cref="SetBoxes"/>, <see cref="FindPairs(BroadPhaseSession)"/>, then <see cref="Pairs"/>, <see cref="Added"/> and
     /// <see cref="Removed"/>. One caller at a time. Queries are in <see cref="ProxyQueries"/>.
     /// </summary>
-    /// <exception cref="SweepstakeException">Of each function that takes handles: one names no proxy; nothing has changed.</exception>
+    /// <exception cref="SweepstakeException">
+    /// Thrown by each function that takes handles, if one of them is invalid; nothing has changed then.
+    /// </exception>
     public sealed unsafe class ProxySet : NativeObject
     {
         public ProxySet()
@@ -25,13 +27,13 @@ namespace Sweepstake
 
         public ProxyQueries Queries { get; }
 
-        /// <summary>Adds a proxy for each box. A moving one costs O(1), static ones a sort of what was added at the next use.</summary>
-        /// <param name="options">One for each box; empty: moving, category 1, all bits in the mask, user 0.</param>
-        /// <param name="added">Takes the handles; as long as the boxes.</param>
+        /// <summary>Adds a proxy for each box. A moving proxy costs O(1); static proxies are sorted at the next use.</summary>
+        /// <param name="options">One entry per box; empty: moving, category 1, all bits in the mask, user 0.</param>
+        /// <param name="added">Receives the handles; as long as `boxes`.</param>
         public void Add(ReadOnlySpan<Aabb> boxes, ReadOnlySpan<ProxyOptions> options, Span<ProxyHandle> added)
         {
             if (added.Length != boxes.Length || (options.Length != boxes.Length && options.Length != 0))
-                throw new ArgumentException("There is one handle and one of the options, if any, for each box.");
+                throw new ArgumentException("Pass as many handles as boxes, and as many options or none.");
             fixed (Aabb* box = boxes)
             fixed (ProxyOptions* option = options)
             fixed (ProxyHandle* handle = added)
@@ -47,7 +49,7 @@ namespace Sweepstake
             return added;
         }
 
-        /// <summary>Removes all of them, or none if one names no proxy.</summary>
+        /// <summary>Removes all of these proxies, or none of them if one handle is invalid.</summary>
         public void Remove(ReadOnlySpan<ProxyHandle> removed)
         {
             fixed (ProxyHandle* start = removed)
@@ -59,17 +61,17 @@ namespace Sweepstake
             Check(NativeMethods.swp_proxies_remove_many(Pointer, &removed, 1));
         }
 
-        /// <summary>Gives boxes[k] to moved[k]: all, or none if one names no proxy.</summary>
+        /// <summary>Sets the box of moved[k] to boxes[k] for all k, or for none if one handle is invalid.</summary>
         public void SetBoxes(ReadOnlySpan<ProxyHandle> moved, ReadOnlySpan<Aabb> boxes)
         {
             if (moved.Length != boxes.Length)
-                throw new ArgumentException("There is one box for each proxy.");
+                throw new ArgumentException("Pass as many boxes as proxies.");
             fixed (ProxyHandle* handle = moved)
             fixed (Aabb* box = boxes)
                 Check(NativeMethods.swp_proxies_set_boxes(Pointer, handle, box, (uint)boxes.Length));
         }
 
-        /// <summary>The next search and the next query see the new filter.</summary>
+        /// <summary>The new filter holds from the next search and the next query on.</summary>
         public void SetFilter(ProxyHandle proxy, ProxyFilter filter)
         {
             Check(NativeMethods.swp_proxies_set_filter(Pointer, proxy.Value, &filter));
@@ -85,26 +87,26 @@ namespace Sweepstake
             Check(NativeMethods.swp_proxies_set_static(Pointer, proxy.Value, isStatic ? 1u : 0u));
         }
 
-        /// <summary>True promises that the proxy does not move; another box wakes it. Pairs and events do not depend on it.</summary>
+        /// <summary>True promises that the proxy does not move; a new box wakes it. Pairs and events do not depend on this state.</summary>
         public void SetSleeping(ProxyHandle proxy, bool isSleeping)
         {
             Check(NativeMethods.swp_proxies_set_sleeping(Pointer, proxy.Value, isSleeping ? 1u : 0u));
         }
 
-        /// <summary>Subtracts an offset from all coordinates; no pair ends.</summary>
+        /// <summary>Subtracts an offset from all coordinates; pairs do not end.</summary>
         public void ShiftOrigin(float x, float y, float z)
         {
             float* offset = stackalloc float[3] { x, y, z };
             Check(NativeMethods.swp_proxies_shift_origin(Pointer, offset));
         }
 
-        /// <summary>Frees what former proxies held.</summary>
+        /// <summary>Frees the memory of removed proxies.</summary>
         public void Compact()
         {
             Check(NativeMethods.swp_proxies_compact(Pointer));
         }
 
-        /// <summary>The box and the options as they are now.</summary>
+        /// <summary>The current box and options of a proxy.</summary>
         public Aabb Get(ProxyHandle proxy, out ProxyOptions options)
         {
             Aabb box;
@@ -113,7 +115,7 @@ namespace Sweepstake
             return box;
         }
 
-        /// <summary>The proxy that has this id, of a pair, now.</summary>
+        /// <summary>The handle of the proxy that has this id (for example from a pair) now.</summary>
         public ProxyHandle HandleOf(uint id)
         {
             ProxyHandle proxy;
@@ -141,7 +143,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Searches with a session, within its frame, and resolves the pairs.</summary>
+        /// <summary>Searches with a session, during its frame, and resolves the pairs.</summary>
         public void FindPairs(BroadPhaseSession session)
         {
             Aabb* boxes;
@@ -151,7 +153,7 @@ namespace Sweepstake
             Resolve(session.Pairs);
         }
 
-        /// <summary>Searches with a world, which needs no build of its own, and resolves the pairs.</summary>
+        /// <summary>Searches with a world and resolves the pairs. The world does not need a build before.</summary>
         public void FindPairs(BroadPhaseWorld world)
         {
             Aabb* boxes;
@@ -163,7 +165,7 @@ namespace Sweepstake
             Resolve(world.Pairs);
         }
 
-        /// <summary>The pairs of the latest search, by id, until the next one.</summary>
+        /// <summary>The pairs of the latest search by id; valid until the next search.</summary>
         public ReadOnlySpan<OverlapPair> Pairs
         {
             get
@@ -175,7 +177,9 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The pairs that began with the latest search, ascending; none without <see cref="ProxySetOptions.HasPairEvents"/>.</summary>
+        /// <summary>
+        /// The pairs that began with the latest search, ascending; empty without <see cref="ProxySetOptions.HasPairEvents"/>.
+        /// </summary>
         public ReadOnlySpan<ProxyPair> Added
         {
             get
@@ -187,7 +191,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The pairs that ended with the latest search, those of removed proxies included.</summary>
+        /// <summary>The pairs that ended with the latest search, including those of removed proxies.</summary>
         public ReadOnlySpan<ProxyPair> Removed
         {
             get
@@ -199,7 +203,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The whole state without pointers, for a game that rolls back.</summary>
+        /// <summary>The complete state without pointers, for games that roll back.</summary>
         public byte[] Save()
         {
             ulong bytes;
@@ -210,7 +214,7 @@ namespace Sweepstake
             return snapshot;
         }
 
-        /// <summary>Makes the set what it was. Do not restore what others may have made.</summary>
+        /// <summary>Restores a saved state. Do not restore snapshots from untrusted sources.</summary>
         public void Restore(ReadOnlySpan<byte> snapshot)
         {
             fixed (byte* start = snapshot)

@@ -3,12 +3,12 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
-    /// <summary>How a <see cref="BroadPhaseSession"/> runs; a new one holds the library's defaults.</summary>
+    /// <summary>How a <see cref="BroadPhaseSession"/> runs; a new object holds the library's defaults.</summary>
     public sealed unsafe class SessionOptions
     {
         private NativeSessionOptions native;
 
-        /// <exception cref="NativeLibraryException">The library does not fit.</exception>
+        /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
         public SessionOptions()
         {
             SweepstakeLibrary.EnsureLoaded();
@@ -17,27 +17,35 @@ namespace Sweepstake
                 Native.Check(NativeMethods.swp_session_options_init(options));
         }
 
-        /// <summary>Names of backends, each once, separated by commas; null or empty: all.</summary>
+        /// <summary>Names of backends, each once, separated by commas; null or empty for all.</summary>
         public string? Arms { get; set; }
-        /// <summary>Null or empty: the first of <see cref="Arms"/>, or KDTree if those are all.</summary>
+        /// <summary>Null or empty: the first of <see cref="Arms"/>, or KDTree if Arms is empty.</summary>
         public string? InitialArm { get; set; }
         public SessionMode Mode { get => native.Mode; set => native.Mode = value; }
-        /// <summary>In nanoseconds, above 0: a longer frame is flagged, and a bail-out where its arm is to blame. A welcome replaces it.</summary>
+        /// <summary>
+        /// Bail-out limit in nanoseconds, above 0. A longer frame is flagged; if its arm caused the length, the arm is left at once. The daemon's
+        /// welcome message replaces the value.
+        /// </summary>
         public ulong BailOutNs { get => native.BailOutNs; set => native.BailOutNs = value; }
-        /// <summary>How long, in nanoseconds, after a switch nothing is learnt; a trial lasts for twice that. A daemon's welcome replaces it.</summary>
+        /// <summary>
+        /// Time in nanoseconds after a switch that is excluded from learning; a trial lasts twice as long. The daemon's welcome message replaces
+        /// the value.
+        /// </summary>
         public ulong SettlingNs { get => native.SettlingNs; set => native.SettlingNs = value; }
         /// <summary>As in <see cref="WorldOptions"/>.</summary>
         public uint ThreadCount { get => native.ThreadCount; set => native.ThreadCount = value; }
-        /// <summary>Samples kept for a decider or a link, a power of two, 2 to 2^20; full: the oldest is dropped and counted.</summary>
+        /// <summary>
+        /// Capacity of the queue of samples for a decider or a link: a power of two, 2 to 2^20. A full queue drops and counts the oldest.
+        /// </summary>
         public uint QueueFrames { get => native.QueueFrames; set => native.QueueFrames = value; }
         public ShadowMode Shadow { get => native.Shadow; set => native.Shadow = value; }
-        /// <summary>Pairs ascend whatever the arm, so that a lockstep game sees no switch.</summary>
+        /// <summary>Pairs ascend with every arm, so that switches do not change the results of a lockstep game.</summary>
         public bool IsSorted { get => native.SortedPairs != 0; set => native.SortedPairs = value ? 1u : 0u; }
-        /// <summary>The lane's share of one core at most, over 0 to 1.</summary>
+        /// <summary>Largest share of one core that the shadow lane uses, above 0 and up to 1.</summary>
         public double ShadowDutyRatio { get => native.ShadowDutyRatio; set => native.ShadowDutyRatio = value; }
-        /// <summary>The lane's maximum, half of it for copied boxes.</summary>
+        /// <summary>Largest memory of the shadow lane; half of it is for copied boxes.</summary>
         public ulong ShadowMemoryBytes { get => native.ShadowMemoryBytes; set => native.ShadowMemoryBytes = value; }
-        /// <summary>Of all arms, the pairs and the lane; 0: no limit.</summary>
+        /// <summary>Limit for all arms, the pairs and the lane together; 0: no limit.</summary>
         public ulong MemoryBudgetBytes { get => native.MemoryBudgetBytes; set => native.MemoryBudgetBytes = value; }
 
         internal NativeSessionOptions With(CallMemory memory)

@@ -8,19 +8,19 @@ using System.Threading;
 namespace Sweepstake
 {
     /// <summary>
-    /// Writes samples of frames to a CSV file (RFC 4180, invariant culture) on a thread of its own. The frame thread only copies a sample into
-    /// a bounded ring, where a full one drops the new sample and counts it; it never waits and allocates nothing. One thread writes samples.
+    /// Writes frame samples to a CSV file (RFC 4180, invariant culture) on its own thread. The frame thread only copies a sample into a bounded
+    /// ring. If the ring is full, the new sample is dropped and counted; the frame thread never waits and allocates nothing. Only one thread may
+    /// write samples.
     /// </summary>
     /// <remarks>
-    /// The first columns are those of `sweepstake run --csv`; then what the whole file has in common: the version of the columns, the scene, the
-    /// seed, the version of the library and, since it caps the frame rate, how many vertical blanks
-    /// of the display a frame waited for when the recording began.
+    /// The first columns are those of `sweepstake run --csv`. The others are the same in all rows: the version of the columns, the scene, the
+    /// seed, the version of the library, and the vertical blanks per frame (vSync) when the recording began, because vSync caps the frame rate.
     /// </remarks>
     public sealed class FrameCsvWriter : IDisposable
     {
-        /// <summary>Raised by each change of the columns.</summary>
+        /// <summary>Incremented when the columns change.</summary>
         public const int FormatVersion = 2;
-        /// <summary>How long Dispose waits at most, in milliseconds.</summary>
+        /// <summary>The longest that Dispose waits, in milliseconds.</summary>
         public const int DisposeTimeoutMs = 2000;
         private const int FlushIntervalMs = 100;
         private const string Header =
@@ -40,12 +40,12 @@ namespace Sweepstake
         private bool isEnding;
         private volatile Exception? failure;
 
-        /// <param name="path">A file there is replaced.</param>
-        /// <param name="session">Whose frames they are.</param>
-        /// <param name="scene">What was played, as the name of the scene; "": not known.</param>
-        /// <param name="seed">What it was seeded with; 0: not known.</param>
-        /// <param name="capacity">Of the ring: 4,096 frames are 256 KiB.</param>
-        /// <param name="vSyncCount">When the recording began; 0: frames wait for no vertical blank; null: not known.</param>
+        /// <param name="path">An existing file is replaced.</param>
+        /// <param name="session">The session whose frames are recorded.</param>
+        /// <param name="scene">Name of the scene; "" if not known.</param>
+        /// <param name="seed">Seed of the scene; 0 if not known.</param>
+        /// <param name="capacity">Size of the ring in frames; 4,096 frames take 256 KiB.</param>
+        /// <param name="vSyncCount">Vertical blanks per frame when the recording began; 0: no vSync; null: not known.</param>
         /// <exception cref="IOException">The file cannot be written.</exception>
         public FrameCsvWriter(string path, BroadPhaseSession session, string scene = "", ulong seed = 0, int capacity = 4096, int? vSyncCount = null)
         {
@@ -63,13 +63,13 @@ namespace Sweepstake
             thread.Start();
         }
 
-        /// <summary>Samples that found the ring full.</summary>
+        /// <summary>Samples dropped because the ring was full.</summary>
         public long DroppedCount => Interlocked.Read(ref dropped);
 
-        /// <summary>Why nothing is written any more, such as a full disk; null: all is well.</summary>
+        /// <summary>Why writing has ended, for example a full disk; null while all is well.</summary>
         public Exception? Failure => failure;
 
-        /// <summary>Takes the sample of the frame that has just ended.</summary>
+        /// <summary>Queues the sample of the frame that has just ended.</summary>
         public void Write(in FrameSample sample)
         {
             long index = written;
@@ -82,8 +82,10 @@ namespace Sweepstake
             Volatile.Write(ref written, index + 1);
         }
 
-        /// <summary>Writes what was taken and closes the file. May be called more than once.</summary>
-        /// <returns>Whether that is done; if not, its thread goes on with it, and <see cref="Failure"/> says what became of it.</returns>
+        /// <summary>Writes the queued samples and closes the file. May be called more than once.</summary>
+        /// <returns>
+        /// True if the file is complete. Otherwise its thread continues, and <see cref="Failure"/> tells whether it succeeds.
+        /// </returns>
         public bool Stop(int timeoutMs)
         {
             lock (wakeGate)
@@ -99,7 +101,7 @@ namespace Sweepstake
             Stop(DisposeTimeoutMs);
         }
 
-        /// <summary>A field as RFC 4180 has it.</summary>
+        /// <summary>Quotes a field according to RFC 4180.</summary>
         internal static string Quoted(string field) =>
             field.IndexOfAny(new[] { ',', '"', '\r', '\n' }) < 0 ? field : "\"" + field.Replace("\"", "\"\"") + "\"";
 

@@ -5,8 +5,8 @@ using System.Runtime.InteropServices;
 namespace Sweepstake
 {
     /// <summary>
-    /// An axis-aligned box in world units. It is valid when all coordinates are finite and min is at most max on each axis; an invalid box
-    /// overlaps nothing, and boxes that touch overlap.
+    /// An axis-aligned box in world units. It is valid if all coordinates are finite and min is at most max on each axis. An invalid box
+    /// overlaps nothing. Boxes that touch overlap.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct Aabb
@@ -28,28 +28,28 @@ namespace Sweepstake
             MaxZ = maxZ;
         }
 
-        /// <summary>The box of half the given size to each side of a center.</summary>
+        /// <summary>The box with this center and these half sizes.</summary>
         public static Aabb Around(float x, float y, float z, float halfX, float halfY, float halfZ) =>
             new Aabb(x - halfX, y - halfY, z - halfZ, x + halfX, y + halfY, z + halfZ);
 
         /// <summary>
-        /// The smallest box of floats around a box of doubles: min is rounded down and max up, so that no overlap is lost. A coordinate that
-        /// no float reaches becomes infinite, and the box invalid.
+        /// The smallest box of floats that contains a box of doubles: min is rounded down and max up, so that no overlap is lost. A coordinate
+        /// outside the range of float becomes infinite, which makes the box invalid.
         /// </summary>
         /// <param name="min">x, y and z.</param>
         /// <param name="max">x, y and z.</param>
-        /// <exception cref="ArgumentException">One of the two has another length than 3.</exception>
+        /// <exception cref="ArgumentException">The length of `min` or `max` is not 3.</exception>
         public static unsafe Aabb RoundOutward(ReadOnlySpan<double> min, ReadOnlySpan<double> max)
         {
             if (min.Length != 3 || max.Length != 3)
-                throw new ArgumentException("A corner has three coordinates.");
+                throw new ArgumentException("Pass three coordinates for each corner.");
             Aabb box;
             fixed (double* minStart = min, maxStart = max)
                 Native.Check(LowLevel.NativeMethods.swp_round_outward(minStart, maxStart, &box));
             return box;
         }
 
-        /// <summary>Whether the two overlap as a broad phase sees it; of no use for many boxes.</summary>
+        /// <summary>Whether the two boxes overlap by the definition of the broad phase; too slow for many boxes.</summary>
         public readonly bool Overlaps(in Aabb other) =>
             IsValid && other.IsValid &&
             MinX <= other.MaxX && other.MinX <= MaxX &&
@@ -64,7 +64,7 @@ namespace Sweepstake
             min >= float.MinValue && max <= float.MaxValue && min <= max;
     }
 
-    /// <summary>Two objects whose boxes overlap, by their index in the array of boxes; A is below B.</summary>
+    /// <summary>Two objects whose boxes overlap, as indices into the array of boxes; A is smaller than B.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct OverlapPair : IEquatable<OverlapPair>
     {

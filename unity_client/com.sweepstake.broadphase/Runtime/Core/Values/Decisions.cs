@@ -4,18 +4,18 @@ using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
-    /// <summary>What the beliefs say about the scene. A later library may have more kinds: treat those as unknown.</summary>
+    /// <summary>A summary of the beliefs about the scene. Newer libraries may add kinds: treat those as unknown.</summary>
     public enum VerdictKind : uint
     {
-        /// <summary>Nothing learnt yet.</summary>
+        /// <summary>Nothing has been learnt yet.</summary>
         Unknown = 0,
         /// <summary>The leader is the best arm with a probability of 0.8 or more.</summary>
         Stable = 1,
-        /// <summary>Below 0.8, but choosing the leader loses 0.5 % or less.</summary>
+        /// <summary>The probability is below 0.8, but choosing the leader loses 0.5 % or less.</summary>
         Tie = 2,
-        /// <summary>Below 0.8, and it may lose more: expect switches.</summary>
+        /// <summary>The probability is below 0.8, and the leader may lose more than 0.5 %: expect switches.</summary>
         Ambiguous = 3,
-        /// <summary>Even the leader misses the frame-rate floor: no broad phase will help, spawn fewer or smaller objects.</summary>
+        /// <summary>Even the leader is below the frame-rate floor. No broad phase will help: spawn fewer or smaller objects.</summary>
         Degraded = 4,
     }
 
@@ -23,36 +23,36 @@ namespace Sweepstake
     public struct Verdict
     {
         public VerdictKind Kind;
-        /// <summary>The arm most probable to be the best; 0 while nothing is known.</summary>
+        /// <summary>The arm with the highest probability of being the best; 0 while nothing is known.</summary>
         public uint LeaderArm;
-        /// <summary>The probability that it is the best, 0 to 1.</summary>
+        /// <summary>The probability that the leader is the best arm, 0 to 1.</summary>
         public double LeaderProbability;
     }
 
-    /// <summary>What came of a decision's candidate. A later library may have more.</summary>
+    /// <summary>The result of a decision. Newer libraries may add values.</summary>
     public enum DecisionOutcome : uint
     {
-        /// <summary>There was no decision yet.</summary>
+        /// <summary>There has been no decision yet.</summary>
         None = 0,
-        /// <summary>The candidate is active.</summary>
+        /// <summary>The candidate is already active.</summary>
         Kept = 1,
         /// <summary>A switch was commanded.</summary>
         Switched = 2,
-        /// <summary>The cooldown after the latest switch has not passed.</summary>
+        /// <summary>No switch: the cooldown after the latest switch has not passed.</summary>
         HeldCooldown = 3,
-        /// <summary>All frames were settling, or a switch is under way.</summary>
+        /// <summary>No switch: all frames were settling, or a switch is in progress.</summary>
         HeldSettling = 4,
-        /// <summary>There was nothing to learn from since the decision before.</summary>
+        /// <summary>There were no new frames to learn from.</summary>
         NoFrames = 5,
         /// <summary>The session is in <see cref="SessionMode.Manual"/>.</summary>
         Manual = 6,
-        /// <summary>No candidate; the command goes to the next arm to try.</summary>
+        /// <summary>There is no candidate; the command switches to the next arm to try.</summary>
         Exploring = 7,
-        /// <summary>A metric is not finite.</summary>
+        /// <summary>A measurement is not finite.</summary>
         Rejected = 8,
-        /// <summary>The expected gain is not worth the cost of the switch.</summary>
+        /// <summary>No switch: the expected gain is lower than the cost of the switch.</summary>
         HeldGate = 9,
-        /// <summary>The candidate is not better by as much as matters.</summary>
+        /// <summary>No switch: the candidate is not better by a relevant amount.</summary>
         HeldTie = 12,
     }
 
@@ -60,31 +60,31 @@ namespace Sweepstake
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct Decision
     {
-        /// <summary>In the place of an arm: none.</summary>
+        /// <summary>Value of an arm field for "no arm".</summary>
         public const uint NoArm = uint.MaxValue;
         private const int MaxArms = 32;
 
         internal uint StructSize;
         public DecisionOutcome Outcome;
-        /// <summary>From 1; 0: a daemon's, which tells its commands alone.</summary>
+        /// <summary>Counts from 1; 0 for a decision of a daemon, which sends only its commands.</summary>
         public ulong DecisionId;
-        /// <summary>In nanoseconds on the clock of <see cref="SteadyClock"/>, so that its age is the time since then.</summary>
+        /// <summary>Time of the decision in nanoseconds of <see cref="SteadyClock"/>; the difference to now is its age.</summary>
         public ulong TimeNs;
         public uint ActiveArm;
-        /// <summary>What the policy proposed, or <see cref="NoArm"/>.</summary>
+        /// <summary>The arm that the policy proposed, or <see cref="NoArm"/>.</summary>
         public uint CandidateArm;
-        /// <summary>Of the switch that was commanded; 0: none was.</summary>
+        /// <summary>Id of the commanded switch; 0 if there was none.</summary>
         public ulong CommandId;
-        /// <summary>The arm of the switch, or <see cref="NoArm"/>.</summary>
+        /// <summary>The arm of the commanded switch, or <see cref="NoArm"/>.</summary>
         public uint CommandArm;
         public SwitchReason CommandReason;
         public Verdict Verdict;
-        /// <summary>Of choosing the leader, relative to the best arm's cost.</summary>
+        /// <summary>Expected loss of choosing the leader, relative to the best arm's cost.</summary>
         public double ExpectedLossRatio;
         internal fixed double BestProbability[MaxArms];
 
-        /// <summary>The probability that an arm is the best, 0 to 1; 0 for each: nothing is known.</summary>
-        /// <exception cref="ArgumentOutOfRangeException">There is no such arm.</exception>
+        /// <summary>The probability that an arm is the best, 0 to 1; 0 for every arm if nothing is known.</summary>
+        /// <exception cref="ArgumentOutOfRangeException">The session does not have such an arm.</exception>
         public readonly double ProbabilityOf(int arm)
         {
             if (arm < 0 || arm >= MaxArms)
@@ -93,7 +93,7 @@ namespace Sweepstake
         }
     }
 
-    /// <summary>A posterior of an arm's reward, Beta(Alpha, Beta).</summary>
+    /// <summary>The posterior Beta(Alpha, Beta) of an arm's reward.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct Belief
     {
@@ -104,28 +104,28 @@ namespace Sweepstake
         public readonly double Mean => Alpha / (Alpha + Beta);
     }
 
-    /// <summary>The shadow lane: a thread that measures the arms that are not active, and prepares the next one before a switch.</summary>
+    /// <summary>Mode of the shadow lane, a thread that measures the inactive arms and prepares the next arm before a switch.</summary>
     public enum ShadowMode : uint
     {
         Off = 0,
-        /// <summary>From the first <see cref="SessionMode.Ai"/> on, while there is a spare core.</summary>
+        /// <summary>On from the first <see cref="SessionMode.Ai"/>, while there is a spare core.</summary>
         Auto = 1,
-        /// <summary>In a game that has always been manual too.</summary>
+        /// <summary>On even if the game has always been in <see cref="SessionMode.Manual"/>.</summary>
         On = 2,
     }
 
     public enum ShadowState : uint
     {
-        /// <summary>As asked for.</summary>
+        /// <summary>Switched off by the options.</summary>
         Off = 0,
-        /// <summary>Off: there is nothing to compare.</summary>
+        /// <summary>Off: there is only one arm, so nothing can be compared.</summary>
         OneArm = 1,
-        /// <summary>At rest: the game's threads leave no core.</summary>
+        /// <summary>Inactive: the game's threads use all cores.</summary>
         NoSpareCore = 2,
-        /// <summary><see cref="ShadowMode.Auto"/>, and never in <see cref="SessionMode.Ai"/>.</summary>
+        /// <summary>Inactive: <see cref="ShadowMode.Auto"/> in a session that has never been in <see cref="SessionMode.Ai"/>.</summary>
         Paused = 3,
         Running = 4,
-        /// <summary>The scene does not fit in the lane's memory.</summary>
+        /// <summary>Inactive: the scene does not fit in the lane's memory.</summary>
         TooBig = 5,
     }
 
@@ -135,20 +135,20 @@ namespace Sweepstake
     {
         internal uint StructSize;
         public ShadowState State;
-        /// <summary>Sweeps over the arms that were due.</summary>
+        /// <summary>Sweeps: passes over all arms that were due for measurement.</summary>
         public ulong SweepCount;
-        /// <summary>Visits of one arm each.</summary>
+        /// <summary>Visits: measurements of one arm each.</summary>
         public ulong VisitCount;
-        /// <summary>Of these, those that a cap ended early.</summary>
+        /// <summary>Visits that a limit ended early.</summary>
         public ulong CappedVisitCount;
-        /// <summary>Of the lane's thread, in nanoseconds.</summary>
+        /// <summary>Busy time of the lane's thread in nanoseconds.</summary>
         public ulong BusyTimeNs;
-        /// <summary>Held now.</summary>
+        /// <summary>Memory that the lane holds now.</summary>
         public ulong MemoryBytes;
         public ulong CopiedFrameCount;
-        /// <summary>On the frame thread, in nanoseconds.</summary>
+        /// <summary>Time that copying boxes took on the frame thread, in nanoseconds.</summary>
         public ulong CopyTimeNs;
-        /// <summary>Switches that the lane prepared.</summary>
+        /// <summary>Switches for which the lane had prepared the arm.</summary>
         public ulong WarmSwitchCount;
         public ulong ColdSwitchCount;
     }

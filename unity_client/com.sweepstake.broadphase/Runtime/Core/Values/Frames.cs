@@ -4,11 +4,11 @@ using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
-    /// <summary>Who chooses the backend.</summary>
+    /// <summary>Chooses whether the game or the decider selects the backend.</summary>
     public enum SessionMode : uint
     {
         Manual = 1,
-        /// <summary>AI Decides: the embedded decider or the daemon.</summary>
+        /// <summary>AI Decides: the embedded decider or the daemon selects.</summary>
         Ai = 2,
     }
 
@@ -27,33 +27,34 @@ namespace Sweepstake
         None = 0,
         /// <summary>The backend's structure was rebuilt.</summary>
         Rebuild = 1,
-        /// <summary>The game was paused or in the background; nothing is learnt from the frame.</summary>
+        /// <summary>The game was paused or in the background; the frame is excluded from learning.</summary>
         Paused = 2,
-        /// <summary>A scene was loading; nothing is learnt from the frame.</summary>
+        /// <summary>A scene was loading; the frame is excluded from learning.</summary>
         Loading = 4,
-        /// <summary>Over the bail-out limit.</summary>
+        /// <summary>The frame was longer than the bail-out limit.</summary>
         BailOut = 8,
     }
 
     /// <summary>
-    /// The cost of one frame. Of several searches, times and checks are summed; the counts of bytes, pairs and objects are the latest one's.
+    /// The cost of one frame. If the frame has several searches, times and checks are sums, and the counts of bytes, pairs and objects are those
+    /// of the last search.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct FrameSample
     {
         public ulong FrameIndex;
-        /// <summary>What the game passed to <see cref="BroadPhaseSession.EndFrame"/>, in nanoseconds.</summary>
+        /// <summary>The time that the game passed to <see cref="BroadPhaseSession.EndFrame"/>, in nanoseconds.</summary>
         public ulong FrameTimeNs;
-        /// <summary>To take the boxes and search, in nanoseconds; 0 without a search.</summary>
+        /// <summary>Time to update the boxes and search, in nanoseconds; 0 without a search.</summary>
         public ulong DetectionTimeNs;
         public ulong AabbCheckCount;
-        /// <summary>Held by the backend's own buffers.</summary>
+        /// <summary>Memory of the backend's own buffers.</summary>
         public ulong NativeBytes;
         public uint PairCount;
         public uint ObjectCount;
         /// <summary>Index in <see cref="BroadPhaseSession.Arms"/>.</summary>
         public uint Arm;
-        /// <summary>Executed switches before this frame.</summary>
+        /// <summary>Number of switches executed before this frame.</summary>
         public uint SwitchEpoch;
         public FrameFlags Flags;
         internal uint Reserved;
@@ -62,13 +63,13 @@ namespace Sweepstake
     [StructLayout(LayoutKind.Sequential)]
     public struct SwitchCommand
     {
-        /// <summary>0: a switch of the game's own.</summary>
+        /// <summary>0: the game selected the arm itself.</summary>
         public ulong CommandId;
         public uint Arm;
         public SwitchReason Reason;
     }
 
-    /// <summary>How a switch went.</summary>
+    /// <summary>The result of a switch.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct SwitchOutcome
     {
@@ -86,19 +87,19 @@ namespace Sweepstake
         public readonly bool IsExecuted => Executed != 0;
     }
 
-    /// <summary>What the latest build or update and search of a <see cref="BroadPhaseWorld"/> took.</summary>
+    /// <summary>The cost of the latest build or update and search of a <see cref="BroadPhaseWorld"/>.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct WorldCounters
     {
         internal uint StructSize;
         public uint ObjectCount;
         public ulong AabbCheckCount;
-        /// <summary>Held by the backend's own buffers.</summary>
+        /// <summary>Memory of the backend's own buffers.</summary>
         public ulong NativeBytes;
-        /// <summary>In nanoseconds.</summary>
+        /// <summary>Time of the search in nanoseconds.</summary>
         public ulong DetectionTimeNs;
         public ulong PairCount;
-        /// <summary>Raised by each change of the backend that could alter its cost.</summary>
+        /// <summary>Version of the backend's code; incremented by changes that may alter its cost.</summary>
         public uint BackendVersion;
         internal uint Reserved;
     }

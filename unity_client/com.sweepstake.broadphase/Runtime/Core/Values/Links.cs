@@ -3,29 +3,29 @@ using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
-    /// <summary>How a session stands with its daemon.</summary>
+    /// <summary>The state of the connection between a session and its daemon.</summary>
     public enum LinkState : uint
     {
         Offline = 0,
-        /// <summary>From the stream's opening to the daemon's welcome.</summary>
+        /// <summary>The stream is open, but the daemon has not sent its welcome message.</summary>
         Connecting = 1,
         Online = 2,
-        /// <summary>It has ended: there is no further stream.</summary>
+        /// <summary>The link has ended and does not open another stream.</summary>
         Closed = 4,
     }
 
-    /// <summary>What the link wants done with its stream.</summary>
+    /// <summary>What the caller has to do with the stream.</summary>
     public enum LinkAction : uint
     {
         None = 0,
         Send = 1,
-        /// <summary>There are no more messages: end writing, and read until the end.</summary>
+        /// <summary>All messages are written: end the writing side, and read until the end.</summary>
         Finish = 2,
         /// <summary>End the stream at once.</summary>
         Cancel = 3,
     }
 
-    /// <summary>A text that a link has.</summary>
+    /// <summary>The texts that a link provides.</summary>
     public enum LinkText : uint
     {
         LastError = 0,
@@ -35,36 +35,36 @@ namespace Sweepstake
         Policy = 4,
     }
 
-    /// <summary>What a link has done since it was made.</summary>
+    /// <summary>Counters of a link since it was created.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct LinkStats
     {
         internal uint StructSize;
         public LinkState State;
         public ulong SentFrameCount;
-        /// <summary>Refused by the daemon.</summary>
+        /// <summary>Frames that the daemon refused.</summary>
         public ulong DiscardedFrameCount;
         public ulong SentSequence;
-        /// <summary>Messages up to this one are on the daemon's disk.</summary>
+        /// <summary>Messages up to this sequence number are on the daemon's disk.</summary>
         public ulong AcknowledgedSequence;
-        /// <summary>Welcomes.</summary>
+        /// <summary>Number of welcome messages received.</summary>
         public ulong ConnectionCount;
         public ulong ResumedCount;
         public ulong ResentMessageCount;
         /// <summary>Switches that the daemon commanded.</summary>
         public ulong CommandCount;
-        /// <summary>Of a newer protocol, passed over.</summary>
+        /// <summary>Messages of a newer protocol, which were skipped.</summary>
         public ulong UnknownMessageCount;
-        /// <summary>Sources in the priors it started from.</summary>
+        /// <summary>Number of sources in the loaded priors.</summary>
         public ulong PriorSourceCount;
-        /// <summary>Of the daemon's draws.</summary>
+        /// <summary>Seed of the daemon's random draws.</summary>
         public ulong Seed;
         internal uint PriorsUnavailable;
         internal uint AwaitsAcknowledgement;
 
-        /// <summary>The daemon could not read all of its priors.</summary>
+        /// <summary>Whether the daemon failed to read some of its priors.</summary>
         public readonly bool ArePriorsUnavailable => PriorsUnavailable != 0;
-        /// <summary>Nothing is sent before the daemon acknowledges.</summary>
+        /// <summary>Whether sending waits for the daemon's acknowledgement.</summary>
         public readonly bool IsAwaitingAcknowledgement => AwaitsAcknowledgement != 0;
     }
 }

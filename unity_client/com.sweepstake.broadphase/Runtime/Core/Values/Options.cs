@@ -5,18 +5,20 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
-    /// <summary>Start from <see cref="Default"/>.</summary>
+    /// <summary>Options of a <see cref="BroadPhaseWorld"/>. Start from <see cref="Default"/>.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct WorldOptions
     {
         internal uint StructSize;
-        /// <summary>0 or 1: the calling thread alone searches; up to 256: with a pool of so many threads. The pairs do not depend on it.</summary>
+        /// <summary>
+        /// Threads that search: 0 or 1 for the calling thread only, up to 256 for a pool of threads. The pairs do not depend on it.
+        /// </summary>
         public uint ThreadCount;
         internal IntPtr Executor;
         internal uint SortedPairs;
         internal uint Reserved;
 
-        /// <summary>Pairs ascend by A and then B, whatever the backend.</summary>
+        /// <summary>Sorts pairs by A and then B with every backend.</summary>
         public bool IsSorted
         {
             readonly get => SortedPairs != 0;
@@ -35,7 +37,7 @@ namespace Sweepstake
         }
     }
 
-    /// <summary>Start from <see cref="Default"/>.</summary>
+    /// <summary>Options of a <see cref="ProxySet"/>. Start from <see cref="Default"/>.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct ProxySetOptions
     {
@@ -45,18 +47,20 @@ namespace Sweepstake
         /// <summary>As in <see cref="WorldOptions"/>.</summary>
         public uint ThreadCount;
         internal IntPtr Executor;
-        /// <summary>In world units: a pair's end is told when the boxes are farther apart on an axis. The pairs themselves stay exact.</summary>
+        /// <summary>
+        /// In world units: the end event of a pair waits until the boxes are farther apart than this on one axis. Pairs stay exact.
+        /// </summary>
         public float EventMargin;
         internal uint Reserved;
 
-        /// <summary>Fills <see cref="ProxySet.Added"/> and <see cref="ProxySet.Removed"/>.</summary>
+        /// <summary>Whether <see cref="ProxySet.Added"/> and <see cref="ProxySet.Removed"/> are filled.</summary>
         public bool HasPairEvents
         {
             readonly get => PairEvents != 0;
             set => PairEvents = value ? 1u : 0u;
         }
 
-        /// <summary>Ascending pairs, whatever the backend; implied by events.</summary>
+        /// <summary>Sorts pairs with every backend; implied by events.</summary>
         public bool IsSorted
         {
             readonly get => SortedPairs != 0;
@@ -76,7 +80,8 @@ namespace Sweepstake
     }
 
     /// <summary>
-    /// Start from <see cref="Default"/>. Lengths in world units, times in seconds. Which scene uses which: the documentation of scenes.
+    /// Options of a <see cref="MotionScene"/>. Start from <see cref="Default"/>. Lengths are in world units, times in seconds. The
+    /// documentation of the scenes lists which scene uses which option.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct SceneOptions
@@ -84,22 +89,22 @@ namespace Sweepstake
         internal uint StructSize;
         /// <summary>0 to 16,777,216.</summary>
         public uint ObjectCount;
-        /// <summary>Of sizes and spawn positions.</summary>
+        /// <summary>Seed of sizes and spawn positions.</summary>
         public ulong SpawnSeed;
-        /// <summary>Of start velocities, directions and kicks.</summary>
+        /// <summary>Seed of start velocities, directions and kicks.</summary>
         public ulong MotionSeed;
-        /// <summary>The world is ± this on each axis.</summary>
+        /// <summary>The world extends from minus this value to this value on each axis.</summary>
         public float WorldHalfExtent;
-        /// <summary>Of one step.</summary>
+        /// <summary>Duration of one step.</summary>
         public float FixedStepS;
-        /// <summary>Half of a box's size on each axis is drawn from here to the next one.</summary>
+        /// <summary>Lower limit of the random half extent of a box on each axis; HalfExtentMax is the upper limit.</summary>
         public float HalfExtentMin;
         public float HalfExtentMax;
-        /// <summary>Characteristic speed, units/s.</summary>
+        /// <summary>Characteristic speed in units/s.</summary>
         public float Speed;
-        /// <summary>Units/s².</summary>
+        /// <summary>Acceleration in units/s².</summary>
         public float Gravity;
-        /// <summary>Of rotating-gravity: time per direction.</summary>
+        /// <summary>Time per direction of gravity in the scene rotating-gravity.</summary>
         public float DirectionIntervalS;
         internal uint Reserved;
 

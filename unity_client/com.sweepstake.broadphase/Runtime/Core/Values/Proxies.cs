@@ -4,11 +4,13 @@ using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
-    /// <summary>Names a proxy of a <see cref="ProxySet"/>. A handle of a removed proxy is refused, also after its id has a new owner.</summary>
+    /// <summary>
+    /// Handle of a proxy in a <see cref="ProxySet"/>. The handle of a removed proxy stays invalid even if its id is used again.
+    /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct ProxyHandle : IEquatable<ProxyHandle>
     {
-        /// <summary>As the C ABI has it; 0 is no proxy.</summary>
+        /// <summary>The handle in the C ABI; 0 for no proxy.</summary>
         public ulong Value;
 
         public ProxyHandle(ulong value)
@@ -17,7 +19,7 @@ namespace Sweepstake
         }
 
         public static ProxyHandle None => default;
-        /// <summary>Its id in pairs while it lives.</summary>
+        /// <summary>The id of the proxy in pairs while it exists.</summary>
         public readonly uint Id => (uint)Value;
         public readonly bool IsNone => Value == 0;
         /// <summary>Whether it was added as static.</summary>
@@ -30,7 +32,7 @@ namespace Sweepstake
         public static bool operator !=(ProxyHandle a, ProxyHandle b) => a.Value != b.Value;
     }
 
-    /// <summary>Two proxies may form a pair when the category of each shares a bit with the mask of the other.</summary>
+    /// <summary>Two proxies can form a pair if the category of each shares a bit with the mask of the other.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct ProxyFilter
     {
@@ -43,7 +45,7 @@ namespace Sweepstake
             Mask = mask;
         }
 
-        /// <summary>Passes with everything but a proxy without a category or a mask.</summary>
+        /// <summary>Matches every proxy that has a category and a mask.</summary>
         public static ProxyFilter All => new ProxyFilter(uint.MaxValue, uint.MaxValue);
     }
 
@@ -51,20 +53,20 @@ namespace Sweepstake
     public enum ProxyFlags : uint
     {
         None = 0,
-        /// <summary>Paired with moving and sleeping proxies only.</summary>
+        /// <summary>Pairs with moving and sleeping proxies only.</summary>
         Static = 1,
-        /// <summary>Only read: see <see cref="ProxySet.SetSleeping"/>.</summary>
+        /// <summary>Read-only: see <see cref="ProxySet.SetSleeping"/>.</summary>
         Sleeping = 2,
     }
 
     [StructLayout(LayoutKind.Sequential)]
     public struct ProxyOptions
     {
-        /// <summary>One of zeros passes with nothing.</summary>
+        /// <summary>A filter of zeros matches nothing.</summary>
         public ProxyFilter Filter;
         public ProxyFlags Flags;
         internal uint Reserved;
-        /// <summary>Any value of the game's own, such as an instance id.</summary>
+        /// <summary>Any value of the game, such as an instance id.</summary>
         public ulong User;
 
         public ProxyOptions(ProxyFilter filter, ProxyFlags flags = ProxyFlags.None, ulong user = 0)
@@ -84,7 +86,10 @@ namespace Sweepstake
         public ProxyHandle B;
     }
 
-    /// <summary>The points origin + t · direction, t from 0 to MaxDistance: world units where the direction has length 1. All values are finite.</summary>
+    /// <summary>
+    /// The points origin + t · direction with t from 0 to MaxDistance (in world units if the direction has length 1). All values are
+    /// finite.
+    /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct RayQuery
     {
@@ -97,7 +102,7 @@ namespace Sweepstake
         public float MaxDistance;
     }
 
-    /// <summary>The points up to Radius (0 to 1e19) from the center; all values are finite.</summary>
+    /// <summary>The ball with a radius from 0 to 1e19 around the center; all values are finite.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct SphereQuery
     {
@@ -107,7 +112,7 @@ namespace Sweepstake
         public float Radius;
     }
 
-    /// <summary>A valid box at all places from where it is to where the translation takes it.</summary>
+    /// <summary>A valid box that moves along the translation.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct BoxSweepQuery
     {
@@ -120,9 +125,12 @@ namespace Sweepstake
     [StructLayout(LayoutKind.Sequential)]
     public struct QueryHit
     {
-        /// <summary><see cref="ProxyHandle.None"/>: nothing was hit.</summary>
+        /// <summary><see cref="ProxyHandle.None"/> if nothing was hit.</summary>
         public ProxyHandle Proxy;
-        /// <summary>The t at which the ray enters the box, or the part of its way after which a swept box touches it; 0 if it starts inside.</summary>
+        /// <summary>
+        /// The t at which the ray enters the box, or the fraction of the translation at which the moving box touches it; 0 if it starts
+        /// inside.
+        /// </summary>
         public float Distance;
         internal uint Reserved;
     }
