@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Writes the C# imports of the C ABI, and the table that a layout is checked by, from the C headers and their golden layouts.
+"""Writes the C# imports of the C ABI and the checks of struct layouts, from the C headers and their golden layouts.
 
     make_bindings.py ROOT           writes Runtime/Core/LowLevel/NativeMethods.cs and NativeLayouts.cs of the package
-    make_bindings.py ROOT --check   fails when they are not what this would write
+    make_bindings.py ROOT --check   fails if the files differ from what this would write
 
-The structs are written by hand, with their documentation, and named in STRUCTS; a field has the C name in PascalCase, an array of three
-floats becomes three fields with X, Y and Z at their ends. Callbacks of the library into managed code are left out on purpose: a domain
-reload leaves them behind, so executors and hooks stay native.
+The C# structs are written by hand, with their documentation, and listed in STRUCTS. A field has the C name in PascalCase; an array of
+three floats becomes three fields that end with X, Y and Z. Callbacks from the library into managed code are left out on purpose: they would
+not survive a domain reload, so executors and hooks stay native.
 """
 
 import pathlib
@@ -17,7 +17,7 @@ HEADERS = "engine_client/include/sweepstake"
 GOLDEN = "tests/engine_client/c_api/golden"
 OUTPUT = "unity_client/com.sweepstake.broadphase/Runtime/Core/LowLevel"
 
-# swp_struct's name of each C struct and the C# struct that stands for it.
+# The name of each C struct and of its C# counterpart.
 STRUCTS = {
     "swp_aabb": "Aabb", "swp_pair": "OverlapPair", "swp_world_options": "WorldOptions", "swp_counters": "WorldCounters",
     "swp_session_options": "NativeSessionOptions", "swp_frame_sample": "FrameSample", "swp_switch_command": "SwitchCommand",
@@ -27,7 +27,7 @@ STRUCTS = {
     "swp_ray_hit": "QueryHit", "swp_scene_options": "SceneOptions", "swp_link_options": "NativeLinkOptions",
     "swp_link_stats": "LinkStats", "swp_decision": "Decision", "swp_sphere": "SphereQuery", "swp_box_sweep": "BoxSweepQuery",
 }
-# Native code that calls managed code.
+# Structs of callbacks from native into managed code.
 LEFT_OUT = {"swp_executor", "swp_hooks"}
 HANDLES = {"swp_world", "swp_session", "swp_proxies", "swp_scene", "swp_link"}
 SCALARS = {
@@ -83,7 +83,7 @@ def parameters(text):
 
 
 def functions(root):
-    """(header, return type, name, parameters) of each function, callbacks left out."""
+    """Yields (header, return type, name, parameters) of each function without callbacks."""
     for header in sorted((root / HEADERS).glob("c_*.h")):
         text = COMMENT.sub(" ", header.read_text(encoding="utf-8"))
         for returned, name, arguments in FUNCTION.findall(text):
@@ -101,9 +101,9 @@ using System.Runtime.InteropServices;
 namespace Sweepstake.LowLevel
 {
     /// <summary>
-    /// The functions of the C ABI under their own names, for jobs and Burst; the C headers in Native~/include say what each of them does.
-    /// Pointers and scalars only: nothing is marshalled, nothing allocates. Everything else takes the classes of
-    /// <see cref="Sweepstake"/>, which check results and own what they make.
+    /// The functions of the C ABI under their own names, for jobs and Burst; the C headers in Native~/include document them. They use
+    /// pointers and scalars only, so nothing is marshalled and nothing allocates. All other code uses the classes of
+    /// <see cref="Sweepstake"/>, which check results and own the native objects.
     /// </summary>
     public static unsafe class NativeMethods
     {
@@ -162,12 +162,12 @@ def layouts_file(root):
     layouts = Layouts(root)
     unknown = set(layouts.sizes) - set(STRUCTS) - LEFT_OUT
     if unknown:
-        raise SystemExit(f"make_bindings.py: name the C# structs of {', '.join(sorted(unknown))} in STRUCTS")
+        raise SystemExit(f"make_bindings.py: add the C# structs of {', '.join(sorted(unknown))} to STRUCTS")
     structs = [struct for struct in sorted(layouts.sizes, key=layouts.numbers.get) if struct in STRUCTS]
     text = HEAD + f"""\
 namespace Sweepstake.LowLevel
 {{
-    /// <summary>Where the C compilers put each field, to compare with what this runtime does and with the library that is loaded.</summary>
+    /// <summary>The offset of each field in C, to compare with this runtime and with the loaded library.</summary>
     internal static unsafe class NativeLayouts
     {{
         /// <summary>SWP_ABI_VERSION of the headers.</summary>
@@ -194,7 +194,7 @@ def main(arguments):
         if not check:
             path.write_text(text, encoding="utf-8")
         elif not path.is_file() or path.read_text(encoding="utf-8") != text:
-            print(f"{path} is not what the C headers say; run unity_client/tools/make_bindings.py {root}")
+            print(f"{path} does not match the C headers; run unity_client/tools/make_bindings.py {root}")
             stale = 1
     return stale
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Gives each file and folder of the Unity package that has none its .meta, with a GUID made of its path.
+"""Writes the missing .meta of each file and folder of the Unity package, with a GUID derived from its path.
 
-    make_metas.py PACKAGE           writes what is missing; a .meta that is there stays, so that a GUID outlives a rename (git mv both)
-    make_metas.py PACKAGE --check   fails when one is missing, belongs to nothing, or has the GUID of another
+    make_metas.py PACKAGE           writes missing files; an existing .meta stays, so that a GUID survives a rename (git mv both)
+    make_metas.py PACKAGE --check   fails if one is missing, belongs to nothing, or has the GUID of another
 
-Unity takes no file whose name begins with a dot and no folder whose name ends with ~. The samples in Samples~ have metas all the same: they
-are copied into a project together, and a sample's scene finds its scripts by their GUIDs. Plug-ins are placed by a build and are not in the
-repository: their metas, which say for which platform each of them is, are in plugin_metas, and a build places them with their plug-in.
+Unity ignores files whose name begins with a dot and folders whose name ends with ~. The samples in Samples~ need metas nevertheless: they
+are copied into a project together with them, and a sample's scene finds its scripts by their GUIDs. Plug-ins are not in the repository. Their
+metas, which select the platform of each plug-in, are in plugin_metas, and a build installs them together with the plug-in.
 """
 
 import hashlib
@@ -17,7 +17,7 @@ import sys
 PACKAGE = "com.sweepstake.broadphase"
 GUID = re.compile(r"^guid: ([0-9a-f]{32})$", re.MULTILINE)
 
-# Laid out as the package is: the metas of what a build places.
+# The metas of plug-ins, in the same folder structure as the package.
 TEMPLATES = pathlib.Path(__file__).resolve().parent / "plugin_metas"
 
 FOLDER = """\
@@ -54,7 +54,7 @@ guid: {guid}
 """
 IMPORTERS = {".asmdef": "AssemblyDefinitionImporter", ".md": "TextScriptImporter", ".json": "TextScriptImporter", ".txt": "TextScriptImporter",
              ".shader": "ShaderImporter"}
-# Unity's own importer of style sheets is a script of the editor.
+# Unity's importer of style sheets is a script of the editor, which the GUID names.
 STYLE = """\
 fileFormatVersion: 2
 guid: {guid}
@@ -71,12 +71,12 @@ ScriptedImporter:
 
 
 def template(asset):
-    """The meta of a plug-in or of a folder for them; there is none for other assets."""
+    """The template of the meta of a plug-in or of its folder; the file does not exist for other assets."""
     return TEMPLATES / f"{asset}.meta"
 
 
 def is_seen(path):
-    """Whether Unity imports it, there or, a sample, where it is copied to."""
+    """Whether Unity imports the file; a sample is imported after it was copied into a project."""
     parts = path.parts[1:] if path.parts[0] == "Samples~" else path.parts
     return bool(parts) and not any(part.startswith(".") or part.endswith("~") for part in parts)
 

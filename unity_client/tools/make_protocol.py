@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the C# messages and stubs of proto/ that the Unity package ships, by the compiler of the NuGet package Grpc.Tools.
+"""Writes the C# messages and stubs of proto/ that the Unity package ships, with the compiler of the NuGet package Grpc.Tools.
 
     make_protocol.py ROOT           writes Runtime/Protocol/Generated of the package
-    make_protocol.py ROOT --check   fails when it is not what this would write
+    make_protocol.py ROOT --check   fails if the files differ from what this would write
 
-Grpc.Tools is where `dotnet restore unity_client/dotnet/protocol` has put it; that project names its version.
+`dotnet restore unity_client/dotnet/protocol` installs Grpc.Tools; that project sets its version.
 """
 
 import os
@@ -17,7 +17,7 @@ import tempfile
 
 PROJECT = "unity_client/dotnet/protocol/Sweepstake.Protocol.csproj"
 OUTPUT = "unity_client/com.sweepstake.broadphase/Runtime/Protocol/Generated"
-# A game speaks telemetry; the editor reads posteriors and carries priors.
+# A game uses telemetry and its imports; the editor reads posteriors and transfers priors.
 FILES = ["events", "recordings", "telemetry", "posteriors", "priors"]
 
 
@@ -66,7 +66,7 @@ def main(arguments):
         return 0
     stale = sorted(name for name in made.keys() | committed.keys() if made.get(name) != committed.get(name))
     for name in stale:
-        print(f"{OUTPUT}/{name} is not what proto/ says; run unity_client/tools/make_protocol.py")
+        print(f"{OUTPUT}/{name} does not match proto/; run unity_client/tools/make_protocol.py")
     return 1 if stale else 0
 
 

@@ -4,7 +4,7 @@ using UnityEditor;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>Ends what is native before the managed code is loaded anew, at the end of play mode, and when the editor quits.</summary>
+    /// <summary>Ends the native objects before a domain reload, at the end of play mode, and when the editor quits.</summary>
     [InitializeOnLoad]
     internal static class EditorLifetime
     {

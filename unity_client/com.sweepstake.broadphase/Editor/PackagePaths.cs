@@ -6,7 +6,7 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>Where the package's own files are.</summary>
+    /// <summary>The paths of the package's own files.</summary>
     internal static class PackagePaths
     {
         internal const string Package = "Packages/com.sweepstake.broadphase/";

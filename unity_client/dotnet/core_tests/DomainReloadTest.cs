@@ -9,12 +9,12 @@ using NUnit.Framework;
 namespace Sweepstake.Tests
 {
     /// <summary>
-    /// What Unity does at each change of a script: the managed code is loaded anew into the same process, its statics are as on the first day,
-    /// and nobody disposes of what the former code held. The native library stays.
+    /// Simulates what Unity does after each change of a script: it loads the managed code again into the same process. Statics are reset, nothing
+    /// disposes of the objects of the former code, and the native library stays.
     /// </summary>
     public sealed class DomainReloadTest
     {
-        // To load code anew takes long, so each domain ends ten times.
+        // Loading the code again is slow, so each domain plays and ends ten times.
         private const int Domains = 100;
         private const int EndsOfEach = 10;
         private const int PatienceMs = 120_000;
@@ -29,7 +29,7 @@ namespace Sweepstake.Tests
             for (int domain = 0; domain < Domains; ++domain)
             {
                 PlayInANewDomain();
-                Assert.That(SweepstakeLibrary.LiveCount(), Is.GreaterThan(0), "the last end of each is without a word");
+                Assert.That(SweepstakeLibrary.LiveCount(), Is.GreaterThan(0), "the last end of each domain leaves objects behind");
             }
             Eventually.ShutsDown();
             Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0));
@@ -37,7 +37,9 @@ namespace Sweepstake.Tests
             Eventually.HasAtMostThreads(threadsBefore);
         }
 
-        /// <summary>Runs in a domain of its own. The last end is without a word, as after an error; the next domain begins by ending what was left.</summary>
+        /// <summary>
+        /// Runs in its own domain. Its last end calls no Shutdown, as after an error; the next domain first ends what was left.
+        /// </summary>
         public static void PlayAndEnd()
         {
             if (!SweepstakeLibrary.Shutdown(PatienceMs) || SweepstakeLibrary.LiveCount() != 0)

@@ -9,7 +9,7 @@ using NUnit.Framework;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>A library that is missing or of another ABI is an error that says what to do.</summary>
+    /// <summary>A missing library or one with another ABI gives an error that says what to do.</summary>
     public sealed class WrongLibraryTest
     {
         private string folder;
@@ -63,7 +63,7 @@ namespace Sweepstake.Tests
             return NativeLibrary.Load(library);
         }
 
-        /// <summary>What a freshly loaded package says of the library that `load` gives.</summary>
+        /// <summary>Checks the problem that a newly loaded package reports for the library that `load` returns.</summary>
         private static void AssertProblem(Func<IntPtr> load, string problem, string remedy)
         {
             var domain = new AssemblyLoadContext("wrong library", isCollectible: true);

@@ -11,7 +11,7 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Games and a real daemon, over real gRPC.</summary>
+    /// <summary>Games with a real daemon over real gRPC.</summary>
     public sealed class ConnectionTest
     {
         [Test]
@@ -25,7 +25,7 @@ namespace Sweepstake.Tests
             Assert.That(game.Status.Policy, Is.EqualTo("paper"));
             game.PlayUntil(() => game.Session.SwitchEpoch > 0, "switched by the daemon");
             Assert.That(game.Status.Stats.CommandCount, Is.GreaterThan(0));
-            game.PlayUntil(() => game.Status.Beliefs.Length == 3, "told the posteriors");
+            game.PlayUntil(() => game.Status.Beliefs.Length == 3, "updated with the posteriors");
             game.WaitForAcknowledgement();
             Assert.That(game.Session.LastDecision.CommandId, Is.GreaterThan(0));
             Assert.That(game.Connection.Stop(60_000), Is.True);
@@ -40,7 +40,7 @@ namespace Sweepstake.Tests
             using (var probe = new DaemonProcess())
                 address = probe.Address;
             using Game game = Game.At(address);
-            game.PlayUntil(() => game.Status.LastError.Length > 0, "told that nobody is there");
+            game.PlayUntil(() => game.Status.LastError.Length > 0, "shown that the daemon is absent");
             Assert.That(game.Status.State, Is.Not.EqualTo(LinkState.Online));
             using var daemon = new DaemonProcess(null, Array.Empty<string>(), address);
             game.PlayUntilOnline();
@@ -76,7 +76,7 @@ namespace Sweepstake.Tests
             game.PlayUntilOnline();
             game.WaitForAcknowledgement();
             daemon.Pause();
-            game.PlayUntil(() => game.Session.DroppedSampleCount > 1000, "dropping what the daemon does not take");
+            game.PlayUntil(() => game.Session.DroppedSampleCount > 1000, "dropping frames that the daemon does not read");
             Assert.That(game.Session.LastSample.FrameIndex, Is.EqualTo(game.FrameCount - 1), "each frame was played to its end");
             daemon.Continue();
             game.WaitForAcknowledgement();
@@ -148,7 +148,7 @@ namespace Sweepstake.Tests
             using (AsyncServerStreamingCall<WatchPosteriorsResponse> watch = client.Posteriors.WatchPosteriors(new WatchPosteriorsRequest { Project = "unity" }))
             {
                 Task<DecisionEvent> decided = FirstDecision(watch.ResponseStream, end.Token);
-                game.PlayUntil(() => decided.IsCompleted, "decided before the watcher's eyes");
+                game.PlayUntil(() => decided.IsCompleted, "decided while the watcher reads");
                 Assert.That((await decided).SessionId, Is.EqualTo(game.Status.SessionId));
             }
 
@@ -159,7 +159,9 @@ namespace Sweepstake.Tests
             Assert.That(missing.StatusCode, Is.EqualTo(StatusCode.NotFound));
         }
 
-        /// <summary>The policy of the paper draws from posteriors that know nothing at first: it tries other arms, whatever they cost.</summary>
+        /// <summary>
+        /// The policy "paper" samples from posteriors without evidence at first, so it tries other arms whatever they cost.
+        /// </summary>
         private static void ExploresFast(LinkOptions options)
         {
             options.Policy = "paper";
@@ -204,7 +206,7 @@ namespace Sweepstake.Tests
 
         private static int Descriptors() => Directory.GetFileSystemEntries("/proc/self/fd").Length;
 
-        /// <summary>Says that it speaks version 99 alone.</summary>
+        /// <summary>Offers protocol version 99 only.</summary>
         private sealed class NewerGame : ITelemetryTransport, ITelemetryStream
         {
             private readonly ITelemetryTransport transport;

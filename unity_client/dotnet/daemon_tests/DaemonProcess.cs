@@ -7,10 +7,12 @@ using NUnit.Framework;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>A real sweepstaked in a folder of its own, which a restart keeps.</summary>
+    /// <summary>A real sweepstaked with its own folder, which is kept over a restart.</summary>
     internal sealed class DaemonProcess : IDisposable
     {
-        /// <summary>This machine, by an address that no other test has: the port of a daemon that has ended stays free for its successor.</summary>
+        /// <summary>
+        /// A loopback address that no other test uses, so that the port of a stopped daemon stays free for its successor.
+        /// </summary>
         internal static readonly IPAddress Host = new IPAddress(
             new byte[] { 127, (byte)(1 + (Environment.ProcessId >> 16)), (byte)(Environment.ProcessId >> 8), (byte)Environment.ProcessId });
 
@@ -22,7 +24,7 @@ namespace Sweepstake.Tests
         {
         }
 
-        /// <param name="prepare">What is done to the data folder before the first start, such as to make a token.</param>
+        /// <param name="prepare">Runs on the data folder before the first start, for example to create a token.</param>
         internal DaemonProcess(Action<DaemonProcess> prepare, string[] moreArguments, string listen = null)
         {
             this.moreArguments = moreArguments;
@@ -33,10 +35,10 @@ namespace Sweepstake.Tests
 
         internal string Folder { get; }
         internal string Address { get; private set; }
-        /// <summary>With --http.</summary>
+        /// <summary>Set only with --http.</summary>
         internal string HttpAddress { get; private set; }
 
-        /// <summary>The build tree whose programs are tested.</summary>
+        /// <summary>The path of a program in the build tree under test.</summary>
         internal static string Program(string name)
         {
             string build = Environment.GetEnvironmentVariable("UNITY_CLIENT_BUILD") ??
@@ -62,7 +64,7 @@ namespace Sweepstake.Tests
 
         internal void Restart() => Start(Address);
 
-        /// <summary>With nothing of what it has learnt.</summary>
+        /// <summary>Restarts the daemon without what it has learnt.</summary>
         internal void BeginAnew()
         {
             Kill();

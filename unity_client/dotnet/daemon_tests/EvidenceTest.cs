@@ -14,18 +14,18 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>The same run over both transports is the same evidence on the daemon's disk.</summary>
+    /// <summary>The same run over both transports gives the same evidence on the daemon's disk.</summary>
     public sealed class EvidenceTest
     {
-        // The last of these members of a run in the audit log are those of its window.
+        // The last WindowMembers members of a "run" row in the audit log describe its window.
         private const int WindowMembers = 12;
-        // The member of a visit in the audit log that is its arm; the first is the frame it began with.
+        // Index of the arm among the members of a visit in the audit log; member 0 is the index of its first frame.
         private const int VisitArm = 5;
         private static readonly int[] Summed = { 0, 1, 2, 3, 5, 8, 9, 10 };
-        // So few that a decision gets no more visits of the lane at once than it takes.
+        // Small enough that a decision never receives more lane visits at once than it accepts.
         private const ulong MessagesAhead = 4;
         private const int Attempts = 10;
-        // DecisionSession::kMaxShadowSamples: a decision that comes too late for them passes over all but the latest.
+        // Equals DecisionSession::kMaxShadowSamples: a late decision uses only that many of the latest visits.
         private const int VisitsOfALateDecision = 256;
         private static readonly TimeSpan AfterTheLastFrame = TimeSpan.FromSeconds(1);
 
@@ -53,14 +53,16 @@ namespace Sweepstake.Tests
             double[] learnt = WindowSums(overCpp);
             Assert.That(WindowSums(overCSharp), Is.EqualTo(learnt));
             double frames = sent.Where(message => message.FrameBatch != null).Sum(message => message.FrameBatch.FrameTimeNs.Count);
-            Assert.That(learnt[0], Is.GreaterThan(0).And.LessThanOrEqualTo(frames), "those that settle are not learnt from");
+            Assert.That(learnt[0], Is.GreaterThan(0).And.LessThanOrEqualTo(frames), "settling frames are excluded from learning");
         }
 
-        /// <summary>When each daemon decides is its own affair, and so is how it cuts frames into windows. What it decides from is the game's.</summary>
+        /// <summary>
+        /// The daemons may decide at different times and divide frames into windows differently. The input of their decisions is the same.
+        /// </summary>
         [Test]
         public async Task ARunOfAiDecidesWithTheLaneIsTheSameEvidenceToo()
         {
-            // So many objects that BruteForce, which grows with their square, is worth leaving on any machine.
+            // So many objects that it pays on every machine to leave BruteForce, whose cost is quadratic.
             await PlayBothWays("--objects", "10000", "--mode", "ai", "--arm", "BruteForce", "--shadow", "on", "--duration", "4s");
             string[] switches = Switches(overCpp);
             Assert.That(switches, Is.Not.Empty, "the daemon has decided");
@@ -70,7 +72,7 @@ namespace Sweepstake.Tests
             Assume.That(visits, Is.Not.Empty, "the lane needs a second processor");
         }
 
-        /// <summary>Plays over C++ to one daemon, and sends the same messages over C# to the other one; returns them.</summary>
+        /// <summary>Plays over C++ to one daemon, and sends the same messages over C# to the other one; returns the messages.</summary>
         private async Task<StreamTelemetryRequest[]> PlayBothWays(params string[] arguments)
         {
             List<byte[]> played = await PlayInTime(overCpp, address => PlayOverCpp(arguments, address));
@@ -82,7 +84,7 @@ namespace Sweepstake.Tests
             return played.Select(Sent).ToArray();
         }
 
-        /// <summary>Plays until the daemon was in time; returns the messages.</summary>
+        /// <summary>Repeats the game until the daemon was in time; returns the messages.</summary>
         private static async Task<List<byte[]>> PlayInTime(DaemonProcess daemon, Func<string, Task> play)
         {
             for (int attempt = 0; attempt < Attempts; ++attempt)
@@ -106,8 +108,8 @@ namespace Sweepstake.Tests
         }
 
         /// <summary>
-        /// A game waits two seconds for the end. A daemon that is late loses visits of the lane in two ways, and in no other: those after its
-        /// last decision, and those for which a decision had no room.
+        /// A game waits two seconds for the end. A late daemon loses lane visits only in two ways: those after its last decision, and those that did
+        /// not fit into a decision.
         /// </summary>
         private static bool WasInTime(DaemonProcess daemon, List<byte[]> played)
         {
@@ -132,7 +134,7 @@ namespace Sweepstake.Tests
         private static StreamTelemetryRequest Sent(byte[] message) => StreamTelemetryRequest.Parser.ParseFrom(message);
 
         /// <summary>
-        /// Sends these messages as they are, some of them ahead of their acknowledgement as a game does, and the goodbye once all else is
+        /// Sends these messages unchanged, some of them ahead of their acknowledgement as a game does, and the goodbye after all others are
         /// acknowledged.
         /// </summary>
         private static async Task Replay(List<byte[]> messages, string address)
@@ -168,7 +170,7 @@ namespace Sweepstake.Tests
 
         private static StreamTelemetryResponse Parsed(byte[] response) => StreamTelemetryResponse.Parser.ParseFrom(response);
 
-        /// <summary>What the daemon has taken from games.</summary>
+        /// <summary>The daemon's counters of what it received from games.</summary>
         private static string[] Counters(DaemonProcess daemon)
         {
             using var browser = new HttpClient();
@@ -176,7 +178,7 @@ namespace Sweepstake.Tests
             return lines.Where(line => Regex.IsMatch(line, "^sweepstake_(accepted|applied|dropped|invalid|malformed|refused|rejected|replayed)_")).ToArray();
         }
 
-        /// <summary>What all windows amount to: frames, times, checks and pairs do not depend on where a window ended.</summary>
+        /// <summary>The sums over all windows: frames, times, checks and pairs do not depend on where a window ended.</summary>
         private static double[] WindowSums(DaemonProcess daemon)
         {
             var sums = new double[Summed.Length];
@@ -189,7 +191,7 @@ namespace Sweepstake.Tests
             return sums;
         }
 
-        /// <summary>Each visit of the lane, in the order of their coming.</summary>
+        /// <summary>The lane visits in the order of their arrival.</summary>
         private static string[] Visits(DaemonProcess daemon) =>
             Rows(daemon, "tick", "shadow").SelectMany(cells => VisitsOf(cells[0])).ToArray();
 
@@ -198,7 +200,7 @@ namespace Sweepstake.Tests
         private static string[] Switches(DaemonProcess daemon) =>
             Rows(daemon, "switch", "arm", "reason", "switch_epoch", "rebuild_time_ns", "settling_cost_ns").Select(cells => string.Join(' ', cells)).ToArray();
 
-        /// <summary>These cells of each row of a kind in the audit log. None of those before them has a comma in it.</summary>
+        /// <summary>These columns of each row of one kind in the audit log. No cell before them contains a comma.</summary>
         private static IEnumerable<string[]> Rows(DaemonProcess daemon, string kind, params string[] columns)
         {
             string path = Path.Combine(daemon.Folder, "decisions.csv");

@@ -12,7 +12,7 @@ namespace Sweepstake.Tests
 
         internal Game(ITelemetryTransport transport, Action<LinkOptions> change = null, Action<SessionOptions> changeSession = null)
         {
-            // A queue that a link which waits for its processor or its disk does not fill.
+            // Large enough that it does not fill while the link waits for its processor or its disk.
             var sessionOptions = new SessionOptions { Arms = "SAP,DBVT,KDTree", QueueFrames = 1 << 16 };
             changeSession?.Invoke(sessionOptions);
             Session = new BroadPhaseSession(sessionOptions);
@@ -36,7 +36,7 @@ namespace Sweepstake.Tests
             return new Game(new GrpcTelemetryTransport(endpoint), change);
         }
 
-        /// <summary>As a game on .NET would: with pings, and without a proxy.</summary>
+        /// <summary>The handler that a game on .NET uses: with pings and without a proxy.</summary>
         internal static HttpMessageHandler Sockets() => new SocketsHttpHandler
         {
             UseProxy = false,
@@ -56,13 +56,13 @@ namespace Sweepstake.Tests
             }
         }
 
-        /// <summary>Plays on until it is so; fails only where it never will be.</summary>
+        /// <summary>Plays until the condition holds; fails only if it never does.</summary>
         internal void PlayUntil(Func<bool> isSo, string what) =>
             Eventually.Is(isSo, () => $"{what}; {Status.State}, {Status.LastError}, {Connection.Failure}", () => Play(1));
 
         internal void PlayUntilOnline() => PlayUntil(() => Status.State == LinkState.Online, "online");
 
-        /// <summary>All that has been sent is on the daemon's disk.</summary>
+        /// <summary>Waits until everything sent is on the daemon's disk.</summary>
         internal void WaitForAcknowledgement()
         {
             PlayUntil(() => Status.Stats.SentSequence > 0, "sending");

@@ -13,12 +13,14 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>The whole way: the sample plays Hurricane with 3,000 objects through C#, and the daemon's own tools look at what came of it.</summary>
+    /// <summary>
+    /// End to end: the sample plays Hurricane with 3,000 objects through C#, and the daemon's own tools check the result.
+    /// </summary>
     public sealed class HeadlessTest
     {
         private const string Scene = "hurricane-3000";
 
-        /// <summary>The policy of AI Decides, with the lane, and the paper's.</summary>
+        /// <summary>Tests "adaptive", the policy of AI Decides with the lane, and "paper".</summary>
         [TestCase("adaptive")]
         [TestCase("paper")]
         public void HurricaneIsLearntShownAndDerivedAgainAsThatOfTheCppClient(string policy)
@@ -37,9 +39,9 @@ namespace Sweepstake.Tests
             Assert.That(learnt.Scenes.Single().Arms.Sum(arm => (long)arm.WindowCount), Is.GreaterThan(0));
             using var browser = new HttpClient { BaseAddress = new Uri($"http://{daemon.HttpAddress}") };
             Assert.That(PostedList(browser, request), Is.EqualTo(learnt), "HTTP says what gRPC says");
-            Assert.That(DashboardScenes(browser), Is.EqualTo(new[] { Scene }), "what the dashboard's pages watch");
+            Assert.That(DashboardScenes(browser), Is.EqualTo(new[] { Scene }), "the scenes that the dashboard shows");
 
-            // Some 45 decisions, whose rows of the audit log may all wait for a disk that has other work: none is lost.
+            // About 45 decisions. Even if the disk is busy, all their rows fit into the audit log's queue, so none is lost.
             RunTool(
                 "run", "--daemon", daemon.Address, "--scene", "hurricane", "--objects", "3000", "--mode", "ai", "--policy", policy,
                 "--time-scale", "30", "--duration", "3s");
@@ -86,7 +88,7 @@ namespace Sweepstake.Tests
             return ListPosteriorsResponse.Parser.ParseJson(response.EnsureSuccessStatusCode().Content.ReadAsStringAsync().Result);
         }
 
-        /// <summary>The scenes of the first snapshot of the events.</summary>
+        /// <summary>The scenes in the first snapshot of the dashboard's events.</summary>
         private static string[] DashboardScenes(HttpClient browser)
         {
             const string Data = "data: ";
@@ -101,7 +103,9 @@ namespace Sweepstake.Tests
             return scenes.ToArray();
         }
 
-        /// <summary>How many decisions of so many sessions the audit log has, all of which follow from it.</summary>
+        /// <summary>
+        /// Checks the number of sessions in the audit log and that all decisions can be derived from it; returns their number.
+        /// </summary>
         private static long DecisionsDerivedAgain(DaemonProcess daemon, long sessions, params string[] filter)
         {
             string log = Path.Combine(daemon.Folder, "decisions.csv");

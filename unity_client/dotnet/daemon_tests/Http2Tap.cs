@@ -9,8 +9,8 @@ using Sweepstake.Protocol.V1;
 namespace Sweepstake.Tests
 {
     /// <summary>
-    /// Stands between a client and a daemon that speak HTTP/2 in plain text: passes everything on, and keeps the messages of the client. It
-    /// holds the goodbye back for a while, so that the daemon has had a decision after the last frame.
+    /// A proxy between a client and a daemon that use HTTP/2 in plain text: forwards everything and records the client's messages. It delays
+    /// the goodbye, so that the daemon makes a decision after the last frame.
     /// </summary>
     internal sealed class Http2Tap : IDisposable
     {
@@ -33,9 +33,9 @@ namespace Sweepstake.Tests
         }
 
         internal string Address => $"127.0.0.1:{((IPEndPoint)listener.LocalEndpoint).Port}";
-        /// <summary>Ends with the client's connection.</summary>
+        /// <summary>Completes when the client's connection has ended.</summary>
         internal Task Passing { get; }
-        /// <summary>The bytes of each message, without their header.</summary>
+        /// <summary>The bytes of each message without its header.</summary>
         internal List<byte[]> Messages { get; } = new List<byte[]>();
 
         public void Dispose() => listener.Stop();
@@ -52,7 +52,7 @@ namespace Sweepstake.Tests
             }
             catch (Exception ended) when (ended is IOException || ended is ObjectDisposedException)
             {
-                // The client has ended its connection in its own way.
+                // Ignored: clients may end their connection in different ways.
             }
             server.Close();
             await Task.WhenAny(back);
@@ -72,7 +72,7 @@ namespace Sweepstake.Tests
             }
         }
 
-        /// <summary>Whether a goodbye is among the messages that this payload completes.</summary>
+        /// <summary>Whether this payload completes a goodbye message.</summary>
         private bool Take(byte[] payload)
         {
             bool isGoodbye = false;

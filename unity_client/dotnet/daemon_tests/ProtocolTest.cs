@@ -7,7 +7,7 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>What a connection makes of a daemon that a test scripts.</summary>
+    /// <summary>The behaviour of a connection with a daemon that the test scripts.</summary>
     public sealed class ProtocolTest
     {
         [Test]
@@ -39,7 +39,7 @@ namespace Sweepstake.Tests
             var stream = new ScriptedStream().Saying(new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome(99) });
             using var game = new Game(new ScriptedDaemon(() => stream));
             game.PlayUntil(() => stream.IsDisposed, "left");
-            game.PlayUntil(() => game.Status.LastError.Contains("99"), "told the version");
+            game.PlayUntil(() => game.Status.LastError.Contains("99"), "shown the version");
             Assert.That(game.Status.State, Is.Not.EqualTo(LinkState.Online));
         }
 
@@ -101,7 +101,7 @@ namespace Sweepstake.Tests
             var watch = Stopwatch.StartNew();
             game.Connection.Stop(300);
             TimeSpan taken = watch.Elapsed;
-            Eventually.Is(() => stream.IsDisposed && daemon.IsDisposed, () => "cancelled in the midst of a write");
+            Eventually.Is(() => stream.IsDisposed && daemon.IsDisposed, () => "cancelled during a write");
             Assert.That(game.Status.State, Is.EqualTo(LinkState.Closed));
             return taken;
         }
@@ -130,10 +130,10 @@ namespace Sweepstake.Tests
         [Test]
         public void ATransportThatCannotBeginSaysWhyAndIsTriedAgain()
         {
-            var daemon = new ScriptedDaemon(() => throw new InvalidOperationException("there is no token"));
+            var daemon = new ScriptedDaemon(() => throw new InvalidOperationException("the token is missing"));
             using var game = new Game(daemon);
             game.PlayUntil(() => daemon.OpenCount > 1, "tried again");
-            Assert.That(game.Status.LastError, Does.Contain("there is no token"));
+            Assert.That(game.Status.LastError, Does.Contain("the token is missing"));
         }
 
         [Test]

@@ -8,7 +8,7 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>A transport whose daemon says what a test wants, in the messages of the generated protocol.</summary>
+    /// <summary>A transport whose daemon sends what a test wants, in messages of the generated protocol.</summary>
     internal sealed class ScriptedDaemon : ITelemetryTransport
     {
         private readonly Func<ITelemetryStream> open;
@@ -36,7 +36,7 @@ namespace Sweepstake.Tests
             new Welcome { SessionId = "scripted", ProtocolVersion = protocolVersion, DaemonVersion = "9.9.9", Policy = "scripted" };
     }
 
-    /// <summary>One stream of it. As a daemon does, it says nothing before the game's first message.</summary>
+    /// <summary>One stream of the scripted daemon. Like a real daemon, it sends nothing before the game's first message.</summary>
     internal sealed class ScriptedStream : ITelemetryStream
     {
         private readonly ConcurrentQueue<StreamTelemetryRequest> requests = new ConcurrentQueue<StreamTelemetryRequest>();
@@ -45,9 +45,9 @@ namespace Sweepstake.Tests
         private TaskCompletionSource<byte[]> waiting;
         private bool hasEnded;
 
-        /// <summary>What a write waits for; null: nothing.</summary>
+        /// <summary>The task that a write returns.</summary>
         internal Task Writing { get; set; } = Task.CompletedTask;
-        /// <summary>Which call throws.</summary>
+        /// <summary>The name of the call that throws; "" for none.</summary>
         internal string Broken { get; set; } = "";
         internal bool IsDisposed { get; private set; }
         internal bool IsFinished { get; private set; }

@@ -8,7 +8,7 @@ using Sweepstake.GrpcNet;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>TLS with an authority of one's own, client certificates and tokens, against a real daemon.</summary>
+    /// <summary>TLS with a private authority, client certificates and tokens, with a real daemon.</summary>
     public sealed class SecurityTest
     {
         private string folder;
@@ -91,14 +91,14 @@ namespace Sweepstake.Tests
             AssertWrong(new DaemonEndpoint { Address = "daemon" }, "HOST:PORT");
             AssertWrong(new DaemonEndpoint { Address = "host:1/path" }, "HOST:PORT");
             AssertWrong(new DaemonEndpoint { Token = "t", TokenFile = "f" }, "not both");
-            AssertWrong(new DaemonEndpoint { Token = "two words" }, "is no token");
+            AssertWrong(new DaemonEndpoint { Token = "two words" }, "is not a token");
             AssertWrong(new DaemonEndpoint { TokenFile = PathOf("missing") }, "sweepstaked token create");
             AssertWrong(new DaemonEndpoint { Address = "10.0.0.1:7433", Token = "t" }, "plain text");
             AssertWrong(new DaemonEndpoint { Tls = new TlsFiles { CaFile = PathOf("missing") } }, "name a PEM file");
             AssertWrong(new DaemonEndpoint { Tls = new TlsFiles { CertFile = "c" } }, "belong together");
             string empty = PathOf("empty.pem");
             File.WriteAllText(empty, "nothing");
-            AssertWrong(new DaemonEndpoint { Tls = new TlsFiles { CaFile = empty } }, "no certificate");
+            AssertWrong(new DaemonEndpoint { Tls = new TlsFiles { CaFile = empty } }, "not contain a certificate");
         }
 
         [TestCase("127.0.0.1:1", true)]
@@ -117,10 +117,10 @@ namespace Sweepstake.Tests
             Assert.That(wrong.Message, Does.Contain(advice));
         }
 
-        /// <summary>The game is told that something is wrong, and plays on.</summary>
+        /// <summary>The game receives an error message and continues.</summary>
         private static void AssertNeverOnline(Game game)
         {
-            game.PlayUntil(() => game.Status.LastError.Length > 0, "told what is wrong");
+            game.PlayUntil(() => game.Status.LastError.Length > 0, "shown an error");
             game.Play(1000);
             Assert.That(game.Status.Stats.ConnectionCount, Is.EqualTo(0));
         }

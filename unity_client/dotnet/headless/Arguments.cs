@@ -4,20 +4,20 @@ using System.Globalization;
 
 namespace Sweepstake.Headless
 {
-    /// <summary>What the command line says.</summary>
+    /// <summary>The command-line arguments.</summary>
     internal sealed class Arguments
     {
         internal const string Help =
             "Plays a scene in C# and lets a decider choose the broad phase.\n" +
             "\n" +
-            "  --daemon HOST:PORT   decides; without it this process decides itself\n" +
+            "  --daemon HOST:PORT   the daemon that decides; without it this process decides\n" +
             "  --scene NAME         one of the library's scenes, or a .aabbs file (hurricane)\n" +
-            "  --objects N          (3000)\n" +
-            "  --seed N             of the scene and of the decisions (1)\n" +
-            "  --frames N           then it ends (3600)\n" +
-            "  --policy NAME        (the decider's default)\n" +
+            "  --objects N          number of objects (3000)\n" +
+            "  --seed N             seed of the scene and of the decisions (1)\n" +
+            "  --frames N           number of frames (3600)\n" +
+            "  --policy NAME        policy of the decider (the decider's default)\n" +
             "  --time-scale X       divides the decider's intervals; a daemon must allow it (1)\n" +
-            "  --csv FILE           each frame as a row\n" +
+            "  --csv FILE           writes a row for each frame\n" +
             "\n" +
             "Example: dotnet run --project unity_client/dotnet/headless -- --daemon 127.0.0.1:7433 --frames 10000\n" +
             "Exit code: 0 played, 1 the daemon never welcomed the game or the CSV file is not complete, 2 bad usage.\n";
@@ -31,7 +31,7 @@ namespace Sweepstake.Headless
         internal double TimeScale = 1;
         internal string? Csv;
 
-        /// <exception cref="FormatException">An option is unknown or its value wrong; the message says which.</exception>
+        /// <exception cref="FormatException">An option is unknown or its value is wrong; the message names it.</exception>
         internal static Arguments Parse(IReadOnlyList<string> words)
         {
             var arguments = new Arguments();
@@ -59,12 +59,12 @@ namespace Sweepstake.Headless
                     case "--policy": Policy = value; break;
                     case "--time-scale": TimeScale = double.Parse(value, culture); break;
                     case "--csv": Csv = value; break;
-                    default: throw new FormatException($"'{option}' is no option.");
+                    default: throw new FormatException($"'{option}' is not an option.");
                 }
             }
             catch (Exception wrong) when (wrong is OverflowException || (wrong is FormatException && !wrong.Message.EndsWith("no option.", StringComparison.Ordinal)))
             {
-                throw new FormatException($"'{value}' is no value of {option}.");
+                throw new FormatException($"'{value}' is not a valid value of {option}.");
             }
         }
     }

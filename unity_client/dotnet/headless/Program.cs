@@ -5,11 +5,11 @@ using Sweepstake.GrpcNet;
 
 namespace Sweepstake.Headless
 {
-    /// <summary>The loop of a game: move, search, tell what the frame cost; and a line about it each second.</summary>
+    /// <summary>The loop of a game: move, search, report the cost of the frame. Prints a line each second.</summary>
     internal static class Program
     {
         private const ulong NsPerSecond = 1_000_000_000;
-        // For what is on its way to the disk, here or at the daemon; nobody plays any more.
+        // Time in milliseconds for writes to the local disk and for the daemon to finish. It may be long, because no game is running.
         private const int EndTimeoutMs = 60_000;
 
         private static int Main(string[] words)
@@ -25,7 +25,7 @@ namespace Sweepstake.Headless
             }
             catch (Exception problem) when (problem is FormatException || problem is SweepstakeException || problem is IOException || problem is UnauthorizedAccessException)
             {
-                Console.Error.WriteLine(problem.Message + " Say --help for the options.");
+                Console.Error.WriteLine(problem.Message + " Use --help to list the options.");
                 return 2;
             }
         }
@@ -101,7 +101,7 @@ namespace Sweepstake.Headless
             bool hasEnded = csv.Stop(EndTimeoutMs);
             if (hasEnded && csv.Failure == null && csv.DroppedCount == 0)
                 return true;
-            string why = csv.Failure != null ? csv.Failure.Message : hasEnded ? $"{csv.DroppedCount} frames came too fast for it." : "the disk is too slow.";
+            string why = csv.Failure != null ? csv.Failure.Message : hasEnded ? $"{csv.DroppedCount} frames were dropped because writing was too slow." : "the disk is too slow.";
             Console.Error.WriteLine("The CSV file is not complete: " + why);
             return false;
         }

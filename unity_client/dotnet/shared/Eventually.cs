@@ -6,17 +6,17 @@ using NUnit.Framework;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>What other threads and processes do in their own time: waited for, however busy the machine is.</summary>
+    /// <summary>Waits for actions of other threads and processes, however busy the machine is.</summary>
     internal static class Eventually
     {
         internal static readonly TimeSpan Patience = TimeSpan.FromMinutes(2);
-        // The runtime's own threads come and go.
+        // Tolerance for the runtime's own threads, which come and go.
         private const int SpareThreads = 4;
         private const int AllocationRounds = 5;
         private const int TimedRounds = 10;
 
-        /// <summary>Waits. It allocates nothing, for those who count that.</summary>
-        /// <param name="between">What goes on until it is so; null: nothing.</param>
+        /// <summary>Waits until the condition holds. It allocates nothing, for tests that count allocations.</summary>
+        /// <param name="between">Called between the checks; null for nothing.</param>
         internal static void Is(Func<bool> isSo, Func<string> what, Action between = null)
         {
             for (long began = Stopwatch.GetTimestamp(); !isSo(); Thread.Sleep(1))
@@ -35,10 +35,10 @@ namespace Sweepstake.Tests
             return process.Threads.Count;
         }
 
-        /// <summary>As often as it takes: each Shutdown waits for a bounded time, and the next one goes on.</summary>
+        /// <summary>Repeats Shutdown: each call waits for a limited time, and the next one continues.</summary>
         internal static void ShutsDown() => Is(() => SweepstakeLibrary.Shutdown(), () => "shut down");
 
-        /// <summary>At least one round in some takes less: a busy machine may hold any of them.</summary>
+        /// <summary>At least one of several rounds takes less than `bound`; a busy machine may delay single rounds.</summary>
         internal static void TakesLessThan(TimeSpan bound, Func<TimeSpan> round)
         {
             TimeSpan least = round();
@@ -50,7 +50,9 @@ namespace Sweepstake.Tests
             Assert.That(least, NUnit.Framework.Is.LessThan(bound));
         }
 
-        /// <summary>Bytes of this thread by `work`, after it was done once: the least of some rounds, since what happens once is not of each frame.</summary>
+        /// <summary>
+        /// Bytes that `work` allocates on this thread after a first call: the minimum of several rounds, to exclude single events.
+        /// </summary>
         internal static long AllocatedBy(Action work)
         {
             work();

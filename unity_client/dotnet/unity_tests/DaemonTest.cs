@@ -12,7 +12,7 @@ using UnityEngine;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>The manager and the window with a real daemon.</summary>
+    /// <summary>Tests the manager and the window with a real daemon.</summary>
     public sealed class DaemonTest : Stage
     {
         [Test]
@@ -26,7 +26,7 @@ namespace Sweepstake.Tests
             FramesUntil(() => manager.State == SweepstakeState.Offline, "offline");
             ulong frame = manager.LastSample.FrameIndex;
             Frames(300);
-            Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(frame + 300), "the game plays on");
+            Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(frame + 300), "the game continues");
             Assert.That(manager.Problem, Is.Not.Empty);
             daemon.Restart();
             FramesUntil(() => manager.State == SweepstakeState.Online, "online again");
@@ -40,7 +40,7 @@ namespace Sweepstake.Tests
             using (var probe = new DaemonProcess())
                 address = probe.Address;
             SweepstakeManager manager = MakeConnected(address);
-            FramesUntil(() => manager.State == SweepstakeState.Offline, "told that nobody is there");
+            FramesUntil(() => manager.State == SweepstakeState.Offline, "offline without a daemon");
             for (int wait = 0; wait < 100; ++wait)
             {
                 Frames(1);
@@ -58,7 +58,7 @@ namespace Sweepstake.Tests
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
             Frames(5);
             Assert.That(manager.State, Is.EqualTo(SweepstakeState.Embedded));
-            Assert.That(manager.Connection, Is.Null, "a config alone connects to nothing");
+            Assert.That(manager.Connection, Is.Null, "a config alone does not connect");
             manager.Connect();
             FramesUntil(() => manager.State == SweepstakeState.Online, "online");
             Assert.That(manager.Decider, Is.Null);
@@ -96,7 +96,7 @@ namespace Sweepstake.Tests
             if (manager.State == SweepstakeState.Embedded)
                 Assert.That(manager.Problem, Does.Contain("HOST:PORT"));
             else
-                FramesUntil(() => manager.Problem.Contains("HOST:PORT"), "told what an address is");
+                FramesUntil(() => manager.Problem.Contains("HOST:PORT"), "shown the format of an address");
             Assert.That(manager.LastSample.FrameIndex, Is.GreaterThan(0));
         }
 
@@ -161,14 +161,14 @@ namespace Sweepstake.Tests
             using var daemon = new DaemonProcess();
             SweepstakeManager manager = MakeConnected(daemon.Address);
             using var watcher = new PosteriorWatcher();
-            Assert.That(watcher.IsRunning, Is.False, "it asks nothing unless it is asked to");
+            Assert.That(watcher.IsRunning, Is.False, "it reads nothing before it is started");
             watcher.Start(manager.Config.daemon, manager.Config.project);
-            FramesUntil(() => watcher.Latest.Lines.Count > 0 && watcher.Latest.RoundTripMs > 0, "told the posteriors; " + watcher.Latest.Problem);
+            FramesUntil(() => watcher.Latest.Lines.Count > 0 && watcher.Latest.RoundTripMs > 0, "updated with the posteriors; " + watcher.Latest.Problem);
             Assert.That(watcher.Latest.Lines.Select(line => line.Scene), Is.All.EqualTo("level"));
             Assert.That(watcher.Latest.Lines.Select(line => line.Mean), Is.All.InRange(0, 1));
             Assert.That(SweepstakeWindow.TextOf(watcher.Latest), Does.Contain("level").And.Contain("windows"));
             daemon.Kill();
-            FramesUntil(() => watcher.Latest.Problem.Length > 0, "told that the daemon is gone");
+            FramesUntil(() => watcher.Latest.Problem.Length > 0, "shown that the daemon is gone");
             Assert.That(watcher.Latest.Lines, Is.Not.Empty, "what was known stays");
         }
 
@@ -180,17 +180,17 @@ namespace Sweepstake.Tests
             using var watcher = new PosteriorWatcher();
             DaemonSettings settings = manager.Config.daemon;
             watcher.Start(settings, manager.Config.project);
-            FramesUntil(() => watcher.Latest.Lines.Count > 0 && watcher.Latest.RoundTripMs > 0, "told the posteriors; " + watcher.Latest.Problem);
+            FramesUntil(() => watcher.Latest.Lines.Count > 0 && watcher.Latest.RoundTripMs > 0, "updated with the posteriors; " + watcher.Latest.Problem);
             watcher.Dispose();
             Assert.That(watcher.IsRunning, Is.False);
             Assert.That(watcher.Latest.Lines, Is.Not.Empty, "what was known stays");
-            Assert.That(watcher.Latest.RoundTripMs, Is.NaN, "nothing is measured any more");
+            Assert.That(watcher.Latest.RoundTripMs, Is.NaN, "a stopped watcher measures nothing");
             watcher.Start(settings, "another project");
             Assert.That(watcher.Latest.Lines, Is.Empty);
             FramesUntil(() => watcher.Latest.RoundTripMs > 0, "answered");
             Assert.That((watcher.Latest.Lines.Count, watcher.Latest.Problem), Is.EqualTo((0, "")));
             watcher.Start(settings, manager.Config.project);
-            FramesUntil(() => watcher.Latest.Lines.Count > 0, "told the posteriors again");
+            FramesUntil(() => watcher.Latest.Lines.Count > 0, "updated with the posteriors again");
         }
 
         [Test]

@@ -59,7 +59,7 @@ namespace Sweepstake.Tests
             var legend = new BackendChart();
             legend.Name(new[] { "SAP", "DBVT" });
             legend.Name(new[] { "SAP", "KDTree" });
-            Assert.That(Texts(legend).Where(text => text.StartsWith('■')), Is.EqualTo(new[] { "■ SAP", "■ KDTree" }), "those of the game that plays now");
+            Assert.That(Texts(legend).Where(text => text.StartsWith('■')), Is.EqualTo(new[] { "■ SAP", "■ KDTree" }), "the legend shows the backends of the current game");
             Assert.That(Texts(new LineChart("Detection", "ms")), Has.Some.EqualTo("Detection (ms)").And.Some.Contains("60 s"), "the axes have units");
         }
 
@@ -115,7 +115,7 @@ namespace Sweepstake.Tests
             Assert.That(File.ReadAllBytes(path), Is.EqualTo(manager.Decider.ExportPriors()));
             EditorUtility.ChosenFile = Path.Combine(path, "priors.bytes");
             Call(inspector, "Export");
-            Assert.That(EditorUtility.LastMessage, Does.Contain("not exported").And.Contain(path), "a file is no folder");
+            Assert.That(EditorUtility.LastMessage, Does.Contain("not exported").And.Contain(path), "the path of a file cannot be used as a folder");
             EditorUtility.ChosenFile = "";
             File.Delete(path);
 
@@ -124,7 +124,7 @@ namespace Sweepstake.Tests
             Assert.That(EditorUtility.LastMessage, Does.Contain("not exported").And.Contain(manager.Decider.Failure.Message));
             manager.Connect();
             Call(inspector, "Export");
-            Assert.That(EditorUtility.LastMessage, Does.Contain("A daemon keeps"));
+            Assert.That(EditorUtility.LastMessage, Does.Contain("A daemon stores"));
         }
 
         private static SweepstakeManagerEditor InspectorOf(SweepstakeManager manager)
@@ -158,13 +158,13 @@ namespace Sweepstake.Tests
             PlayerSettings.SetScriptingDefineSymbols(chosen, "OTHER");
             PlayerSettings.SetScriptingDefineSymbols(NamedBuildTarget.Android, "SWEEPSTAKE_GRPC;OTHER");
             Call(window, "Define", true);
-            Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER"), "there are no libraries");
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER"), "without the libraries the define is not set");
             UnityEditor.Compilation.CompilationPipeline.Precompiled = SetupChecks.GrpcAssemblies;
             Call(window, "Define", true);
             Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER;SWEEPSTAKE_GRPC"));
             Call(window, "CleanUp");
             Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER"));
-            Assert.That(PlayerSettings.GetScriptingDefineSymbols(NamedBuildTarget.Android), Is.EqualTo("OTHER"), "another platform's, too");
+            Assert.That(PlayerSettings.GetScriptingDefineSymbols(NamedBuildTarget.Android), Is.EqualTo("OTHER"), "the define of another platform is removed too");
             UnityEditor.Compilation.CompilationPipeline.Precompiled = Array.Empty<string>();
         }
 
@@ -285,7 +285,7 @@ namespace Sweepstake.Tests
                 foreach (Match used in Regex.Matches(File.ReadAllText(source), "\"(sweepstake-[a-z-]+[a-z])\""))
                     Assert.That(sheet, Does.Contain("." + used.Groups[1].Value), source);
             }
-            Assert.That(sheet, Does.Contain("var(--unity-colors-"), "the colours are the theme's");
+            Assert.That(sheet, Does.Contain("var(--unity-colors-"), "the colours come from the theme");
         }
 
         private static IEnumerable<Type> Ours() => typeof(EditorTest).Assembly.GetTypes().Where(type =>
@@ -322,7 +322,7 @@ namespace Sweepstake.Tests
             }
         }
 
-        /// <summary>Wherever the build is.</summary>
+        /// <summary>The package's folder, found from this source file, so that it does not depend on the build folder.</summary>
         internal static string PackageFolder([CallerFilePath] string thisFile = "") =>
             Path.GetFullPath(Path.Combine(Path.GetDirectoryName(thisFile)!, "../../com.sweepstake.broadphase"));
     }

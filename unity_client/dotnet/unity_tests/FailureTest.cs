@@ -9,11 +9,11 @@ using UnityEngine;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>What goes wrong on another thread is told, once, and the game plays on.</summary>
+    /// <summary>Failures on other threads are reported once, and the game continues.</summary>
     public sealed class FailureTest : Stage
     {
         private const string FullDisk = "/dev/full";
-        // More than the ring and a pipe have room for.
+        // More frames than fit in the ring and in a pipe.
         private const int TooManyFrames = 20_000;
 
         private SweepstakeManager manager;
@@ -29,7 +29,7 @@ namespace Sweepstake.Tests
         public void ACsvFileThatCannotBeWrittenIsToldWhileTheGamePlays()
         {
             manager.StartCsv(FullDisk);
-            FramesUntil(() => manager.Problem.Contains("CSV"), "told");
+            FramesUntil(() => manager.Problem.Contains("CSV"), "reported");
             ulong frame = manager.LastSample.FrameIndex;
             Frames(10);
             manager.StopCsv();
@@ -40,8 +40,8 @@ namespace Sweepstake.Tests
         [Test]
         public void ACsvFileThatCannotBeWrittenIsToldAtItsEnd([Values] bool isOfTheManager)
         {
-            // An end waits for a bounded time.
-            FramesUntil(() => IsToldAtTheEnd(isOfTheManager), "told");
+            // Ending waits only for a limited time, so the report may come later.
+            FramesUntil(() => IsToldAtTheEnd(isOfTheManager), "reported at the end");
             Assert.That(Logged("CSV"), Has.Exactly(1).Items);
         }
 
@@ -49,7 +49,7 @@ namespace Sweepstake.Tests
         public void TheProblemOfACsvFileEndsWithTheNextOne()
         {
             manager.StartCsv(FullDisk);
-            FramesUntil(() => manager.Problem.Contains("CSV"), "told");
+            FramesUntil(() => manager.Problem.Contains("CSV"), "reported");
             string path = Path.GetTempFileName();
             manager.StartCsv(path);
             Frames(1);
@@ -92,7 +92,7 @@ namespace Sweepstake.Tests
         public void AConnectionWhoseThreadDiesIsTold()
         {
             manager.Connect(new BrokenTransport(), new LinkOptions { Project = "p", Scene = "s" });
-            FramesUntil(() => manager.Problem.Contains("a bug of the transport"), "told");
+            FramesUntil(() => manager.Problem.Contains("a bug of the transport"), "reported");
             Frames(10);
             Assert.That(manager.State, Is.EqualTo(SweepstakeState.Offline));
             Assert.That(Logged("error: "), Has.Exactly(1).Items);
@@ -100,7 +100,7 @@ namespace Sweepstake.Tests
             Set(manager, "backend", "SAP");
             Player.CallAll("OnValidate");
             Frames(1);
-            Assert.That((manager.ActiveBackend, manager.Problem.Contains("a bug of the transport")), Is.EqualTo(("SAP", true)), "still nobody decides");
+            Assert.That((manager.ActiveBackend, manager.Problem.Contains("a bug of the transport")), Is.EqualTo(("SAP", true)), "decisions have still stopped");
             manager.Disconnect();
             Frames(1);
             Assert.That((manager.State, manager.Problem), Is.EqualTo((SweepstakeState.Embedded, "")), "the game decides itself again");
@@ -110,8 +110,8 @@ namespace Sweepstake.Tests
         public void ADeciderWhoseThreadDiesIsToldUntilItBeginsAnew()
         {
             KillDecider(manager);
-            FramesUntil(() => manager.Problem.Contains("the decider has failed"), "told");
-            Assert.That(manager.Problem, Does.Contain(manager.Decider.Failure.Message).And.Contain("enable it"));
+            FramesUntil(() => manager.Problem.Contains("the decider has failed"), "reported");
+            Assert.That(manager.Problem, Does.Contain(manager.Decider.Failure.Message).And.Contain("enable the manager"));
             ulong frame = manager.LastSample.FrameIndex;
             Frames(10);
             Assert.That((manager.State, manager.LastSample.FrameIndex), Is.EqualTo((SweepstakeState.Embedded, frame + 10)));

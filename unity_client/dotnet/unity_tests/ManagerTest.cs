@@ -26,7 +26,7 @@ namespace Sweepstake.Tests
             Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(200));
             Assert.That(manager.Connection, Is.Null);
             Assert.That(manager.Decider, Is.Not.Null);
-            Assert.That(Debug.Lines, Is.Empty, "all is well, and nobody has to be told");
+            Assert.That(Debug.Lines, Is.Empty, "nothing is logged while all is well");
         }
 
         [Test]
@@ -128,7 +128,7 @@ namespace Sweepstake.Tests
             Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(epoch));
         }
 
-        /// <summary>Whether the latest decision has a leader, which the text then names with its own probability.</summary>
+        /// <summary>Whether the latest decision has a leader. If so, checks that the text names it with its probability.</summary>
         private static bool SaysWhoIsTheBest(SweepstakeManager manager)
         {
             Decision decision = manager.LastDecision;
@@ -148,7 +148,7 @@ namespace Sweepstake.Tests
             SweepstakeManager manager = MakeManager();
             string best = manager.Backends[1], other = manager.Backends[2];
             var decision = new Decision { Outcome = DecisionOutcome.Switched, ActiveArm = 3, CandidateArm = 2, CommandArm = 2 };
-            Assert.That(DecisionText(manager, decision), Is.EqualTo($"Decision: another backend is better; command: {other}; 0 s ago"), "a daemon's");
+            Assert.That(DecisionText(manager, decision), Is.EqualTo($"Decision: another backend is better; command: {other}; 0 s ago"), "the text of a daemon's decision");
             decision.Outcome = DecisionOutcome.HeldGate;
             decision.CommandArm = Decision.NoArm;
             decision.Verdict = new Verdict { Kind = VerdictKind.Tie, LeaderArm = 1, LeaderProbability = 0.75 };
@@ -221,7 +221,7 @@ namespace Sweepstake.Tests
             LinkOptions linked = config.ToLinkOptions("", "1.0");
             Assert.That((deciding.Build, linked.Build), Is.EqualTo(("1.0", "1.0")));
             Assert.That((linked.BatchIntervalMs, linked.BatchFrames), Is.EqualTo((link.BatchIntervalMs, link.BatchFrames)));
-            Assert.That(config.daemon.isUsed, Is.False, "nothing leaves the machine unless it is asked for");
+            Assert.That(config.daemon.isUsed, Is.False, "nothing leaves the machine by default");
             Assert.That(config.daemon.address, Does.StartWith("127.0.0.1:"));
             Assert.That(config.daemon.allowsOperatorOrders, Is.False);
         }
@@ -243,7 +243,7 @@ namespace Sweepstake.Tests
             SweepstakeManager manager = MakeManager();
             manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 10;
             Frames(1);
-            Assert.That(manager.LastSample.Flags & FrameFlags.Loading, Is.EqualTo(FrameFlags.Loading), "the first frame has the time of the loading");
+            Assert.That(manager.LastSample.Flags & FrameFlags.Loading, Is.EqualTo(FrameFlags.Loading), "the first frame includes the time of loading");
             AssertFlags(manager, FrameFlags.None);
             Player.Send("OnApplicationPause", true);
             AssertFlags(manager, FrameFlags.Paused);
@@ -311,7 +311,7 @@ namespace Sweepstake.Tests
             Assert.That(told.Where(what => !(what is Decision)), Is.EqualTo(new object[] { SweepstakeState.Embedded, "SAP" }));
             Assert.That(Logged("a bug of backends").Count() + Logged("a bug of states").Count(), Is.EqualTo(2));
             Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(4));
-            FramesUntil(() => told.OfType<Decision>().Any(), "told of a decision");
+            FramesUntil(() => told.OfType<Decision>().Any(), "raised for a decision");
             Assert.That(Logged("a bug of decisions"), Has.Exactly(told.OfType<Decision>().Count()).Items);
         }
 
@@ -398,7 +398,7 @@ namespace Sweepstake.Tests
             Frames(20);
             manager.StopCsv();
             Eventually.Is(() => File.ReadAllLines(path).Length == 21, () => "written to the end");
-            Assert.That(File.ReadLines(path).Skip(1), Is.All.EndsWith($",a scene,7,{SweepstakeLibrary.Version},2"), "with vSync, which caps the frame rate");
+            Assert.That(File.ReadLines(path).Skip(1), Is.All.EndsWith($",a scene,7,{SweepstakeLibrary.Version},2"), "each row has the vSync count, which limits the frame rate");
             File.Delete(path);
         }
 

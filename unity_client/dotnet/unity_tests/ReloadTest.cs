@@ -6,7 +6,7 @@ using UnityEngine;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>How Unity ends and begins things, in every order that it knows.</summary>
+    /// <summary>Unity's ways to end and begin play mode, scenes and domains, in all orders.</summary>
     public sealed class ReloadTest : Stage
     {
         [Test]
@@ -56,7 +56,7 @@ namespace Sweepstake.Tests
             Assert.That(SessionWork.RunningCount, Is.EqualTo(0));
             Assert.That(manager.Session, Is.Null);
             Frames(3);
-            Assert.That(Debug.Lines, Is.Empty, "what is left over is quiet until it is loaded anew");
+            Assert.That(Debug.Lines, Is.Empty, "leftover objects log nothing until the domain is reloaded");
         }
 
         [Test]

@@ -10,7 +10,7 @@ using UnityEngine;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Each sample's component, played.</summary>
+    /// <summary>Plays the component of each sample.</summary>
     public sealed class SamplesTest : Stage
     {
         private string folder;
@@ -71,7 +71,7 @@ namespace Sweepstake.Tests
             player.ObjectCount = 100;
             Frames(1);
             Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(100));
-            Assert.That(player.Step, Is.EqualTo(1), "it begins anew");
+            Assert.That(player.Step, Is.EqualTo(1), "the scene restarts");
             ulong hash = player.Hash;
             foreach (Action change in new Action[] { () => player.Speed = 33, () => player.WorldHalfExtent = 12, () => player.Seed = 5, () => player.Scenario = "brownian" })
             {
@@ -92,7 +92,7 @@ namespace Sweepstake.Tests
             player.Scenario = "huricane";
             Frames(5);
             Assert.That(manager.State, Is.EqualTo(SweepstakeState.Embedded));
-            Assert.That(Logged("hurricane"), Has.Exactly(1).Items, "with the names that there are");
+            Assert.That(Logged("hurricane"), Has.Exactly(1).Items, "the error lists the existing names");
             Assert.That((player.Step, manager.LastSample.ObjectCount), Is.EqualTo((10UL, 100U)));
             player.Scenario = "brownian";
             player.ObjectCount = -1;
@@ -194,7 +194,7 @@ namespace Sweepstake.Tests
             {
                 foreach (List<Aabb> frame in frames)
                     writer.Write(frame);
-                Assert.That(File.Exists(path), Is.False, "the file appears when it is complete");
+                Assert.That(File.Exists(path), Is.False, "the file must not exist before it is complete");
                 writer.Finish();
             }
             using var played = new MotionScene(path);

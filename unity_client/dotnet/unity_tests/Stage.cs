@@ -8,7 +8,7 @@ using UnityEngine;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Play mode: begins before each test and ends after it, with nothing native left.</summary>
+    /// <summary>Play mode: begins before each test and ends after it, then checks that no native object is left.</summary>
     public abstract class Stage
     {
         private static readonly BindingFlags Fields = BindingFlags.Instance | BindingFlags.NonPublic | BindingFlags.Public;
@@ -27,11 +27,11 @@ namespace Sweepstake.Tests
             Application.isMobilePlatform = false;
             Application.isEditor = false;
             Application.streamingAssetsPath = "";
-            Assert.That(SessionWork.RunningCount, Is.EqualTo(0), "nothing decides any more");
-            Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0), "nothing native is left");
+            Assert.That(SessionWork.RunningCount, Is.EqualTo(0), "no decider or connection is left");
+            Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0), "no native object is left");
         }
 
-        /// <summary>A manager with short intervals.</summary>
+        /// <summary>Creates a manager with short intervals.</summary>
         protected static SweepstakeManager MakeManager(Action<SweepstakeConfig> change = null, SessionMode mode = SessionMode.Ai, string backend = "")
         {
             var made = new GameObject("manager");
@@ -45,10 +45,10 @@ namespace Sweepstake.Tests
             return manager;
         }
 
-        /// <summary>What the inspector would set.</summary>
+        /// <summary>Sets a serialized field, as the inspector does.</summary>
         protected static void Set(object owner, string field, object value) => owner.GetType().GetField(field, Fields)!.SetValue(owner, value);
 
-        /// <summary>Takes from the decider's thread what it decides with, of which the thread dies.</summary>
+        /// <summary>Detaches the native decider, so that the thread of the managed one fails at its next poll.</summary>
         protected static void KillDecider(SweepstakeManager manager)
         {
             lock (typeof(SessionWork).GetProperty("Gate", Fields)!.GetValue(manager.Decider)!)

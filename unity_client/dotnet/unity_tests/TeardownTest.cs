@@ -8,10 +8,10 @@ using Sweepstake.Unity;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>The end of managers whose threads hang: it waits once for all of them, not for each.</summary>
+    /// <summary>Ends managers whose threads hang: the end waits once for all of them together, not for each.</summary>
     public sealed class TeardownTest : Stage
     {
-        // One after another they would take 4 s of 500 ms each.
+        // If they were ended one after another, they would take 8 × 500 ms = 4 s.
         private const int ManagerCount = 8;
         private static readonly TimeSpan Bound = TimeSpan.FromSeconds(2);
 
@@ -49,7 +49,7 @@ namespace Sweepstake.Tests
             File.Delete(path);
         }
 
-        /// <summary>Its call never begins, until it is let go.</summary>
+        /// <summary>Its Open blocks until it is released.</summary>
         private sealed class StuckTransport : ITelemetryTransport
         {
             private readonly CountdownEvent stuck;
@@ -68,7 +68,7 @@ namespace Sweepstake.Tests
                     stuck.Signal();
                 isStuck = true;
                 release.Wait();
-                throw new SweepstakeException(ResultCode.Unavailable, "There is no network.");
+                throw new SweepstakeException(ResultCode.Unavailable, "The network is missing.");
             }
 
             public void Dispose()

@@ -67,14 +67,14 @@ namespace Sweepstake.Tests
             BoxCollider a = Tracked(Here, 8);
             BoxCollider b = Tracked(Here, 9);
             Frames(1);
-            Assert.That(began, Is.Empty, "the matrix says so");
+            Assert.That(began, Is.Empty, "the matrix excludes this pair of layers");
             Physics.IgnoreLayerCollision(8, 9, false);
             tracker.RefreshLayers();
             Frames(1);
             Assert.That(began, Has.Count.EqualTo(1));
             tracker.Layers = 1 << 8;
             Frames(1);
-            Assert.That(ended, Has.Count.EqualTo(1), "layer 9 is tracked no more");
+            Assert.That(ended, Has.Count.EqualTo(1), "layer 9 is not tracked any longer");
             tracker.Layers = ~0;
             Frames(1);
             Assert.That(began, Has.Count.EqualTo(2));
@@ -82,7 +82,7 @@ namespace Sweepstake.Tests
             tracker.RefreshLayers();
             b.gameObject.layer = 10;
             Frames(3);
-            Assert.That(ended, Has.Count.EqualTo(2), "another layer is noticed");
+            Assert.That(ended, Has.Count.EqualTo(2), "the change of the layer is noticed");
             Assert.That(tracker.IsTracked(a) && tracker.IsTracked(b), Is.True);
         }
 
@@ -137,7 +137,7 @@ namespace Sweepstake.Tests
             b.gameObject.SetActive(false);
             Frames(1);
             Assert.That(ended, Has.Count.EqualTo(2));
-            Assert.That(tracker.Count, Is.EqualTo(2), "they are tracked all the same");
+            Assert.That(tracker.Count, Is.EqualTo(2), "they stay tracked");
         }
 
         [Test]
@@ -165,7 +165,7 @@ namespace Sweepstake.Tests
             Frames(2);
             Assert.That(tracker.Count, Is.EqualTo(1));
             Assert.That(ended, Has.Count.EqualTo(1));
-            Assert.That(ReferenceEquals(ended[0].Item1, b) || ReferenceEquals(ended[0].Item2, b), Is.True, "who it was can be told");
+            Assert.That(ReferenceEquals(ended[0].Item1, b) || ReferenceEquals(ended[0].Item2, b), Is.True, "the event identifies the destroyed collider");
             Assert.That(a == null, Is.False);
             Assert.That(b == null, Is.True);
             Assert.That(Debug.Lines, Is.Empty);
@@ -184,7 +184,7 @@ namespace Sweepstake.Tests
             Assert.That(began, Has.Count.EqualTo(2));
             wall.transform.position = Away;
             Frames(1);
-            Assert.That(ended, Is.Empty, "a static collider is not read again by itself");
+            Assert.That(ended, Is.Empty, "a static collider is not read again automatically");
             tracker.Refresh(wall);
             Frames(1);
             Assert.That(ended.Exists(pair => ReferenceEquals(pair.Item1, wall) || ReferenceEquals(pair.Item2, wall)), Is.True);
@@ -232,11 +232,11 @@ namespace Sweepstake.Tests
             Set(tracker, "scope", ColliderScope.LoadedScenes);
             Set(tracker, "findsTriggersOnly", true);
             tracker.Scan();
-            Assert.That(tracker.IsTracked(elsewhere), Is.False, "it is no trigger");
+            Assert.That(tracker.IsTracked(elsewhere), Is.False, "it is not a trigger");
             Set(tracker, "findsTriggersOnly", false);
             tracker.Scan();
             Assert.That(tracker.IsTracked(elsewhere) && tracker.IsTracked(inactive), Is.True);
-            Assert.That(tracker.Register(elsewhere), Is.False, "it is tracked already");
+            Assert.That(tracker.Register(elsewhere), Is.False, "it is already tracked");
             Assert.That(tracker.Unregister(elsewhere) && !tracker.Unregister(elsewhere), Is.True);
 
             Scene next = SceneManager.Add("next level");
@@ -275,7 +275,7 @@ namespace Sweepstake.Tests
             tracker.PairBegan -= told.Add;
             Tracked(Here);
             Frames(1);
-            Assert.That((began.Count, told.Count), Is.EqualTo((10, 6)), "who listens no more is told no more");
+            Assert.That((began.Count, told.Count), Is.EqualTo((10, 6)), "a removed listener is not called");
         }
 
         [Test]
@@ -299,7 +299,7 @@ namespace Sweepstake.Tests
             Assert.That((hit is null, distance), Is.EqualTo((true, 0f)));
             Frames(1);
             Assert.That(tracker.Count, Is.EqualTo(0));
-            Assert.That(ended, Has.Count.EqualTo(1), "the end of their pair is told all the same");
+            Assert.That(ended, Has.Count.EqualTo(1), "the end event of their pair is still raised");
         }
 
         [Test]
@@ -359,10 +359,10 @@ namespace Sweepstake.Tests
                 Tracked(Here);
             var gizmos = manager.gameObject.AddComponent<PairGizmos>();
             Player.CallAll("OnDrawGizmos");
-            Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "off until it is asked for");
+            Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "off by default");
             gizmos.IsDrawn = true;
             Player.CallAll("OnDrawGizmos");
-            Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "there was no search yet");
+            Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "before the first search");
             Frames(1);
             Player.CallAll("OnDrawGizmos");
             Assert.That(gizmos.DrawnCount, Is.EqualTo(200), "of 1,225");
@@ -417,7 +417,7 @@ namespace Sweepstake.Tests
                 Assert.That(tracker.Unregister(box), Is.True);
                 Object.DestroyImmediate(box.gameObject);
             }
-            Assert.That(KnownCount(), Is.EqualTo(2), "whose pair has not ended yet");
+            Assert.That(KnownCount(), Is.EqualTo(2), "the end of their pair has not been reported yet");
             manager.enabled = true;
             Frames(1);
             Assert.That((KnownCount(), ended.Count), Is.EqualTo((0, 1)));
@@ -436,7 +436,7 @@ namespace Sweepstake.Tests
             Assert.That(new[] { tracker.Count, KnownCount() }, Is.All.LessThan(130));
             Assert.That(tracker.IsTracked(b), Is.True);
             manager.enabled = true;
-            // Static ones are looked at in turn.
+            // Static colliders are checked in rotation.
             Frames(10);
             Assert.That((tracker.Count, KnownCount(), ended.Count), Is.EqualTo((1, 1, 1)));
         }
@@ -459,7 +459,7 @@ namespace Sweepstake.Tests
             return box;
         }
 
-        /// <summary>Changes the open pairs, each both ways round, by those that were told.</summary>
+        /// <summary>Updates the set of open pairs, in both orders, by the reported events.</summary>
         private void Follow(HashSet<(Collider, Collider)> open)
         {
             Assert.That(ended.All(pair => open.Remove(pair) && open.Remove((pair.Item2, pair.Item1))), Is.True);
@@ -477,7 +477,7 @@ namespace Sweepstake.Tests
             return Math.Abs(apart.x) <= 1 && Math.Abs(apart.y) <= 1 && Math.Abs(apart.z) <= 1;
         }
 
-        /// <summary>On a grid of quarters, where boxes touch exactly.</summary>
+        /// <summary>A position on a grid of quarter units, where boxes touch exactly.</summary>
         private static Vector3 Place(System.Random random) =>
             new Vector3(random.Next(20) * 0.25f, random.Next(20) * 0.25f, random.Next(20) * 0.25f);
 

@@ -7,8 +7,8 @@ using UnityEditor.UnityLinker;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// Keeps what code stripping would take: the C ABI's structs, which native code reads, and protobuf's messages, which are found by
-    /// reflection. Unity ignores a link.xml of a package, so it is written for each build.
+    /// Keeps what code stripping would remove: the structs of the C ABI, which native code reads, and protobuf's messages, which are found by
+    /// reflection. Unity ignores a link.xml in a package, so one is written for each build.
     /// </summary>
     internal sealed class LinkerProcessor : IUnityLinkerProcessor
     {

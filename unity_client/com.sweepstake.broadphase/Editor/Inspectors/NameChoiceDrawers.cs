@@ -19,7 +19,7 @@ namespace Sweepstake.Editor
         protected override IReadOnlyList<string> Names() => SweepstakeLibrary.Scenes;
     }
 
-    /// <summary>A text, and beside it the names of the library, one of which fills it; without the library, the text alone.</summary>
+    /// <summary>A text field with a drop-down of the library's names that fills it; without the library, only the text field.</summary>
     internal abstract class NameChoiceDrawer : PropertyDrawer
     {
         protected abstract IReadOnlyList<string> Names();
@@ -40,14 +40,14 @@ namespace Sweepstake.Editor
 
         private DropdownField ChoiceFor(TextField text)
         {
-            var choice = new DropdownField { choices = new List<string>(Names()), tooltip = "The names of the library." };
+            var choice = new DropdownField { choices = new List<string>(Names()), tooltip = "The names that the library knows." };
             choice.AddToClassList("sweepstake-choice-names");
             choice.RegisterValueChangedCallback(change =>
             {
                 if (string.IsNullOrEmpty(change.newValue))
                     return;
                 text.value = change.newValue;
-                // Nothing stays chosen here, so that each name can be chosen again.
+                // Clear the selection, so that each name can be selected again.
                 choice.SetValueWithoutNotify("");
             });
             return choice;

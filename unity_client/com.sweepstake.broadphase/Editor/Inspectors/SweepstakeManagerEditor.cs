@@ -11,8 +11,8 @@ using UnityEngine.UIElements;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// The fields as Unity draws them (undo, prefab overrides and several objects at once are theirs), and below, while the game plays, what
-    /// the manager does and what may be done to it.
+    /// The fields as Unity draws them (with undo, prefab overrides and multi-object editing). Below them, in play mode, the state of the manager
+    /// and its actions.
     /// </summary>
     [CustomEditor(typeof(SweepstakeManager))]
     [CanEditMultipleObjects]
@@ -47,12 +47,12 @@ namespace Sweepstake.Editor
         private VisualElement MakeLive()
         {
             live = new VisualElement();
-            backend = new DropdownField("Backend now", new List<string>(), -1) { tooltip = "From the next frame on. In AI Decides the decider may change it again." };
+            backend = new DropdownField("Backend now", new List<string>(), -1) { tooltip = "Selects a backend from the next frame on. In AI Decides the decider may switch again." };
             backend.RegisterValueChangedCallback(changed => Select(changed.newValue));
             decision = new Label();
             decision.AddToClassList("sweepstake-text");
             connection = new Button(ToggleConnection);
-            var export = new Button(Export) { text = "Export Priors…", tooltip = "What the game has learnt, for the config's 'Priors' or for `sweepstake priors import`." };
+            var export = new Button(Export) { text = "Export Priors…", tooltip = "Saves what the game has learnt, for the config's 'Priors' or for `sweepstake priors import`." };
             foreach (VisualElement part in new VisualElement[] { backend, decision, connection, export })
                 live.Add(part);
             return live;
@@ -83,8 +83,8 @@ namespace Sweepstake.Editor
             decision.text = text.ToString();
             connection.text = Manager.Connection == null ? "Connect" : "Disconnect";
             connection.tooltip = Manager.Connection == null
-                ? "Lets the daemon of the config decide. From then on the game sends it measurements."
-                : "The game decides itself again, and sends nothing more.";
+                ? "Connects to the config's daemon, which then decides. From then on the game sends it measurements."
+                : "Ends the connection. The game decides itself again and sends nothing more.";
         }
 
         private void Select(string name)
@@ -106,7 +106,7 @@ namespace Sweepstake.Editor
         {
             if (Manager.Decider == null)
             {
-                Tell("A daemon keeps what is learnt now; ask it by `sweepstake priors export`.");
+                Tell("A daemon stores what the game learns; export it with `sweepstake priors export`.");
                 return;
             }
             try

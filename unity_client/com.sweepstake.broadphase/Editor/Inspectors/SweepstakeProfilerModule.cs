@@ -6,7 +6,7 @@ using Unity.Profiling.Editor;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>The profiler's chart of what each search took and found.</summary>
+    /// <summary>The profiler's chart of the cost and the results of each search.</summary>
     [Serializable]
     [ProfilerModuleMetadata("Sweepstake")]
     internal sealed class SweepstakeProfilerModule : ProfilerModule

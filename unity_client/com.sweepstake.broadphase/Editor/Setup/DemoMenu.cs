@@ -6,7 +6,7 @@ using UnityEngine;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>Menu items that make objects and a scene to begin with.</summary>
+    /// <summary>Menu items that create objects and a demo scene.</summary>
     internal static class DemoMenu
     {
         [MenuItem("GameObject/Sweepstake/Manager", false, 10)]
@@ -16,7 +16,7 @@ namespace Sweepstake.Editor
         internal static void MakeTracker(MenuCommand command) =>
             Make("Sweepstake Collider Tracker", command.context as GameObject).AddComponent<ColliderTracker>();
 
-        /// <summary>A scene with a camera, a light, and a scenario that plays.</summary>
+        /// <summary>Creates a scene with a camera, a light and a scenario.</summary>
         [MenuItem(PackagePaths.MenuRoot + "New Demo Scene", priority = 4)]
         internal static void MakeDemoScene()
         {

@@ -8,7 +8,7 @@ namespace Sweepstake.Editor
     internal enum SetupState
     {
         Ok,
-        /// <summary>Without it the package works, but for what the text says.</summary>
+        /// <summary>The package works without it, except for the feature that the text names.</summary>
         Optional,
         Wrong,
     }
@@ -25,24 +25,24 @@ namespace Sweepstake.Editor
 
         internal SetupState State { get; }
         internal string Title { get; }
-        /// <summary>What it is for and, if it is not well, what to do.</summary>
+        /// <summary>What it is for and, if something is missing, what to do.</summary>
         internal string Text { get; }
     }
 
-    /// <summary>What the editor knows of the project, for the checks.</summary>
+    /// <summary>Properties of the project that the checks read.</summary>
     internal sealed class SetupFacts
     {
-        /// <summary>Null: the native library is there and fits.</summary>
+        /// <summary>Null if the native library is present and matches.</summary>
         internal NativeLibraryException? LibraryProblem { get; set; }
         internal bool IsWebGl { get; set; }
         internal bool HasGrpcDefine { get; set; }
-        /// <summary>Files such as Google.Protobuf.dll; a name that is there twice stands there twice.</summary>
+        /// <summary>File names such as Google.Protobuf.dll; a duplicate appears twice.</summary>
         internal IReadOnlyList<string> PrecompiledAssemblies { get; set; } = Array.Empty<string>();
         internal bool HasHttpHandlerPackage { get; set; }
         internal bool HasHttpHandlerOfUnity { get; set; }
     }
 
-    /// <summary>What is well with a project, what is missing, and the remedy.</summary>
+    /// <summary>Checks of a project, each with the remedy for what is missing.</summary>
     internal static class SetupChecks
     {
         internal const string GrpcDefine = "SWEEPSTAKE_GRPC";
@@ -59,18 +59,18 @@ namespace Sweepstake.Editor
         internal static IReadOnlyList<string> MissingAssemblies(SetupFacts facts) => GrpcAssemblies.Except(facts.PrecompiledAssemblies).ToArray();
 
         private static SetupCheck Library(SetupFacts facts) => facts.LibraryProblem == null
-            ? new SetupCheck(SetupState.Ok, "Native library", "It is there and fits.")
+            ? new SetupCheck(SetupState.Ok, "Native library", "It is present and matches the package.")
             : new SetupCheck(SetupState.Wrong, "Native library", facts.LibraryProblem.Message);
 
         private static SetupCheck Platform(SetupFacts facts) => facts.IsWebGl
-            ? new SetupCheck(SetupState.Wrong, "Platform", "There is no native library for WebGL; a manager says so there and does nothing. Use Unity's own physics queries.")
-            : new SetupCheck(SetupState.Ok, "Platform", "The platform of the build settings is no obstacle; the documents say for which ones there is a native library.");
+            ? new SetupCheck(SetupState.Wrong, "Platform", "The package does not support WebGL; a manager logs this and does nothing. Use Unity's own physics queries.")
+            : new SetupCheck(SetupState.Ok, "Platform", "The platform of the build settings can have a native library; the documents list the platforms that have one.");
 
         private static SetupCheck Assemblies(SetupFacts facts)
         {
             IReadOnlyList<string> missing = MissingAssemblies(facts);
             return missing.Count == 0
-                ? new SetupCheck(SetupState.Ok, "gRPC's libraries", "They are there.")
+                ? new SetupCheck(SetupState.Ok, "gRPC's libraries", "They are installed.")
                 : new SetupCheck(
                     SetupState.Optional, "gRPC's libraries",
                     $"Only for a daemon. Missing: {string.Join(", ", missing)}. Install Grpc.Net.Client and Google.Protobuf with a NuGet client for Unity.");
@@ -81,26 +81,26 @@ namespace Sweepstake.Editor
             string[] twice = facts.PrecompiledAssemblies.Where(GrpcAssemblies.Contains).GroupBy(name => name).Where(group => group.Count() > 1)
                 .Select(group => group.Key).ToArray();
             return twice.Length == 0
-                ? new SetupCheck(SetupState.Ok, "Duplicates", "No library of gRPC is there twice.")
-                : new SetupCheck(SetupState.Wrong, "Duplicates", $"There twice: {string.Join(", ", twice)}. Remove one of each; this package brings none.");
+                ? new SetupCheck(SetupState.Ok, "Duplicates", "No library of gRPC is installed twice.")
+                : new SetupCheck(SetupState.Wrong, "Duplicates", $"Installed twice: {string.Join(", ", twice)}. Remove one copy of each; this package does not contain any.");
         }
 
         private static SetupCheck Handler(SetupFacts facts)
         {
             if (facts.HasHttpHandlerPackage)
-                return new SetupCheck(SetupState.Ok, "HTTP/2", "YetAnotherHttpHandler is there.");
+                return new SetupCheck(SetupState.Ok, "HTTP/2", "YetAnotherHttpHandler is installed.");
             return facts.HasHttpHandlerOfUnity
                 ? new SetupCheck(SetupState.Ok, "HTTP/2", "Unity's own handler. A private authority or a client certificate needs the package com.cysharp.yetanotherhttphandler.")
-                : new SetupCheck(SetupState.Optional, "HTTP/2", "Only for a daemon. This Unity has none; install the package com.cysharp.yetanotherhttphandler.");
+                : new SetupCheck(SetupState.Optional, "HTTP/2", "Only for a daemon. This Unity version does not have HTTP/2; install the package com.cysharp.yetanotherhttphandler.");
         }
 
         private static SetupCheck Define(SetupFacts facts)
         {
             if (facts.HasGrpcDefine && MissingAssemblies(facts).Count > 0)
-                return new SetupCheck(SetupState.Wrong, GrpcDefine, "It is set, and gRPC's libraries are missing: the console shows errors. Remove it below, or install them.");
+                return new SetupCheck(SetupState.Wrong, GrpcDefine, "It is set, but gRPC's libraries are missing: the console shows errors. Remove it below, or install them.");
             return facts.HasGrpcDefine
                 ? new SetupCheck(SetupState.Ok, GrpcDefine, "It is set: the package compiles its connection to a daemon.")
-                : new SetupCheck(SetupState.Optional, GrpcDefine, "Only for a daemon. Once the libraries are there, set it below.");
+                : new SetupCheck(SetupState.Optional, GrpcDefine, "Only for a daemon. Install the libraries, then set it below.");
         }
     }
 }

@@ -11,11 +11,13 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>Says what is missing and how to get it, sets the define of the connection, and cleans up before the package is removed.</summary>
+    /// <summary>
+    /// Shows what is missing and how to get it, sets the define of the connection, and cleans up before the package is removed.
+    /// </summary>
     [DocumentationPage("setup.md")]
     internal sealed class SetupWindow : EditorWindow
     {
-        /// <summary>Those for which there may be a native library.</summary>
+        /// <summary>The platforms that may have a native library.</summary>
         private static readonly NamedBuildTarget[] Targets =
         {
             NamedBuildTarget.Standalone, NamedBuildTarget.Server, NamedBuildTarget.EmbeddedLinux, NamedBuildTarget.Android, NamedBuildTarget.iOS,
@@ -44,9 +46,9 @@ namespace Sweepstake.Editor
             var buttons = new VisualElement();
             buttons.AddToClassList("sweepstake-row");
             buttons.Add(new Button(Refresh) { text = "Check Again" });
-            buttons.Add(new Button(() => Define(true)) { text = "Set Define", tooltip = $"Sets {SetupChecks.GrpcDefine} for the platform of the build settings, if gRPC's libraries are there." });
+            buttons.Add(new Button(() => Define(true)) { text = "Set Define", tooltip = $"Sets {SetupChecks.GrpcDefine} for the platform of the build settings, if gRPC's libraries are installed." });
             buttons.Add(new Button(() => Define(false)) { text = "Remove Define" });
-            buttons.Add(new Button(CleanUp) { text = "Clean Up", tooltip = "Removes the package's project settings, and the define for each platform that may have the native library and for that of the build settings, before the package itself is removed." });
+            buttons.Add(new Button(CleanUp) { text = "Clean Up", tooltip = "Use it before you remove the package: removes the package's project settings, and the define for all platforms that may have the native library and for the platform of the build settings." });
             buttons.Add(new Button(DemoMenu.MakeDemoScene) { text = "New Demo Scene" });
             scroll.Add(buttons);
             Refresh();
@@ -71,7 +73,7 @@ namespace Sweepstake.Editor
         {
             if (isSet && SetupChecks.MissingAssemblies(Facts()).Count > 0)
             {
-                EditorUtility.DisplayDialog("Sweepstake", "Install gRPC's libraries first; without them the define gives errors.", "OK");
+                EditorUtility.DisplayDialog("Sweepstake", "Install gRPC's libraries first; without them the define causes errors.", "OK");
                 return;
             }
             SetDefine(Target, isSet);

@@ -5,14 +5,16 @@ using UnityEngine;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>What the editor keeps for the project, in ProjectSettings: the config that new managers get, and that the window asks the daemon of.</summary>
+    /// <summary>
+    /// The editor's settings of the project, in ProjectSettings: the config of new managers, whose daemon the live window reads.
+    /// </summary>
     [FilePath("ProjectSettings/SweepstakeSettings.asset", FilePathAttribute.Location.ProjectFolder)]
     internal sealed class SweepstakeProjectSettings : ScriptableSingleton<SweepstakeProjectSettings>
     {
         internal const string File = "ProjectSettings/SweepstakeSettings.asset";
 
         [SerializeField]
-        [Tooltip("The config that a new manager gets. None: the defaults.")]
+        [Tooltip("The config of new managers. None: the defaults.")]
         private SweepstakeConfig? defaultConfig;
 
         internal SweepstakeConfig? DefaultConfig

@@ -7,7 +7,7 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>Project Settings > Sweepstake.</summary>
+    /// <summary>The page Project Settings > Sweepstake.</summary>
     internal static class SweepstakeSettingsProvider
     {
         internal const string Path = "Project/Sweepstake";
@@ -30,14 +30,14 @@ namespace Sweepstake.Editor
             var config = new ObjectField("Default Config")
             {
                 objectType = typeof(SweepstakeConfig), allowSceneObjects = false, value = SweepstakeProjectSettings.instance.DefaultConfig,
-                tooltip = "The config that a new Sweepstake Manager gets, and whose daemon the live window asks. None: the defaults, and no daemon.",
+                tooltip = "The config of new Sweepstake Managers. The live window reads the posteriors of its daemon. None: the defaults, and no daemon.",
             };
             config.RegisterValueChangedCallback(changed =>
             {
                 SweepstakeProjectSettings.instance.DefaultConfig = (SweepstakeConfig?)changed.newValue;
                 ShowConfig(settings);
             });
-            var make = new Button(() => config.value = MakeConfig()) { text = "New Config", tooltip = $"Makes {NewConfig} with the defaults." };
+            var make = new Button(() => config.value = MakeConfig()) { text = "New Config", tooltip = $"Creates {NewConfig} with the defaults." };
             foreach (VisualElement part in new VisualElement[] { title, config, make, new Button(SetupWindow.Open) { text = "Setup…" }, settings })
                 root.Add(part);
             ShowConfig(settings);

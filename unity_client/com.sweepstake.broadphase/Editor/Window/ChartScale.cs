@@ -5,7 +5,7 @@ using System.Globalization;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>From 0 to a round number above all values of a series.</summary>
+    /// <summary>A scale from 0 to a round number that is at least the maximum of a series.</summary>
     internal readonly struct ChartScale
     {
         private ChartScale(float max)
@@ -13,7 +13,7 @@ namespace Sweepstake.Editor
             Max = max;
         }
 
-        /// <summary>0: there is no value to show.</summary>
+        /// <summary>0 if there are no values to show.</summary>
         internal float Max { get; }
         internal bool IsEmpty => Max <= 0;
 
@@ -32,7 +32,7 @@ namespace Sweepstake.Editor
             return new ChartScale(hasValue ? RoundUp(max) : 0);
         }
 
-        /// <summary>NaN is neither.</summary>
+        /// <summary>False for NaN.</summary>
         internal static bool IsShown(float value) => value >= 0 && value < float.PositiveInfinity;
 
         /// <summary>0 at the bottom, 1 at the top.</summary>
@@ -40,7 +40,7 @@ namespace Sweepstake.Editor
 
         internal string Label(string unit) => Max.ToString("0.###", CultureInfo.InvariantCulture) + (unit.Length > 0 ? " " + unit : "");
 
-        /// <summary>The runs of values between gaps: [begin, end).</summary>
+        /// <summary>The ranges of values between gaps: [begin, end).</summary>
         internal static IEnumerable<(int Begin, int End)> Runs(Series series)
         {
             int begin = -1;
@@ -56,7 +56,7 @@ namespace Sweepstake.Editor
             }
         }
 
-        /// <summary>1, 2 or 5 times a power of ten; at least the value.</summary>
+        /// <summary>The smallest of 1, 2 or 5 times a power of ten that is at least the value.</summary>
         private static float RoundUp(float value)
         {
             if (value <= 0)

@@ -7,7 +7,7 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>A chart of a minute of a series, the newest value at the right; the axes say what and how much.</summary>
+    /// <summary>A chart of one minute of a series, with the newest value at the right and labelled axes.</summary>
     internal abstract class Chart : VisualElement
     {
         private readonly Label empty = new Label("No values yet");
@@ -38,7 +38,7 @@ namespace Sweepstake.Editor
         protected abstract bool IsEmpty();
         protected abstract void Draw(MeshGenerationContext context);
 
-        /// <summary>A full series takes the whole width; a shorter one its right.</summary>
+        /// <summary>A full series fills the width; a shorter one its right part.</summary>
         protected float XOf(int index) => Plot.contentRect.width * (index + Series.Capacity - Shown.Count) / (Series.Capacity - 1);
 
         protected static Label Axis(string text, string place)
@@ -80,7 +80,7 @@ namespace Sweepstake.Editor
             {
                 painter.BeginPath();
                 painter.MoveTo(PointOf(begin));
-                // A lone value is a short line.
+                // Draw a single value as a short line.
                 painter.LineTo(PointOf(begin) + Vector2.right);
                 for (int index = begin + 1; index < end; ++index)
                     painter.LineTo(PointOf(index));
@@ -91,7 +91,7 @@ namespace Sweepstake.Editor
         private Vector2 PointOf(int index) => new Vector2(XOf(index), Plot.contentRect.height * (1 - scale.HeightOf(Shown[index])));
     }
 
-    /// <summary>Which backend was active when: a colour for each, which the legend names.</summary>
+    /// <summary>The active backend over time: a colour for each backend, with a legend.</summary>
     internal sealed class BackendChart : Chart
     {
         private readonly VisualElement legend = new VisualElement();
@@ -146,7 +146,7 @@ namespace Sweepstake.Editor
             painter.Fill();
         }
 
-        /// <summary>Of middling brightness, for both themes.</summary>
+        /// <summary>Medium brightness, which is visible in both themes.</summary>
         private static Color ColorOf(int index) => Color.HSVToRGB(index * 0.381966f % 1, 0.65f, 0.75f);
     }
 }

@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>The latest values of one thing, oldest first; NaN is a gap. Unity keeps it over a reload.</summary>
+    /// <summary>The latest values of one quantity, oldest first; NaN is a gap. Unity keeps it over a domain reload.</summary>
     [Serializable]
     internal sealed class Series
     {
@@ -29,7 +29,7 @@ namespace Sweepstake.Editor
         }
     }
 
-    /// <summary>A minute of a game, ten values a second. It stays when play mode ends, until the next one begins.</summary>
+    /// <summary>One minute of a game with ten values a second. It stays after play mode ends, until the next one begins.</summary>
     [Serializable]
     internal sealed class LiveHistory
     {

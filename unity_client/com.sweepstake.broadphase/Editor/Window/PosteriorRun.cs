@@ -12,7 +12,7 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>Asks one daemon about one project until it is disposed of. What it learns is its own, so that no run shows another's.</summary>
+    /// <summary>Reads one daemon's posteriors of one project until it is disposed of. Each run has its own results.</summary>
     internal sealed class PosteriorRun : IDisposable
     {
         private const int RoundTripIntervalMs = 1000;
@@ -27,7 +27,7 @@ namespace Sweepstake.Editor
         private volatile bool isWatching;
         private volatile bool hasEnded;
 
-        /// <param name="client">From now on the run's own.</param>
+        /// <param name="client">Owned by the run from now on.</param>
         internal PosteriorRun(DaemonClient client, string project)
         {
             this.client = client;
@@ -37,7 +37,7 @@ namespace Sweepstake.Editor
 
         internal PosteriorSnapshot Latest => latest;
 
-        /// <summary>Whether it asks no more.</summary>
+        /// <summary>Whether it has stopped reading.</summary>
         internal bool HasEnded => hasEnded;
 
         public void Dispose() => end.Cancel();
@@ -48,7 +48,7 @@ namespace Sweepstake.Editor
                 await Task.WhenAll(Task.Run(() => Guarded(Watch)), Task.Run(() => Guarded(MeasureRoundTrips))).ConfigureAwait(false);
         }
 
-        /// <summary>What nobody expects is told, and ends both.</summary>
+        /// <summary>Publishes an unexpected exception and ends both calls.</summary>
         private async Task Guarded(Func<CancellationToken, Task> work)
         {
             try
@@ -89,7 +89,9 @@ namespace Sweepstake.Editor
             }
         }
 
-        /// <summary>Says nothing of what is wrong: the other call does, and it is over once that one lives on beside an answer to this.</summary>
+        /// <summary>
+        /// Does not publish errors: the other call does. Clears the error if that call was alive before and after a round trip.
+        /// </summary>
         private async Task MeasureRoundTrips(CancellationToken token)
         {
             while (!token.IsCancellationRequested)
@@ -121,7 +123,7 @@ namespace Sweepstake.Editor
             }
         }
 
-        /// <param name="problem">Null: as it was.</param>
+        /// <param name="problem">Null keeps the former problem.</param>
         private void Publish(float roundTripMs, string? problem)
         {
             lock (gate)

@@ -4,7 +4,7 @@ using System.Collections.Generic;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>What a daemon believes about one backend in one scene.</summary>
+    /// <summary>A daemon's posterior of one backend in one scene.</summary>
     internal sealed class PosteriorLine
     {
         internal PosteriorLine(string scene, string machineClass, string backend, double alpha, double beta, ulong windows)
@@ -22,7 +22,7 @@ namespace Sweepstake.Editor
         internal string Backend { get; }
         internal double Alpha { get; }
         internal double Beta { get; }
-        /// <summary>Windows of frames that it has learnt from.</summary>
+        /// <summary>Number of windows of frames that it has learnt from.</summary>
         internal ulong Windows { get; }
         /// <summary>The expected reward, 0 to 1.</summary>
         internal double Mean => Alpha / (Alpha + Beta);
@@ -30,7 +30,7 @@ namespace Sweepstake.Editor
         internal double Deviation => Math.Sqrt(Alpha * Beta / (Alpha + Beta + 1)) / (Alpha + Beta);
     }
 
-    /// <summary>What a daemon believed at one moment; it never changes.</summary>
+    /// <summary>A daemon's posteriors at one moment; immutable.</summary>
     internal sealed class PosteriorSnapshot
     {
         internal static readonly PosteriorSnapshot Empty = new PosteriorSnapshot(Array.Empty<PosteriorLine>(), float.NaN, "");
@@ -43,9 +43,9 @@ namespace Sweepstake.Editor
         }
 
         internal IReadOnlyList<PosteriorLine> Lines { get; }
-        /// <summary>Of a small question and its answer; NaN: not known.</summary>
+        /// <summary>Time of a small request and its response; NaN if not known.</summary>
         internal float RoundTripMs { get; }
-        /// <summary>Why nothing comes; "": all is well.</summary>
+        /// <summary>Why no posteriors arrive; "" if all is well.</summary>
         internal string Problem { get; }
     }
 }

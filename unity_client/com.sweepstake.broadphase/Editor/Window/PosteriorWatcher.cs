@@ -8,8 +8,8 @@ using Sweepstake.Unity;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// Watches the posteriors of a project through the daemon's own service, on threads of the pool; what is shown reads
-    /// <see cref="Latest"/>. It asks, and sends nothing else. Main thread.
+    /// Reads the posteriors of a project through the daemon's service, on threads of the pool; views read <see cref="Latest"/>. It sends nothing
+    /// but its requests. Main thread.
     /// </summary>
     internal sealed class PosteriorWatcher : IDisposable
     {
@@ -18,10 +18,10 @@ namespace Sweepstake.Editor
 #if SWEEPSTAKE_GRPC
         private PosteriorRun? run;
 
-        /// <summary>While it is stopped, what was known last, without a round trip.</summary>
+        /// <summary>After it was stopped, the last known posteriors without a round trip.</summary>
         internal PosteriorSnapshot Latest => run?.Latest ?? kept;
 
-        /// <summary>Whether it asks; it ends by itself only by an error that trying again would not mend.</summary>
+        /// <summary>Whether it is reading; it ends by itself only after an error that a retry cannot fix.</summary>
         internal bool IsRunning => run != null && !run.HasEnded;
 
         internal void Start(DaemonSettings settings, string project)
@@ -55,7 +55,7 @@ namespace Sweepstake.Editor
         internal void Start(DaemonSettings settings, string project)
         {
             kept = new PosteriorSnapshot(
-                Array.Empty<PosteriorLine>(), float.NaN, $"There is no gRPC to ask {settings.address} about {project}. Window > Sweepstake > Setup says what is missing.");
+                Array.Empty<PosteriorLine>(), float.NaN, $"gRPC is missing, so {settings.address} cannot be asked for the posteriors of {project}. Window > Sweepstake > Setup shows what is missing.");
         }
 
         public void Dispose()

@@ -10,8 +10,8 @@ using UnityEngine.UIElements;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// The first manager of a running game, live: frame rate, detection time, pairs, backend, and the daemon's posteriors if they are asked
-    /// for. What was shown stays when play mode ends.
+    /// Live data of the first manager: frame rate, detection time, pairs, backend, and on request the daemon's posteriors. The data stays after
+    /// play mode ends.
     /// </summary>
     [DocumentationPage("window.md")]
     internal sealed class SweepstakeWindow : EditorWindow
@@ -21,7 +21,7 @@ namespace Sweepstake.Editor
 
         private readonly PosteriorWatcher watcher = new PosteriorWatcher();
         private readonly StringBuilder text = new StringBuilder();
-        // Elements are made by CreateGUI: Unity allows little in the constructor of a window.
+        // CreateGUI creates the elements, because Unity allows little in the constructor of a window.
         private StatusChip chip = null!;
         private Label status = null!;
         private Label posteriors = null!;
@@ -55,7 +55,7 @@ namespace Sweepstake.Editor
             pairs = new LineChart("Pairs", "pairs");
             backend = new BackendChart();
             roundTrip = new LineChart("Round trip to the daemon", "ms");
-            watch = new Button(ToggleWatch) { tooltip = "Asks the daemon of the project's config what it believes. It is sent the name of the project." };
+            watch = new Button(ToggleWatch) { tooltip = "Reads the posteriors from the daemon of the project's config. Sends it the name of the project." };
             posteriors = TextLabel();
             foreach (VisualElement part in new VisualElement[] { chip, status, fps, detection, pairs, backend, watch, posteriors, roundTrip })
                 scroll.Add(part);

@@ -7,14 +7,14 @@ using Sweepstake.Protocol.V1;
 namespace Sweepstake.GrpcNet
 {
     /// <summary>
-    /// The daemon's services for tools, through the generated stubs: what it believes, live, and evidence in and out. Thread-safe. What it
-    /// sends to the daemon are the requests alone.
+    /// The daemon's services for tools, through the generated stubs: live posteriors, and export and import of evidence. Thread-safe. It sends
+    /// nothing but the requests to the daemon.
     /// </summary>
     public sealed class DaemonClient : IDisposable
     {
         private readonly GrpcChannel channel;
 
-        /// <exception cref="SweepstakeException">The endpoint is not right; the message says why.</exception>
+        /// <exception cref="SweepstakeException">The endpoint is invalid; the message says why.</exception>
         public DaemonClient(DaemonEndpoint endpoint)
         {
             channel = (endpoint ?? throw new ArgumentNullException(nameof(endpoint))).OpenChannel();

@@ -10,8 +10,8 @@ using Grpc.Net.Client;
 namespace Sweepstake.GrpcNet
 {
     /// <summary>
-    /// Where a daemon is and how it is spoken to. The default is the daemon's own default on this machine. Files are read for each connection,
-    /// so that they may be replaced while the game runs.
+    /// Address and credentials of a daemon. The default is the default address of a daemon on this machine. Files are read again for each
+    /// connection, so they may be replaced while the game runs.
     /// </summary>
     public sealed class DaemonEndpoint
     {
@@ -22,22 +22,25 @@ namespace Sweepstake.GrpcNet
         /// <summary>HOST:PORT; an IPv6 address in brackets.</summary>
         public string Address { get; set; } = DefaultAddress;
 
-        /// <summary>Null: plain text, which carries no token to another machine.</summary>
+        /// <summary>Null for plain text, over which no token is sent to another machine.</summary>
         public TlsFiles? Tls { get; set; }
 
-        /// <summary>The token that the daemon may ask for; shown nowhere. Null: none.</summary>
+        /// <summary>The token for a daemon that requires one; never displayed. Null for none.</summary>
         public string? Token { get; set; }
 
-        /// <summary>A file with the token alone, as `sweepstaked token create --out` writes it. Not with <see cref="Token"/>.</summary>
+        /// <summary>
+        /// A file that contains only the token, as written by `sweepstaked token create --out`. Do not set <see cref="Token"/> too.
+        /// </summary>
         public string? TokenFile { get; set; }
 
         /// <summary>
-        /// Makes what speaks HTTP/2, once for each connection, which disposes of it; with one of your own, TLS is its business too, apart from
-        /// choosing the scheme. Null: .NET's HttpClientHandler with the TLS files. Unity before 6000.5 has no HTTP/2 and needs one.
+        /// Creates the HTTP/2 handler, once for each connection, which disposes of it. A custom handler also configures TLS itself; <see cref="Tls"/>
+        /// then only selects the scheme. Null: .NET's HttpClientHandler with the TLS files. Unity before 6000.5 does not have HTTP/2 and needs a
+        /// custom handler.
         /// </summary>
         public Func<HttpMessageHandler>? Handler { get; set; }
 
-        /// <summary>Whether the address is of this machine.</summary>
+        /// <summary>Whether the address belongs to this machine.</summary>
         public bool IsLoopback
         {
             get
@@ -59,15 +62,17 @@ namespace Sweepstake.GrpcNet
             return GrpcChannel.ForAddress(AsUri(), options);
         }
 
-        /// <summary>Calls with the token in their headers.</summary>
-        /// <exception cref="SweepstakeException">The token is not readable, is no token, or would cross the network in plain text.</exception>
+        /// <summary>A call invoker that adds the token to the headers.</summary>
+        /// <exception cref="SweepstakeException">
+        /// The token cannot be read, is invalid, or would be sent in plain text to another machine.
+        /// </exception>
         internal CallInvoker WithToken(GrpcChannel channel)
         {
             string? token = ReadToken();
             if (token == null)
                 return channel.CreateCallInvoker();
             if (Tls == null && !IsLoopback)
-                throw Wrong($"The token would cross the network to {Address} in plain text; connect with TLS.");
+                throw Wrong($"The token would be sent to {Address} in plain text; connect with TLS.");
             return channel.CreateCallInvoker().Intercept(headers =>
             {
                 headers.Add("authorization", "Bearer " + token);
@@ -81,7 +86,7 @@ namespace Sweepstake.GrpcNet
             if (!Uri.TryCreate($"{scheme}://{Address}", UriKind.Absolute, out Uri? uri) || uri.PathAndQuery != "/" || uri.Port <= 0 || uri.UserInfo != "" ||
                 Address.LastIndexOf(':') <= Address.LastIndexOf(']'))
             {
-                throw Wrong($"'{Address}' is no address of a daemon; write HOST:PORT, as {DefaultAddress}.");
+                throw Wrong($"'{Address}' is not the address of a daemon; write HOST:PORT, for example {DefaultAddress}.");
             }
             return uri;
         }
@@ -96,14 +101,14 @@ namespace Sweepstake.GrpcNet
         private string? ReadToken()
         {
             if (!string.IsNullOrEmpty(Token) && !string.IsNullOrEmpty(TokenFile))
-                throw Wrong("Give a token or the file of one, not both.");
+                throw Wrong("Give a token or a token file, not both.");
             string? token = string.IsNullOrEmpty(TokenFile) ? Token : ReadTokenFile(TokenFile!);
             if (string.IsNullOrEmpty(token))
                 return null;
             foreach (char c in token!)
             {
                 if (c <= ' ' || c > '~' || token.Length > MaxTokenBytes)
-                    throw Wrong($"{(string.IsNullOrEmpty(TokenFile) ? "The token given" : TokenFile)} is no token: it is too long, or has characters that none has.");
+                    throw Wrong($"{(string.IsNullOrEmpty(TokenFile) ? "The token given" : TokenFile)} is not a token: it is too long or has invalid characters.");
             }
             return token;
         }
@@ -113,11 +118,11 @@ namespace Sweepstake.GrpcNet
             try
             {
                 string token = File.ReadAllText(path).TrimEnd();
-                return token.Length > 0 ? token : throw Wrong($"{path} holds no token.");
+                return token.Length > 0 ? token : throw Wrong($"{path} does not contain a token.");
             }
             catch (Exception problem) when (problem is IOException || problem is UnauthorizedAccessException)
             {
-                throw Wrong($"Cannot read a token from {path}; name the file that `sweepstaked token create --out` wrote.", problem);
+                throw Wrong($"Cannot read a token from {path}; name a file that `sweepstaked token create --out` wrote.", problem);
             }
         }
 

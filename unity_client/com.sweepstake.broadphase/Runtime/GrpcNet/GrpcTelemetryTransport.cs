@@ -10,8 +10,8 @@ using Sweepstake.Protocol.V1;
 namespace Sweepstake.GrpcNet
 {
     /// <summary>
-    /// Carries telemetry over gRPC: the method is the one of the generated service, its messages are the link's bytes as they are. Each stream
-    /// has a connection of its own.
+    /// Carries telemetry over gRPC: calls the method of the generated service with the link's bytes as messages. Each stream has its own
+    /// connection.
     /// </summary>
     public sealed class GrpcTelemetryTransport : ITelemetryTransport
     {

@@ -9,18 +9,20 @@ using System.Security.Cryptography.X509Certificates;
 
 namespace Sweepstake.GrpcNet
 {
-    /// <summary>TLS, of the versions that the system allows. The files are PEM.</summary>
+    /// <summary>TLS files in PEM format. The system selects the TLS version.</summary>
     public sealed class TlsFiles
     {
-        /// <summary>Authorities of the daemon's certificate, such as one of your own; null: the system's.</summary>
+        /// <summary>
+        /// Certificate authorities for the daemon's certificate, for example a private one; null for the system's authorities.
+        /// </summary>
         public string? CaFile { get; set; }
-        /// <summary>The game's certificate and its issuers', where the daemon asks for one; null: none.</summary>
+        /// <summary>The game's certificate with its chain, if the daemon requires one; null for none.</summary>
         public string? CertFile { get; set; }
-        /// <summary>Its private key, without a passphrase; with <see cref="CertFile"/> only.</summary>
+        /// <summary>The private key of the certificate, without a passphrase; only together with <see cref="CertFile"/>.</summary>
         public string? KeyFile { get; set; }
 
-        /// <summary>Makes the handler check the daemon by these authorities and show this certificate.</summary>
-        /// <exception cref="SweepstakeException">A file is missing or holds something else.</exception>
+        /// <summary>Configures the handler with these authorities and this certificate.</summary>
+        /// <exception cref="SweepstakeException">A file is missing or has the wrong content.</exception>
         public void Configure(HttpClientHandler handler)
         {
             if (!string.IsNullOrEmpty(CaFile))
@@ -38,7 +40,7 @@ namespace Sweepstake.GrpcNet
             }
         }
 
-        /// <summary>Whether one of these authorities, and no other, has signed it, for the host that was asked for.</summary>
+        /// <summary>Whether one of these authorities (and not one of the system's) signed the certificate for the requested host.</summary>
         private static bool IsSignedBy(X509Certificate2[] authorities, X509Certificate2 certificate, X509Chain? sent, SslPolicyErrors errors)
         {
             if ((errors & ~SslPolicyErrors.RemoteCertificateChainErrors) != SslPolicyErrors.None)
@@ -59,7 +61,7 @@ namespace Sweepstake.GrpcNet
         }
     }
 
-    /// <summary>Certificates and keys of PEM files, which .NET Standard 2.1 cannot read.</summary>
+    /// <summary>Reads certificates and keys from PEM files, which .NET Standard 2.1 cannot do.</summary>
     internal static class Pem
     {
         internal static X509Certificate2[] Certificates(string path)
@@ -68,11 +70,11 @@ namespace Sweepstake.GrpcNet
             try
             {
                 X509Certificate2[] certificates = Sections(text, "CERTIFICATE").Select(der => new X509Certificate2(der)).ToArray();
-                return certificates.Length > 0 ? certificates : throw DaemonEndpoint.Wrong($"{path} holds no certificate in PEM.");
+                return certificates.Length > 0 ? certificates : throw DaemonEndpoint.Wrong($"{path} does not contain a certificate in PEM format.");
             }
             catch (Exception broken) when (broken is CryptographicException || broken is FormatException)
             {
-                throw DaemonEndpoint.Wrong($"{path} holds a broken certificate.", broken);
+                throw DaemonEndpoint.Wrong($"{path} contains a broken certificate.", broken);
             }
         }
 
@@ -83,7 +85,7 @@ namespace Sweepstake.GrpcNet
             try
             {
                 using X509Certificate2 whole = WithKey(certificate, text, keyPath);
-                // Windows takes no key that is in memory alone.
+                // Windows does not accept a key that exists only in memory.
                 return new X509Certificate2(whole.Export(X509ContentType.Pkcs12));
             }
             catch (Exception broken) when (broken is CryptographicException || broken is FormatException || broken is ArgumentException)
@@ -114,7 +116,7 @@ namespace Sweepstake.GrpcNet
         }
 
         private static byte[] Only(string text, string kind, string path) =>
-            Sections(text, kind).FirstOrDefault() ?? throw DaemonEndpoint.Wrong($"{path} holds no private key in PEM without a passphrase.");
+            Sections(text, kind).FirstOrDefault() ?? throw DaemonEndpoint.Wrong($"{path} does not contain a private key in PEM format without a passphrase.");
 
         private static System.Collections.Generic.IEnumerable<byte[]> Sections(string text, string kind)
         {

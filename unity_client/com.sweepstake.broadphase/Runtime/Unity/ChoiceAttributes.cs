@@ -3,12 +3,12 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>The inspector offers the library's backends.</summary>
+    /// <summary>The inspector offers the names of the library's backends.</summary>
     public sealed class BackendNameAttribute : PropertyAttribute
     {
     }
 
-    /// <summary>The inspector offers the library's scenes.</summary>
+    /// <summary>The inspector offers the names of the library's scenes.</summary>
     public sealed class MotionSceneNameAttribute : PropertyAttribute
     {
     }

@@ -5,13 +5,13 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>The help button of a component opens a page of the package's own documents, which need no network.</summary>
+    /// <summary>The help button of a component opens a page of the package's documentation on disk, without a network.</summary>
     [AttributeUsage(AttributeTargets.Class)]
     public sealed class DocumentationPageAttribute : HelpURLAttribute
     {
         private const string Folder = "Packages/com.sweepstake.broadphase/Documentation~/";
 
-        /// <param name="page">A file of Documentation~, such as "components.md".</param>
+        /// <param name="page">A file in Documentation~, such as "components.md".</param>
         public DocumentationPageAttribute(string page)
             : base(UrlOf(page))
         {

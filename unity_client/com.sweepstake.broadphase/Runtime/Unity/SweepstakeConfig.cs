@@ -4,36 +4,38 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Whether a thread of its own measures the backends that are not active, and prepares the next one before a switch.</summary>
+    /// <summary>
+    /// Whether a separate thread measures the inactive backends and prepares the next one before a switch (the shadow lane).
+    /// </summary>
     public enum LaneChoice
     {
-        /// <summary>While there is a spare core; never on mobile devices.</summary>
+        /// <summary>On while there is a spare core; off on mobile devices.</summary>
         Auto,
         Off,
         On,
     }
 
     /// <summary>
-    /// How a <see cref="SweepstakeManager"/> searches, decides and, if at all, speaks to a daemon. A manager without a config has these
-    /// defaults. It is read when the manager is enabled.
+    /// How a <see cref="SweepstakeManager"/> searches, decides and connects to a daemon. A manager without a config uses these defaults. The
+    /// config is read when the manager is enabled.
     /// </summary>
     [CreateAssetMenu(menuName = "Sweepstake/Config", fileName = "SweepstakeConfig")]
     [DocumentationPage("components.md")]
     public sealed class SweepstakeConfig : ScriptableObject
     {
-        [Tooltip("Under what name evidence is kept: the game.")]
+        [Tooltip("Name of the game, under which evidence is stored.")]
         public string project = "default";
-        [Tooltip("Under what name evidence is kept: the level. Empty: the name of the manager's scene.")]
+        [Tooltip("Name of the level, under which evidence is stored. Empty: the name of the manager's scene.")]
         public string sceneName = "";
-        [Tooltip("The backends, their searches and the lane that measures beside them.")]
+        [Tooltip("The backends, the search, and the shadow lane that measures inactive backends.")]
         public SearchSettings search = new SearchSettings();
-        [Tooltip("AI Decides: when it decides and what it starts from.")]
+        [Tooltip("AI Decides: its intervals and the priors that it starts from.")]
         public DecisionSettings decisions = new DecisionSettings();
-        [Tooltip("A daemon that decides and keeps what it learns. Off, nothing leaves the machine.")]
+        [Tooltip("A daemon that decides and stores what it learns. While it is off, nothing leaves the machine.")]
         public DaemonSettings daemon = new DaemonSettings();
 
-        /// <summary>The options of a session that begins in this mode with this backend.</summary>
-        /// <param name="initialBackend">"": KDTree if all may be chosen, otherwise the first of the config's.</param>
+        /// <summary>The options of a session that starts in this mode with this backend.</summary>
+        /// <param name="initialBackend">"": KDTree if the config allows all backends, otherwise the first of the config's.</param>
         public SessionOptions ToSessionOptions(SessionMode mode, string initialBackend) => new SessionOptions
         {
             Mode = mode,
@@ -86,15 +88,15 @@ namespace Sweepstake.Unity
     [Serializable]
     public sealed class SearchSettings
     {
-        [Tooltip("Which backends may be chosen, by name. Empty: all.")]
+        [Tooltip("Names of the backends that may be selected. Empty: all.")]
         [BackendName]
         public string[] backends = Array.Empty<string>();
-        [Tooltip("Threads of a search. 0 or 1: the main thread alone. The pairs do not depend on it.")]
+        [Tooltip("Threads of a search. 0 or 1: only the main thread. The pairs do not depend on it.")]
         [Range(0, 64)]
         public int threads = 0;
-        [Tooltip("Pairs ascend whatever the backend, for a game in lockstep.")]
+        [Tooltip("Sorts the pairs, so that all backends give the same order, for lockstep games.")]
         public bool sortsPairs = false;
-        [Tooltip("A thread that measures the other backends on a spare core. Auto: off on mobile devices.")]
+        [Tooltip("The shadow lane: a thread that measures the inactive backends on a spare core. Auto: off on mobile devices.")]
         public LaneChoice lane = LaneChoice.Auto;
 
         public ShadowMode Shadow => lane switch
@@ -108,58 +110,58 @@ namespace Sweepstake.Unity
     [Serializable]
     public sealed class DecisionSettings
     {
-        [Tooltip("The policy by name. Empty: the default.")]
+        [Tooltip("Name of the policy. Empty: the default.")]
         public string policy = "";
-        [Tooltip("Of all draws. The same seed and the same measurements give the same decisions.")]
+        [Tooltip("Seed of all random draws. The same seed and the same measurements give the same decisions.")]
         [Min(1)]
         public uint seed = 1;
-        [Tooltip("Seconds from one decision to the next.")]
+        [Tooltip("Seconds between decisions.")]
         [Min(0.1f)]
         public float intervalSeconds = 2;
-        [Tooltip("Seconds after a switch in which no other follows.")]
+        [Tooltip("Seconds after a switch during which the decider does not switch again.")]
         [Min(0)]
         public float cooldownSeconds = 40;
-        [Tooltip("Seconds after a switch that are not learnt from; a backend is tried for twice as long. A daemon's own setting replaces it.")]
+        [Tooltip("Seconds after a switch that are excluded from learning. A trial of a backend lasts twice as long. A daemon replaces this by its own setting.")]
         [Min(0)]
         public float settlingSeconds = 2;
-        [Tooltip("A frame that takes longer than these seconds, and that the backend is to blame for, ends the backend at once. A daemon's own setting replaces it.")]
+        [Tooltip("Bail-out limit in seconds: if the backend makes a frame longer than this, it is replaced at once. A daemon replaces this by its own setting.")]
         [Min(0.1f)]
         public float bailOutSeconds = 5;
-        [Tooltip("Frames per second below which even the best backend is not good enough. The verdict is Degraded then.")]
+        [Tooltip("Frame-rate floor: the verdict is Degraded if even the best backend has fewer frames per second.")]
         [Range(0, 1000)]
         public float fpsFloor = 30;
-        [Tooltip("What earlier runs have learnt, as 'Export Priors' of the inspector or `sweepstake priors export` writes it, with the extension .bytes. None: it starts from nothing.")]
+        [Tooltip("What earlier runs have learnt: a file of 'Export Priors' in the inspector or of `sweepstake priors export`, with the extension .bytes. None: it starts without priors.")]
         public TextAsset? priors;
     }
 
-    /// <summary>Files are of the game's own: a path that is not absolute is one below StreamingAssets.</summary>
+    /// <summary>Settings of the connection to a daemon. A relative path of a file is relative to StreamingAssets.</summary>
     [Serializable]
     public sealed class DaemonSettings
     {
-        [Tooltip("On, the game connects when it is enabled, and sends what the page 'What leaves the machine' lists.")]
+        [Tooltip("On: the game connects when the manager is enabled, and sends what the page 'What leaves the machine' lists.")]
         public bool isUsed = false;
         [Tooltip("HOST:PORT of the daemon. The default is a daemon on this machine.")]
         public string address = "127.0.0.1:7433";
-        [Tooltip("TLS. A token is sent to another machine with TLS alone.")]
+        [Tooltip("Uses TLS. A token is sent to another machine only over TLS.")]
         public bool usesTls = false;
-        [Tooltip("Authorities of the daemon's certificate, PEM. Empty: those of the system.")]
+        [Tooltip("PEM file of the certificate authorities for the daemon's certificate. Empty: those of the system.")]
         public string caFile = "";
-        [Tooltip("The game's certificate, PEM, where the daemon asks for one. Empty: none.")]
+        [Tooltip("PEM file of the game's certificate, if the daemon requires one. Empty: none.")]
         public string certFile = "";
-        [Tooltip("The private key of the certificate, PEM.")]
+        [Tooltip("PEM file of the certificate's private key.")]
         public string keyFile = "";
-        [Tooltip("A file with the token that the daemon may ask for. Empty: none. Players can read what a game ships.")]
+        [Tooltip("File with the token, if the daemon requires one. Empty: none. Players can read all files that a game ships.")]
         public string tokenFile = "";
-        [Tooltip("The build of the game, to compare builds. Empty: the version of the player settings.")]
+        [Tooltip("Name of the game's build, to compare builds. Empty: the version of the player settings.")]
         public string build = "";
-        [Tooltip("Class of machine whose timings are comparable, such as 'desktop'. Empty: processor, threads, instruction set and memory.")]
+        [Tooltip("Class of machines whose timings are comparable, such as 'desktop'. Empty: processor, threads, instruction set and memory.")]
         public string machineClass = "";
-        [Tooltip("Operators of the daemon may choose mode and backend. Not in a game that players get.")]
+        [Tooltip("Lets operators of the daemon choose mode and backend. Leave it off in a game that is shipped to players.")]
         public bool allowsOperatorOrders = false;
-        [Tooltip("A batch is sent after so many milliseconds.")]
+        [Tooltip("Milliseconds after which a batch of frames is sent.")]
         [Range(1, 10_000)]
         public int batchIntervalMs = 250;
-        [Tooltip("A batch is sent after so many frames.")]
+        [Tooltip("Number of frames after which a batch is sent.")]
         [Range(1, 240)]
         public int batchFrames = 240;
     }

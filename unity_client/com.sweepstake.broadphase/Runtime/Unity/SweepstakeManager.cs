@@ -8,9 +8,9 @@ using UnityEngine.SceneManagement;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// The one component that a game needs: it owns a session, searches once a frame in what its <see cref="Source"/> has, and lets the game
-    /// itself (the default), a daemon or nobody decide which backend does it. It works after the LateUpdate of the game's scripts. All members
-    /// are for the main thread, and all events are raised on it. A frame never waits, and allocates nothing.
+    /// The one component that a game needs. It owns a session and searches the boxes of its <see cref="Source"/> once a frame. The embedded
+    /// decider (the default), a daemon or only the game selects the backend. It runs after the LateUpdate of the game's scripts. Use all members
+    /// on the main thread; all events are raised on it. A frame never waits and allocates nothing.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Manager")]
     [DisallowMultipleComponent]
@@ -19,14 +19,14 @@ namespace Sweepstake.Unity
     public sealed class SweepstakeManager : MonoBehaviour
     {
         [SerializeField]
-        [Tooltip("How to search, to decide and, if at all, to speak to a daemon. None: the defaults, in the game itself.")]
+        [Tooltip("How the manager searches, decides and connects to a daemon. None: the defaults, with decisions in the game itself.")]
         private SweepstakeConfig? config;
         [SerializeField]
-        [Tooltip("Ai: the decider chooses the backend. Manual: you do, and nothing overrules you.")]
+        [Tooltip("Ai: the decider selects the backend. Manual: only you select it.")]
         private SessionMode mode = SessionMode.Ai;
         [SerializeField]
         [BackendName]
-        [Tooltip("The backend to begin with, and the one of Manual. Empty: KDTree, or the first of the config's.")]
+        [Tooltip("The first backend, and the backend in Manual. Empty: KDTree, or the first of the config's.")]
         private string backend = "";
 
         private readonly FrameFlagger flagger = new FrameFlagger();
@@ -43,24 +43,24 @@ namespace Sweepstake.Unity
         private bool isFailing;
         private bool mustBegin;
 
-        /// <summary>The state is another one.</summary>
+        /// <summary>The state has changed.</summary>
         public event Action<SweepstakeState>? StateChanged { add => stateChanged.Add(value); remove => stateChanged.Remove(value); }
-        /// <summary>Another backend is active; by name.</summary>
+        /// <summary>Another backend is active; the argument is its name.</summary>
         public event Action<string>? BackendChanged { add => backendChanged.Add(value); remove => backendChanged.Remove(value); }
-        /// <summary>The verdict is of another kind; <see cref="Advice.Of(VerdictKind)"/> says what to do about it.</summary>
+        /// <summary>The kind of the verdict has changed; <see cref="Advice.Of(VerdictKind)"/> says what to do about it.</summary>
         public event Action<Verdict>? VerdictChanged { add => verdictChanged.Add(value); remove => verdictChanged.Remove(value); }
-        /// <summary>There is a new decision.</summary>
+        /// <summary>A new decision was made.</summary>
         public event Action<Decision>? Decided { add => decided.Add(value); remove => decided.Remove(value); }
 
-        /// <summary>The managers that are enabled, in the order of their enabling.</summary>
+        /// <summary>The enabled managers in the order in which they were enabled.</summary>
         public static IReadOnlyList<SweepstakeManager> Enabled => EnabledManagers;
 
         private static readonly List<SweepstakeManager> EnabledManagers = new List<SweepstakeManager>();
 
-        /// <summary>Changes hold from the next enabling on. Null: the defaults.</summary>
+        /// <summary>A change takes effect when the manager is enabled the next time. Null for the defaults.</summary>
         public SweepstakeConfig? Config { get => config; set => config = value; }
 
-        /// <summary>The boxes to search in; null: there is nothing to search, and no frame is played.</summary>
+        /// <summary>Provides the boxes to search; null: there is nothing to search, and no frame is run.</summary>
         public IBroadPhaseSource? Source
         {
             get => source;
@@ -71,24 +71,24 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Null while it is not running.</summary>
+        /// <summary>Null while the manager is not running.</summary>
         public BroadPhaseSession? Session => host?.Session;
         public EmbeddedDecider? Decider => host?.Decider;
         public DaemonConnection? Connection => host?.Connection;
-        /// <summary>In the session that runs: only then may its source still have pairs.</summary>
+        /// <summary>Whether the running session has searched; before that, its source may have pairs of an earlier session.</summary>
         internal bool HasSearched => host != null && endedNs != 0;
 
         public SweepstakeState State { get; private set; }
-        /// <summary>What is wrong and what to do; "": nothing.</summary>
+        /// <summary>What is wrong and what to do; "" if nothing is.</summary>
         public string Problem { get; private set; } = "";
 
-        /// <summary>The names of the backends that may be chosen; empty while it is not running.</summary>
+        /// <summary>The names of the backends that may be selected; empty while the manager is not running.</summary>
         public IReadOnlyList<string> Backends => host == null ? Array.Empty<string>() : host.Session.Arms;
 
-        /// <summary>"" while it is not running.</summary>
+        /// <summary>"" while the manager is not running.</summary>
         public string ActiveBackend => host == null ? "" : host.Session.Arms[host.Session.ActiveArm];
 
-        /// <summary>Who chooses: Manual is never overruled.</summary>
+        /// <summary>Whether the decider or the game selects backends. The decider never changes the backend in Manual.</summary>
         public SessionMode Mode
         {
             get => host == null ? mode : host.Session.Mode;
@@ -100,18 +100,18 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Chooses a backend by hand, from the next frame on; the mode stays, so that the decider may change it again.</summary>
-        /// <exception cref="SweepstakeException">There is no such backend; the message lists them.</exception>
+        /// <summary>Selects a backend from the next frame on. The mode does not change, so the decider may switch again.</summary>
+        /// <exception cref="SweepstakeException">The backend is unknown; the message lists the names.</exception>
         public void SelectBackend(string name)
         {
             host?.Session.SelectArm(name);
             backend = name;
         }
 
-        /// <summary>The game is loading: nothing is learnt from its frames.</summary>
+        /// <summary>Set it while the game loads; these frames are excluded from learning.</summary>
         public bool IsLoading { get => flagger.IsLoading; set => flagger.IsLoading = value; }
 
-        /// <summary>What was measured in the latest frame; zeros before the first.</summary>
+        /// <summary>The measurements of the latest frame; zeros before the first.</summary>
         public FrameSample LastSample => host == null ? default : host.Session.LastSample;
 
         public Verdict Verdict => host == null ? default : host.Session.Verdict;
@@ -119,53 +119,57 @@ namespace Sweepstake.Unity
         /// <summary>The latest decision with its reasons.</summary>
         public Decision LastDecision => host == null ? default : host.Session.LastDecision;
 
-        /// <summary>Lets the daemon of the config decide from the next frame on. From then on the game sends what privacy.md lists.</summary>
+        /// <summary>
+        /// Connects to the config's daemon, which decides from the next frame on. From then on the game sends what privacy.md lists.
+        /// </summary>
         public void Connect()
         {
             SweepstakeConfig settings = ConfigOrDefault();
             Guarded(() => Connect(DaemonTransport.Make(settings.daemon), settings.ToLinkOptions(gameObject.scene.name, Application.version)));
         }
 
-        /// <summary>As <see cref="Connect()"/>, with a transport of the game's own.</summary>
+        /// <summary>Like <see cref="Connect()"/>, with a custom transport.</summary>
         public void Connect(ITelemetryTransport transport, LinkOptions options)
         {
             if (host == null)
-                throw new InvalidOperationException("Enable the manager first; its Problem says why it may not be.");
+                throw new InvalidOperationException("Enable the manager first. If it is enabled, its Problem says why it does not run.");
             host.DecideThere(transport, options);
         }
 
-        /// <summary>Ends a connection, which sends what is left and takes half a second at most; the game decides itself again.</summary>
+        /// <summary>
+        /// Ends the connection. It sends what is left and takes at most half a second; then the embedded decider decides again.
+        /// </summary>
         public void Disconnect()
         {
             if (host != null)
                 Guarded(host.DecideHere);
         }
 
-        /// <summary>Writes a row for each frame from now on, on a thread of its own.</summary>
-        /// <param name="path">A file there is replaced.</param>
+        /// <summary>Writes a row for each frame from now on, on a separate thread.</summary>
+        /// <param name="path">An existing file is replaced.</param>
         /// <exception cref="System.IO.IOException">The file cannot be written.</exception>
         public void StartCsv(string path, string scene = "", ulong seed = 0)
         {
             if (host == null)
-                throw new InvalidOperationException("Enable the manager first; its Problem says why it may not be.");
+                throw new InvalidOperationException("Enable the manager first. If it is enabled, its Problem says why it does not run.");
             host.StartCsv(path, scene, seed);
         }
 
-        /// <summary>Writes the rest of the rows, for which it waits two seconds at most.</summary>
+        /// <summary>Writes the remaining rows and waits for at most two seconds.</summary>
         public void StopCsv() => host?.StopCsv();
 
         /// <summary>
-        /// Ends the native side of every manager, and of whatever else the process has of it, in about half a second at most. May be called
-        /// at any time between frames.
+        /// Ends the native objects of every manager and all others in the process, within about half a second. May be called at any time between
+        /// frames.
         /// </summary>
         public static void Shutdown()
         {
-            // All at once, so that it is bounded whatever their number; what each has left then ends at once.
+            // End all at once, so that the time does not depend on their number; the rest of each then ends at once.
             ulong endNs = SessionHost.DeadlineNs();
             foreach (SweepstakeManager manager in EnabledManagers)
                 manager.host?.BeginEnd();
             SweepstakeLibrary.Shutdown();
-            // A listener may disable any of them meanwhile.
+            // A listener may disable managers during the loop.
             for (int index = EnabledManagers.Count - 1; index >= 0; --index)
             {
                 if (index < EnabledManagers.Count)
@@ -177,7 +181,7 @@ namespace Sweepstake.Unity
         {
             EnabledManagers.Add(this);
             SceneManager.sceneLoaded += OnSceneLoaded;
-            // Who begins anew whenever this fails may do so once a frame.
+            // If a listener of a failure enables the manager again, it begins in the next frame, to avoid an endless recursion.
             mustBegin = isFailing;
             if (!isFailing)
                 Guarded(Begin);
@@ -197,7 +201,7 @@ namespace Sweepstake.Unity
                 Destroy(defaults);
         }
 
-        /// <summary>What is set in the inspector while the game plays holds from the next frame on.</summary>
+        /// <summary>Changes in the inspector during play take effect in the next frame.</summary>
         private void OnValidate()
         {
             if (host == null)
@@ -221,7 +225,7 @@ namespace Sweepstake.Unity
             if (host == null)
                 return;
             UpdateState();
-            // A listener may have disabled this.
+            // A listener may have disabled this manager.
             if (host == null || source == null)
                 return;
             try
@@ -269,7 +273,7 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Until a listener ends the session.</summary>
+        /// <summary>Stops as soon as a listener ends the session.</summary>
         private void RaiseChanges(BroadPhaseSession session)
         {
             if (changes.HasOtherBackend(session))
@@ -316,7 +320,7 @@ namespace Sweepstake.Unity
             isFailing = false;
         }
 
-        /// <summary>What cannot be done is told, once; what worked before goes on.</summary>
+        /// <summary>Logs the error of an action once; what worked before continues.</summary>
         private void Guarded(Action action)
         {
             trouble = "";
@@ -336,7 +340,7 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>What is wrong although the frames go on.</summary>
+        /// <summary>Logs a problem that does not stop the frames.</summary>
         private void Tell(string problem) => Debug.LogError("Sweepstake: " + problem, this);
 
         private void UpdateState()
@@ -346,7 +350,7 @@ namespace Sweepstake.Unity
             SetState(status == null ? SweepstakeState.Embedded : StateOf(status), ProblemOf(host, status));
         }
 
-        /// <summary>The worst of what is wrong, as long as it is.</summary>
+        /// <summary>The most important current problem.</summary>
         private string ProblemOf(SessionHost running, ConnectionStatus? status)
         {
             if (running.WorkProblem.Length > 0)
@@ -377,13 +381,13 @@ namespace Sweepstake.Unity
             stateChanged.Tell(state, this);
         }
 
-        /// <summary>One line for each change that somebody has to know of.</summary>
+        /// <summary>Logs one line for each relevant change of the state.</summary>
         private void Log(SweepstakeState state, string problem)
         {
             if (state == SweepstakeState.Failed)
                 Debug.LogError("Sweepstake: " + problem, this);
             else if (state == SweepstakeState.Offline || state == SweepstakeState.Refused)
-                Debug.LogWarning($"Sweepstake: the daemon is away ({state}). {problem}", this);
+                Debug.LogWarning($"Sweepstake: the daemon is not available ({state}). {problem}", this);
             else if (state == SweepstakeState.Online)
                 Debug.Log("Sweepstake: the daemon decides.", this);
         }
@@ -402,7 +406,7 @@ namespace Sweepstake.Unity
 
         private void OnSceneLoaded(Scene scene, LoadSceneMode how) => flagger.Skip();
 
-        /// <summary>With domain reload switched off, statics outlive play mode.</summary>
+        /// <summary>If domain reload is switched off, statics outlive play mode.</summary>
         [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.SubsystemRegistration)]
         private static void BeginPlay()
         {

@@ -4,8 +4,8 @@ using Unity.Profiling;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// What the profiler shows: markers of the parts of a frame, and counters of each search in the category of scripts. In a release player
-    /// they cost nothing.
+    /// Data for the profiler: markers of the parts of a frame, and counters of each search in the category Scripts. They cost nothing in a release
+    /// player.
     /// </summary>
     public static class SweepstakeProfiling
     {

@@ -6,8 +6,8 @@ using UnityEngine;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// The library's five scenarios with 10,000 boxes. 1 to 5 choose one, M changes between AI Decides and Manual, B takes the next backend,
-    /// up and down double and halve the boxes.
+    /// The library's five scenarios with 10,000 boxes. Keys: 1 to 5 select a scenario, M toggles between AI Decides and Manual, B selects the next
+    /// backend, up and down double and halve the number of boxes.
     /// </summary>
     [RequireComponent(typeof(ScenarioPlayer))]
     [RequireComponent(typeof(SweepstakeHud))]
@@ -17,7 +17,7 @@ namespace Sweepstake.Samples
 
         [SerializeField]
         [Range(1, MaxObjects)]
-        [Tooltip("How many boxes there are.")]
+        [Tooltip("Number of boxes.")]
         private int objectCount = 10_000;
 
         private ScenarioPlayer? player;

@@ -7,8 +7,8 @@ using UnityEngine;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Thousands of drifting boxes without game objects: one job moves them, the next one finds each one's neighbours with a broad phase of
-    /// the library, both on workers while the rest of the frame goes on. The gizmos show those that have neighbours.
+    /// Thousands of drifting boxes without game objects. One job moves them, the next one finds each box's neighbours with a broad phase of the
+    /// library. Both run on workers while the rest of the frame continues. Gizmos show the boxes that have neighbours.
     /// </summary>
     public sealed class JobBoids : MonoBehaviour
     {
@@ -16,14 +16,14 @@ namespace Sweepstake.Samples
 
         [SerializeField]
         [Range(1, 50_000)]
-        [Tooltip("How many boxes there are.")]
+        [Tooltip("Number of boxes.")]
         private int count = 5000;
         [SerializeField]
         [Min(1)]
-        [Tooltip("How far they go from the middle on each axis, in units.")]
+        [Tooltip("Largest distance from the centre on each axis, in units.")]
         private float reach = 30;
         [SerializeField]
-        [Tooltip("The broad phase by name.")]
+        [Tooltip("Name of the broad phase.")]
         private string backend = "KDTree";
 
         private BroadPhaseWorld? world;
@@ -33,7 +33,7 @@ namespace Sweepstake.Samples
         private NativeArray<int> result;
         private JobHandle job;
 
-        /// <summary>How many boxes have a neighbour, as of the latest job.</summary>
+        /// <summary>Number of boxes with a neighbour in the latest job.</summary>
         public int TouchingCount { get; private set; }
 
         private void OnEnable()
@@ -72,7 +72,7 @@ namespace Sweepstake.Samples
             job.Complete();
             if (result[0] != (int)ResultCode.Ok)
             {
-                Debug.LogError($"Sweepstake: the search ended with {(ResultCode)result[0]}.", this);
+                Debug.LogError($"Sweepstake: the search failed with {(ResultCode)result[0]}.", this);
                 enabled = false;
                 return;
             }

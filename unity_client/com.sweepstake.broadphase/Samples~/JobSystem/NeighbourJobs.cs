@@ -11,22 +11,22 @@ using Unity.Burst;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Searches in boxes of a NativeArray on a worker, by the C ABI alone: pointers and numbers, so that Burst compiles it. Whoever schedules
-    /// it keeps the world alive and leaves it alone until the job is complete.
+    /// Searches the boxes of a NativeArray on a worker. It uses only the C ABI with pointers and numbers, so that Burst can compile it. The caller
+    /// keeps the world alive and does not use it until the job is complete.
     /// </summary>
 #if SWEEPSTAKE_BURST
     [BurstCompile]
 #endif
     internal unsafe struct FindNeighboursJob : IJob
     {
-        /// <summary>Of a <see cref="BroadPhaseWorld"/>.</summary>
+        /// <summary>Pointer of a <see cref="BroadPhaseWorld"/>.</summary>
         [NativeDisableUnsafePtrRestriction]
         internal IntPtr World;
         [ReadOnly]
         internal NativeArray<Aabb> Boxes;
-        /// <summary>How many other boxes each overlaps.</summary>
+        /// <summary>For each box, the number of boxes that overlap it.</summary>
         internal NativeArray<int> Neighbours;
-        /// <summary>One element: how the search ended.</summary>
+        /// <summary>One element: the result code of the search.</summary>
         internal NativeArray<int> Result;
 
         public void Execute()
@@ -59,14 +59,14 @@ namespace Sweepstake.Samples
         }
     }
 
-    /// <summary>Moves boxes along, and back from the walls.</summary>
+    /// <summary>Moves boxes and reflects them at the walls.</summary>
 #if SWEEPSTAKE_BURST
     [BurstCompile]
 #endif
     internal struct DriftJob : IJobParallelFor
     {
         internal NativeArray<Aabb> Boxes;
-        /// <summary>Units per second: x, y and z of each box.</summary>
+        /// <summary>x, y and z of each box's velocity, in units per second.</summary>
         [NativeDisableParallelForRestriction]
         internal NativeArray<float> Velocities;
         internal float Seconds;

@@ -8,18 +8,18 @@ using UnityEngine;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Plays one scenario with each backend by hand, then with AI Decides, each as long and from the same seed, and logs what the search took
-    /// in the mean. Switch vSync off, or all of them have the frame rate of the screen.
+    /// Plays one scenario with each backend in Manual, then with AI Decides, for the same time and with the same seed. It logs the mean detection
+    /// time of each. Switch vSync off; otherwise all have the frame rate of the screen.
     /// </summary>
     [RequireComponent(typeof(ScenarioPlayer))]
     public sealed class ManualVsAI : MonoBehaviour
     {
         [SerializeField]
         [Range(2, 600)]
-        [Tooltip("How long each of them plays, in seconds.")]
+        [Tooltip("Duration of each run in seconds.")]
         private float secondsEach = 20;
         [SerializeField]
-        [Tooltip("Brute force takes very long with many objects.")]
+        [Tooltip("Skips BruteForce, which is very slow with many objects.")]
         private bool skipsBruteForce = true;
 
         private readonly List<string> turns = new List<string>();
@@ -33,9 +33,9 @@ namespace Sweepstake.Samples
         private double frameNs;
         private ulong frames;
 
-        /// <summary>What was measured so far, as CSV.</summary>
+        /// <summary>The results so far, as CSV.</summary>
         public string Table => table.ToString();
-        /// <summary>Each has had its turn.</summary>
+        /// <summary>Whether all runs are complete.</summary>
         public bool IsOver => turns.Count > 0 && turn == turns.Count;
 
         private void Start()

@@ -6,8 +6,8 @@ using UnityEngine;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Balls that drift through one another, as triggers without Rigidbodies: each has the second colour while its box overlaps another one.
-    /// Put it beside a Sweepstake Collider Tracker and enter play mode.
+    /// Balls that drift through each other, as triggers without Rigidbodies. A ball has the second colour while its box overlaps another one. Add
+    /// it to an object with a Sweepstake Collider Tracker and enter play mode.
     /// </summary>
     [RequireComponent(typeof(ColliderTracker))]
     public sealed class QuickStart : MonoBehaviour
@@ -17,15 +17,15 @@ namespace Sweepstake.Samples
 
         [SerializeField]
         [Range(2, 2000)]
-        [Tooltip("How many balls there are.")]
+        [Tooltip("Number of balls.")]
         private int count = 300;
         [SerializeField]
         [Min(1)]
-        [Tooltip("How far they go from the middle, in units.")]
+        [Tooltip("Largest distance from the centre, in units.")]
         private float reach = 12;
         [SerializeField]
         [Min(0)]
-        [Tooltip("How fast they are, in units per second.")]
+        [Tooltip("Speed in units per second.")]
         private float speed = 3;
 
         private readonly Dictionary<Collider, Ball> balls = new Dictionary<Collider, Ball>();
@@ -83,7 +83,7 @@ namespace Sweepstake.Samples
                 made.transform.SetParent(parent, false);
                 made.transform.position = reach * Direction(random);
                 velocity = speed * Direction(random);
-                // Each by its own type, so that code stripping leaves a sphere what it is made of.
+                // Naming the type keeps code stripping from removing it.
                 Collider = made.GetComponent<SphereCollider>();
                 Collider.isTrigger = true;
                 material = made.GetComponent<MeshRenderer>().material;
@@ -109,7 +109,7 @@ namespace Sweepstake.Samples
 
             private void Show()
             {
-                // Built-in calls it _Color, URP and HDRP _BaseColor.
+                // The Built-in pipeline names it _Color, URP and HDRP _BaseColor.
                 material.SetColor("_Color", touched > 0 ? Touching : Alone);
                 material.SetColor("_BaseColor", touched > 0 ? Touching : Alone);
             }

@@ -8,8 +8,8 @@ using System.Text;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Writes frames of boxes to an .aabbs file, which `sweepstake-lab trace`, `bench` and `replay` take, and the library plays as a scene. It
-    /// takes the extension for counts that change if they do. The file appears when it is complete, under its own name.
+    /// Writes frames of boxes to an .aabbs file, which `sweepstake-lab trace`, `bench` and `replay` read and the library plays as a scene. If the
+    /// number of boxes changes, it uses the extension of the format for changing counts. The file appears under its name when it is complete.
     /// </summary>
     public sealed class AabbsWriter : IDisposable
     {
@@ -25,8 +25,10 @@ namespace Sweepstake.Samples
         private FileStream? file;
         private Aabb world = new Aabb(float.MaxValue, float.MaxValue, float.MaxValue, float.MinValue, float.MinValue, float.MinValue);
 
-        /// <param name="path">A file there is replaced, once the new one is complete.</param>
-        /// <param name="name">Of the scene: printable ASCII of at most 127 characters; others become '?', and the rest is cut.</param>
+        /// <param name="path">An existing file is replaced when the new one is complete.</param>
+        /// <param name="name">
+        /// Name of the scene: printable ASCII of at most 127 characters. Other characters become '?', and a longer name is cut.
+        /// </param>
         /// <exception cref="IOException">The file cannot be written.</exception>
         public AabbsWriter(string path, string name)
         {
@@ -41,8 +43,8 @@ namespace Sweepstake.Samples
         private string PartialPath => path + ".partial";
 
         /// <summary>
-        /// The next frame; the first one is the spawn state. An object is the same as long as its index is. A box that is not finite is written
-        /// as one that overlaps nothing.
+        /// Adds a frame; the first one is the spawn state. An index stands for the same object in all frames. A box that is not finite is written
+        /// as a box that overlaps nothing.
         /// </summary>
         public void Write(IReadOnlyList<Aabb> boxes)
         {
@@ -57,7 +59,7 @@ namespace Sweepstake.Samples
         }
 
         /// <summary>Completes the file.</summary>
-        /// <exception cref="InvalidOperationException">There was no object in any frame; there is no file then.</exception>
+        /// <exception cref="InvalidOperationException">No frame had an object; no file was written.</exception>
         public void Finish()
         {
             if (file == null)
@@ -85,7 +87,7 @@ namespace Sweepstake.Samples
             File.Move(PartialPath, path);
         }
 
-        /// <summary>Without <see cref="Finish"/> there is no file.</summary>
+        /// <summary>Without <see cref="Finish"/> no file is written.</summary>
         public void Dispose()
         {
             if (file == null)

@@ -7,25 +7,25 @@ using UnityEngine;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Records what a manager searches in, frame by frame, to an .aabbs file: then `sweepstake-lab trace --scene FILE` measures every backend on
-    /// this very level, and `sweepstake-lab replay` every policy. It writes on the main thread: it is for recording, not for players.
+    /// Records the boxes that a manager searches, frame by frame, to an .aabbs file. `sweepstake-lab trace --scene FILE` then measures every backend
+    /// on this level, and `sweepstake-lab replay` every policy. It writes on the main thread, so do not use it in a shipped game.
     /// </summary>
     [RequireComponent(typeof(SweepstakeManager))]
     [DefaultExecutionOrder(10_100)]
     public sealed class LevelRecorder : MonoBehaviour
     {
         [SerializeField]
-        [Tooltip("The file; a path that is not absolute is one below the game's persistent data.")]
+        [Tooltip("The file; a relative path is relative to the game's persistent data.")]
         private string file = "level.aabbs";
         [SerializeField]
         [Range(1, 100_000)]
-        [Tooltip("After so many frames it ends by itself.")]
+        [Tooltip("Number of frames after which the recording ends.")]
         private int maxFrames = 3600;
 
         private readonly List<Aabb> boxes = new List<Aabb>();
         private AabbsWriter? writer;
 
-        /// <summary>Where the recording is, or will be.</summary>
+        /// <summary>Path of the recording.</summary>
         public string FilePath => Path.Combine(Application.persistentDataPath, file);
         public bool IsRecording => writer != null;
 

@@ -31,7 +31,7 @@ namespace Sweepstake.Tests
                 Assert.That(world.Counters.PairCount, Is.EqualTo(expected.Count));
                 pairCount += expected.Count;
             }
-            Assert.That(pairCount, Is.GreaterThan(0), "the scene has no pairs to find");
+            Assert.That(pairCount, Is.GreaterThan(0), "the test needs a scene with pairs");
         }
 
         [Test]

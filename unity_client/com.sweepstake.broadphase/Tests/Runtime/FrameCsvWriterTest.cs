@@ -33,7 +33,7 @@ namespace Sweepstake.Tests
                 }
                 string text = File.ReadAllText(path);
                 string[] lines = text.Split(new[] { "\r\n" }, StringSplitOptions.None);
-                Assert.That(lines.Length, Is.EqualTo(1002), "a header, the rows, and nothing after the last line's end");
+                Assert.That(lines.Length, Is.EqualTo(1002), "a header, the rows, and nothing after the last line break");
                 Assert.That(lines[0], Does.StartWith("frame,arm,switch_epoch,frame_time_ns,").And.EndsWith("csv_version,scene,seed,library_version,vsync_count"));
                 Assert.That(lines[2], Does.StartWith("1,SAP,0,1234567,"));
                 Assert.That(lines[2], Does.EndWith($",2,\"a \"\"quoted\"\", scene\",7,{SweepstakeLibrary.Version},1"));

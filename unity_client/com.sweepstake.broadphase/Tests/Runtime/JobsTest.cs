@@ -6,7 +6,7 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>What a job does: functions of the C ABI with pointers alone, on threads that are not the one that made the objects.</summary>
+    /// <summary>Tests what a job does: it calls the C ABI with pointers only, on threads other than the creator of the objects.</summary>
     public sealed unsafe class JobsTest
     {
         private const int Threads = 4;

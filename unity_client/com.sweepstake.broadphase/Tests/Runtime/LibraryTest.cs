@@ -59,7 +59,7 @@ namespace Sweepstake.Tests
             foreach (IDisposable left in new IDisposable[] { decider, world, session, proxies, scene })
                 left.Dispose();
             using var after = new MotionScene("brownian");
-            Assert.That(SweepstakeLibrary.LiveCount(ObjectKind.Scene), Is.EqualTo(1), "what is made afterwards lives");
+            Assert.That(SweepstakeLibrary.LiveCount(ObjectKind.Scene), Is.EqualTo(1), "objects created after Shutdown work");
         }
 
         [Test]

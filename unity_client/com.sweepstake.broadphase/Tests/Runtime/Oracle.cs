@@ -4,7 +4,7 @@ using System.Collections.Generic;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>What the pairs have to be.</summary>
+    /// <summary>The expected pairs by brute force.</summary>
     internal static class Oracle
     {
         internal static List<OverlapPair> Pairs(ReadOnlySpan<Aabb> boxes)
@@ -21,7 +21,7 @@ namespace Sweepstake.Tests
             return pairs;
         }
 
-        /// <summary>Ascending by A and then B.</summary>
+        /// <summary>Sorts by A and then B.</summary>
         internal static List<OverlapPair> Sorted(ReadOnlySpan<OverlapPair> found)
         {
             var pairs = new List<OverlapPair>(found.ToArray());
@@ -29,7 +29,7 @@ namespace Sweepstake.Tests
             return pairs;
         }
 
-        /// <summary>A scene that has pairs and moves, of few enough objects for an oracle.</summary>
+        /// <summary>A moving scene with pairs, and few enough objects for brute force.</summary>
         internal static MotionScene CrowdedScene(string name, uint objects = 300)
         {
             SceneOptions options = SceneOptions.Default;

@@ -45,7 +45,7 @@ namespace Sweepstake.Tests
             Assert.That(proxies.MovingCount, Is.EqualTo(2));
             Assert.That(proxies.StaticCount, Is.EqualTo(2));
             proxies.FindPairs(world);
-            Assert.That(proxies.Pairs.Length, Is.EqualTo(4), "each bullet with the wall and the floor");
+            Assert.That(proxies.Pairs.Length, Is.EqualTo(4), "each bullet overlaps the wall and the floor");
             proxies.SetFilter(other, new ProxyFilter(0, 0));
             proxies.FindPairs(world);
             Assert.That(proxies.Pairs.Length, Is.EqualTo(2));
@@ -98,7 +98,7 @@ namespace Sweepstake.Tests
 
             var sphere = new[] { new SphereQuery { CenterX = 6, Radius = 2.5F } };
             Assert.That(proxies.Queries.Spheres(sphere, new ProxyFilter(uint.MaxValue, 2), found, ends.AsSpan(0, 1)), Is.True);
-            Assert.That(ends[0], Is.EqualTo(2), "the odd ones at 3 and 9");
+            Assert.That(ends[0], Is.EqualTo(2), "the proxies with odd index at 3 and 9");
 
             var ray = new RayQuery { OriginX = -10, DirectionX = 1, MaxDistance = 100 };
             var hits = new QueryHit[16];

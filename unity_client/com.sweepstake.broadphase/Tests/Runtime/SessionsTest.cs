@@ -28,7 +28,7 @@ namespace Sweepstake.Tests
                     Assert.That(session.LastSample.FrameTimeNs, Is.EqualTo(FrameNs));
                 }
             }
-            Assert.That(session.SwitchEpoch, Is.EqualTo((uint)session.Arms.Count), "from the first to the last, and down to the first");
+            Assert.That(session.SwitchEpoch, Is.EqualTo((uint)session.Arms.Count), "one switch for each arm up to the last, then one back to the first");
         }
 
         [Test]
@@ -75,7 +75,8 @@ namespace Sweepstake.Tests
         [Test]
         public void AiDecidesAndSaysWhy()
         {
-            // The policy of the paper draws from posteriors that know nothing at first: it tries other arms, whatever they cost on this machine.
+            // The policy "paper" samples from posteriors without evidence at first, so it tries other arms, whatever they cost on this
+            // machine.
             using var session = new BroadPhaseSession(new SessionOptions { InitialArm = "BruteForce", SettlingNs = 1 });
             using var decider = new EmbeddedDecider(session, new DeciderOptions { TimeScale = 100, Policy = "paper" }, ownThread: false);
             using var scene = Oracle.CrowdedScene("hurricane");
@@ -144,7 +145,7 @@ namespace Sweepstake.Tests
             Assert.That(frozen.LastSample.DetectionTimeNs, Is.EqualTo(0), "no clock is read");
             frozen.SelectArm(initial);
             Play(frozen, scene);
-            Assert.That(frozen.Arms[frozen.ActiveArm], Is.EqualTo(initial), "the game may choose all the same");
+            Assert.That(frozen.Arms[frozen.ActiveArm], Is.EqualTo(initial), "the game can still select an arm");
             frozen.Mode = SessionMode.Ai;
             Play(frozen, scene);
             Assert.That(frozen.LastSample.DetectionTimeNs, Is.GreaterThan(0));
@@ -159,7 +160,7 @@ namespace Sweepstake.Tests
             var strange = new DeciderOptions { Project = "nowhere" };
             Assert.That(Assert.Throws<SweepstakeException>(() => session.Freeze(strange))!.Code, Is.EqualTo(ResultCode.NotFound));
             Play(session, scene);
-            Assert.That(session.LastSample.DetectionTimeNs, Is.GreaterThan(0), "it is as before");
+            Assert.That(session.LastSample.DetectionTimeNs, Is.GreaterThan(0), "the session is unchanged");
             session.Freeze();
             Play(session, scene);
             Assert.That(session.LastSample.DetectionTimeNs, Is.EqualTo(0));

@@ -109,7 +109,7 @@ namespace UnityEditor
         public static event Action quitting;
         public static event Action<PlayModeStateChange> playModeStateChanged;
 
-        /// <summary>For tests.</summary>
+        /// <summary>For tests: raises the event.</summary>
         public static void Say(PlayModeStateChange change) => playModeStateChanged?.Invoke(change);
         public static void SayQuitting() => quitting?.Invoke();
     }
@@ -120,13 +120,13 @@ namespace UnityEditor
 
         public static event AssemblyReloadCallback beforeAssemblyReload;
 
-        /// <summary>For tests.</summary>
+        /// <summary>For tests: raises the event.</summary>
         public static void SayReload() => beforeAssemblyReload?.Invoke();
     }
 
     public sealed class EditorUtility
     {
-        /// <summary>For tests: what was told last, and the file that is chosen.</summary>
+        /// <summary>For tests: the latest message, and the file that dialogs select.</summary>
         public static string LastMessage { get; private set; } = "";
         public static string ChosenFile { get; set; } = "";
 

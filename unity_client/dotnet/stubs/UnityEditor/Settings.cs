@@ -132,7 +132,7 @@ namespace UnityEditor.Compilation
 {
     public static class CompilationPipeline
     {
-        /// <summary>What the project has; for tests.</summary>
+        /// <summary>For tests: the precompiled assemblies of the project.</summary>
         public static string[] Precompiled { get; set; } = Array.Empty<string>();
 
         public static string[] GetPrecompiledAssemblyNames() => Precompiled;

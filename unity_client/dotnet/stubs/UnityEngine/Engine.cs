@@ -37,13 +37,13 @@ namespace UnityEngine
         {
         }
 
-        /// <summary>Ends the player.</summary>
+        /// <summary>For tests: ends the player.</summary>
         public static void SayQuitting() => quitting?.Invoke();
     }
 
     public class Debug
     {
-        /// <summary>What was logged; for tests.</summary>
+        /// <summary>For tests: the logged lines.</summary>
         public static List<string> Lines { get; } = new List<string>();
 
         public static void Log(object message, Object context) => Lines.Add("log: " + message);
@@ -58,7 +58,7 @@ namespace UnityEngine
 
         internal static List<Collider> Colliders { get; } = new List<Collider>();
 
-        /// <summary>Until then bounds are where the collider was.</summary>
+        /// <summary>Bounds do not follow the transforms before this call.</summary>
         public static void SyncTransforms()
         {
             for (int index = 0; index < Colliders.Count; ++index)
@@ -162,7 +162,7 @@ namespace UnityEngine
 
     public class Graphics
     {
-        /// <summary>Instances drawn; for tests.</summary>
+        /// <summary>For tests: the number of instances drawn.</summary>
         public static int InstanceCount { get; set; }
 
         public static void RenderMeshInstanced<T>(in RenderParams rparams, Mesh mesh, int submeshIndex, T[] instanceData, int instanceCount = -1, int startInstance = 0)

@@ -73,7 +73,7 @@ namespace Unity.Jobs
         void Execute(int index);
     }
 
-    /// <summary>Here a job is done when it is scheduled.</summary>
+    /// <summary>In this stub a job runs when it is scheduled.</summary>
     public struct JobHandle
     {
         public void Complete()

@@ -16,7 +16,7 @@ namespace UnityEngine.Networking
         public HttpForcedVersion HttpForcedVersion { get; set; }
 
         protected override Task<HttpResponseMessage> SendAsync(HttpRequestMessage request, CancellationToken cancellationToken) =>
-            Task.FromException<HttpResponseMessage>(new HttpRequestException("There is no network here."));
+            Task.FromException<HttpResponseMessage>(new HttpRequestException("This stub has no network."));
     }
 }
 #endif

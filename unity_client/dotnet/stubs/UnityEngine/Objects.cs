@@ -1,4 +1,4 @@
-// Of Unity's documented API the signatures that this package uses; what it does is as much as the tests need.
+// Stubs of Unity's documented API: the signatures that this package uses, with as much behaviour as the tests need.
 using System;
 using System.Collections.Generic;
 using System.Reflection;

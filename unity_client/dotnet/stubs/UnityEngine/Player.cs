@@ -5,7 +5,9 @@ using UnityEngine.SceneManagement;
 
 namespace UnityEngine
 {
-    /// <summary>Plays the part of the engine: calls what Unity calls by name, in the order of execution. Nothing of it is in Unity.</summary>
+    /// <summary>
+    /// Plays the role of the engine: calls Unity's messages by name, in the order of execution. It is not part of Unity's API.
+    /// </summary>
     public static class Player
     {
         private static readonly Dictionary<(Object, string), Action> Messages = new Dictionary<(Object, string), Action>();
@@ -13,7 +15,7 @@ namespace UnityEngine
         internal static List<MonoBehaviour> Behaviours { get; } = new List<MonoBehaviour>();
         internal static List<Object> Destroyed { get; } = new List<Object>();
 
-        /// <summary>One frame.</summary>
+        /// <summary>Runs one frame.</summary>
         public static void Frame(float seconds = 1 / 60f)
         {
             Time.unscaledDeltaTime = seconds;
@@ -29,7 +31,7 @@ namespace UnityEngine
             Destroyed.Clear();
         }
 
-        /// <summary>To all that run.</summary>
+        /// <summary>Sends a message to all running scripts.</summary>
         public static void Send(string message, bool value)
         {
             foreach (MonoBehaviour behaviour in Behaviours.ToArray())
@@ -45,7 +47,7 @@ namespace UnityEngine
             }
         }
 
-        /// <summary>Leaves play mode: everything of the scenes ends.</summary>
+        /// <summary>Leaves play mode: destroys all objects of the scenes.</summary>
         public static void Stop()
         {
             foreach (Scene scene in SceneManager.Loaded.ToArray())
@@ -58,7 +60,7 @@ namespace UnityEngine
             Time.timeScale = 1;
         }
 
-        /// <summary>Enters play mode: the methods of this assembly that want to be called first.</summary>
+        /// <summary>Enters play mode: calls this assembly's methods with RuntimeInitializeOnLoadMethod.</summary>
         public static void Begin(Assembly assembly)
         {
             foreach (Type type in assembly.GetTypes())

@@ -44,7 +44,7 @@ namespace UnityEngine.SceneManagement
 
         public static Scene GetSceneAt(int index) => Loaded[index];
 
-        /// <summary>Loads a scene beside the others; what is made next is of it.</summary>
+        /// <summary>Loads a scene additively; new objects belong to it.</summary>
         public static Scene Add(string name)
         {
             Active = Made(name);

@@ -89,7 +89,7 @@ namespace UnityEngine.UIElements
 
     public class Painter2D
     {
-        /// <summary>Points that are no numbers; for tests.</summary>
+        /// <summary>For tests: the number of points with coordinates that are not finite.</summary>
         public static int BadPointCount { get; set; }
 
         public Color strokeColor { get; set; }

@@ -118,7 +118,7 @@ namespace UnityEngine
         public static implicit operator int(LayerMask mask) => mask.value;
         public static implicit operator LayerMask(int intVal) => new LayerMask { value = intVal };
 
-        /// <summary>No layer has a name here.</summary>
+        /// <summary>In this stub no layer has a name.</summary>
         public static int GetMask(params string[] layerNames) => 0;
     }
 

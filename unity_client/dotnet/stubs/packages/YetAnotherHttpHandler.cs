@@ -14,6 +14,6 @@ namespace Cysharp.Net.Http
         public TimeSpan? Http2KeepAliveInterval { get; set; }
 
         protected override Task<HttpResponseMessage> SendAsync(HttpRequestMessage request, CancellationToken cancellationToken) =>
-            Task.FromException<HttpResponseMessage>(new HttpRequestException("There is no network here."));
+            Task.FromException<HttpResponseMessage>(new HttpRequestException("This stub has no network."));
     }
 }

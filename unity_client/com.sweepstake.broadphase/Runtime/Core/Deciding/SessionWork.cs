@@ -102,7 +102,7 @@ namespace Sweepstake
                 Running.Remove(this);
         }
 
-        /// <summary>The last call of each constructor. With a null name there is no thread and the game polls.</summary>
+        /// <summary>The last call of each constructor. With a null name no thread is started, and the game polls.</summary>
         private protected void Start(string? threadName)
         {
             Session.Work = this;

@@ -2,7 +2,7 @@
 #nullable enable
 namespace Sweepstake.LowLevel
 {
-    /// <summary>Where the C compilers put each field, to compare with what this runtime does and with the library that is loaded.</summary>
+    /// <summary>The offset of each field in C, to compare with this runtime and with the loaded library.</summary>
     internal static unsafe class NativeLayouts
     {
         /// <summary>SWP_ABI_VERSION of the headers.</summary>

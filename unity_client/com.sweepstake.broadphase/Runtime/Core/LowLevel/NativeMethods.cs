@@ -6,9 +6,9 @@ using System.Runtime.InteropServices;
 namespace Sweepstake.LowLevel
 {
     /// <summary>
-    /// The functions of the C ABI under their own names, for jobs and Burst; the C headers in Native~/include say what each of them does.
-    /// Pointers and scalars only: nothing is marshalled, nothing allocates. Everything else takes the classes of
-    /// <see cref="Sweepstake"/>, which check results and own what they make.
+    /// The functions of the C ABI under their own names, for jobs and Burst; the C headers in Native~/include document them. They use
+    /// pointers and scalars only, so nothing is marshalled and nothing allocates. All other code uses the classes of
+    /// <see cref="Sweepstake"/>, which check results and own the native objects.
     /// </summary>
     public static unsafe class NativeMethods
     {

@@ -88,7 +88,7 @@ namespace Sweepstake
         }
 
         /// <summary>Selects an arm from the next frame on; the mode does not change. Allocates nothing.</summary>
-        /// <exception cref="ArgumentOutOfRangeException">There is no such arm.</exception>
+        /// <exception cref="ArgumentOutOfRangeException">The arm does not exist.</exception>
         public void SelectArm(int arm)
         {
             if (arm < 0 || arm >= armNames.Length)
@@ -98,7 +98,7 @@ namespace Sweepstake
         }
 
         /// <summary>Selects an arm from the next frame on; the mode does not change.</summary>
-        /// <exception cref="SweepstakeException">There is no such arm; the message lists them.</exception>
+        /// <exception cref="SweepstakeException">The arm does not exist; the message lists the arms.</exception>
         public void SelectArm(string arm)
         {
             using var memory = new CallMemory();

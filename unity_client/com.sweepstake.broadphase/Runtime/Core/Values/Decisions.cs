@@ -46,7 +46,7 @@ namespace Sweepstake
         NoFrames = 5,
         /// <summary>The session is in <see cref="SessionMode.Manual"/>.</summary>
         Manual = 6,
-        /// <summary>There is no candidate; the command switches to the next arm to try.</summary>
+        /// <summary>No candidate; the command switches to the next arm to try.</summary>
         Exploring = 7,
         /// <summary>A measurement is not finite.</summary>
         Rejected = 8,

@@ -5,7 +5,10 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Queries over tracked colliders in Unity's types: none gives one that was destroyed. Once its buffer has grown, nothing allocates.</summary>
+    /// <summary>
+    /// Queries over tracked colliders with Unity's types. Destroyed colliders are not returned. After its buffer has grown, nothing
+    /// allocates.
+    /// </summary>
     internal sealed class ColliderQueries
     {
         private readonly ColliderSet colliders;
@@ -61,7 +64,7 @@ namespace Sweepstake.Unity
             return !(hit is null);
         }
 
-        /// <summary>One that was destroyed since the latest frame must not hide what is behind it.</summary>
+        /// <summary>Drops a hit that was destroyed since the latest frame, so that it does not hide what is behind it.</summary>
         private bool HasDropped(Collider? hit) => !(hit is null) && hit == null && colliders.Remove(hit!);
 
         private ProxyQueries Prepared()

@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Two colliders whose boxes overlap; which of them is A means nothing. One that was destroyed equals null.</summary>
+    /// <summary>Two colliders whose boxes overlap, in no particular order. A destroyed collider equals null.</summary>
     public readonly struct ColliderPair
     {
         public ColliderPair(Collider a, Collider b)
@@ -19,31 +19,35 @@ namespace Sweepstake.Unity
     }
 
     /// <summary>
-    /// Colliders as proxies. Those of static game objects are read when they are added and when they become active or disabled; the boxes of all
-    /// others in each frame. A collider that is disabled has no box and ends its pairs; one that was destroyed is dropped by itself. In steady
-    /// state nothing allocates.
+    /// Colliders as proxies. Those of static game objects are read when they are added, enabled or disabled; the boxes of all others are read
+    /// in each frame. A disabled collider has no box and ends its pairs; a destroyed one is removed automatically. In steady state nothing
+    /// allocates.
     /// </summary>
     internal sealed class ColliderSet : IDisposable
     {
-        /// <summary>Layers and static colliders that are looked at per frame, in turn.</summary>
+        /// <summary>
+        /// Number of colliders per frame, in rotation, whose layer and static state are checked; bounds the cost of the checks.
+        /// </summary>
         private const int ChecksPerFrame = 64;
         private static readonly Aabb NoBox = new Aabb(1, 1, 1, -1, -1, -1);
 
         private readonly LayerFilters filters;
         private readonly Dictionary<Collider, int> slots = new Dictionary<Collider, int>();
-        /// <summary>Whose handle it is; a removed one that was searched stays until the ends of its pairs were told.</summary>
+        /// <summary>
+        /// The collider of each handle. The entry of a removed collider stays until the end events of its pairs were raised.
+        /// </summary>
         private readonly Dictionary<ulong, Collider> owners = new Dictionary<ulong, Collider>();
         private readonly List<ulong> removed = new List<ulong>();
         private readonly Stack<int> freePlaces = new Stack<int>();
 
-        // Moving colliders come first, static ones behind them.
+        // Moving colliders come first, then static ones.
         private Collider?[] colliders = new Collider?[64];
         private ProxyHandle[] handles = new ProxyHandle[64];
         private Aabb[] boxes = new Aabb[64];
         private int[] layers = new int[64];
-        /// <summary>Where a collider's box is in recordings, as long as it is tracked.</summary>
+        /// <summary>Index of a collider's box in recordings, fixed while it is tracked.</summary>
         private int[] places = new int[64];
-        /// <summary>How many searches there were when a collider was added.</summary>
+        /// <summary>Value of searchCount when the collider was added.</summary>
         private ulong[] births = new ulong[64];
         private int movingCount;
         private int count;
@@ -60,12 +64,12 @@ namespace Sweepstake.Unity
 
         internal ProxySet Proxies { get; }
         internal int Count => count;
-        /// <summary>Tracked, or removed since the latest search.</summary>
+        /// <summary>Number of colliders that are tracked or were removed since the latest search.</summary>
         internal int KnownCount => owners.Count;
-        /// <summary>False: none were searched, or the pairs of the latest search have proxies that are gone.</summary>
+        /// <summary>False before the first search, and while pairs of the latest search contain removed proxies.</summary>
         internal bool HasPairs { get; private set; }
 
-        /// <returns>False: it is in already.</returns>
+        /// <returns>False if it is already tracked.</returns>
         internal bool Add(Collider collider)
         {
             if (slots.ContainsKey(collider))
@@ -88,7 +92,7 @@ namespace Sweepstake.Unity
             return true;
         }
 
-        /// <returns>False: it is not in.</returns>
+        /// <returns>False if it is not tracked.</returns>
         internal bool Remove(Collider collider)
         {
             if (!slots.TryGetValue(collider, out int slot))
@@ -99,21 +103,23 @@ namespace Sweepstake.Unity
 
         internal bool Contains(Collider collider) => slots.ContainsKey(collider);
 
-        /// <summary>Reads layer, static flag and box again, now.</summary>
+        /// <summary>Reads layer, static flag and box again.</summary>
         internal void Refresh(Collider collider)
         {
             if (Remove(collider))
                 Add(collider);
         }
 
-        /// <summary>Gives each the filter of its layer, after a change of these.</summary>
+        /// <summary>Sets the filter of each collider again after the layers' filters have changed.</summary>
         internal void RefreshFilters()
         {
             for (int slot = 0; slot < count; ++slot)
                 Proxies.SetFilter(handles[slot], filters.Of(layers[slot]));
         }
 
-        /// <summary>Reads the boxes of this frame. PhysX learns first where the transforms are: otherwise boxes are those of its latest step.</summary>
+        /// <summary>
+        /// Reads the boxes of this frame. It first sends the transforms to PhysX; otherwise boxes would be those of its latest step.
+        /// </summary>
         internal void ReadBoxes()
         {
             Physics.SyncTransforms();
@@ -139,10 +145,10 @@ namespace Sweepstake.Unity
             HasPairs = true;
         }
 
-        /// <summary>The collider of a handle of the latest search's pairs.</summary>
+        /// <summary>The collider of a handle in the pairs of the latest search.</summary>
         internal Collider OwnerOf(ProxyHandle handle) => owners[handle.Value];
 
-        /// <summary>After the pairs that ended were taken.</summary>
+        /// <summary>Called after the end events of removed colliders were raised.</summary>
         internal void ForgetRemoved()
         {
             foreach (ulong handle in removed)
@@ -203,7 +209,7 @@ namespace Sweepstake.Unity
             colliders[count] = null;
         }
 
-        /// <summary>Puts what is in one slot into another, whose content was moved or is gone.</summary>
+        /// <summary>Copies one slot to another whose content was moved or removed.</summary>
         private void Move(int from, int to)
         {
             if (from != to)
@@ -221,7 +227,7 @@ namespace Sweepstake.Unity
             slots[collider] = slot;
         }
 
-        /// <summary>That of colliders that were destroyed while nothing was searched, or else more.</summary>
+        /// <summary>Removes destroyed colliders, and doubles the arrays if they are still more than half full.</summary>
         private void MakeRoom()
         {
             for (int slot = count - 1; slot >= 0; --slot)
@@ -240,7 +246,7 @@ namespace Sweepstake.Unity
             Array.Resize(ref births, size);
         }
 
-        /// <summary>Unity gives a collider that is disabled, or whose game object is not active, a box of no size.</summary>
+        /// <summary>Unity returns a box of size zero for a collider that is disabled or whose game object is inactive.</summary>
         private static Aabb BoxOf(Collider collider)
         {
             Bounds bounds = collider.bounds;

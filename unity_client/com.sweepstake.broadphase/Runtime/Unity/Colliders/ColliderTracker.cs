@@ -6,21 +6,21 @@ using UnityEngine.SceneManagement;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Which colliders a <see cref="ColliderTracker"/> takes by itself.</summary>
+    /// <summary>Which colliders a <see cref="ColliderTracker"/> tracks automatically.</summary>
     public enum ColliderScope
     {
-        /// <summary>Those of all scenes that are loaded, or will be.</summary>
+        /// <summary>Colliders of all scenes that are loaded now or later.</summary>
         LoadedScenes,
-        /// <summary>Those of its own game object and below.</summary>
+        /// <summary>Colliders of its own game object and its children.</summary>
         Children,
-        /// <summary>None: the game registers each.</summary>
+        /// <summary>None: the game registers each collider.</summary>
         Registered,
     }
 
     /// <summary>
-    /// Lets the manager beside it search in the boxes of colliders: triggers without physics, and queries. It tells which boxes begin and
-    /// cease to overlap, for the layers that meet by the collision matrix. Rigidbodies go on as before: PhysX has its own broad phase. What
-    /// is spawned later is to be registered, or found by <see cref="Scan()"/>.
+    /// Lets the manager on the same object search the boxes of colliders: triggers without physics, and queries. It raises events when boxes
+    /// begin or cease to overlap, for layers that collide in the collision matrix. Rigidbodies are not affected: PhysX has its own broad phase.
+    /// Objects that are spawned later have to be registered, or found with <see cref="Scan()"/>.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Collider Tracker")]
     [RequireComponent(typeof(SweepstakeManager))]
@@ -29,16 +29,16 @@ namespace Sweepstake.Unity
     public sealed class ColliderTracker : MonoBehaviour, IBroadPhaseSource
     {
         [SerializeField]
-        [Tooltip("Which colliders are tracked without being registered.")]
+        [Tooltip("Which colliders are tracked automatically, without being registered.")]
         private ColliderScope scope = ColliderScope.LoadedScenes;
         [SerializeField]
         [Tooltip("The layers that are tracked.")]
         private LayerMask layers = ~0;
         [SerializeField]
-        [Tooltip("On: layers meet by the collision matrix of the physics settings. Off: all tracked layers meet.")]
+        [Tooltip("On: only layers that collide in the collision matrix of the physics settings form pairs. Off: all tracked layers do.")]
         private bool usesCollisionMatrix = true;
         [SerializeField]
-        [Tooltip("Only colliders that are triggers are taken by themselves.")]
+        [Tooltip("Tracks only triggers automatically.")]
         private bool findsTriggersOnly = false;
 
         private readonly LayerFilters filters = new LayerFilters();
@@ -51,18 +51,18 @@ namespace Sweepstake.Unity
         private ColliderSet? colliders;
         private ColliderQueries? queries;
 
-        /// <summary>Two boxes overlap since this frame. For their shapes ask Physics.ComputePenetration.</summary>
+        /// <summary>Two boxes overlap since this frame. Use Physics.ComputePenetration to test the shapes.</summary>
         public event Action<ColliderPair>? PairBegan { add => beganListeners.Add(value); remove => beganListeners.Remove(value); }
-        /// <summary>Two boxes overlap no more, or one of the colliders was disabled, removed or destroyed.</summary>
+        /// <summary>Two boxes no longer overlap, or one of the colliders was disabled, removed or destroyed.</summary>
         public event Action<ColliderPair>? PairEnded { add => endedListeners.Add(value); remove => endedListeners.Remove(value); }
 
-        /// <summary>How many colliders are tracked.</summary>
+        /// <summary>The number of tracked colliders.</summary>
         public int Count => colliders?.Count ?? 0;
 
-        /// <summary>Null while it is not enabled. For queries of many at once, and from jobs.</summary>
+        /// <summary>Null while the tracker is disabled. For many queries at once, and for jobs.</summary>
         public ProxySet? Proxies => colliders?.Proxies;
 
-        /// <summary>Changes hold at once.</summary>
+        /// <summary>Changes take effect at once.</summary>
         public LayerMask Layers
         {
             get => layers;
@@ -73,26 +73,29 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Tracks a collider, also one that its scope has not.</summary>
-        /// <returns>False: it is tracked already, or this is not enabled.</returns>
+        /// <summary>Tracks a collider, also one outside its scope.</summary>
+        /// <returns>False if it is already tracked or the tracker is disabled.</returns>
         public bool Register(Collider collider) => colliders != null && collider != null && colliders.Add(collider);
 
-        /// <returns>False: it is not tracked.</returns>
+        /// <returns>False if it is not tracked.</returns>
         public bool Unregister(Collider collider) => colliders != null && !(collider is null) && colliders.Remove(collider);
 
         public bool IsTracked(Collider collider) => colliders != null && colliders.Contains(collider);
 
-        /// <summary>Reads a collider's layer, static flag and, if it is static, box again. Of a layer alone it takes notice by itself, if not at once.</summary>
+        /// <summary>
+        /// Reads a collider's layer, static flag and, if it is static, box again. Changes of the layer are also noticed automatically after some
+        /// frames.
+        /// </summary>
         public void Refresh(Collider collider) => colliders?.Refresh(collider);
 
-        /// <summary>Reads the collision matrix again, after Physics.IgnoreLayerCollision.</summary>
+        /// <summary>Reads the collision matrix again; call it after Physics.IgnoreLayerCollision.</summary>
         public void RefreshLayers()
         {
             filters.Read(layers, usesCollisionMatrix);
             colliders?.RefreshFilters();
         }
 
-        /// <summary>Registers what its scope has now.</summary>
+        /// <summary>Registers all colliders in its scope.</summary>
         public void Scan()
         {
             if (scope == ColliderScope.Children)
@@ -101,14 +104,14 @@ namespace Sweepstake.Unity
                 Scan(SceneManager.GetSceneAt(index));
         }
 
-        /// <summary>All tracked colliders whose boxes overlap this one, as of the latest frame. Replaces the list's content.</summary>
+        /// <summary>Finds all tracked colliders whose boxes overlapped this box in the latest frame. Replaces the list's content.</summary>
         public void OverlapBox(Bounds box, LayerMask layers, List<Collider> result) => queries?.Box(box, layers, result);
 
-        /// <summary>All tracked colliders whose boxes the sphere touches.</summary>
+        /// <summary>Finds all tracked colliders whose boxes touch the sphere.</summary>
         public void OverlapSphere(Vector3 center, float radius, LayerMask layers, List<Collider> result) => queries?.Sphere(center, radius, layers, result);
 
-        /// <summary>The first tracked collider whose box the ray meets.</summary>
-        /// <param name="distance">To its box; 0 if the ray starts inside.</param>
+        /// <summary>Finds the nearest tracked collider whose box the ray hits.</summary>
+        /// <param name="distance">Distance to the box; 0 if the ray starts inside.</param>
         public bool Raycast(Ray ray, float maxDistance, LayerMask layers, out Collider? hit, out float distance)
         {
             hit = null;
@@ -152,10 +155,10 @@ namespace Sweepstake.Unity
             var manager = GetComponent<SweepstakeManager>();
             if (manager.Source != null)
             {
-                Debug.LogError("Sweepstake: no colliders are tracked, because the manager has another source already.", this);
+                Debug.LogError("Sweepstake: no colliders are tracked, because the manager already has another source.", this);
                 return;
             }
-            // The manager says so, with the remedy.
+            // The manager logs the problem and its remedy.
             if (SweepstakeLibrary.FindProblem() != null)
                 return;
             filters.Read(layers, usesCollisionMatrix);

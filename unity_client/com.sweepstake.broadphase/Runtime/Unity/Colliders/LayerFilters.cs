@@ -3,14 +3,14 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Unity's layers as filters of proxies: the category of a layer is its bit, its mask the layers that it meets.</summary>
+    /// <summary>Unity's layers as proxy filters: the category of a layer is its bit, its mask the layers that it collides with.</summary>
     internal sealed class LayerFilters
     {
         private const int LayerCount = 32;
         private readonly ProxyFilter[] filters = new ProxyFilter[LayerCount];
 
-        /// <param name="layers">Others have a filter that passes with nothing.</param>
-        /// <param name="usesMatrix">False: all of these layers meet.</param>
+        /// <param name="layers">All other layers get a filter that matches nothing.</param>
+        /// <param name="usesMatrix">False: all of these layers collide with each other.</param>
         internal void Read(LayerMask layers, bool usesMatrix)
         {
             uint tracked = unchecked((uint)layers.value);
@@ -23,7 +23,7 @@ namespace Sweepstake.Unity
 
         internal ProxyFilter Of(int layer) => filters[layer];
 
-        /// <summary>A query meets these layers, whatever the matrix says.</summary>
+        /// <summary>A query matches these layers, independent of the matrix.</summary>
         internal static ProxyFilter Query(LayerMask layers) => new ProxyFilter(uint.MaxValue, unchecked((uint)layers.value));
 
         private static uint MaskOf(int layer, bool usesMatrix)

@@ -3,7 +3,9 @@ using System;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>The pairs that began or ended in a frame, kept while they are told: who is told may change what is tracked.</summary>
+    /// <summary>
+    /// A copy of the pairs that began or ended in a frame, because a listener may change the tracked colliders during the events.
+    /// </summary>
     internal sealed class PairList
     {
         private ColliderPair[] pairs = new ColliderPair[64];

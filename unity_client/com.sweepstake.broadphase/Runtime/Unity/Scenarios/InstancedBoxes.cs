@@ -6,8 +6,8 @@ using UnityEngine.Rendering;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Draws many boxes by GPU instancing, those that touch another one in a second colour. The material is a copy of the one that the
-    /// project's render pipeline gives a new cube, so that it is right in each pipeline. Once its arrays have grown, nothing allocates.
+    /// Draws many boxes by GPU instancing; boxes that touch another one have a second colour. The material is a copy of a new cube's material,
+    /// so that it fits every render pipeline. After its arrays have grown, nothing allocates.
     /// </summary>
     internal sealed class InstancedBoxes : IDisposable
     {
@@ -19,7 +19,7 @@ namespace Sweepstake.Unity
         private readonly Material resting;
         private readonly Material touching;
         private bool[] touches = Array.Empty<bool>();
-        // Those that rest from the front, those that touch from the back.
+        // Boxes that touch nothing fill the array from the front, boxes that touch another one from the back.
         private Matrix4x4[] places = Array.Empty<Matrix4x4>();
 
         internal InstancedBoxes()
@@ -29,7 +29,7 @@ namespace Sweepstake.Unity
             Material ofPipeline = cube.GetComponent<MeshRenderer>().sharedMaterial;
             resting = Copy(ofPipeline, Resting);
             touching = Copy(ofPipeline, Touching);
-            // Also named so that code stripping leaves a cube what it is made of.
+            // Naming the component also keeps code stripping from removing it.
             cube.GetComponent<BoxCollider>().enabled = false;
             cube.SetActive(false);
             UnityEngine.Object.Destroy(cube);
@@ -66,7 +66,7 @@ namespace Sweepstake.Unity
                 Graphics.RenderMeshInstanced(parameters, mesh, 0, places, Math.Min(BatchSize, end - start), start);
         }
 
-        /// <summary>The unit cube at the place and of the size of a box.</summary>
+        /// <summary>The transform that maps the unit cube to a box.</summary>
         private static Matrix4x4 PlaceOf(in Aabb box) => new Matrix4x4
         {
             m00 = box.MaxX - box.MinX, m11 = box.MaxY - box.MinY, m22 = box.MaxZ - box.MinZ, m33 = 1,
@@ -76,7 +76,7 @@ namespace Sweepstake.Unity
         private static Material Copy(Material material, Color color)
         {
             var copy = new Material(material) { enableInstancing = true, hideFlags = HideFlags.HideAndDontSave };
-            // Built-in calls it _Color, URP and HDRP _BaseColor.
+            // The Built-in pipeline names it _Color, URP and HDRP _BaseColor.
             copy.SetColor("_Color", color);
             copy.SetColor("_BaseColor", color);
             return copy;

@@ -6,9 +6,9 @@ using UnityEngine;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Lets the manager beside it search in a scene of moving boxes: one of the library's, or a recorded .aabbs file. One seed gives the same
-    /// boxes, step by step, on every machine. All of it may be changed while it plays, which begins the scene anew; what cannot be played is
-    /// logged, and the former scene goes on.
+    /// Lets the manager on the same object search a scene of moving boxes: one of the library's, or a recorded .aabbs file. One seed gives the
+    /// same boxes in each step on every machine. Changing a setting while it plays restarts the scene. If a new scene cannot be played, the
+    /// reason is logged and the former scene continues.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Scenario Player")]
     [RequireComponent(typeof(SweepstakeManager))]
@@ -16,7 +16,7 @@ namespace Sweepstake.Unity
     [DocumentationPage("samples.md")]
     public sealed class ScenarioPlayer : MonoBehaviour, IBroadPhaseSource
     {
-        /// <summary>More boxes are not played.</summary>
+        /// <summary>Upper limit of <see cref="ObjectCount"/>.</summary>
         public const int MaxObjects = 100_000;
 
         [SerializeField]
@@ -25,7 +25,7 @@ namespace Sweepstake.Unity
         private string scenario = "hurricane";
         [SerializeField]
         [Range(0, MaxObjects)]
-        [Tooltip("How many boxes there are.")]
+        [Tooltip("Number of boxes.")]
         private int objectCount = 3000;
         [SerializeField]
         [Tooltip("The same seed gives the same boxes.")]
@@ -36,10 +36,10 @@ namespace Sweepstake.Unity
         private float worldHalfExtent = 50;
         [SerializeField]
         [Min(0)]
-        [Tooltip("How fast the boxes are, in units per second.")]
+        [Tooltip("Characteristic speed of the boxes, in units per second.")]
         private float speed = 10;
         [SerializeField]
-        [Tooltip("Draws the boxes; those that touch another one in the second colour.")]
+        [Tooltip("Draws the boxes; boxes that touch another one have the second colour.")]
         private bool isDrawn = true;
 
         private MotionScene? scene;
@@ -48,19 +48,19 @@ namespace Sweepstake.Unity
         private float dueSeconds;
 
         public string Scenario { get => scenario; set => Change(ref scenario, value); }
-        /// <summary>From 0 to <see cref="MaxObjects"/>; others become the nearest of these.</summary>
+        /// <summary>From 0 to <see cref="MaxObjects"/>; other values are clamped.</summary>
         public int ObjectCount { get => objectCount; set => Change(ref objectCount, Math.Min(Math.Max(value, 0), MaxObjects)); }
         public uint Seed { get => seed; set => Change(ref seed, value); }
         public float WorldHalfExtent { get => worldHalfExtent; set => Change(ref worldHalfExtent, value); }
         public float Speed { get => speed; set => Change(ref speed, value); }
         public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
 
-        /// <summary>Of this step's boxes: equal on every platform for one seed and step. 0: it does not play.</summary>
+        /// <summary>Hash of the current boxes: the same on every platform for the same seed and step. 0 while it does not play.</summary>
         public ulong Hash => scene?.Hash ?? 0;
-        /// <summary>The number of steps since it began.</summary>
+        /// <summary>Number of steps since the scene began.</summary>
         public ulong Step => scene?.FrameIndex ?? 0;
 
-        /// <summary>Begins anew at the next frame.</summary>
+        /// <summary>Restarts the scene at the next frame.</summary>
         public void Restart() => isStale = true;
 
         void IBroadPhaseSource.Search(BroadPhaseSession session)
@@ -102,7 +102,7 @@ namespace Sweepstake.Unity
         {
             var manager = GetComponent<SweepstakeManager>();
             if (manager.Source != null)
-                Debug.LogError("Sweepstake: no scenario is played, because the manager has another source already.", this);
+                Debug.LogError("Sweepstake: no scenario is played, because the manager already has another source.", this);
             else
                 manager.Source = this;
             isStale = true;
@@ -121,7 +121,7 @@ namespace Sweepstake.Unity
 
         private void OnValidate() => isStale = true;
 
-        /// <summary>A step is of a fixed time, and a frame makes one at most, so that a slow frame does not make the next one slower.</summary>
+        /// <summary>A frame makes at most one step of fixed duration, so that a slow frame does not make the next one slower.</summary>
         private MotionScene? Advanced()
         {
             if (isStale)

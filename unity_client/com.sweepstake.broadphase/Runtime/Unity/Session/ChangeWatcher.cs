@@ -2,7 +2,7 @@
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Remembers what was told, so that each change is told once.</summary>
+    /// <summary>Remembers the values of the latest events, so that each change raises one event.</summary>
     internal sealed class ChangeWatcher
     {
         private int backend;
@@ -25,7 +25,7 @@ namespace Sweepstake.Unity
             return isOther;
         }
 
-        /// <summary>A daemon tells the commands among its decisions, which have no id of a decision.</summary>
+        /// <summary>Compares command ids too, because decisions of a daemon have a command id but no decision id.</summary>
         internal bool HasNewDecision(BroadPhaseSession session, out Decision decision)
         {
             decision = session.LastDecision;

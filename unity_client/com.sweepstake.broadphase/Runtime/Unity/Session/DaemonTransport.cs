@@ -12,26 +12,26 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Makes the way to a daemon from a config; without gRPC's libraries it says what is missing.</summary>
+    /// <summary>Creates the transport to a daemon from a config; without gRPC's libraries the exception says what is missing.</summary>
     public static class DaemonTransport
     {
-        /// <exception cref="SweepstakeException">There is no gRPC here, or a setting is wrong; the message says what to do.</exception>
+        /// <exception cref="SweepstakeException">gRPC is missing, or a setting is wrong; the message says what to do.</exception>
         public static ITelemetryTransport Make(DaemonSettings settings)
         {
 #if HAS_GRPC
             return new GrpcTelemetryTransport(EndpointOf(settings));
 #elif UNITY_WEBGL
-            throw new SweepstakeException(ResultCode.FailedPrecondition, "A browser cannot speak to a daemon. Leave 'Is Used' of the config's daemon off.");
+            throw new SweepstakeException(ResultCode.FailedPrecondition, "A game in a browser cannot connect to a daemon. Switch off 'Is Used' of the config's daemon.");
 #else
             throw new SweepstakeException(
                 ResultCode.FailedPrecondition,
-                "The game has no gRPC, so it cannot speak to a daemon. Window > Sweepstake > Setup says what is missing.");
+                "The game does not contain gRPC, so it cannot connect to a daemon. Window > Sweepstake > Setup shows what is missing.");
 #endif
         }
 
 #if HAS_GRPC
-        /// <summary>Where the daemon of a config is and how it is spoken to, with the handler that this Unity needs.</summary>
-        /// <exception cref="SweepstakeException">A setting cannot work here; the message says what to do.</exception>
+        /// <summary>The endpoint of a config's daemon, with the HTTP handler that this Unity version needs.</summary>
+        /// <exception cref="SweepstakeException">A setting does not work on this platform; the message says what to do.</exception>
         public static DaemonEndpoint EndpointOf(DaemonSettings settings)
         {
             TlsFiles? tls = !settings.usesTls ? null : new TlsFiles
@@ -48,12 +48,12 @@ namespace Sweepstake.Unity
         {
             if (path.Length == 0 || Path.IsPathRooted(path))
                 return path.Length == 0 ? null : path;
-            // Android's are in the application's archive, of which this is an address.
+            // On Android, StreamingAssets are entries of the application's archive, and the path is a URL.
             if (Application.streamingAssetsPath.Contains("://"))
             {
                 throw new SweepstakeException(
                     ResultCode.FailedPrecondition,
-                    $"'{path}' cannot be read: StreamingAssets are no files here. Write it below Application.persistentDataPath and give the config its whole path.");
+                    $"'{path}' cannot be read: on this platform StreamingAssets are not files. Write it below Application.persistentDataPath and set its absolute path in the config.");
             }
             return Path.Combine(Application.streamingAssetsPath, path);
         }
@@ -76,14 +76,14 @@ namespace Sweepstake.Unity
             {
                 throw new SweepstakeException(
                     ResultCode.FailedPrecondition,
-                    "Unity's own HTTP handler takes no authority and no certificate. Install YetAnotherHttpHandler; Window > Sweepstake > Setup says how.");
+                    "Unity's own HTTP handler does not support an authority or a certificate. Install YetAnotherHttpHandler; Window > Sweepstake > Setup shows how.");
             }
             return () => new UnityEngine.Networking.UnityHttpMessageHandler { HttpForcedVersion = UnityEngine.Networking.HttpForcedVersion.HTTP2 };
         }
 #elif UNITY_5_3_OR_NEWER
         private static Func<HttpMessageHandler>? HandlerFor(TlsFiles? tls) => throw new SweepstakeException(
             ResultCode.FailedPrecondition,
-            "This Unity has no HTTP/2, so the game cannot speak to a daemon. Install YetAnotherHttpHandler; Window > Sweepstake > Setup says how.");
+            "This Unity version does not have HTTP/2, so the game cannot connect to a daemon. Install YetAnotherHttpHandler; Window > Sweepstake > Setup shows how.");
 #else
         private static Func<HttpMessageHandler>? HandlerFor(TlsFiles? tls) => null;
 #endif

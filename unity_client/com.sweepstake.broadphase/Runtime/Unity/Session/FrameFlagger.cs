@@ -2,7 +2,9 @@
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Says from which frames nothing can be learnt. The frame after a pause or a load has their time in it, and counts to them.</summary>
+    /// <summary>
+    /// Flags frames that are excluded from learning. The first frame after a pause or a load is flagged too, because its time includes it.
+    /// </summary>
     internal sealed class FrameFlagger
     {
         private bool isSkipping = true;
@@ -12,7 +14,7 @@ namespace Sweepstake.Unity
         internal bool IsInBackground { get; set; }
         internal bool IsLoading { get; set; }
 
-        /// <summary>The next frame is no ordinary one.</summary>
+        /// <summary>Flags the next frame as loading.</summary>
         internal void Skip() => isSkipping = true;
 
         /// <summary>The flags of the frame that ends now.</summary>

@@ -5,8 +5,8 @@ using UnityEngine;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Those who listen to an event. What one throws is logged, and the others are told all the same. Who comes or goes while it is told counts
-    /// from the next time on. Only coming and going allocates.
+    /// The listeners of an event. An exception of one listener is logged, and the others are still called. Adding or removing a listener during
+    /// the event takes effect at the next one. Only adding and removing allocate.
     /// </summary>
     internal sealed class Listeners<T>
     {

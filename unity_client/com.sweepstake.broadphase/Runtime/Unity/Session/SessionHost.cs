@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>A session with whatever decides for it: made from a config, and changed while the game runs. Main thread.</summary>
+    /// <summary>A session and its decider or connection: created from a config, and changed while the game runs. Main thread.</summary>
     internal sealed class SessionHost
     {
         private readonly SweepstakeConfig config;
@@ -12,7 +12,7 @@ namespace Sweepstake.Unity
         private readonly Action<string> tell;
         private FrameCsvWriter? csv;
 
-        /// <param name="tell">Is told, once, what went wrong on a thread of its own.</param>
+        /// <param name="tell">Called once for each failure on another thread.</param>
         internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> tell)
         {
             this.config = config;
@@ -24,19 +24,19 @@ namespace Sweepstake.Unity
         internal BroadPhaseSession Session { get; }
         internal EmbeddedDecider? Decider { get; private set; }
         internal DaemonConnection? Connection { get; private set; }
-        /// <summary>Why nobody decides any more; "": somebody does.</summary>
+        /// <summary>Why decisions have stopped; "" while something decides.</summary>
         internal string WorkProblem { get; private set; } = "";
-        /// <summary>Why the latest CSV file lacks frames; "": it lacks none, as far as is known.</summary>
+        /// <summary>Why the latest CSV file is incomplete; "" if no loss is known.</summary>
         internal string CsvProblem { get; private set; } = "";
 
-        /// <summary>From now on the game decides itself.</summary>
+        /// <summary>From now on the embedded decider decides.</summary>
         internal void DecideHere()
         {
             EndWork(SessionWork.DisposeTimeoutMs);
             Decider = new EmbeddedDecider(Session, config.ToDeciderOptions(sceneName, Application.version));
         }
 
-        /// <summary>From now on a daemon decides. If the connection cannot even be made, the game decides itself.</summary>
+        /// <summary>From now on a daemon decides. If the connection cannot be created, the embedded decider decides.</summary>
         internal void DecideThere(ITelemetryTransport transport, LinkOptions options)
         {
             EndWork(SessionWork.DisposeTimeoutMs);
@@ -70,7 +70,7 @@ namespace Sweepstake.Unity
             LeaveCsv();
         }
 
-        /// <summary>Of threads that have ended by themselves since it was asked the last time.</summary>
+        /// <summary>Reports threads that have failed since the last call.</summary>
         internal void TellFailures()
         {
             if (csv?.Failure != null)
@@ -79,14 +79,14 @@ namespace Sweepstake.Unity
             if (work?.Failure == null || WorkProblem.Length > 0)
                 return;
             string what = work == Decider ? "decider" : "connection to the daemon";
-            WorkProblem = $"Nobody decides any more, because the {what} has failed: {work.Failure.Message} Disable the manager and enable it to begin anew.";
+            WorkProblem = $"Decisions have stopped, because the {what} has failed: {work.Failure.Message} Disable and enable the manager to restart it.";
             tell(WorkProblem);
         }
 
-        /// <summary>Lets the CSV file be written to its end, without waiting for it.</summary>
+        /// <summary>Starts to finish the CSV file, without waiting.</summary>
         internal void BeginEnd() => csv?.Stop(0);
 
-        /// <summary>Is over by then, on <see cref="SteadyClock"/>, or at once after <see cref="SweepstakeLibrary.Shutdown"/>.</summary>
+        /// <summary>Ends by `endNs` of <see cref="SteadyClock"/>, or at once after <see cref="SweepstakeLibrary.Shutdown"/>.</summary>
         internal void End(ulong endNs)
         {
             BeginEnd();
@@ -96,7 +96,7 @@ namespace Sweepstake.Unity
             Session.Dispose();
         }
 
-        /// <summary>When an end that begins now is over.</summary>
+        /// <summary>The deadline of an end that begins now.</summary>
         internal static ulong DeadlineNs() => SteadyClock.NowNs + (ulong)SessionWork.DisposeTimeoutMs * 1_000_000;
 
         private static int MsUntil(ulong endNs)
@@ -108,9 +108,9 @@ namespace Sweepstake.Unity
         private void LeaveCsv()
         {
             if (csv?.Failure is Exception problem)
-                CsvProblem = "The CSV file of frames was not written to its end: " + problem.Message + " Begin another one.";
+                CsvProblem = "The CSV file of frames is incomplete: " + problem.Message + " Start another one.";
             else if (csv?.DroppedCount > 0)
-                CsvProblem = $"The CSV file of frames lacks {csv.DroppedCount} frames, because it was written too slowly. Choose a faster disk.";
+                CsvProblem = $"The CSV file of frames lacks {csv.DroppedCount} frames, because writing was too slow. Use a faster disk.";
             if (csv != null && CsvProblem.Length > 0)
                 tell(CsvProblem);
             csv = null;

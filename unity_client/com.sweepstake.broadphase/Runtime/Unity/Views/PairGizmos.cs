@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Draws the boxes of pairs in the scene view, a few of them: off until it is asked for.</summary>
+    /// <summary>Draws the boxes of some pairs in the scene view; off by default.</summary>
     [AddComponentMenu("Sweepstake/Sweepstake Pair Gizmos")]
     [RequireComponent(typeof(SweepstakeManager))]
     [DisallowMultipleComponent]
@@ -15,7 +15,7 @@ namespace Sweepstake.Unity
         private bool isDrawn = false;
         [SerializeField]
         [Range(1, 2000)]
-        [Tooltip("How many pairs are drawn at most: they cost time in the editor.")]
+        [Tooltip("Largest number of pairs that are drawn; drawing costs time in the editor.")]
         private int maxPairs = 200;
         [SerializeField]
         [Tooltip("The colour of the boxes.")]
@@ -23,7 +23,7 @@ namespace Sweepstake.Unity
 
         public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
 
-        /// <summary>How many pairs were drawn the last time.</summary>
+        /// <summary>Number of pairs drawn the last time.</summary>
         public int DrawnCount { get; private set; }
 
         private void OnDrawGizmos()

@@ -5,10 +5,10 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>What a manager knows, as text for the HUD, the inspector and the window; in the invariant culture.</summary>
+    /// <summary>The state of a manager as text for the HUD, the inspector and the window; in the invariant culture.</summary>
     public static class StatusText
     {
-        /// <summary>A word or two.</summary>
+        /// <summary>The state in one or two words.</summary>
         public static string Chip(SweepstakeState state) => state switch
         {
             SweepstakeState.Stopped => "Stopped",
@@ -22,7 +22,7 @@ namespace Sweepstake.Unity
         };
 
         /// <summary>Appends the lines of a HUD.</summary>
-        /// <param name="fps">Frames per second, which the caller averages.</param>
+        /// <param name="fps">Frames per second, averaged by the caller.</param>
         public static void Append(StringBuilder text, SweepstakeManager manager, double fps)
         {
             text.Append("Sweepstake: ").Append(Chip(manager.State)).Append(", ").Append(manager.Mode == SessionMode.Ai ? "AI Decides" : "Manual");
@@ -37,12 +37,12 @@ namespace Sweepstake.Unity
             AppendDecision(text, manager);
             text.Append('\n').Append(Advice.Of(manager.Verdict.Kind));
             if (QualitySettings.vSyncCount > 0)
-                text.Append("\nvSync is on: it caps the frame rate, and with it what a faster backend can gain.");
+                text.Append("\nvSync is on: it limits the frame rate, and with it the gain of a faster backend.");
         }
 
         /// <summary>
-        /// Appends the latest decision: its reason, the backend that it commands or holds back, the one that is the best with its
-        /// probability, as far as they are known, and its age.
+        /// Appends the latest decision: its reason, the backend that it commands or holds back, the best backend with its probability, and its age.
+        /// Unknown parts are left out.
         /// </summary>
         public static void AppendDecision(StringBuilder text, SweepstakeManager manager) => AppendDecision(text, manager, manager.LastDecision);
 

@@ -5,8 +5,8 @@ using UnityEngine;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Shows what a manager does in a corner of the screen, in builds too and with either input system. Its text is made a few times a
-    /// second, which is when it allocates; leave it out where no byte may be.
+    /// Shows the state of a manager in a corner of the screen, also in builds and with either input system. Its text is updated a few times a
+    /// second and allocates then; remove it if nothing may allocate.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake HUD")]
     [DisallowMultipleComponent]
@@ -16,11 +16,11 @@ namespace Sweepstake.Unity
         private const float Margin = 8;
 
         [SerializeField]
-        [Tooltip("Whose state is shown. None: the one beside it, or the first one that is enabled.")]
+        [Tooltip("The manager whose state is shown. None: the one on the same object, or the first enabled one.")]
         private SweepstakeManager? manager;
         [SerializeField]
         [Range(1, 10)]
-        [Tooltip("How often the text is made, per second.")]
+        [Tooltip("Updates of the text per second.")]
         private int refreshesPerSecond = 4;
         [SerializeField]
         [Range(8, 48)]
@@ -33,7 +33,7 @@ namespace Sweepstake.Unity
         private float sinceSeconds;
         private int frames;
 
-        /// <summary>The text that is shown.</summary>
+        /// <summary>The displayed text.</summary>
         public string Text => content.text;
 
         private void Awake()
