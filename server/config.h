@@ -18,8 +18,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/priors/audit_rows.h"
 #include "server/rpc/common/options.h"
+#include "server/sessions/audit_rows.h"
 
 namespace sweepstake::server {
 

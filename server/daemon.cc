@@ -14,7 +14,7 @@
 #include "server/daemon_files.h"
 #include "server/daemon_site.h"
 #include "server/descriptor_limit.h"
-#include "server/priors/unix_time.h"
+#include "server/sessions/unix_time.h"
 #include "server/storage/postgres/shared_store.h"
 #include "server/storage/sqlite_prior_store.h"
 

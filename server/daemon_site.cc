@@ -13,9 +13,9 @@
 #include "server/daemon_files.h"
 #include "server/dashboard/dashboard_assets.h"
 #include "server/descriptor_limit.h"
-#include "server/priors/unix_time.h"
 #include "server/rpc/common/role_table.h"
 #include "server/rpc/health_probe.h"
+#include "server/sessions/unix_time.h"
 #include "server/web/health_page.h"
 #include "server/web/metrics_page.h"
 

@@ -77,7 +77,7 @@ def printing_errors(path, text):
 
 
 def status_errors(path, text):
-    if not path.startswith(("server/rpc/services/", "server/rpc/sessions/", "server/rpc/common/message_validation")):
+    if not path.startswith(("server/rpc/services/", "server/sessions/", "server/rpc/common/message_validation")):
         return
     for match in BARE_STATUS.finditer(text):
         line = text.count("\n", 0, match.start()) + 1

@@ -45,16 +45,17 @@ ALLOWED = {
     "engine_client/c_api/flavours": set(),
     "engine_client/cli": DECIDER | ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry", "proto"},
     "server/dashboard": set(),
-    "server/priors": DECIDER,
-    "server/storage": DECIDER | {"server/priors"},
+    # To go: auth, rpc, watch and proto.
+    "server/sessions": DECIDER | {"server/auth", "server/rpc", "server/watch", "proto"},
+    "server/storage": DECIDER | {"server/sessions"},
     "server/tls": {"engine_client/telemetry/tls"},
     "server/auth": {"server/storage"},
-    "server/watch": DECIDER | {"server/priors"},
+    "server/watch": DECIDER | {"server/sessions"},
     "server/net": set(),
     "server/web": {"server/auth", "server/dashboard", "server/net", "proto"},
-    "server/rpc": DECIDER | {"server/auth", "server/net", "server/priors", "engine_client/telemetry/tls", "server/watch", "proto"},
+    "server/rpc": DECIDER | {"server/auth", "server/net", "server/sessions", "engine_client/telemetry/tls", "server/watch", "proto"},
     "server": DECIDER | {
-        "server/auth", "server/priors", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/watch", "server/rpc",
+        "server/auth", "server/sessions", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/watch", "server/rpc",
         "server/web", "server/dashboard", "proto"},
 }
 
@@ -98,14 +99,14 @@ ROOM_ORDER = {
     "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
     "engine_client/cli": ("io", "game", "daemon", "priors", ""),
     "engine_client/telemetry": ("tls", "common", "protocol", ""),
-    "server/rpc": ("common", "sessions", "services", ""),
+    "server/rpc": ("common", "services", ""),
     "server/web": ("", "api"),
 }
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
     "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/telemetry/tls", "engine_client/cli", "server",
-    "server/auth", "server/net", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web"}
+    "server/auth", "server/net", "server/sessions", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web"}
 # What the system alone knows: names of threads, cores, the processor and the memory. Where it does not tell, these do nothing.
 PLATFORM_FILES = {
     "engine_client/broad_phase/host/" + name
@@ -254,7 +255,7 @@ BAD = {
     "engine_client/telemetry/j.cc": '#include "server/storage/prior_store.h"\n',
     "server/rpc/k.cc": '#include "server/storage/prior_store.h"\n',
     "server/storage/l.cc": '#include "server/rpc/rpc_server.h"\n',
-    "engine_client/decider/pooling/m.cc": '#include "server/priors/prior_store.h"\n',
+    "engine_client/decider/pooling/m.cc": '#include "server/sessions/prior_store.h"\n',
     "server/rpc/n.cc": '#include "sweepstake/frame_sample.h"\n',
     "server/main.cc": '#include "engine_client/scene/world.h"\n',
     "server/rpc/o.cc": '#include "server/daemon.h"\n',
@@ -277,10 +278,10 @@ BAD = {
     "server/rpc/z.cc": '#include "tests/laboratory/policies/study_policies.h"\n',
     "engine_client/telemetry/common/z.cc": '#include "engine_client/telemetry/proto_conversion.h"\n',
     "engine_client/telemetry/aa.cc": '#include "tests/laboratory/policies/study_policies.h"\n',
-    "engine_client/decider/audit/ab.cc": '#include "server/priors/prior_store.h"\n',
+    "engine_client/decider/audit/ab.cc": '#include "server/sessions/prior_store.h"\n',
     "engine_client/decider/audit/ac.cc": "#include <fstream>\n",
     "server/tls/af.cc": '#include "server/rpc/common/options.h"\n',
-    "server/watch/ad.cc": '#include "server/rpc/common/decision_loop.h"\n',
+    "server/watch/ad.cc": '#include "server/rpc/common/options.h"\n',
     "server/auth/ag.cc": '#include "server/rpc/common/options.h"\n',
     "server/web/af.cc": '#include "server/rpc/common/options.h"\n',
     "server/watch/ae.cc": '#include "server/storage/store_thread.h"\n',

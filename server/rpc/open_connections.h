@@ -14,8 +14,8 @@
 
 #include "absl/status/status.h"
 #include "server/net/peer_address.h"
-#include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"
+#include "server/sessions/decision_loop.h"
 
 namespace sweepstake::rpc {
 

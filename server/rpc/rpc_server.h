@@ -21,7 +21,6 @@
 
 #include "absl/status/statusor.h"
 #include "server/rpc/common/access_control.h"
-#include "server/rpc/common/decision_loop.h"
 #include "server/rpc/services/audit_service.h"
 #include "server/rpc/services/posteriors_service.h"
 #include "server/rpc/services/priors_service.h"
@@ -30,8 +29,9 @@
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_service.h"
 #include "server/rpc/services/watcher_set.h"
-#include "server/rpc/sessions/admin_log.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/admin_log.h"
+#include "server/sessions/decision_loop.h"
+#include "server/sessions/session_table.h"
 #include "server/watch/watch_hub.h"
 
 namespace sweepstake::rpc {

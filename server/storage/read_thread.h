@@ -24,7 +24,7 @@
 #include <optional>
 #include <thread>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::storage {
 

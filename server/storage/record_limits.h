@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::storage {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/sqlite_database.h"
 
 namespace sweepstake::storage {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/read_thread.h"
 #include "server/storage/sqlite_audit_log.h"
 #include "server/storage/sqlite_database.h"

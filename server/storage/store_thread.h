@@ -18,7 +18,7 @@
 //   and one that began from an older state would count its messages twice, or give its next commit
 //   a number that is taken;
 // - a fresh session of a scene that is not stored, which counts against the quotas: what was
-//   committed must count once, there or among the scenes in memory (rpc/sessions/new_scenes.h);
+//   committed must count once, there or among the scenes in memory (server/sessions/new_scenes.h);
 // - the sums to which the increments of later commits are added (watch/watch_hub.h);
 // - the quota of an import, which the import itself follows.
 // The rest is read beside: whether a fresh session's scene is stored and what it begins from then,
@@ -41,7 +41,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/read_thread.h"
 
 namespace sweepstake::storage {

@@ -4,7 +4,7 @@
 #include <random>
 #include <utility>
 
-#include "server/priors/unix_time.h"
+#include "server/sessions/unix_time.h"
 
 namespace sweepstake::watch {
 namespace {

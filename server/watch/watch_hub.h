@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::v1 {
 class DecisionEvent;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::test_support {
 

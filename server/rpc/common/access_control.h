@@ -24,10 +24,10 @@
 #include "server/auth/failure_limit.h"
 #include "server/auth/principal.h"
 #include "server/auth/rate_limit.h"
-#include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/refusal_log.h"
 #include "server/rpc/common/role_table.h"
+#include "server/sessions/decision_loop.h"
 
 namespace sweepstake::rpc {
 

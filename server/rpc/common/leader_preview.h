@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "sweepstake/v1/priors.pb.h"
 
 namespace sweepstake::rpc {

@@ -14,8 +14,8 @@
 #include "engine_client/decider/options.h"
 #include "engine_client/telemetry/tls/tls_files.h"
 #include "server/auth/principal.h"
-#include "server/priors/prior_store.h"
-#include "server/rpc/common/adjustable.h"
+#include "server/sessions/adjustable.h"
+#include "server/sessions/prior_store.h"
 #include "sweepstake/v1/errors.pb.h"
 
 namespace sweepstake::rpc {

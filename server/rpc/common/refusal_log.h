@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "server/rpc/common/decision_loop.h"
+#include "server/sessions/decision_loop.h"
 #include "sweepstake/v1/errors.pb.h"
 
 namespace spdlog {

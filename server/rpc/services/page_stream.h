@@ -15,10 +15,10 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/services/stall_sweep.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::rpc {
 

@@ -11,7 +11,7 @@
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/posterior_watcher.h"
 #include "server/rpc/services/unary_call.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/session_table.h"
 
 namespace sweepstake::rpc {
 namespace {

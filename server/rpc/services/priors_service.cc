@@ -13,12 +13,12 @@
 #include "server/rpc/common/leader_preview.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/rpc/common/source_weights.h"
 #include "server/rpc/services/page_stream.h"
 #include "server/rpc/services/unary_call.h"
-#include "server/rpc/sessions/admin_log.h"
-#include "server/rpc/sessions/scene_quota.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/admin_log.h"
+#include "server/sessions/scene_quota.h"
+#include "server/sessions/session_table.h"
+#include "server/sessions/source_weights.h"
 
 namespace sweepstake::rpc {
 namespace {

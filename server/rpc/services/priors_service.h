@@ -9,8 +9,8 @@
 
 #include <atomic>
 
-#include "server/priors/prior_store.h"
 #include "server/rpc/services/service_context.h"
+#include "server/sessions/prior_store.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
 namespace sweepstake::rpc {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "server/rpc/common/access_control.h"
-#include "server/rpc/sessions/game_session.h"
+#include "server/sessions/game_session.h"
 
 namespace spdlog {
 class logger;

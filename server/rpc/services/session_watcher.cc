@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "server/rpc/services/sessions_service.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/session_table.h"
 
 namespace sweepstake::rpc {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "server/rpc/services/watcher.h"
-#include "server/rpc/sessions/box_views.h"
+#include "server/sessions/box_views.h"
 #include "server/watch/watch_hub.h"
 #include "sweepstake/v1/sessions.pb.h"
 

@@ -16,8 +16,8 @@
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/session_watcher.h"
 #include "server/rpc/services/unary_call.h"
-#include "server/rpc/sessions/admin_log.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/admin_log.h"
+#include "server/sessions/session_table.h"
 
 namespace sweepstake::rpc {
 namespace {

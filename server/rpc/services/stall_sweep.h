@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <set>
 
-#include "server/rpc/common/decision_loop.h"
+#include "server/sessions/decision_loop.h"
 
 namespace sweepstake::rpc {
 

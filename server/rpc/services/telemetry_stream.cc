@@ -11,7 +11,7 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/session_table.h"
 
 namespace sweepstake::rpc {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "server/auth/rate_limit.h"
 #include "server/rpc/services/service_context.h"
-#include "server/rpc/sessions/game_session.h"
-#include "server/rpc/sessions/session_start.h"
+#include "server/sessions/game_session.h"
+#include "server/sessions/session_start.h"
 #include "sweepstake/v1/telemetry.pb.h"
 
 namespace sweepstake::rpc {

@@ -17,11 +17,11 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/priors/prior_store.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/services/stall_sweep.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::rpc {
 

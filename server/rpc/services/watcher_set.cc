@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "server/rpc/services/posterior_watcher.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/session_table.h"
 
 namespace sweepstake::rpc {
 

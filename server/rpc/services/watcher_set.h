@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "server/priors/prior_store.h"
 #include "server/rpc/services/watcher.h"
+#include "server/sessions/prior_store.h"
 #include "server/watch/watch_hub.h"
 #include "sweepstake/v1/posteriors.pb.h"
 

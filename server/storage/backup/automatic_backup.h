@@ -17,7 +17,7 @@
 #include <thread>
 
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/private_file.h"
 #include "server/storage/read_thread.h"
 #include "server/storage/sqlite_database.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/memory/memory_audit_log.h"
 
 namespace sweepstake::storage {

@@ -17,7 +17,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/sqlite_database.h"
 
 namespace sweepstake::storage {

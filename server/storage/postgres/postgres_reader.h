@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/postgres/postgres_builds.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/read_thread.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/postgres/postgres_connection.h"
 
 namespace sweepstake::storage {

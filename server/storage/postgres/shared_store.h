@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/postgres/postgres_migration.h"

@@ -1,5 +1,5 @@
 // What a game begins with after others, as a daemon serves it
-// (server/rpc/sessions/session_start.h): from what they have taught, not from what they believe.
+// (server/sessions/session_start.h): from what they have taught, not from what they believe.
 #pragma once
 
 #include <array>

@@ -4,7 +4,7 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "server/rpc/common/decision_loop.h"
+#include "server/sessions/decision_loop.h"
 
 namespace sweepstake::rpc {
 

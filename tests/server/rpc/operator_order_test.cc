@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/rpc/sessions/game_session.h"
-#include "server/rpc/sessions/session_start.h"
+#include "server/sessions/game_session.h"
+#include "server/sessions/session_start.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {

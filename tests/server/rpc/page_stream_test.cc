@@ -8,7 +8,7 @@
 #include <future>
 
 #include "server/rpc/services/watcher_set.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/session_table.h"
 #include "tests/server/rpc/manual_clock.h"
 
 namespace sweepstake::rpc {

@@ -1,5 +1,5 @@
 // What clients of other versions, and many clients, are told.
-#include "server/rpc/sessions/session_start.h"
+#include "server/sessions/session_start.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::simulation {
 

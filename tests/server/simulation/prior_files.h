@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "tests/server/simulation/world.h"
 
 namespace sweepstake::simulation {

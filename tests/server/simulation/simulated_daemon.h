@@ -9,13 +9,13 @@
 #include <memory>
 #include <vector>
 
-#include "server/priors/prior_store.h"
-#include "server/rpc/common/decision_loop.h"
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_stream.h"
 #include "server/rpc/services/watcher_set.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/decision_loop.h"
+#include "server/sessions/prior_store.h"
+#include "server/sessions/session_table.h"
 #include "server/storage/folding/evidence_folding.h"
 #include "server/storage/store_thread.h"
 #include "server/watch/watch_hub.h"

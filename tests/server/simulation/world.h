@@ -8,7 +8,7 @@
 #include <random>
 #include <utility>
 
-#include "server/rpc/common/decision_loop.h"
+#include "server/sessions/decision_loop.h"
 
 namespace sweepstake::simulation {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::storage {
 

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 
 namespace sweepstake::storage {

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "engine_client/decider/audit/audit_log.h"
-#include "server/priors/prior_store.h"
+#include "server/sessions/prior_store.h"
 
 namespace sweepstake::test_support {
 

@@ -15,7 +15,7 @@
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_stream.h"
 #include "server/rpc/services/watcher_set.h"
-#include "server/rpc/sessions/session_table.h"
+#include "server/sessions/session_table.h"
 #include "server/storage/memory/memory_prior_store.h"
 #include "tests/server/rpc/manual_clock.h"
 

@@ -1,0 +1,95 @@
+#include "server/sessions/scene_quota.h"
+
+#include "absl/strings/str_cat.h"
+#include "engine_client/decider/session/session_setup.h"
+#include "server/rpc/common/error_reasons.h"
+
+namespace sweepstake::rpc {
+
+absl::Status CheckProjectCount(uint64_t count, const RpcOptions& options) {
+  const uint32_t max_projects = options.max_projects;
+  if (count <= max_projects) return absl::OkStatus();
+  return Refused(v1::ERROR_REASON_TOO_MANY_PROJECTS,
+                 absl::StrCat("this daemon has ", max_projects,
+                              " projects (max_projects); name the project alike in every session, "
+                              "or raise --max-projects"));
+}
+
+absl::Status CheckSceneCount(const priors::SceneCount& count, const RpcOptions& options) {
+  const uint32_t max_scenes = options.max_scenes;
+  if (count.names <= max_scenes && count.keys <= uint64_t{max_scenes} * SceneQuota::kKeysPerScene)
+    return absl::OkStatus();
+  return Refused(v1::ERROR_REASON_TOO_MANY_SCENES,
+                 absl::StrCat("the project has ", max_scenes, " scenes (max_scenes), of ",
+                              SceneQuota::kKeysPerScene,
+                              " machine classes on average; name scenes alike in every session, or "
+                              "raise --max-scenes"));
+}
+
+absl::Status SceneQuota::Add(const priors::SceneKey& scene, const ArmKey& arm) {
+  if (!scenes_.contains(scene)) {
+    if (absl::Status status = AddScene(scene); !status.ok()) return status;
+  }
+  Scene& known = scenes_[scene];
+  known.arms.insert(arm.name);
+  known.versions.insert(arm);
+  if (known.arms.size() <= decision::kMaxArms &&
+      known.versions.size() <= decision::kMaxArms * kVersionsPerArm) {
+    return absl::OkStatus();
+  }
+  return Refused(
+      v1::ERROR_REASON_TOO_MANY_ARMS,
+      absl::StrCat("a scene may have ", decision::kMaxArms, " arms, of ", kVersionsPerArm,
+                   " versions on average; name the arms alike in every session"));
+}
+
+absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
+  const auto stored = store_.LoadScene(scene);
+  Scene& known = scenes_[scene];
+  unstored_.reset();
+  if (!stored.ok()) {
+    unstored_.emplace();
+    // A damaged scene is there, and so is its project.
+    if (!absl::IsDataLoss(stored.status())) unstored_->project_count = 0;
+    return absl::OkStatus();
+  }
+  if (stored->has_value()) {
+    for (const auto& arm : (*stored)->arms) {
+      known.arms.insert(arm.name);
+      known.versions.insert({arm.name, arm.backend_version});
+    }
+    return absl::OkStatus();
+  }
+  if (!counts_) {
+    unstored_.emplace();
+    return absl::OkStatus();
+  }
+  new_scenes_.push_back(scene);
+  Project& project = FindProject(scene.project);
+  // Another machine class of a known name adds no name.
+  const auto named = store_.List({scene.project, scene.scene}, std::nullopt, 1);
+  unstored_ = {.stored = project.count,
+               .new_name = !named.ok() || named->empty(),
+               .project_count = project.project_count};
+  ++project.count.keys;
+  if (unstored_->new_name && new_names_.emplace(scene.project, scene.scene).second)
+    ++project.count.names;
+  absl::Status status = CheckSceneCount(project.count, options_);
+  if (status.ok() && project.project_count)
+    status = CheckProjectCount(*project.project_count + new_project_count_, options_);
+  return status;
+}
+
+SceneQuota::Project& SceneQuota::FindProject(const std::string& name) {
+  const auto [found, is_unknown] = projects_.try_emplace(name);
+  Project& project = found->second;
+  if (!is_unknown) return project;
+  project.count = store_.CountScenes(name).value_or(priors::SceneCount{});
+  if (project.count.keys == 0) {
+    project.project_count = store_.CountProjects().value_or(0);
+    ++new_project_count_;
+  }
+  return project;
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,26 @@
+// The identity of a session, fixed for its life. A plain value.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine_client/decider/options.h"
+#include "server/sessions/prior_store.h"
+
+namespace sweepstake::rpc {
+
+struct SessionIdentity {
+  std::string id;
+  int64_t token_id = 0;  // of the token that it began with; only that one may resume it
+  std::string build;     // of the game; empty if unknown
+  priors::SceneKey scene;
+  std::vector<std::string> arms;
+  std::vector<uint32_t> backend_versions;  // has one per arm
+  uint64_t seed = 0;
+  decision::DecisionOptions decision;      // time scale applied
+  uint32_t audit_segment = 1;              // segment of the session's audit log
+  std::vector<std::string> prior_sources;  // whose evidence it began with, for the audit log
+};
+
+}  // namespace sweepstake::rpc

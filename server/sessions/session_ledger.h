@@ -1,0 +1,119 @@
+// Tracks which evidence of one session is on disk and which is still to be written.
+//
+// Evidence waits for a checkpoint, a moment at which it contains every message applied so far (a
+// tick). A checkpoint commits the evidence and the sequence number that it covers in one atomic
+// update. Acknowledged messages are therefore never lost, and resent ones are never counted twice.
+// What comes after a checkpoint is kept apart until the next, since a commit in between would write
+// it without the number of its message.
+// A session that has sent nothing yet is not in the store: the first checkpoint with a message puts
+// it there, and the rows of its audit log wait until then.
+// The rows of the session's audit log are in the same update; if the disk is too slow for them
+// (kMaxWaitingAuditBytes), the next ones are lost. At most one update is pending; later checkpoints
+// merge into one behind it, so the memory is bounded by the number of arms. A failed update is
+// offered again, unchanged, at the next checkpoint. If it has reached the disk after all, the store
+// recognises its number and ignores it.
+//
+// Where another daemon has written the session since this one began it from the store, the store
+// refuses what is offered: then superseded() holds, and all that was not on disk is forgotten,
+// since the client sends it to the other daemon.
+//
+// It is used on the decision loop only. The store's callback posts to the loop and has only a weak
+// pointer to the ledger.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/rpc/common/options.h"
+#include "server/sessions/decision_loop.h"
+#include "server/sessions/prior_store.h"
+
+namespace sweepstake::rpc {
+
+class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
+ public:
+  // Takes the status of a commit and the increments that are on disk now, if any.
+  using CommitListener =
+      std::function<void(const absl::Status&, std::span<const priors::KeyedEvidence>)>;
+
+  // `progress` is the state in the store (commit_sequence 0: none). `on_committed` runs on the loop
+  // after each commit.
+  SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
+                priors::SourceProgress progress, CommitListener on_committed);
+  ~SessionLedger();
+  SessionLedger(const SessionLedger&) = delete;
+  SessionLedger& operator=(const SessionLedger&) = delete;
+
+  void Add(const priors::KeyedEvidence& increment);
+  // Says where the source comes from, before the first offer.
+  void SetOrigin(priors::SourceOrigin origin) { origin_ = std::move(origin); }
+  // `head` identifies the session's audit log; it has no rows.
+  void StartAudit(priors::AuditRows head) { audit_ = std::move(head); }
+  // Adds the next row. REQUIRES: StartAudit was called.
+  void AddAuditRow(std::string_view row);
+  // The progress of a session, as SourceProgress stores it.
+  struct Position {
+    uint64_t message_sequence = 0;
+    uint32_t explored_arm_count = 0;
+    uint64_t decision_count = 0;
+    uint64_t frame_count = 0;
+  };
+  // Declares that the evidence so far is exactly that of the messages up to the position's
+  // sequence.
+  void Checkpoint(const Position& position);
+  // Offers a failed update again.
+  void Retry() { CommitNext(); }
+
+  uint64_t durable_sequence() const { return durable_sequence_; }
+  // Appends what waits for the disk, as it is to be committed.
+  void AppendWaiting(std::vector<priors::SourceUpdate>& updates) const;
+  // Returns whether there is evidence since the checkpoint.
+  bool open() const { return !open_.empty(); }
+  // Returns whether nothing waits for the disk.
+  bool settled() const { return !offered_ && !checkpointed_; }
+  // Returns whether the store has an update that it has not answered yet.
+  bool committing() const { return in_flight_; }
+  bool superseded() const { return superseded_; }
+
+ private:
+  bool HasRoomFor(std::string_view audit_row) const;
+  void CommitNext();
+  // Returns the update of the latest checkpoint. REQUIRES: `checkpointed_`.
+  priors::SourceUpdate NextUpdate() const;
+  void MakeOffer();
+  void Offer();
+  void DropOffer();
+  void DropAll();
+  void OnCommitted(const absl::Status& status);
+
+  priors::AsyncPriorStore& store_;
+  DecisionLoop& loop_;
+  Counters& counters_;
+  const CommitListener on_committed_;
+
+  priors::SourceProgress progress_;  // progress at the latest checkpoint
+  priors::SourceOrigin origin_;
+  const priors::SourceWriter writer_;
+  uint64_t durable_sequence_;
+  std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the checkpoint
+  std::map<priors::EvidenceKey, priors::Evidence>
+      waiting_;                                    // evidence between offer and checkpoint
+  std::vector<priors::AuditRow> open_rows_;        // audit rows since the checkpoint
+  priors::AuditRows audit_;                        // rows between offer and checkpoint
+  uint64_t audit_row_count_ = 0;                   // rows of the segment, lost ones included
+  size_t audit_bytes_ = 0;                         // size of all rows held here
+  bool checkpointed_ = false;                      // `waiting_` may be offered
+  std::unique_ptr<priors::SourceUpdate> offered_;  // the store has not confirmed it yet
+  bool in_flight_ = false;                         // the store has `offered_`
+  bool superseded_ = false;
+};
+
+}  // namespace sweepstake::rpc

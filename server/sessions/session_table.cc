@@ -1,0 +1,242 @@
+#include "server/sessions/session_table.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "server/rpc/common/error_reasons.h"
+#include "server/sessions/unix_time.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+constexpr int64_t kSweepIntervalNs = 2'000'000'000;
+
+}  // namespace
+
+std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? nullptr : found->second.session;
+}
+
+absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
+  const int64_t token_id = session->identity().token_id;
+  const auto held = token_counts_.find(token_id);
+  if (token_id != 0 && held != token_counts_.end() &&
+      held->second >= options_.max_sessions_per_token && !MakeRoom(token_id)) {
+    return Refused(v1::ERROR_REASON_TOO_MANY_SESSIONS,
+                   absl::StrCat("this token has ", held->second,
+                                " sessions, as many as it may (max_sessions_per_token); end some, "
+                                "or use another token"));
+  }
+  if (entries_.size() >= options_.max_sessions && !MakeRoom(std::nullopt)) {
+    return Refused(v1::ERROR_REASON_TOO_MANY_SESSIONS,
+                   "this daemon has as many sessions as it may; try again later, or use another");
+  }
+  ++token_counts_[token_id];
+  std::string id = session->identity().id;
+  entries_[std::move(id)].session = std::move(session);
+  return absl::OkStatus();
+}
+
+bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
+  const std::optional<std::string> first = leaving_.First(token_id);
+  if (!first) return false;
+  GameSession& session = *entries_.at(*first).session;
+  if (session.ended() && !session.settled()) return false;
+  session.KeepOpenEvidence();  // a store that is free writes it without the session
+  Remove(*first);
+  return true;
+}
+
+void SessionTable::Attach(GameSession& session, SessionLink& link, SessionClient client) {
+  Entry& entry = entries_.at(session.identity().id);
+  if (entry.link == nullptr) ++active_counts_[session.identity().scene];
+  if (entry.lost) Recover(entry);
+  entry.link = &link;
+  entry.client = std::move(client);
+  session.Attach(link);
+}
+
+void SessionTable::Detach(GameSession& session, SessionLink& link) {
+  const auto found = entries_.find(session.identity().id);
+  if (found == entries_.end() || found->second.link != &link) return;
+  found->second.link = nullptr;
+  const auto count = active_counts_.find(session.identity().scene);
+  if (--count->second == 0) active_counts_.erase(count);
+  session.Detach(link);
+  if ((session.ended() || session.superseded()) && session.settled()) {
+    Remove(std::string(found->first));
+  } else {
+    Lose(found->second);
+  }
+}
+
+void SessionTable::Kick(GameSession& session, bool may_return) {
+  // Ending the stream may remove the session from the table.
+  const std::shared_ptr<GameSession> kept = session.shared_from_this();
+  if (!may_return) RememberKick(session.identity().id);
+  session.Kick(may_return);
+  const auto found = entries_.find(session.identity().id);
+  // That of a lost one would otherwise stay until nobody may resume it any more.
+  if (!may_return && found != entries_.end() && found->second.lost) LookAt(kept->identity().id);
+}
+
+void SessionTable::Forget(const GameSession& session) {
+  Remove(std::string(session.identity().id));
+}
+
+void SessionTable::RememberKick(const std::string& id) {
+  if (!kicked_.insert(id).second) return;
+  kicks_.push_back(id);
+  if (kicks_.size() <= kMaxKicked) return;
+  kicked_.erase(kicks_.front());
+  kicks_.pop_front();
+}
+
+absl::Status SessionTable::CheckKicked(const std::string& id) const {
+  return kicked_.contains(id) ? SessionKicked() : absl::OkStatus();
+}
+
+std::optional<v1::SessionInfo> SessionTable::Describe(const std::string& id) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return std::nullopt;
+  return InfoOf(found->second);
+}
+
+std::vector<v1::SessionInfo> SessionTable::List(const priors::SceneFilter& filter,
+                                                const std::string& after, size_t limit) const {
+  std::vector<v1::SessionInfo> sessions;
+  for (auto next = entries_.upper_bound(after); next != entries_.end() && sessions.size() < limit;
+       ++next) {
+    const priors::SceneKey& scene = next->second.session->identity().scene;
+    if (filter.Matches(scene.project, scene.scene)) sessions.push_back(InfoOf(next->second));
+  }
+  return sessions;
+}
+
+v1::SessionInfo SessionTable::InfoOf(const Entry& entry) const {
+  const GameSession& session = *entry.session;
+  const decision::DecisionSession& decisions = session.decisions();
+  const auto unix_ms = [&](int64_t time_ns) {
+    return (priors::UnixNowNs() - (loop_.clock().NowNs() - time_ns)) / 1'000'000;
+  };
+  v1::SessionInfo info;
+  info.set_session_id(session.identity().id);
+  info.set_project(session.identity().scene.project);
+  info.set_scene(session.identity().scene.scene);
+  info.set_build(entry.client.build);
+  info.set_client_address(entry.client.address);
+  info.set_state(session.ended()         ? v1::SESSION_STATE_ENDING
+                 : entry.link != nullptr ? v1::SESSION_STATE_CONNECTED
+                                         : v1::SESSION_STATE_LOST);
+  info.set_active_arm(session.identity().arms[decisions.active_arm()]);
+  info.set_mode(static_cast<v1::Mode>(decisions.mode()));
+  info.set_unix_start_ms(unix_ms(decisions.setup().start_ns));
+  if (session.last_message_ns()) info.set_unix_last_message_ms(unix_ms(*session.last_message_ns()));
+  info.set_dropped_frame_count(session.dropped_frame_count());
+  return info;
+}
+
+void SessionTable::Lose(Entry& entry) {
+  const int64_t now_ns = loop_.clock().NowNs();
+  entry.resumable_until_ns = now_ns + options_.resume_window_ns;
+  entry.session->TellChange();
+  entry.rank.number = ++last_lost_number_;
+  LookAgainAt(entry.session->settled() ? entry.resumable_until_ns : now_ns + kSweepIntervalNs,
+              entry);
+  ScheduleSweep();
+}
+
+void SessionTable::Recover(Entry& entry) {
+  lost_.erase(*std::exchange(entry.lost, std::nullopt));
+  leaving_.Remove(entry.session->identity().token_id, entry.rank);
+}
+
+void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
+  const SessionIdentity& identity = entry.session->identity();
+  entry.lost = LostKey{due_ns, entry.rank.number};
+  lost_.emplace(*entry.lost, identity.id);
+  entry.rank.state = entry.session->settled() ? LostState::kSettled
+                     : entry.session->ended() ? LostState::kEnding
+                                              : LostState::kUnsettled;
+  leaving_.Add(identity.token_id, entry.rank, identity.id);
+}
+
+void SessionTable::ScheduleSweep() {
+  if (sweep_scheduled_ || lost_.empty()) return;
+  sweep_scheduled_ = true;
+  loop_.PostAt(loop_.clock().NowNs() + kSweepIntervalNs, [this] {
+    sweep_scheduled_ = false;
+    Sweep();
+  });
+}
+
+void SessionTable::Sweep() {
+  const int64_t now_ns = loop_.clock().NowNs();
+  std::vector<std::string> due;
+  for (const auto& [key, id] : lost_) {
+    if (key.first > now_ns) break;
+    due.push_back(id);
+  }
+  for (const std::string& id : due) LookAt(id);
+  ScheduleSweep();
+}
+
+void SessionTable::LookAt(const std::string& id) {
+  Entry& entry = entries_.at(id);
+  const int64_t now_ns = loop_.clock().NowNs();
+  const bool over = now_ns >= entry.resumable_until_ns;
+  if (over) entry.session->KeepOpenEvidence();
+  const bool settled = entry.session->settled();
+  if (settled && (entry.session->ended() || entry.session->superseded() || over)) return Remove(id);
+  Recover(entry);
+  LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
+  // The store could not be written, so this evidence is only in memory.
+  if (!settled) entry.session->RetryCommit();
+}
+
+void SessionTable::Remove(const std::string& id) {
+  const auto found = entries_.find(id);
+  if (found->second.lost) Recover(found->second);
+  const auto count = token_counts_.find(found->second.session->identity().token_id);
+  if (--count->second == 0) token_counts_.erase(count);
+  found->second.session->TellEnd();
+  entries_.erase(found);
+}
+
+void SessionTable::RetryCommits() {
+  for (const auto& [id, entry] : entries_) {
+    if (entry.lost) entry.session->KeepOpenEvidence();
+    if (!entry.session->settled()) entry.session->RetryCommit();
+  }
+}
+
+bool SessionTable::committing() const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [](const auto& entry) { return entry.second.session->committing(); });
+}
+
+HeldEvidence SessionTable::CountHeld() const {
+  HeldEvidence held;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.session->settled()) continue;
+    ++held.session_count;
+    if (entry.session->ended()) ++held.ended_session_count;
+  }
+  return held;
+}
+
+std::vector<priors::SourceUpdate> SessionTable::Waiting() const {
+  std::vector<priors::SourceUpdate> updates;
+  for (const auto& [id, entry] : entries_) entry.session->AppendWaiting(updates);
+  return updates;
+}
+
+uint32_t SessionTable::ActiveCount(const priors::SceneKey& scene) const {
+  const auto found = active_counts_.find(scene);
+  return found == active_counts_.end() ? 0 : found->second;
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,95 @@
+#include "server/sessions/source_weights.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/pooling/source_prior.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+// Returns whether a session takes this part of the source for what the source says of the arm: it
+// takes the version that it has itself, or else the last one.
+bool IsLooked(const priors::SceneSource& source, const priors::EvidenceKey& key) {
+  bool has_newer = false;
+  bool has_it = false;
+  for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {
+    if (arm.name != key.arm) continue;
+    has_newer = has_newer || arm.backend_version > key.backend_version;
+    if (arm.backend_version == key.backend_version)
+      has_it = (key.measured_by.empty() ? arm.live : arm.lane) != priors::Evidence();
+  }
+  return has_it && !has_newer;
+}
+
+}  // namespace
+
+absl::StatusOr<decision::BuildFamily> LoadFamily(priors::PriorReader& store,
+                                                 const std::string& project,
+                                                 const std::string& build,
+                                                 std::set<std::string> others) {
+  std::vector<priors::Build> family;
+  std::set<std::string> names = std::move(others);
+  names.insert(build);
+  names.erase("");
+  std::vector<std::string> next(names.begin(), names.end());
+  for (int generation = 0; generation < kMaxGenerations && !next.empty(); ++generation) {
+    const auto builds = store.LoadBuilds(project, next);
+    if (!builds.ok()) return builds.status();
+    family.insert(family.end(), builds->begin(), builds->end());
+    next.clear();
+    for (const priors::Build& one : *builds) {
+      for (const std::string& parent : one.parents) {
+        if (names.size() < kMaxRelatives && names.insert(parent).second) next.push_back(parent);
+      }
+    }
+  }
+  return decision::BuildFamily(build, family);
+}
+
+absl::StatusOr<double> SourceWeights::Of(const priors::PriorRecord& record) {
+  if (record.is_quarantined) return 0;
+  const priors::EvidenceKey& key = record.key;
+  const auto scene = Find({key.project, key.scene, key.machine_class, key.reward_version});
+  if (!scene.ok()) return scene.status();
+  const auto newest = (*scene)->newest_versions.find(key.arm);
+  const bool is_newest =
+      newest != (*scene)->newest_versions.end() && newest->second == key.backend_version;
+  if (key.reward_version != decision::kLogCostRewardVersion) return is_newest ? 1 : 0;
+  const auto source = (*scene)->sources.find(record.source_id);
+  if (source == (*scene)->sources.end() || !IsLooked(source->second, key)) return 0;
+  return decision::PowerPriorWeight(
+      {.build_weight = (*scene)->family->WeightOf(source->second.build),
+       .same_machine_class = true},
+      is_newest);
+}
+
+absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::SceneKey& key) {
+  const auto [found, is_new] = scenes_.try_emplace(key);
+  Scene& scene = found->second;
+  if (!is_new) return &scene;
+  auto sources = store_.LoadSources(key);
+  if (!sources.ok()) return sources.status();
+  uint64_t last_seen_unix_s = 0;
+  std::string newest_build;
+  std::set<std::string> builds;
+  for (priors::SceneSource& source : *sources) {
+    if (source.evidence.key != key) continue;  // of another class
+    // Of several that were seen last, the one that came last.
+    if (source.last_seen_unix_s >= last_seen_unix_s) newest_build = source.build;
+    last_seen_unix_s = std::max(last_seen_unix_s, source.last_seen_unix_s);
+    for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {
+      uint32_t& newest = scene.newest_versions[arm.name];
+      newest = std::max(newest, arm.backend_version);
+    }
+    builds.insert(source.build);
+    scene.sources.emplace(source.id, std::move(source));
+  }
+  auto family = LoadFamily(store_, key.project, newest_build, std::move(builds));
+  if (!family.ok()) return family.status();
+  scene.family = *std::move(family);
+  return &scene;
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,150 @@
+// What administrators do is in the audit log, on disk without waiting for a decision.
+#include "server/sessions/admin_log.h"
+
+#include <thread>
+
+#include "engine_client/decider/audit/rederive.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+#include "sweepstake/v1/sessions.grpc.pb.h"
+#include "tests/server/rpc/common/scripted_tokens.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class AdminLogTest : public RpcTest {
+ protected:
+  AdminLogTest() {
+    options_.tokens = &tokens_;
+    tokens_.Add("ann", auth::Role::kAdmin);
+    tokens_.Add("ben", auth::Role::kOperator, {"game"});
+  }
+  static std::unique_ptr<grpc::ClientContext> As(const std::string& name) {
+    auto context = std::make_unique<grpc::ClientContext>();
+    context->AddMetadata("authorization", "Bearer " + name + "-token");
+    return context;
+  }
+  void Kick(const std::string& session_id) {
+    v1::KickSessionRequest request;
+    request.set_session_id(session_id);
+    v1::KickSessionResponse response;
+    const auto context = As("ann");
+    EXPECT_TRUE(v1::SessionsService::NewStub(channel_)
+                    ->KickSession(context.get(), request, &response)
+                    .ok());
+  }
+  void Order(const std::string& session_id, const std::string& arm = "Grid") {
+    v1::OrderSessionRequest request;
+    request.set_session_id(session_id);
+    request.set_mode(v1::MODE_MANUAL);
+    request.set_arm(arm);
+    v1::OrderSessionResponse response;
+    const auto context = As("ben");
+    v1::SessionsService::NewStub(channel_)->OrderSession(context.get(), request, &response);
+  }
+  void Import() {
+    const auto context = As("ben");
+    v1::ImportPriorsResponse response;
+    const auto writer =
+        v1::PriorsService::NewStub(channel_)->ImportPriors(context.get(), &response);
+    writer->WritesDone();
+    EXPECT_TRUE(writer->Finish().ok());
+  }
+  std::vector<std::string> Log(const std::string& name = "ann") { return AdminRows(name); }
+  [[nodiscard]] bool LogHas(size_t rows) {
+    return Eventually([&] { return Log().size() == rows; });
+  }
+
+  ScriptedTokens tokens_;
+};
+
+TEST_F(AdminLogTest, SaysWhoKickedOrderedAndImported) {
+  TelemetryClient client(channel_, "ann-token");
+  const std::string id = client.Open(OneArmHello()).session_id();
+  Import();
+  client.Cancel();  // so that no order waits for an answer
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
+  Order(id);
+  Kick(id);
+  ASSERT_TRUE(LogHas(4)) << "and no decision was taken";
+  EXPECT_THAT(
+      Log(),
+      ElementsAre(AllOf(HasSubstr("admin,1,1,admin,"),
+                        HasSubstr("action=import records=0 applied=0 promoted=no"),
+                        HasSubstr("operator=token ben at ipv4:127.0.0.1:")),
+                  AllOf(HasSubstr("admin,1,2,admin,"),
+                        HasSubstr("action=order session=" + id + " mode=MODE_MANUAL arm=Grid"),
+                        HasSubstr("token ben")),
+                  AllOf(HasSubstr("admin,1,3,admin,"),
+                        HasSubstr("action=order-answer answer=GAME_AWAY session=" + id +
+                                  " mode=MODE_MANUAL arm=Grid"),
+                        HasSubstr("token ben")),
+                  AllOf(HasSubstr("admin,1,4,admin,"), HasSubstr("action=kick session=" + id),
+                        HasSubstr("token ann"))));
+  EXPECT_THAT(Log("ben"), ElementsAre()) << "it is about all projects";
+}
+
+TEST_F(AdminLogTest, SaysWhoGaveAnOrderThatIsNotAnsweredYet) {
+  v1::Hello hello = OneArmHello();
+  hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
+  TelemetryClient client(channel_, "ann-token");
+  const std::string id = client.Open(hello).session_id();
+  std::thread ben([&] { Order(id); });
+  client.Await(&v1::StreamTelemetryResponse::has_operator_order);
+  EXPECT_TRUE(LogHas(1));
+  EXPECT_THAT(Log(), ElementsAre(AllOf(HasSubstr("action=order session=" + id),
+                                       HasSubstr("operator=token ben at "))));
+  client.Cancel();
+  ben.join();
+}
+
+TEST_F(AdminLogTest, ANameCannotForgeAFieldOfItsRow) {
+  const std::string arm = "x;operator=token ann";
+  TelemetryClient client(channel_, "ann-token");
+  v1::Hello hello = OneArmHello();
+  hello.mutable_arms(0)->set_name(arm);
+  const std::string id = client.Open(hello).session_id();
+  client.Cancel();
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
+  Order(id, arm);
+  ASSERT_TRUE(LogHas(2));
+  EXPECT_THAT(Log(), Each(AllOf(HasSubstr(R"(arm=x\;operator=token ann)"),
+                                HasSubstr(";operator=token ben at "))));
+}
+
+class AdminLogAloneTest : public AdminLogTest {
+ protected:
+  AdminLogAloneTest() { options_.keeps_audit = false; }
+};
+
+TEST_F(AdminLogAloneTest, IsKeptWhereNoDecisionsAre) {
+  Import();
+  EXPECT_TRUE(LogHas(1));
+}
+
+TEST_F(AdminLogTest, EachRunOfTheDaemonHasASegmentThatReplayTakes) {
+  Import();
+  ASSERT_TRUE(LogHas(1));
+  RestartServer();
+  Import();
+  Import();
+  ASSERT_TRUE(LogHas(3));
+  std::string csv = decision::AuditHeader() + "\n";
+  for (const std::string& row : Log()) csv += row + "\n";
+  EXPECT_THAT(csv,
+              AllOf(HasSubstr("admin,1,1,"), HasSubstr("admin,2,1,"), HasSubstr("admin,2,2,")));
+  EXPECT_FALSE(decision::Rederive(csv).difference);
+  EXPECT_EQ(decision::Rederive(csv).session_count, 0u);
+  const size_t name = csv.find("token ben");
+  csv.replace(name, 9, "token ann");
+  ASSERT_TRUE(decision::Rederive(csv).difference);
+  EXPECT_THAT(decision::Rederive(csv).difference->Text(), HasSubstr("was edited"));
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

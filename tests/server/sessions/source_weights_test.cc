@@ -1,0 +1,135 @@
+// What a source counts in sessions to come is what a session that begins gives it.
+#include "server/sessions/source_weights.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine_client/decider/policy/log_cost.h"
+#include "server/storage/memory/memory_prior_store.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using priors::PriorRecord;
+
+PriorRecord RecordOf(const std::string& source, const std::string& build, uint64_t last_seen_unix_s,
+                     uint32_t backend_version = 1) {
+  return {.key = {.project = "game",
+                  .scene = "harbour",
+                  .measured_by = "",
+                  .arm = "Grid",
+                  .backend_version = backend_version,
+                  .machine_class = "desktop",
+                  .reward_version = decision::kLogCostRewardVersion},
+          .source_id = source,
+          .source_sequence = 1,
+          .evidence = {.alpha = 3, .beta = 1, .window_count = 4, .bail_out_count = 0},
+          .build = build,
+          .last_seen_unix_s = last_seen_unix_s};
+}
+
+class SourceWeightsTest : public ::testing::Test {
+ protected:
+  void Import(const std::vector<PriorRecord>& records) { ASSERT_TRUE(store_.Import(records).ok()); }
+  double WeightOf(const PriorRecord& record) { return *SourceWeights(store_).Of(record); }
+
+  storage::MemoryPriorStore store_;
+};
+
+TEST_F(SourceWeightsTest, TheBuildThatWasSeenLastCountsTwiceWhatOthersDo) {
+  const PriorRecord newest = RecordOf("a", "1.1", 70);
+  const PriorRecord older = RecordOf("b", "1.0", 60);
+  PriorRecord other_class = RecordOf("c", "1.0", 90);
+  other_class.key.machine_class = "laptop";
+  Import({newest, older, other_class});
+  EXPECT_EQ(WeightOf(newest), 0.5);
+  EXPECT_EQ(WeightOf(older), 0.25);
+  EXPECT_EQ(WeightOf(other_class), 0.5) << "in a session on its own class";
+}
+
+TEST_F(SourceWeightsTest, AParentOfTheBuildThatWasSeenLastCountsMoreThanAStranger) {
+  const PriorRecord newest = RecordOf("a", "1.1", 70);
+  const PriorRecord parent = RecordOf("b", "1.0", 60);
+  const PriorRecord stranger = RecordOf("c", "0.9", 50);
+  Import({newest, parent, stranger});
+  const std::vector<priors::Build> builds = {
+      {.project = "game", .name = "1.1", .parents = {"1.0"}}};
+  ASSERT_TRUE(store_.DescribeBuilds(builds).ok());
+  EXPECT_EQ(WeightOf(newest), 0.5);
+  EXPECT_EQ(WeightOf(parent), 0.4);
+  EXPECT_EQ(WeightOf(stranger), 0.125);
+}
+
+TEST_F(SourceWeightsTest, AFamilyHasWhatBothBuildsWereMadeFrom) {
+  const auto build = [](const std::string& name, const std::vector<std::string>& parents) {
+    return priors::Build{.project = "game", .name = name, .parents = parents};
+  };
+  const std::vector<priors::Build> builds = {build("2", {"1"}), build("3", {"2"}),
+                                             build("cousin", {"sister"}), build("sister", {"2"})};
+  ASSERT_TRUE(store_.DescribeBuilds(builds).ok());
+  const decision::BuildFamily family = *LoadFamily(store_, "game", "3", {"cousin", "1", "", "x"});
+  EXPECT_DOUBLE_EQ(family.WeightOf("1"), 0.32);
+  EXPECT_DOUBLE_EQ(family.WeightOf("cousin"), 0.256) << "three steps";
+  EXPECT_DOUBLE_EQ(family.WeightOf("x"), 0.125);
+  EXPECT_DOUBLE_EQ(LoadFamily(store_, "game", "", {"1", "2"})->WeightOf("1"), 0.25)
+      << "of an unknown build";
+}
+
+// Each generation has eight parents, of which each has eight others.
+TEST_F(SourceWeightsTest, AFamilyHasABoundAndTheNearestComeFirst) {
+  std::vector<priors::Build> builds;
+  for (int i = 0; i < 1000; ++i) {
+    priors::Build& build = builds.emplace_back();
+    build.project = "game";
+    build.name = std::to_string(1000 + i);
+    for (int parent = 1; parent <= 8; ++parent)
+      build.parents.push_back(std::to_string(1000 + 8 * i + parent));
+    std::sort(build.parents.begin(), build.parents.end());
+  }
+  ASSERT_TRUE(store_.DescribeBuilds(builds).ok());
+  const decision::BuildFamily family = *LoadFamily(store_, "game", "1000", {});
+  EXPECT_DOUBLE_EQ(family.WeightOf("1008"), 0.4);
+  EXPECT_DOUBLE_EQ(family.WeightOf("1072"), 0.32);
+  int known = 0;
+  for (int i = 0; i < 8000; ++i)
+    known += family.WeightOf(std::to_string(1000 + i)) > decision::kOtherBranchWeight ? 1 : 0;
+  EXPECT_LE(known, static_cast<int>(8 * kMaxRelatives) + 1);
+}
+
+TEST_F(SourceWeightsTest, AnOldBackendCountsALittleUnlessItsSourceHasTheNewOne) {
+  const PriorRecord old_version = RecordOf("a", "1.0", 60, 1);
+  const PriorRecord both_old = RecordOf("b", "1.0", 60, 1);
+  const PriorRecord both_new = RecordOf("b", "1.0", 60, 2);
+  Import({old_version, both_old, both_new});
+  EXPECT_EQ(WeightOf(old_version), 0.5 * 0.04);
+  EXPECT_EQ(WeightOf(both_old), 0);
+  EXPECT_EQ(WeightOf(both_new), 0.5);
+}
+
+TEST_F(SourceWeightsTest, WhatNoSessionLooksAtCountsNothing) {
+  std::vector<PriorRecord> records;
+  for (uint32_t i = 0; i <= priors::kSourcesOfScene; ++i)
+    records.push_back(RecordOf(std::to_string(i), "1.0", 60));
+  Import(records);
+  EXPECT_EQ(WeightOf(records.front()), 0) << "newer sources are enough";
+  EXPECT_EQ(WeightOf(records.back()), 0.5);
+  PriorRecord waiting = records.back();
+  waiting.is_quarantined = true;
+  EXPECT_EQ(WeightOf(waiting), 0);
+}
+
+TEST_F(SourceWeightsTest, RewardsThatTellNoCostsAreSummed) {
+  PriorRecord old_version = RecordOf("a", "1.0", 60, 1);
+  PriorRecord new_version = RecordOf("b", "1.1", 70, 2);
+  old_version.key.reward_version = new_version.key.reward_version = 1;
+  Import({old_version, new_version});
+  EXPECT_EQ(WeightOf(old_version), 0);
+  EXPECT_EQ(WeightOf(new_version), 1);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
