@@ -1,4 +1,4 @@
-// The life of priors from build to build, as README.md of server/ walks through it: each step is
+// Priors from build to build, as deploy/OPERATING.md shows it (section Priors): each step is
 // the real command.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
