@@ -16,7 +16,7 @@ FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+", re.MULTI
 TIME_OF_DAY = re.compile(r"(?:^|_)(?:unix|utc|wall|date)(?:_|$)")
 # Where decisions are made. The wall clock dates sessions, rows and events, for people.
 WALL_CLOCK = re.compile(r"system_clock|\btime\(|gettimeofday|CLOCK_REALTIME|unix_time\.h|UnixNow")
-STEADY = ("engine_client/decider", "server/rpc/common", "server/rpc/services", "server/sessions/decision_loop.cc", "server/sessions/session_start.cc")
+STEADY_FOLDERS = ("engine_client/decider", "tests/laboratory/policies", "server/rpc/common", "server/rpc/services")
 
 
 def table_errors(table, tests):
@@ -48,14 +48,14 @@ def clock_errors(root):
         for _, field in FIELD.findall(body):
             if TIME_OF_DAY.search(field):
                 yield f"{name}.{field}: a client's clock may be wrong by years"
-    for steady in STEADY:
-        for source in [root / steady] if (root / steady).is_file() else sorted((root / steady).rglob("*.[ch]*")):
+    for folder in STEADY_FOLDERS:
+        for source in sorted((root / folder).rglob("*.[ch]*")):
             if WALL_CLOCK.search(source.read_text(encoding="utf-8")):
                 yield f"{source.relative_to(root)}: the wall clock may jump; use rpc::Clock"
 
 
 def main(root):
-    tests = {f"{suite}.{name}" for folder in ("server", "end_to_end", "engine_client")
+    tests = {f"{suite}.{name}" for folder in ("server", "end_to_end", "engine_client", "laboratory")
              for file in (root / "tests" / folder).rglob("*.*") if file.suffix in (".cc", ".h")
              for suite, name in TEST.findall(file.read_text(encoding="utf-8"))}
     errors = [*table_errors((root / "tests/attacks.md").read_text(encoding="utf-8"), tests), *clock_errors(root)]
