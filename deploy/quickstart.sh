@@ -3,7 +3,7 @@
 # Hurricane scene with 3,000 objects in AI mode over the real gRPC stream, prints switches and posteriors as they happen, and stops
 # everything it started. A second run starts from the priors of the first.
 #
-#   deploy/quickstart.sh              takes about a minute after the build
+#   deploy/quickstart.sh              takes half a minute after the build
 #   deploy/quickstart.sh --fresh      first deletes the priors of earlier runs
 #   deploy/quickstart.sh --stay       a demo for the dashboard: plays seven scenes, one of them in two builds and on two classes of
 #                                     machines, until Ctrl-C; prints the page's address
@@ -83,13 +83,13 @@ done
 address=127.0.0.1:$(sed -n 1p "$port_file")
 echo "== the dashboard: http://127.0.0.1:$(sed -n 2p "$port_file")/ =="
 
-# A time scale of 8 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that 50 s show the complete process.
+# A time scale of 8 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that 20 s show the complete process.
 play() {
   exec "$bin/sweepstake" run --daemon "$address" --project "$1" --scene "$2" --objects "$3" --seed 1 --mode ai --time-scale 8 "${@:4}"
 }
 
 if [ -z "$stay" ]; then
-  (play quickstart hurricane 3000 --duration 50s)
+  (play quickstart hurricane 3000 --duration 20s)
   stop_all
   echo "== done: the daemon has stopped; run this again to start from what it learnt =="
   exit

@@ -2,20 +2,15 @@
 
 #include <algorithm>
 
+#include "engine_client/adaptive/one_writer_sum.h"
+
 namespace sweepstake {
-namespace {
-
-void Add(std::atomic<uint64_t>& sum, uint64_t amount) {
-  sum.store(sum.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
-}
-
-}  // namespace
 
 void LaneCost::End(uint32_t begun, uint64_t detection_ns, uint32_t epoch) noexcept {
   const bool is_beside = begun % 2 != 0 || work_.load(std::memory_order_relaxed) != begun;
   Cell& cell = is_beside ? beside_ : alone_;
-  Add(cell.count, 1);
-  Add(cell.ns, detection_ns);
+  AddAsOnlyWriter(cell.count, 1);
+  AddAsOnlyWriter(cell.ns, detection_ns);
   epoch_.store(epoch, std::memory_order_relaxed);
 }
 
@@ -46,7 +41,7 @@ double LaneCost::EndWork(uint64_t wall_ns) {
   epoch_before_ = epoch;
   alone_before_ = alone_.sum();
   const double cost_ns = wall * slowdown();
-  Add(total_ns_, static_cast<uint64_t>(cost_ns));
+  AddAsOnlyWriter(total_ns_, static_cast<uint64_t>(cost_ns));
   return cost_ns;
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "engine_client/adaptive/one_writer_sum.h"
 #include "engine_client/broad_phase/host/exceptions.h"
 
 namespace sweepstake {
@@ -20,10 +21,6 @@ constexpr std::chrono::microseconds kIdlePoll{4'000};
 constexpr int kMaxYields = 200;
 constexpr uint64_t kRetryNs = 1'000'000'000;
 constexpr std::chrono::seconds kCorePoll{1};
-
-void Add(std::atomic<uint64_t>& counter, uint64_t amount) {
-  counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
-}
 
 ShadowScheduleOptions ScheduleOf(const ShadowOptions& options) {
   return {.duty_ratio = options.duty_ratio,
@@ -217,8 +214,8 @@ void ShadowLane::AccountCopies() {
     copy_ns += frame.copy_time_ns;
     frame_ns += frame.note.frame_time_ns;
   }
-  Add(counters_.copied_frame_count, fresh);
-  Add(counters_.copy_time_ns, copy_ns);
+  AddAsOnlyWriter(counters_.copied_frame_count, fresh);
+  AddAsOnlyWriter(counters_.copy_time_ns, copy_ns);
   accounted_frames_ = filled;
   const uint64_t mean_frame_ns = std::max(frame_ns / std::max(fresh, 1U), kMinFrameNs);
   const double spacing =
@@ -244,7 +241,7 @@ void ShadowLane::Sweep() {
     Report(*visit);
     TrimMemory(*arm);
   }
-  Add(counters_.sweep_count, 1);
+  AddAsOnlyWriter(counters_.sweep_count, 1);
 }
 
 // Visits the arm. Returns nullopt if the visit was interrupted. A frame that is stopped midway does
@@ -293,8 +290,8 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
 }
 
 void ShadowLane::Report(const ShadowVisit& visit) {
-  Add(counters_.visit_count, 1);
-  if (visit.capped) Add(counters_.capped_visit_count, 1);
+  AddAsOnlyWriter(counters_.visit_count, 1);
+  if (visit.capped) AddAsOnlyWriter(counters_.capped_visit_count, 1);
   if (setup_.sink == nullptr || !visit.is_measured) return;
   const TappedFrame first = tap_.frame(0);
   uint32_t flags = visit.arm == first.note.arm ? uint32_t{kShadowActive} : 0U;
@@ -402,7 +399,7 @@ uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb>
   if (watch.end() == Watch::End::kNone) backend.FindPairs(pairs_);
   backend.SetStop(nullptr);
   const uint64_t time_ns = WorkNs() - start_ns;
-  Add(counters_.busy_time_ns, time_ns);
+  AddAsOnlyWriter(counters_.busy_time_ns, time_ns);
   CountMemory();
   return time_ns;
 }

@@ -289,7 +289,7 @@ Aabb SpawnMixedSizes(SequentialRandom& random, const Slot& slot) {
   return Around(center, half);
 }
 
-constexpr std::array kKinds = {
+constexpr std::array kBoxKinds = {
     BoxKind{"brownian", SpawnScattered, StepBrownian},
     BoxKind{"nearly-resting", SpawnScattered, StepNearlyResting},
     BoxKind{"few-moving", SpawnScattered, StepFewMoving},
@@ -313,8 +313,8 @@ constexpr std::array kKinds = {
 constexpr std::string_view kMixture = "mixture";
 
 size_t KindIndex(std::string_view name) {
-  for (size_t i = 0; i < kKinds.size(); ++i) {
-    if (kKinds[i].name == name) return i;
+  for (size_t i = 0; i < kBoxKinds.size(); ++i) {
+    if (kBoxKinds[i].name == name) return i;
   }
   assert(false && "no kind of boxes has this name");
   return 0;
@@ -371,15 +371,15 @@ class DegenerateScene : public Scene {
 
 BoxScene::BoxScene(std::string_view kind, size_t count, uint64_t seed) : random_(seed) {
   for (size_t i = 0; i < count; ++i) {
-    kinds_.push_back(kind == kMixture ? random_.Below(kKinds.size()) : KindIndex(kind));
-    boxes_.push_back(kKinds[kinds_[i]].spawn(random_, {i, count, 0}));
+    kinds_.push_back(kind == kMixture ? random_.Below(kBoxKinds.size()) : KindIndex(kind));
+    boxes_.push_back(kBoxKinds[kinds_[i]].spawn(random_, {i, count, 0}));
   }
 }
 
 void BoxScene::Step() {
   ++frame_;
   for (size_t i = 0; i < boxes_.size(); ++i) {
-    kKinds[kinds_[i]].step(random_, {i, boxes_.size(), frame_}, boxes_[i]);
+    kBoxKinds[kinds_[i]].step(random_, {i, boxes_.size(), frame_}, boxes_[i]);
   }
 }
 

@@ -57,13 +57,13 @@ constexpr std::array kGatherAndScatter{kGather, kCamp, kScatter, kRest};
 constexpr std::array kDayAndNight{kRotate, kMoveFew};
 constexpr std::array kArrivals{kChangeCount, kRest, kFlow};
 
-struct Kind {
+struct ChangingKind {
   std::string_view name;
   uint32_t regime_frames;
   std::span<const Regime> regimes;
 };
 
-constexpr Kind kKinds[] = {
+constexpr ChangingKind kChangingScenes[] = {
     {"rest-and-motion", 400, kRestAndMotion},
     {"waves", 400, kWaves},
     {"storms", 400, kStorms},
@@ -82,7 +82,8 @@ struct Body {
 
 class ChangingScene : public Scene {
  public:
-  ChangingScene(const Kind& kind, uint32_t object_count, uint64_t seed, uint32_t regime_frames)
+  ChangingScene(const ChangingKind& kind, uint32_t object_count, uint64_t seed,
+                uint32_t regime_frames)
       : kind_(kind),
         regime_frames_(regime_frames == 0 ? kind.regime_frames : regime_frames),
         side_(static_cast<float>(math::CubeRoot(object_count))),
@@ -213,7 +214,7 @@ class ChangingScene : public Scene {
     }
   }
 
-  const Kind& kind_;
+  const ChangingKind& kind_;
   const uint32_t regime_frames_;
   const float side_;
   const CounterRandom kicks_;
@@ -223,10 +224,10 @@ class ChangingScene : public Scene {
   uint64_t frame_index_ = 0;
 };
 
-const Kind& Find(std::string_view name) {
-  const auto* kind = std::find_if(std::begin(kKinds), std::end(kKinds),
-                                  [&](const Kind& each) { return each.name == name; });
-  assert(kind != std::end(kKinds));
+const ChangingKind& Find(std::string_view name) {
+  const auto* kind = std::find_if(std::begin(kChangingScenes), std::end(kChangingScenes),
+                                  [&](const ChangingKind& each) { return each.name == name; });
+  assert(kind != std::end(kChangingScenes));
   return *kind;
 }
 

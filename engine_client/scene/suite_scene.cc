@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kMinHalfExtent = 0.145F;
 constexpr float kLogOfSizeRatio = 1.6094379F;  // ln 5
-constexpr float kTwoPi = 6.2831853F;
+constexpr float kFullTurn = 6.2831853F;
 
 float SideOfDensityOne(uint32_t object_count) {
   return static_cast<float>(math::CubeRoot(object_count));
@@ -168,8 +168,8 @@ SuiteHurricane::SuiteHurricane(uint32_t object_count)
   for (uint32_t i = 0; i < object_count; ++i) {
     SpawnSize(i);
     radius_[i] = 0.5F * side() * PowF(random().Unit(), 0.75F);
-    angle_[i] = kTwoPi * random().Unit();
-    phase_[i] = kTwoPi * random().Unit();
+    angle_[i] = kFullTurn * random().Unit();
+    phase_[i] = kFullTurn * random().Unit();
     bodies().centre[1][i] = side() * random().Unit();
   }
   PlaceOnOrbits();
@@ -180,7 +180,7 @@ void SuiteHurricane::Move() {
   const float rim = 0.5F * side();
   for (uint32_t i = 0; i < object_count(); ++i) {
     angle_[i] += 0.044F / (0.1F + radius_[i] / rim);
-    if (angle_[i] > kTwoPi) angle_[i] -= kTwoPi;
+    if (angle_[i] > kFullTurn) angle_[i] -= kFullTurn;
     float& height = bodies().centre[1][i];
     height = ReflectInside(height + 0.02F * random().Symmetric(), side());
   }

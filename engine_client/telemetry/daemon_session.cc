@@ -12,13 +12,13 @@
 #include <utility>
 
 #include "engine_client/telemetry/common/session_base.h"
+#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/daemon_connection.h"
 #include "engine_client/telemetry/protocol/session_link.h"
 
 namespace sweepstake {
 namespace {
 
-constexpr uint64_t kNsPerMs = 1'000'000;
 constexpr std::chrono::milliseconds kPollInterval{5};
 constexpr uint64_t kNever = UINT64_MAX;
 

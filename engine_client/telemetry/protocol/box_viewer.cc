@@ -7,12 +7,12 @@
 #include <numeric>
 #include <vector>
 
+#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/protocol/wire.h"
 
 namespace sweepstake {
 namespace {
 
-constexpr uint64_t kNsPerMs = 1'000'000;
 constexpr uint32_t kBoxBytes = 12;
 constexpr uint32_t kPairBytes = 4;
 constexpr float kSteps = 65'535;

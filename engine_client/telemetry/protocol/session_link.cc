@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine_client/telemetry/common/decider_loop.h"
+#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/protocol/wire.h"
 #include "engine_client/text/names.h"
 #include "sweepstake/machine_class.h"
@@ -16,7 +17,6 @@ namespace {
 // The versions of the protocol that a game speaks.
 constexpr uint32_t kMinProtocolVersion = 1;
 constexpr uint32_t kMaxProtocolVersion = 2;
-constexpr uint64_t kNsPerMs = 1'000'000;
 // A daemon that neither answers Hello nor ends a stream that we ended within this time is given up.
 constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
 // After a connection that lasted this long, the next back-off starts from its minimum.

@@ -1,0 +1,14 @@
+// A sum that one thread writes and any thread reads.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace sweepstake {
+
+// Adds without a locked instruction. REQUIRES: only one thread writes `sum`.
+inline void AddAsOnlyWriter(std::atomic<uint64_t>& sum, uint64_t amount) {
+  sum.store(sum.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
+}
+
+}  // namespace sweepstake
