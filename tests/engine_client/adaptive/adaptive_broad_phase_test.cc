@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 constexpr uint64_t kSecond = 1'000'000'000;
 
-// An AdaptiveBroadPhase on scripted arms A, B and C.
+// Runs an AdaptiveBroadPhase on the scripted arms A, B and C.
 class AdaptiveBroadPhaseTest : public ::testing::Test {
  protected:
   void SetUp() override { Make({}); }
@@ -53,7 +53,7 @@ class AdaptiveBroadPhaseTest : public ::testing::Test {
     return adaptive_->last_sample();
   }
 
-  // Runs a frame over the limit that the active arm has caused.
+  // Runs a frame over the bail-out limit that the active arm caused.
   void BailOut(uint32_t flags = 0) {
     ArmScript& script = arms_[adaptive_->active_arm()]->script();
     const uint64_t ordinary = std::exchange(script.find_ns, 6 * kSecond);
@@ -409,8 +409,8 @@ TEST_F(AdaptiveBroadPhaseTest, BlamesTheArmForSearchesThatAreTooLongTogether) {
   EXPECT_EQ(Frame().arm, 1U);
 }
 
-// Two searches a frame, the second with the objects elsewhere: a descriptor that saw it would tell
-// of motion, and come twice as often.
+// Each frame has two searches, the second with moved objects. A descriptor that saw the second
+// search would measure motion and appear twice as often.
 TEST_F(AdaptiveBroadPhaseTest, DescribesTheFirstSearchOfEachFrame) {
   const std::vector<Aabb> first(4, Aabb{{0, 0, 0}, {1, 1, 1}});
   const std::vector<Aabb> second(4, Aabb{{5, 0, 0}, {6, 1, 1}});

@@ -1,4 +1,4 @@
-// What AdaptiveBroadPhase::Create makes of its options, and what it refuses.
+// Tests how AdaptiveBroadPhase::Create applies its options, and which it refuses.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@ std::vector<Aabb> Boxes(size_t count, float at) {
   return std::vector<Aabb>(count, Aabb{{at, at, at}, {at + 1, at + 1, at + 1}});
 }
 
-// A clock on which every reading takes 1 ns.
+// A clock that advances by 1 ns with each reading.
 class TickingClock final : public Clock {
  public:
   uint64_t NowNs() noexcept override { return ++now_ns_; }
@@ -86,7 +86,7 @@ TEST_F(BoxTapTest, TakesFramesWithoutBoxes) {
   EXPECT_TRUE(tap_.frame(0).boxes.empty());
 }
 
-// ThreadSanitizer reports a slot that has two owners.
+// ThreadSanitizer reports a slot that two threads own at the same time.
 TEST(BoxTapThreads, HandsWholeFramesOverWhileTheyGoOn) {
   BoxTap tap;
   tap.Reserve(BoxTap::kMaxSlots, 200);

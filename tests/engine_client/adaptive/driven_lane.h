@@ -1,4 +1,4 @@
-// A shadow lane that is driven by hand, with arms that take what their scripts say.
+// A shadow lane that the test drives step by step, with arms whose costs are scripted.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,11 +20,12 @@ struct LaneScript {
   uint64_t find_ns = 1 * kMs;
   size_t bytes = 1000;
   std::function<void()> in_build = [] {};
-  // A search asks so often whether to end, and each time takes and grows by this.
+  // A search checks for a stop question_count times. Before each check it takes question_ns, and
+  // with each check its memory grows by question_bytes.
   uint64_t question_count = 0;
   uint64_t question_ns = 0;
   uint64_t question_bytes = 0;
-  std::function<void(uint64_t)> in_search = [](uint64_t) {};  // with the number of the question
+  std::function<void(uint64_t)> in_search = [](uint64_t) {};  // argument: number of the check
 };
 
 // A backend that takes its scripted time and records its boxes.
@@ -55,23 +56,23 @@ class LaneBackend final : public BroadPhase {
   size_t native_bytes() const override { return shown.empty() ? 0 : script_.bytes; }
 
   std::vector<size_t> shown;  // object counts since the build
-  uint64_t questions = 0;     // of the latest search
+  uint64_t questions = 0;     // checks in the latest search
 
  private:
   const LaneScript& script_;
   ScriptedClock& clock_;
 };
 
-// Copies of 20 objects, and of the room that the lane leaves for more.
+// Bytes of the copies of 20 objects, with the slack that the lane reserves for more objects.
 inline constexpr uint64_t kCopiesBytes = kShadowBurstFrames * (20 + 2 + 64) * sizeof(Aabb);
 
-// A thread that runs for 3 ms between any two questions, however long that takes by the clock.
+// Thread time that advances by 3 ms between two readings, independent of the clock.
 inline uint64_t ThreeMsAtATime() noexcept {
   static std::atomic<uint64_t> ran_ns{0};
   return ran_ns += 3 * kMs;
 }
 
-// A frame, then a step of the lane.
+// Runs each frame followed by a step of the lane.
 class DrivenLane : public ::testing::Test {
  protected:
   void SetUp() override { Make({}); }
@@ -92,7 +93,8 @@ class DrivenLane : public ::testing::Test {
     MakeItCost(0);
   }
 
-  // By a search beside its work that took 1 + `slowdown` times as long as the one before.
+  // Simulates the lane's cost: a search beside its work takes 1 + `slowdown` times as long as the
+  // one before.
   void MakeItCost(uint64_t slowdown) {
     LaneCost& cost = lane_->cost();
     cost.End(cost.Begin(), search_ns_, 0);
@@ -117,7 +119,7 @@ class DrivenLane : public ::testing::Test {
   void Frames(int count) {
     for (int i = 0; i < count; ++i) Frame();
   }
-  // The lane requests room first, and then its frames.
+  // The lane first requests memory for the copies, then records its frames.
   void FirstSweep() {
     lane_->Step();
     Frames(1 + static_cast<int>(kShadowBurstFrames));
@@ -142,7 +144,7 @@ class DrivenLane : public ::testing::Test {
   uint64_t frame_index_ = 0;
   size_t object_count_ = 20;
   uint64_t frame_ns_ = 10 * kMs;
-  uint64_t search_ns_ = 100'000 * kMs;   // that of MakeItCost
+  uint64_t search_ns_ = 100'000 * kMs;   // of the searches in MakeItCost
   uint64_t frames_per_search_time_ = 1;  // a frame's time ÷ that of its searches
   int made_count_ = 0;
 };

@@ -1,4 +1,4 @@
-// In a steady scene the frame path must not allocate or call anything that could make it wait.
+// In a steady scene the frame path must not allocate, and must not call anything that could block.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ using test_support::WaitCounter;
 constexpr int kWarmUpFrames = 600;
 constexpr int kMeasuredFrames = 300;
 
-// Takes everything off the queue until told to stop, as a sender does.
+// Empties the queue until it is stopped, like a sender.
 class Drain {
  public:
   explicit Drain(SampleQueue& queue)
@@ -67,7 +67,7 @@ class FramePathCost : public ::testing::TestWithParam<std::string_view> {
   }
 
   FlightRing ring_{5000, /*budget_ns=*/20'000'000};
-  SampleQueue queue_{256, &ring_};  // Full most of the time where nobody drains it.
+  SampleQueue queue_{256, &ring_};  // Full most of the time without a Drain.
   BoxScene scene_{"brownian", 500, 11};
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
@@ -136,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(EveryArm, FramePathCost,
                                            "Tracy", "KDTree"),
                          [](const auto& arm) { return std::string(arm.param); });
 
-// All arms with a lane that never rests.
+// All arms, with a lane that works without pauses.
 std::unique_ptr<AdaptiveBroadPhase> MakeWithLane(FrameSink& sink) {
   const auto make = [](uint32_t arm) {
     return ArmBackend{nullptr, std::move(*MakeBroadPhase(BroadPhaseNames()[arm]))};
@@ -149,7 +149,7 @@ std::unique_ptr<AdaptiveBroadPhase> MakeWithLane(FrameSink& sink) {
       {.make = make, .usable_cores = []() noexcept { return size_t{8}; }}, &sink, SteadyClock()));
 }
 
-// The costs of frames on their thread, apart from time.
+// Counters of what a frame must not do on its thread.
 struct Faults {
   uint64_t allocation_count = 0;
   uint64_t wait_count = 0;
@@ -167,11 +167,11 @@ struct Faults {
   }
 };
 
-// The scene is at rest: in a moving scene, a structure of any age may have to grow.
+// The scene is at rest, because in a moving scene a structure of any age may still grow.
 TEST(FramePathCostWithLane, AllocatesNothingAndWaitsForNothingInSweepsAndWarmSwitches) {
   SampleQueue queue(256);
   const BoxScene scene("brownian", 500, 11);
-  // Copying may be frequent, and no preparation is late.
+  // With long frames the lane may copy often; with short frames no preparation is late.
   constexpr uint64_t kLongFrameNs = 16'000'000;
   constexpr uint64_t kShortFrameNs = 1000;
   const auto adaptive = MakeWithLane(queue);

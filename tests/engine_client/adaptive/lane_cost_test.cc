@@ -15,7 +15,7 @@ class LaneCostTest : public ::testing::Test {
   void Searches(int count, uint64_t ns, uint32_t epoch = 0) {
     for (int k = 0; k < count; ++k) Search(ns, epoch);
   }
-  // Work of `count` searches that take as long as said, after as many without it.
+  // Runs `count` searches without the lane's work, then `count` searches beside it.
   double Work(int count, uint64_t alone_ns, uint64_t beside_ns, uint32_t epoch = 0) {
     Searches(count, alone_ns, epoch);
     cost_.BeginWork();
@@ -32,11 +32,11 @@ TEST_F(LaneCostTest, IsAGuessBeforeAnythingIsMeasured) {
   EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);
   Searches(100, kMs);
   cost_.BeginWork();
-  EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);  // no search beside it
+  EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);  // there was no search beside the work
   Searches(3, kMs);
   cost_.BeginWork();
   Searches(4, 5 * kMs);
-  EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);  // too few before it
+  EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);  // there were too few searches before the work
 }
 
 TEST_F(LaneCostTest, IsTheExtraTimeOfSearchesBesideIt) {
@@ -74,13 +74,13 @@ TEST_F(LaneCostTest, CountsASearchThatTheWorkEndsOrBeginsWithinAsBesideIt) {
   cost_.BeginWork();
   cost_.End(begun, 2 * kMs, 0);
   begun = cost_.Begin();
-  cost_.EndWork(2 * kMs);  // tells the first one's extra time
+  cost_.EndWork(2 * kMs);  // measures the extra time of the first search
   EXPECT_NEAR(cost_.slowdown(), (0.1 * 2 + 0.5) / (2 + 1), 1e-9);
   cost_.End(begun, 9 * kMs, 0);
   Searches(100, kMs);
   cost_.BeginWork();
   Search(kMs);
-  cost_.EndWork(kMs);  // not compared with the 9 ms
+  cost_.EndWork(kMs);  // compares with searches alone, without the 9 ms
   EXPECT_NEAR(cost_.slowdown(), (0.1 * 2 + 0.45) / (2 + 0.9 + 1), 1e-9);
 }
 

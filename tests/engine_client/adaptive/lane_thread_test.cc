@@ -1,5 +1,5 @@
-// The lane's own thread: it goes last where it has to share a core, rests where there is none, and
-// counts the time that it ran.
+// The lane's own thread: it has the lowest priority on a shared core, stops if no core is spare,
+// and measures its thread time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ ArmBackendFactory Making(const ArmScript& script, ScriptedClock& clock) {
   };
 }
 
-// Frames of 10 ms, and a step of the lane after each.
+// Runs frames of 10 ms, each followed by a step of the lane.
 void Play(ShadowLane& lane, ScriptedClock& clock, uint64_t& frame, uint64_t frame_count) {
   for (const uint64_t end = frame + frame_count; frame < end; ++frame) {
     clock.Advance(10 * kMs);
@@ -67,7 +67,7 @@ TEST(LaneThread, RestsWhileTheEnginesThreadsLeaveNoCore) {
   play(200);
   EXPECT_EQ(lane.stats().visit_count, 0U);
   EXPECT_EQ(lane.Ask(0), ShadowLane::Preparation::kNever);
-  cores_now = 5;  // the process may run on more cores from now on
+  cores_now = 5;  // more cores are available from now on
   play(200);
   EXPECT_EQ(lane.stats().state, ShadowState::kRunning);
   EXPECT_GE(lane.stats().visit_count, 2U);
@@ -105,7 +105,7 @@ TEST(LaneThread, RestsWhileTheGameIsFrozen) {
   EXPECT_GT(lane.stats().sweep_count, sweep_count);
 }
 
-// A lane's first sweep of two arms, and what it says of it.
+// The result of a lane's first sweep over two arms.
 struct FirstSweep {
   FirstSweep(const ArmScript& script, uint64_t (*thread_time_ns)() noexcept,
              double (*core_speed)() noexcept) {

@@ -24,7 +24,7 @@ TEST_F(ShadowLaneTest, MeasuresEveryArmOnTheSameFrames) {
   scripts_[2].update_ns = 3 * kMs;
   FirstSweep();
   ASSERT_EQ(sink_.shadows.size(), 3U);
-  const std::vector<uint32_t> order{1, 0, 2};  // the active one first
+  const std::vector<uint32_t> order{1, 0, 2};  // the active arm comes first
   for (size_t i = 0; i < 3; ++i) {
     const ShadowSample& sample = sink_.shadows[i];
     EXPECT_EQ(sample.arm, order[i]);
@@ -64,7 +64,8 @@ TEST_F(ShadowLaneTest, TakesNoMoreThanTheGamesSearchesAllowAndASweepNowAndThen) 
   frames_per_search_time_ = 100;
   Frames(20'000);
   const uint64_t passed_ns = 20'000 * frame_ns_;
-  // What it may be ahead and what it has saved up, and half of the searches.
+  // The lane may be ahead by kWorkAheadNs, has saved up the same amount, and may use half of the
+  // time of searches.
   const uint64_t allowed_ns = 2 * ShadowSchedule::kWorkAheadNs + passed_ns / 200;
   const uint64_t sweep_ns = 100 * kMs;
   EXPECT_LT(lane_->stats().busy_time_ns,
@@ -72,7 +73,7 @@ TEST_F(ShadowLaneTest, TakesNoMoreThanTheGamesSearchesAllowAndASweepNowAndThen) 
   EXPECT_GE(lane_->stats().sweep_count, passed_ns / ShadowSchedule::kMaxSpacingNs - 1);
 }
 
-// What it is warm after is not told.
+// The first visit of a sweep warms up; its warm-up frames are not reported.
 TEST_F(ShadowLaneTest, WarmsUpWithTheFirstVisitOfASweep) {
   std::vector<int> build_count(3, 0);
   for (uint32_t arm = 0; arm < 3; ++arm)
@@ -87,7 +88,8 @@ TEST_F(ShadowLaneTest, WarmsUpWithTheFirstVisitOfASweep) {
 
 TEST_F(ShadowLaneTest, SpacesItsSweepsSoThatCopyingTakesOnePercentOfTheFrames) {
   for (LaneScript& script : scripts_) script = {.build_ns = 1, .update_ns = 1, .find_ns = 1};
-  clock_.SetReading(kMs);  // A copy takes 1 ms: 8 of them may be made in 80 frames of 10 ms.
+  // A copy takes 1 ms, so 1 % of the time of 80 frames of 10 ms allows 8 copies.
+  clock_.SetReading(kMs);
   FirstSweep();
   const uint64_t begin = frame_index_;
   Frames(8000);
@@ -106,7 +108,7 @@ TEST_F(ShadowLaneTest, SweepsLessOftenWhereItsWorkMakesSearchesSlower) {
   Frames(5000);
   EXPECT_GE(lane_->stats().sweep_count, 2U);
   EXPECT_LT(lane_->stats().sweep_count, sweep_count / 5);
-  // Of the 50 s that the frames take at least, and of 5 s that were saved up.
+  // The frames take at least 50 s, and the lane has saved up 5 s.
   const auto busy_ns = static_cast<double>(lane_->stats().busy_time_ns - busy_before_ns);
   EXPECT_LT(busy_ns * lane_->cost().slowdown(), 1.1 * ShadowSchedule::kMaxCostRatio * 55e9);
 }
@@ -126,7 +128,7 @@ TEST_F(ShadowLaneTest, EndsAVisitAtTheTimeCap) {
   EXPECT_EQ(lane_->stats().capped_visit_count, 2U);
 }
 
-// Of eight frames of 100 ms, the lane works on each for up to 200 ms.
+// In eight frames of 100 ms, the lane may work up to 200 ms per frame.
 TEST_F(ShadowLaneTest, MeasuresArmsOfAGameWhoseFramesAreLong) {
   frame_ns_ = 100 * kMs;
   scripts_[1].update_ns = 90 * kMs;
@@ -174,7 +176,7 @@ TEST_F(ShadowLaneTest, ACapThatPassesWhileTheLaneWaitsForACoreSaysNothing) {
   EXPECT_EQ(sink_.shadows[0].arm, 1U);
   EXPECT_EQ(sink_.shadows[1].arm, 2U);
   EXPECT_EQ(lane_->stats().capped_visit_count, 0U);
-  // It is visited in the next sweep again.
+  // The arm is visited again in the next sweep.
   scripts_[0].question_count = 0;
   const uint64_t sweep_count = lane_->stats().sweep_count;
   while (lane_->stats().sweep_count == sweep_count) Frame();
@@ -200,7 +202,7 @@ TEST_F(ShadowLaneTest, LeavesAnArmWhosePairsOutgrowItsMemory) {
   scripts_[0].in_search = [&](uint64_t) { ++asked; };
   Make({.memory_cap_bytes = 200'000});
   FirstSweep();
-  EXPECT_EQ(asked, 6U);  // 6 × 20,000 bytes are over half of the cap.
+  EXPECT_EQ(asked, 6U);  // 6 × 20,000 bytes exceed half of the cap.
   ASSERT_EQ(sink_.shadows.size(), 2U) << "what its search took says nothing";
   EXPECT_EQ(sink_.shadows[1].arm, 2U);
   EXPECT_EQ(lane_->stats().visit_count, 3U);
@@ -262,7 +264,8 @@ TEST_F(ShadowLaneTest, EndsASearchOnItsThreadWhenDestroyed) {
 }
 
 TEST_F(ShadowLaneTest, CopiesFewerFramesWhereMemoryIsShort) {
-  // 20 objects and slack are 86 boxes, 2,064 bytes per frame: five fit in half of the cap.
+  // 20 objects with slack are 86 boxes, 2,064 bytes per frame, so five frames fit in half of the
+  // cap.
   Make({.memory_cap_bytes = 2 * 5 * 2064});
   FirstSweep();
   ASSERT_EQ(sink_.shadows.size(), 3U);
@@ -292,7 +295,7 @@ TEST_F(ShadowLaneTest, KeepsStructuresWithinItsMemory) {
     EXPECT_LE(lane_->stats().memory_bytes, 200'000U);
   }
   EXPECT_GT(lane_->stats().memory_bytes, 80'000U);
-  EXPECT_GT(made_count_, 3);  // The third had to go each time.
+  EXPECT_GT(made_count_, 3);  // The third structure was freed each time.
 }
 
 TEST_F(ShadowLaneTest, CountsItsCopiesBeforeItsFirstVisit) {
@@ -408,7 +411,7 @@ TEST_F(ShadowLaneTest, PreparesASwitchAndExchangesTheBackends) {
   EXPECT_EQ(static_cast<LaneBackend&>(*own.backend).shown.size(), ShadowLane::kPreparationFrames);
   EXPECT_FALSE(lane_->TakeOver(2, own, pairs_));
   lane_->Cancel();
-  Frames(200);  // The lane goes on with what it got in exchange.
+  Frames(200);  // The lane continues with the backend that it got in exchange.
   EXPECT_GE(lane_->stats().sweep_count, 2U);
 }
 
@@ -434,7 +437,7 @@ TEST_F(ShadowLaneTest, BringsAStructureThatFellBehindUpToDateBeforeItIsOffered) 
   FirstSweep();
   lane_->Ask(2);
   Frames(4);
-  // The lane does not see these frames until it is slow to follow.
+  // The lane receives these frames but gets no step, so that it falls behind.
   for (int i = 0; i < 10; ++i) {
     lane_->OnFrame(std::vector<Aabb>(7), {.frame_index = frame_index_++});
   }
@@ -456,7 +459,7 @@ TEST_F(ShadowLaneTest, SweepsOnAfterASwitchThatDidNotWaitForItsPreparation) {
 TEST_F(ShadowLaneTest, LeavesASweepForASwitch) {
   scripts_[0].in_build = [this] { lane_->Ask(2); };
   FirstSweep();
-  ASSERT_EQ(sink_.shadows.size(), 1U);  // Of the active arm; the visit of arm 0 was not ended.
+  ASSERT_EQ(sink_.shadows.size(), 1U);  // The active arm only: the visit of arm 0 was left.
   EXPECT_EQ(lane_->stats().sweep_count, 0U);
   scripts_[0].in_build = [] {};
   FramesUntilReady(2);

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 
 using test_support::kMs;
 
-// Plays sweeps whose visits have the costs in `cost_ns` and eight frames each.
+// Runs sweeps of visits of eight frames with the costs in `cost_ns`.
 class ShadowScheduleTest : public ::testing::Test {
  protected:
   std::vector<uint32_t> Sweep(uint32_t active_arm = 0, uint32_t object_count = 1000) {
@@ -116,7 +116,7 @@ TEST_F(ShadowScheduleTest, CostsTheFrameThreadItsShareAndWhatItSaved) {
   const auto saved_ns = static_cast<double>(ShadowSchedule::kSavingsNs);
   EXPECT_NEAR(cost_ns / (whole_ns + saved_ns), ShadowSchedule::kMaxCostRatio, 1e-4);
 
-  // A scene that changes all the time is granted what it could have saved, and no more.
+  // A scene that changes all the time may use what a steady scene would have saved, and no more.
   const uint64_t changing_ns = now_ns_;
   cost_ns = 0;
   for (int k = 0; k < 500; ++k) {
@@ -167,7 +167,7 @@ TEST_F(ShadowScheduleTest, WorksForHalfAsLongAsTheGameSearchesAndNowAndThen) {
   EXPECT_TRUE(schedule_.IsDue(next_ns + ShadowSchedule::kMaxSpacingNs, 0));
 }
 
-// Ten minutes in manual mode are no savings, and a scene that kept changing is no debt.
+// Ten minutes in manual mode do not count as savings, and work in a changing scene not as a debt.
 TEST_F(ShadowScheduleTest, KeepsNoMoreOfWhatItDidOrDidNotWorkInMindThanItMayWorkAhead) {
   for (const bool worked : {true, false}) {
     if (worked) {
@@ -198,7 +198,7 @@ TEST_F(ShadowScheduleTest, NoticesACostThatDriftsAwayInSmallSteps) {
 
 TEST_F(ShadowScheduleTest, BacksOffExponentiallyFromAnArmOverTheTimeCap) {
   cost_ns_[2] = options_.visit_cap_ns + 1;
-  cost_ns_[0] = cost_ns_[1] = options_.visit_cap_ns * 10 / 18;  // Its r² alone would be 3.
+  cost_ns_[0] = cost_ns_[1] = options_.visit_cap_ns * 10 / 18;  // Without arm 2, r² would be 3.
   std::vector<int> sweeps_of_arm_2;
   for (int sweep = 1; sweep <= 160; ++sweep) {
     const std::vector<uint32_t> visited = Sweep();

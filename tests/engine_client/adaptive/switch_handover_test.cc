@@ -46,7 +46,7 @@ TEST(SwitchHandoverTest, TakesAnOfferBackWithACancel) {
   EXPECT_FALSE(handover.Take());
 }
 
-// The payload is plain, so that ThreadSanitizer reports it if both sides can access it at the same
+// The payload is not atomic, so that ThreadSanitizer reports if both sides access it at the same
 // time.
 TEST(SwitchHandoverTest, GivesThePayloadToOneSideAtATime) {
   constexpr int kRounds = 2000;

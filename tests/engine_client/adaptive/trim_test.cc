@@ -1,4 +1,4 @@
-// What an AdaptiveBroadPhase frees when it is told to, and beyond its budget.
+// Tests which memory AdaptiveBroadPhase frees with Trim and above its budget.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -17,7 +17,8 @@ namespace {
 using test_support::PairDifference;
 using test_support::ScalarPairs;
 
-// Two arms, without a lane unless one is made; every search must find the pairs of brute force.
+// Two arms, without a lane unless a test makes one. Every search must find the pairs of brute
+// force.
 class TrimTest : public ::testing::Test {
  protected:
   void Make(uint64_t memory_budget_bytes) {
@@ -37,7 +38,7 @@ class TrimTest : public ::testing::Test {
   }
   uint64_t active_bytes() const { return adaptive_->last_sample().native_bytes; }
 
-  // With a lane on its own thread, whatever the machine.
+  // Creates a lane on its own thread, independent of the machine.
   void MakeWithLane(uint64_t memory_budget_bytes) {
     const auto make = [this](uint32_t arm) {
       return ArmBackend{nullptr, std::move(*MakeBroadPhase(options_.arms[arm]))};
@@ -132,8 +133,7 @@ TEST_F(TrimTest, CountsAndFreesTheScratchMemoryOfSortedPairs) {
 }
 
 TEST_F(TrimTest, TheLaneTakesNoMoreThanHalfOfTheBudget) {
-  // Four copies of 2,000 objects and of the room for some more take 222 KB, half of what the lane
-  // has.
+  // Four copies of 2,000 objects with slack take 222 KB, half of the lane's memory.
   constexpr uint64_t kTooLittle = 800'000;
   constexpr uint64_t kEnough = 8'000'000;
   for (const uint64_t budget_bytes : {kTooLittle, kEnough}) {

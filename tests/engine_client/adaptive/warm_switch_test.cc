@@ -21,7 +21,7 @@ using test_support::ScalarPairs;
 
 using test_support::kMs;
 
-// Runs parts one after another, and fails if a thread other than its creator's calls it.
+// Runs the parts one after another, and fails if another thread than the creator's calls it.
 class LoneExecutor final : public Executor {
  public:
   size_t thread_count() const noexcept override { return 2; }
@@ -49,7 +49,7 @@ size_t Cores() noexcept {
   return count;
 }
 
-// All arms on a machine with spare cores, and a scene that moves.
+// All arms on a machine with spare cores, in a moving scene.
 class WarmSwitchTest : public ::testing::Test {
  protected:
   void Make(AdaptiveOptions options, size_t (*cores)() noexcept = Cores<8>) {
@@ -94,9 +94,9 @@ class WarmSwitchTest : public ::testing::Test {
   BoxScene scene_{"brownian", 220, 3};
   uint32_t arm_count_ = static_cast<uint32_t>(BroadPhaseNames().size());
   size_t object_count_ = 200;
-  bool is_sorted_ = false;         // whether the order of the pairs must be ascending too
-  std::vector<size_t> substeps_;   // object counts of further searches in each frame
-  uint64_t frame_time_ns_ = 1000;  // this is so short that no preparation is late
+  bool is_sorted_ = false;         // whether the pairs must be sorted, too
+  std::vector<size_t> substeps_;   // object counts of the other searches in each frame
+  uint64_t frame_time_ns_ = 1000;  // so short that no preparation is late
   uint64_t command_id_ = 0;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
@@ -132,7 +132,8 @@ TEST_F(WarmSwitchTest, FindsAllPairsWhileTheObjectCountChanges) {
   EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 14U);
 }
 
-// By hand and warm, with parts of searches on an executor: no frame tells which arm ran.
+// Switches by hand and warm, with searches divided on an executor: the results do not depend on the
+// arm.
 TEST_F(WarmSwitchTest, GivesTheSamePairsByteByByteWhateverTheArmWhenTheyAreSorted) {
   LoneExecutor executor;
   scene_ = BoxScene("brownian", 1000, 3);
@@ -264,27 +265,27 @@ TEST_F(WarmSwitchTest, HasNoLaneWithoutNeedOrASpareCore) {
 
 TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
   LoneExecutor executor;
-  arm_count_ = 2;  // A visit of each is enough, and the lane may get little of a machine.
+  arm_count_ = 2;  // One visit of each is enough; on a busy machine the lane gets little time.
   scene_ = BoxScene("brownian", 1500, 3);
   Make({.executor = &executor, .shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
   const auto frame = [this] {
     adaptive_->BeginFrame();
     adaptive_->FindPairs(scene_.boxes());
-    // So long that the lane need not let thousands go by before it copies more, and so short that
-    // the switch waits for it.
+    // Long enough that the lane copies again before thousands of frames have passed, and short
+    // enough that the switch waits for the lane.
     adaptive_->EndFrame({.frame_time_ns = kMs});
-    // The lane runs where nothing else does, and gets nowhere while all cores are busy.
+    // The lane's thread runs only on idle cores, so leave it some time.
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
   for (const uint32_t arm : {1U, 0U}) {
     adaptive_->mailbox().Post({.command_id = arm, .arm = arm});
     while (adaptive_->active_arm() != arm) frame();
-    // Runs frames until the lane has visited the backend that it got in exchange.
+    // Run frames until the lane has visited the backend that it got in exchange.
     const uint64_t sweep_count = adaptive_->shadow_stats().sweep_count;
     while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) frame();
   }
   EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 2U);
-  const int calls_before = executor.call_count;  // Brute force has parts in every frame.
+  const int calls_before = executor.call_count;  // Brute force uses the executor in every frame.
   frame();
   EXPECT_GT(executor.call_count, calls_before);
   adaptive_.reset();

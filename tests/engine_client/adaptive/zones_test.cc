@@ -1,4 +1,4 @@
-// The zones and threads that a game sees of the frame path and the shadow lane (hooks.h).
+// The zones and threads that the hooks of a game observe in the frame path and the lane (hooks.h).
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,7 +20,7 @@
 namespace sweepstake {
 namespace {
 
-// Counts the zones that have begun, by name, and those that are open.
+// Counts the zones that have begun by name, and those that are open.
 struct Seen {
   static constexpr std::array<std::string_view, 6> kNames = {
       "sweepstake: begin frame",     "sweepstake: update",     "sweepstake: search",

@@ -1,4 +1,5 @@
-// The parts that only AxisSweep has: the kept orders, and the two ways between which it chooses.
+// Tests the parts that only AxisSweep has: the kept orders, and the choice between repair and
+// sweep.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,7 +48,7 @@ std::string OrderOf(const SortedEndpoints& axis) {
 
 class FacesOnAnAxis : public testing::Test {
  protected:
-  // The faces are sorted by steps, and then exactly.
+  // Sorts the faces by quantized steps, and then exactly.
   void Sort(std::span<const BoxRecord> records, float low = 0, float high = 10) {
     constexpr float kSteps = 64;
     axis_.Sort(records, {false, low, kSteps / std::max(high - low, 1e-30F), kSteps - 1}, room_);
@@ -185,7 +186,7 @@ TEST_F(AxisSweepOverFrames, MakesNoCheckWhileNothingMoves) {
   const BoxScene scene("brownian", 500, 1);
   backend_->Build(scene.boxes());
   backend_->FindPairs(pairs_);
-  Expect(scene.boxes());  // adopts the pairs of its sweep
+  Expect(scene.boxes());  // keeps the pairs of this sweep
   for (int frame = 0; frame < 3; ++frame) {
     Expect(scene.boxes());
     EXPECT_EQ(backend_->aabb_check_count(), 0U);
@@ -215,7 +216,7 @@ TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
     backend_->FindPairs(pairs_);
     SequentialRandom random(1);
     for (int frame = 0; frame < 80; ++frame) {
-      // First all boxes rest, then one more box per frame moves, then all boxes move.
+      // At first all boxes rest, then one more box per frame moves, then all boxes move.
       const size_t changes = frame % 20 < 5 ? 0 : frame % 20 < 18 ? 1 + frame % 20 : boxes.size();
       if (changes > 0) scene.Step();
       for (size_t change = 0; change < changes; ++change) {

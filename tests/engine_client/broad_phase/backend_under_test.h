@@ -1,4 +1,4 @@
-// A backend by name, and the check of the pairs that it finds.
+// Creates a backend by name and checks the pairs that it finds.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ inline std::unique_ptr<BroadPhase> MakeOrThrow(std::string_view name) {
   return std::move(*made);
 }
 
-// Replaces `pairs` by the backend's present pairs and describes their errors; the result is empty
+// Replaces `pairs` by the backend's current pairs and describes their errors; the result is empty
 // if there are none.
 inline std::string FindPairsError(BroadPhase& backend, std::span<const Aabb> boxes,
                                   PairBuffer& pairs) {

@@ -1,4 +1,4 @@
-// The boxes in bytes: they must overlap wherever the boxes do, whatever the range.
+// Boxes quantized to bytes must overlap wherever the boxes do, for any coordinate range.
 #include "engine_client/broad_phase/common/byte_boxes.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Every backend against the definition of overlap, by the identity of the pairs, over many frames.
+// Compares every backend with the definition of overlap by the identity of pairs, over many frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ std::string ParameterName(std::string name) {
   return name;
 }
 
-// Returns the first `count` boxes of the scene, or all if it shows fewer.
+// Returns the first `count` boxes of the scene, or all if it has fewer.
 std::span<const Aabb> FirstOf(const Scene& scene, size_t count) {
   return scene.aabbs().first(std::min(count, scene.aabbs().size()));
 }
@@ -203,7 +203,7 @@ TEST_P(EveryBackend, IsRightWhileObjectsComeAndGo) {
   }
 }
 
-// Pairs are compared by order too, so that a game's results do not depend on the machine.
+// The order of the pairs must be equal, too, so that a game's results do not depend on the machine.
 TEST_P(EveryBackend, GivesTheSamePairsForAnyNumberOfThreads) {
   for (const std::string_view kind : {"brownian", "mixture", "clusters", "long-thin"}) {
     BoxScene scene(kind, 9000, 6);
@@ -220,8 +220,8 @@ TEST_P(EveryBackend, GivesTheSamePairsForAnyNumberOfThreads) {
   }
 }
 
-// One box changes in place while all others rest: the state kept for resting boxes must not hide
-// the change.
+// One box becomes invalid and valid again while all others rest. The state that is kept for resting
+// boxes must not hide the change.
 TEST_P(EveryBackend, IsRightWhenARestingBoxBreaksAndMends) {
   const BoxScene scene("brownian", 300, 7);
   std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
@@ -258,7 +258,7 @@ TEST_P(EveryBackend, FindsAllPairsOfCoincidentBoxes) {
   EXPECT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "");
 }
 
-// The boxes have every relation that two intervals can have, on three axes at the same time.
+// Tests every relation that two intervals can have, on three axes at the same time.
 TEST_P(EveryBackend, AgreesWithTheDefinitionOnAllPositionsOfTwoBoxes) {
   std::vector<std::pair<float, float>> intervals;
   for (int low = 0; low < 4; ++low) {

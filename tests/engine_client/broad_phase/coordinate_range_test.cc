@@ -44,7 +44,7 @@ TEST(CoordinateRange, SweepsPointsAlongTheWidestAxis) {
   }
 }
 
-// Objects often come in classes by index.
+// Objects often belong to classes that alternate by index.
 TEST(CoordinateRange, DoesNotSampleOneOfSevenClasses) {
   std::vector<Aabb> boxes(128 * 7);
   for (size_t i = 0; i < boxes.size(); ++i) {

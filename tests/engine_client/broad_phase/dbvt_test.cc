@@ -1,4 +1,4 @@
-// The parts that only DBVT has: the tree stays a hierarchy, and cost follows motion.
+// Tests the parts that only DBVT has: the tree stays valid, and its cost follows the motion.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,8 +30,8 @@ Aabb RandomBox(SequentialRandom& random) {
   return box;
 }
 
-// Finds the first error of a tree that should hold these objects with these boxes; the description
-// is empty if there is none.
+// Finds the first error of a tree that should contain these objects with these boxes; the
+// description is empty if there is none.
 class TreeInspection {
  public:
   TreeInspection(const DbvtTree& tree, std::span<const Aabb> boxes) : tree_(tree), boxes_(boxes) {}
@@ -160,7 +160,7 @@ TEST(DbvtTree, LeavesGapsWhereThereAreNoObjectsAndGivesUpThoseThatDoNotTakePart)
   boxes[7].min[1] = 1e9F;
   std::vector<uint32_t> slots(64, DbvtTree::kNone);
   for (uint32_t object = 0; object < 30; ++object) slots[2 * object] = object;
-  slots[63] = 40;  // gone meanwhile
+  slots[63] = 40;  // removed in the meantime
   HookedVector<uint32_t> lost;
   DbvtTree tree;
   tree.Build(boxes, slots, nullptr, lost);
@@ -316,12 +316,12 @@ TEST(Dbvt, LooksAtNoTreeWhileBoxesStayInsideTheirMargins) {
     backend->Update(scene.boxes());
     backend->FindPairs(pairs);
   }
-  // There is one comparison with each enlarged box, and one per candidate; there are few more
+  // There is one check with each enlarged box and one for each candidate. There are only a few more
   // candidates than pairs.
   EXPECT_LE(backend->aabb_check_count(), 1000 + 2 * pairs.size());
 }
 
-// Every `stride`-th of 2,000 boxes moves.
+// Moves every `stride`-th of 2,000 boxes and returns the checks.
 uint64_t ChecksWhenSomeMove(size_t stride) {
   const auto backend = MakeOrThrow("DBVT");
   SequentialRandom random(3);
@@ -361,9 +361,9 @@ TEST(Dbvt, IsRightWhileSceneAfterSceneFallsToRestAndRises) {
     if (frame % 20 < 5) lively.Step();
     if (frame % 50 == 30) broken.Step();
     boxes.assign(lively.boxes().begin(), lively.boxes().end());
-    // Some objects come, go or become invalid while the others rest.
+    // Some objects are added, removed or become invalid while the others rest.
     if (frame % 50 > 30) std::copy_n(broken.boxes().begin(), 10, boxes.begin());
-    // Then a swarm flies through the others.
+    // Then a swarm moves through the others.
     for (size_t object = 20; object < 28; ++object) {
       const float way =
           (0.1F + 0.01F * static_cast<float>(object)) * static_cast<float>(frame % 20);

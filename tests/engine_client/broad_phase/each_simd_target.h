@@ -1,4 +1,4 @@
-// Runs a test on each instruction set that this machine has kernels for.
+// Runs a test with each instruction set that this machine has kernels for.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 namespace sweepstake::test_support {
 
-// Ends with the one that ran before, also after the first fatal failure.
+// Restores the former instruction set at the end, also after a fatal failure.
 template <class Test>
 void OnEachSimdTarget(const Test& test) {
   const std::string_view before = SimdTarget();

@@ -1,5 +1,5 @@
-// The parts that only Grid has: groups of similar shapes, and cells that depend neither on a huge
-// box nor on an outlier.
+// Tests the parts that only Grid has: groups of similar shapes, and cells that depend neither on a
+// huge box nor on an outlier.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ std::vector<Aabb> OrdinaryBoxes(size_t count) {
   return {scene.boxes().begin(), scene.boxes().end()};
 }
 
-// Returns boxes of 0.1 × 0.1 × 10 along any axis.
+// Returns boxes of 0.1 × 0.1 × 10 with the long side along any axis.
 std::vector<Aabb> Needles(size_t count) {
   std::vector<Aabb> boxes = OrdinaryBoxes(count);
   for (size_t i = 0; i < count; ++i) {
@@ -222,8 +222,8 @@ TEST(Grid, ComparesFarFewerThanAllPairsWhereSizesSpanThreeDecades) {
 }
 
 TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
-  // There is a small box in the middle, and one around each corner, edge and face of the
-  // surroundings of its cell.
+  // A small box lies in the middle, and one around each corner, edge and face of the neighbourhood
+  // of its cell.
   std::vector<Aabb> boxes = OrdinaryBoxes(400);
   for (const float x : {2.0F, 2.7F, 3.4F}) {
     for (const float y : {2.0F, 2.7F, 3.4F}) {

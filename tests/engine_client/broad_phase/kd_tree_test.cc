@@ -1,5 +1,5 @@
-// The parts that only KDTree has: the order, the implicit tree over it, and how long the order is
-// kept.
+// Tests the parts that only KDTree has: the order, the implicit tree over it, and how long the
+// order is kept.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,14 +69,14 @@ TEST(KdOrder, DoesNotDependOnHowOftenCoincidentBoxesAreSorted) {
   EXPECT_EQ(order, Identity(1000));
 }
 
-// Slot k has box k.
+// Returns a tree in which slot k has box k.
 LeafTree TreeOf(std::span<const Aabb> boxes) {
   LeafTree tree;
   tree.Refit(boxes, Identity(boxes.size()), nullptr);
   return tree;
 }
 
-// Returns the order of these boxes, holes included.
+// Returns the order of these boxes, including holes.
 template <typename Split>
 std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes, const Split& split) {
   const LeafTree tree = TreeOf(boxes);
@@ -93,7 +93,7 @@ std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes) {
 
 float Center(const Aabb& box, int axis) { return box.min[axis] * 0.5F + box.max[axis] * 0.5F; }
 
-// Returns whether there is an axis on which no center of the first slots is above one of the
+// Returns whether there is an axis on which all centers of the first slots are at most those of the
 // others.
 bool IsDivided(std::span<const Aabb> boxes, std::span<const uint32_t> slots, size_t middle) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -251,7 +251,7 @@ TEST(LeafTree, IsTheSameInParts) {
 
 TEST(LeafTree, FindsAllPairsInAnyOrder) {
   const BoxScene scene("brownian", 1000, 5);
-  const LeafTree tree = TreeOf(scene.boxes());  // unordered: slow, and right
+  const LeafTree tree = TreeOf(scene.boxes());  // unordered: slow, but correct
   PairBuffer pairs;
   tree.FindPairs(0, tree.block_count(), pairs);
   EXPECT_EQ(PairDifference(pairs.pairs(), ScalarPairs(scene.boxes())), "");
@@ -270,7 +270,7 @@ TEST(LeafTree, FindsTheSamePairsInParts) {
   EXPECT_TRUE(std::ranges::equal(whole.pairs(), parts.pairs()));
 }
 
-// Returns the checks of each frame.
+// Returns the number of checks in each frame.
 std::vector<uint64_t> Checks(BroadPhase& backend, BoxScene& scene, int frames) {
   std::vector<uint64_t> checks;
   PairBuffer pairs;
@@ -305,7 +305,7 @@ TEST(KdTree, KeepsTheOrderForSeveralFrames) {
   BoxScene scene("brownian", 3000, 5);
   backend->Build(scene.boxes());
   const std::vector<uint64_t> checks = Checks(*backend, scene, 100);
-  // A frame with clearly fewer checks than the one before shows a split.
+  // A frame with clearly fewer checks than the one before indicates a split.
   int splits = 0;
   for (size_t i = 1; i < checks.size(); ++i) splits += checks[i] * 100 < checks[i - 1] * 95 ? 1 : 0;
   EXPECT_GE(splits, 2);
@@ -322,12 +322,12 @@ TEST(KdTree, NeverSplitsASceneAtRestAgain) {
     PairBuffer pairs;
     backend->Update(scene.boxes());
     backend->FindPairs(pairs);
-    // The order of the pairs shows the order of the boxes.
+    // Equal pairs in equal order imply an unchanged order of the boxes.
     ASSERT_TRUE(std::ranges::equal(pairs.pairs(), first.pairs()));
   }
 }
 
-// Every box is at a new place in each frame.
+// Every box has a new position in each frame.
 TEST(KdTree, SplitsAtOnceWhereTheOrderHasLostItsUse) {
   const auto backend = MakeOrThrow("KDTree");
   backend->Build(BoxScene("brownian", 3000, 99).boxes());

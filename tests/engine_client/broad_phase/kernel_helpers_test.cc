@@ -1,4 +1,5 @@
-// What the kernels are made of, against loops over lanes, for each mask and each instruction set.
+// Compares the building blocks of the kernels with loops over lanes, for each mask and instruction
+// set.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/engine_client/broad_phase/kernel_helpers_test.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// What follows must come after foreach_target.h.
+// The includes below must come after foreach_target.h.
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,7 +20,7 @@ namespace sweepstake::HWY_NAMESPACE {
 using Ids = hn::CappedTag<uint32_t, 16>;
 constexpr uint32_t kFirstId = 100;
 
-// Returns what is wrong with the ids that the mask has moved to the front, or nothing.
+// Describes the error of the ids that the mask moved to the front; empty if there is none.
 std::string CompressError(const uint32_t* compressed, uint32_t bits) {
   for (uint32_t lane = 0; lane < 16; ++lane) {
     if ((bits >> lane & 1) != 0 && *compressed++ != kFirstId + lane)
@@ -45,7 +46,8 @@ std::string CompressErrors() {
   return error;
 }
 
-// Returns what is wrong with the pairs of `self` with partners from kFirstId on.
+// Describes the error of the pairs of `self` with partners from kFirstId on; empty if there is
+// none.
 template <bool kAlways>
 std::string PairsError(uint32_t self) {
   const Ids d;
@@ -61,7 +63,7 @@ std::string PairsError(uint32_t self) {
   return "";
 }
 
-// The own id may be less than those of all partners, greater, or in between.
+// The own id may be smaller than those of all partners, larger, or in between.
 std::string StorePairsErrors() {
   std::string errors;
   for (const uint32_t self : {0U, kFirstId + 1, 4'000'000'000U})

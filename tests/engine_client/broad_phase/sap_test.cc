@@ -1,4 +1,4 @@
-// The parts that only SAP has: sorting in parts, and sorting exactly if steps are too coarse.
+// Tests the parts that only SAP has: sorting in parts, and exact sorting if steps are too coarse.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -28,7 +28,7 @@ TEST(Sap, SortsInPartsAsItDoesAlone) {
   }
 }
 
-// Half of the boxes are spread over a million units, the others lie in a row on a few of them.
+// Half of the boxes are spread over a million units, the others lie in a row of a few units.
 TEST(Sap, MakesFewChecksWhereMostBoxesShareAStep) {
   std::vector<Aabb> boxes(4000);
   for (size_t i = 0; i < boxes.size(); ++i) {

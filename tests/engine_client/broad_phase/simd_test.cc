@@ -1,5 +1,5 @@
-// Each kernel is compiled for several instruction sets: all must find what the scalar definition
-// says.
+// Each kernel is compiled for several instruction sets; all must find the pairs of the scalar
+// definition.
 #include "sweepstake/simd.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 using test_support::OnEachSimdTarget;
 
-// With all of them in one place, a leaf of KDTree meets more than it tests at a time.
+// With all boxes in one place, a leaf of KDTree has more near leaves than it tests at a time.
 constexpr uint32_t kBoxes = 611;
 
 class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {

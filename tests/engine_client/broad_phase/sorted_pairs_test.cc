@@ -29,12 +29,12 @@ TEST(SortedPairs, AddAndDropWhatWasTouched) {
   pairs.Touch(5, 0);  // begins
   pairs.Touch(0, 5);
   pairs.Touch(3, 4);  // stays
-  pairs.Touch(2, 3);  // was not and is not
+  pairs.Touch(2, 3);  // is not a pair before or after
   pairs.Settle([](uint32_t a, uint32_t b) { return (a == 0 && b == 5) || a == 3; });
   EXPECT_EQ(PairsOf(pairs), (std::vector<OverlapPair>{{0, 2}, {0, 5}, {3, 4}}));
 }
 
-// Says yes to one of the questions.
+// Requests a stop at one of the checks.
 class StopAt final : public StopRequest {
  public:
   explicit StopAt(uint64_t question) : question_(question) {}
@@ -61,7 +61,7 @@ TEST(SortedPairs, AskWhetherToEndForEachBlockOfManyMarks) {
       EXPECT_LE(stop.asked, stop_at + 2) << "it ends";
     } else {
       EXPECT_EQ(pairs.pairs().size(), kMarks / 2);
-      // Two passes of the sort, the groups, the test of each mark, and half of them to insert.
+      // Two passes of the sort, the groups, the test of each mark, and inserting half of them.
       EXPECT_GE(stop.asked, 4 * kBlocks);
     }
   }

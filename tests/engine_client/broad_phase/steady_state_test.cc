@@ -1,4 +1,4 @@
-// The costs of a frame apart from time: no allocation in steady state, and correct counts of bytes
+// The costs of a frame other than time: no allocation in steady state, and correct counts of bytes
 // and checks.
 #include <gtest/gtest.h>
 
@@ -73,8 +73,8 @@ INSTANTIATE_TEST_SUITE_P(, SteadyState,
 
 class MemoryOf : public testing::TestWithParam<std::string_view> {};
 
-// A box has 24 bytes: a backend that reports fewer bytes than the boxes have does not count all its
-// memory.
+// A box has 24 bytes: a backend that reports fewer bytes than the boxes have does not count all of
+// its memory.
 TEST_P(MemoryOf, IsAtLeastTheBoxesAndNotThousandsOfBytesPerBox) {
   const auto backend = MakeOrThrow(GetParam());
   BoxScene scene("brownian", 3000, 2);
@@ -119,7 +119,8 @@ Counted CountChecks(std::string_view name, BoxScene& scene, int updates) {
   return {backend->aabb_check_count(), pairs.size()};
 }
 
-// Four boxes share a load: each group of four may test a register and three boxes more than needed.
+// Four boxes share a load, so each group of four may test up to one register and three boxes too
+// many.
 constexpr uint64_t kWidestRegister = 64;
 uint64_t AllPairChecks(uint64_t count) {
   return count * (count - 1) / 2 + (count + 3) * (kWidestRegister + 3);

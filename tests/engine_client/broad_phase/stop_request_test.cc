@@ -1,5 +1,5 @@
-// Calls that a StopRequest ends: soon, whatever the scene, with bounded memory, and without a trace
-// in the structure that is built next. Counted in checks, which take the same on every machine.
+// A StopRequest must end calls soon, in every scene, with bounded memory, and without effects on
+// the structure that is built next. Work is counted in checks, which are the same on every machine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 
-// Stops at one of the questions, or where more memory has been taken than allowed.
+// Stops at a given check, or if more memory has been used than allowed.
 class ScriptedStop final : public StopRequest {
  public:
   bool WantsStop(uint64_t bytes) noexcept override {
@@ -38,7 +38,7 @@ class ScriptedStop final : public StopRequest {
   bool has_stopped = false;
 };
 
-// Divides the work as for two threads, and does it on one, as the shadow lane does.
+// Divides the work as for two threads, but runs it on one, as the shadow lane does.
 class PartsInARow final : public Executor {
  public:
   size_t thread_count() const noexcept override { return 2; }
@@ -47,14 +47,14 @@ class PartsInARow final : public Executor {
   }
 };
 
-// What a search may still do before its next question: a tile, a leaf or a list of near leaves.
+// Upper limit of the checks between two stop tests: a tile, a leaf or a list of near leaves.
 constexpr uint64_t kMaxChecksBetween = 3 * StopPoll::kChecksPerQuestion;
-// The questions that a call still asks on its way out.
+// Upper limit of the stop tests that a call still makes after the stop.
 constexpr uint64_t kQuestionsToLeave = 8;
 
 class EveryBackendThatIsStopped : public testing::TestWithParam<std::string_view> {
  protected:
-  // Takes the boxes without anybody to stop it, and then has `stop_` asked.
+  // Builds without a stop request, and then attaches `stop_`.
   void BuildAndWatch(std::span<const Aabb> boxes) {
     backend_->Build(boxes);
     backend_->SetStop(&stop_);
@@ -103,7 +103,7 @@ TEST_P(EveryBackendThatIsStopped, TakesNoMoreMemoryForPairsThanItIsAllowed) {
     const uint64_t built_bytes = backend_->native_bytes();
     backend_->FindPairs(pairs_);
     EXPECT_TRUE(stop_.has_stopped);
-    // A buffer doubles, and then grows by what is found until the next question.
+    // A buffer doubles, and may then grow by what is found before the next stop test.
     EXPECT_LE(pairs_.capacity_bytes() + backend_->native_bytes() - built_bytes,
               2 * stop_.max_bytes + kMaxChecksBetween * sizeof(OverlapPair));
   }
@@ -146,7 +146,7 @@ TEST_P(EveryBackendThatIsStopped, FindsTheSameSequenceWhileNobodyStopsIt) {
     twin->FindPairs(twin_pairs);
     ASSERT_TRUE(std::ranges::equal(pairs_.pairs(), twin_pairs.pairs())) << "in frame " << frame;
     ASSERT_EQ(backend_->aabb_check_count(), twin->aabb_check_count());
-    if (frame < 4) scene->Step();  // and rest after that
+    if (frame < 4) scene->Step();  // the scene rests after that
     backend_->Update(scene->aabbs());
     twin->Update(scene->aabbs());
   }
@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendThatIsStopped,
                          testing::ValuesIn(BroadPhaseNames()),
                          [](const auto& name) { return std::string(name.param); });
 
-// A scene of so many boxes is loaded and sorted in blocks, between which a backend asks.
+// A scene of kBlocks blocks is loaded and sorted in blocks, with a stop test between them.
 constexpr size_t kBlocks = 5;
 constexpr size_t kManyBoxes = kBlocks * kBoxesPerQuestion;
 
@@ -178,11 +178,11 @@ TEST_P(EveryBackendThatIsStopped, LeavesABuildOfManyBoxesAtAnyQuestion) {
   }
 }
 
-// The passes of a backend over all boxes or faces, each of which asks for each block.
+// The number of passes of a backend over all boxes or faces, each with a stop test per block.
 struct Passes {
   std::string_view backend;
   uint64_t in_build;
-  uint64_t in_update;         // where every box is elsewhere
+  uint64_t in_update;         // with a new position of every box
   uint64_t with_equal_boxes;  // in Build
 };
 
@@ -205,10 +205,10 @@ TEST_P(EveryBackendInBlocks, AsksInEachPassOverTheBoxes) {
   EXPECT_GE(stop.question_count, GetParam().with_equal_boxes * kBlocks);
 }
 
-// Grid: measure, count, place, gather; SAP: count, place, fill; AxisSweep: load, two for each axis,
-// fill; Tracy: measure, find rows, place, sort; the trees gather twice. Equal boxes are sorted
-// exactly, where SAP counts, loads, counts digits and fills, and AxisSweep loads, counts and loads
-// on each axis, and counts the digits of two faces per box.
+// Grid: measure, count, place, gather. SAP: count, place, fill. AxisSweep: load, two for each axis,
+// fill. Tracy: measure, find rows, place, sort. The trees gather twice. Equal boxes are sorted
+// exactly: SAP then counts, loads, counts digits and fills. AxisSweep counts and loads on each
+// axis, and counts the digits of two faces per box.
 INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendInBlocks,
                          testing::Values(Passes{"BruteForce", 1, 1, 1}, Passes{"Grid", 4, 4, 4},
                                          Passes{"SAP", 3, 3, 4}, Passes{"AxisSweep", 8, 8, 14},
@@ -230,7 +230,7 @@ TEST(ADbvtThatIsStopped, AsksWhileItInsertsManyBoxesThatBecomeValid) {
   EXPECT_LE(stop.question_count, stop.stop_at + kQuestionsToLeave);
 }
 
-// The search for pairs of enlarged boxes is a part of Update.
+// Backends with margins search for pairs of enlarged boxes in Update.
 class EveryBackendWithMargins : public EveryBackendThatIsStopped {};
 
 TEST_P(EveryBackendWithMargins, AsksInTheUpdateThatMakesThem) {

@@ -28,7 +28,7 @@ TEST(ThreadPoolTest, RunsEveryPartOnce) {
 TEST(ThreadPoolTest, WakesThreadsThatWentToSleep) {
   const auto pool = MakeThreadPool(3);
   for (int round = 0; round < 20; ++round) {
-    // Three parts wait for one another, so that only three threads together can finish them.
+    // Three parts wait for one another, so that only three concurrent threads can finish them.
     std::atomic<int> begun{0};
     RunParts(pool.get(), 3, [&](size_t) {
       begun.fetch_add(1);
@@ -44,8 +44,8 @@ TEST(ThreadPoolTest, EndsWhileItsThreadsGoToSleep) {
     const auto pool = MakeThreadPool(3);
     std::atomic<int> ended{0};
     RunParts(pool.get(), 3, [&](size_t) { ended.fetch_add(1); });
-    // The pauses range from the time at which threads begin to look for work to the time at which
-    // all sleep.
+    // The pauses range from the time in which threads begin to look for work to the time after
+    // which all sleep.
     for (int spins = round * 100; spins > 0; --spins) ended.load();
     EXPECT_EQ(ended.load(), 3);
   }

@@ -1,4 +1,4 @@
-// Tracy while little moves: margins that hold, and boxes that leave them.
+// Tracy in scenes with little motion: margins that hold, and boxes that leave them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class RestingTracy : public testing::Test {
     EXPECT_LT(ChecksPerBox(), 5U) << "it should be at rest";
   }
 
-  // Moves all boxes but the first ten, which the test moves itself.
+  // Moves all boxes except the first ten, which the test moves itself.
   void Step() {
     scene_.Step();
     std::copy(scene_.boxes().begin() + 10, scene_.boxes().end(), boxes_.begin() + 10);
@@ -102,7 +102,7 @@ TEST_F(RestingTracy, WakesWhenEverythingMovesAndRestsAgain) {
   EXPECT_LT(ChecksPerBox(), 5U);
 }
 
-// Testing half a million kept pairs costs as much as finding them.
+// Testing half a million kept pairs costs as much as finding them again.
 TEST(Tracy, KeepsNoPairsWhereTheyAreTooMany) {
   BoxScene scene("all-coincident", kCount, 5);
   const auto backend = MakeOrThrow("Tracy");

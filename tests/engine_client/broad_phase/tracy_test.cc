@@ -1,4 +1,4 @@
-// The parts that only Tracy has: lists in rows of cells, and boxes that enter and leave them.
+// Tests the parts that only Tracy has: lists in rows of cells, and boxes that enter and leave them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -209,7 +209,7 @@ TEST(Tracy, LaysTheGridOutAgainWhenTheSceneOutgrowsIt) {
   std::vector<Aabb> boxes = BrownianBoxes();
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
-  for (Aabb& box : boxes) {  // all in one spot, so laid out for that
+  for (Aabb& box : boxes) {  // all in one place, and the grid is laid out for that
     for (int axis = 0; axis < 3; ++axis) {
       box.max[axis] = (box.max[axis] - box.min[axis]) * 0.01F + box.min[axis] * 0.001F;
       box.min[axis] *= 0.001F;

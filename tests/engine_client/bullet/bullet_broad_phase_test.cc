@@ -24,13 +24,13 @@ using ::testing::UnorderedElementsAre;
 
 using Proxies = std::vector<const btBroadphaseProxy*>;
 
-// Collects what a ray or a box finds, and does what the test wants besides.
+// Collects the results of a ray or box query, and calls a function of the test during the query.
 class Collector final : public btBroadphaseRayCallback {
  public:
   bool process(const btBroadphaseProxy* proxy) override {
     found.push_back(proxy);
     if (on_found) on_found();
-    return false;  // which is ignored
+    return false;  // The caller ignores it.
   }
 
   Proxies found;
@@ -92,7 +92,8 @@ TEST_F(BulletBroadPhaseTest, StaticProxiesMeetMovingOnesOnly) {
   EXPECT_FALSE(AreKept(floor, ball));
 }
 
-// The mask lets static proxies meet one another, so that they cannot be in one tree.
+// The mask lets static proxies form pairs with each other, so that they cannot be in one static
+// tree.
 TEST_F(BulletBroadPhaseTest, AStaticGroupThatMeetsItselfIsSearchedLikeMovingOnes) {
   btBroadphaseProxy* const a = Add(0, kStatic, kAll);
   btBroadphaseProxy* const b = Add(0, kStatic, kAll);
@@ -136,7 +137,7 @@ TEST_F(BulletBroadPhaseTest, WhatTheWorldSendsUnchangedForThirtyStepsSleepsAndKe
   EXPECT_FALSE(AreKept(a, b));
 }
 
-// A kinematic body has the filter of a static one.
+// A kinematic body has the same filter as a static one.
 TEST_F(BulletBroadPhaseTest, AStaticProxyThatMovesCountsAsMovingUntilItRests) {
   constexpr int kNotStatic = kAll ^ kStatic;
   btBroadphaseProxy* const lift = Add(0, kStatic, kNotStatic);
@@ -272,7 +273,7 @@ TEST_F(BulletBroadPhaseTest, AnEmptyWorldThatIsResetGivesTheFirstIdsAgain) {
   btBroadphaseProxy* const b = Add(0);
   const int first = a->m_uniqueId;
   broad_phase_.destroyProxy(a, nullptr);
-  broad_phase_.resetPool(nullptr);  // too early: b lives
+  broad_phase_.resetPool(nullptr);  // has no effect, because b still exists
   EXPECT_EQ(broad_phase_.proxies().moving_count(), 1U);
   EXPECT_EQ(Add(5)->m_uniqueId, first);
   broad_phase_.destroyProxy(a, nullptr);
@@ -313,7 +314,7 @@ TEST(BulletMemoryTest, AProxyForWhichThereIsNoMemoryLeavesItsPlaceToTheNext) {
 }
 
 TEST(BulletGhostTest, AGhostObjectKnowsWhatIsInItsBox) {
-  btGhostPairCallback callback;  // which the end of the world calls too
+  btGhostPairCallback callback;  // The destructor of the world uses it, too.
   AdaptiveBulletGame played(OneArm("DBVT"), {.stack_height = 1});
   played.broad_phase().getOverlappingPairCache()->setInternalGhostPairCallback(&callback);
   btBoxShape room({2, 2, 2});

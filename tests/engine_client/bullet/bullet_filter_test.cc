@@ -1,4 +1,4 @@
-// Which overlapping boxes are a pair, and what happens when the game changes its mind.
+// Which overlapping boxes form a pair, and what happens if the filters change.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -142,13 +142,13 @@ TEST_F(BulletFilterTest, ACallbackOfTheCacheTakesThePlaceOfTheGroups) {
   Step();
   Move(b, 0);
   Step();
-  EXPECT_TRUE(AreKept(a, b));  // which the groups forbid
+  EXPECT_TRUE(AreKept(a, b));  // although the groups forbid it
   cache().setOverlapFilterCallback(nullptr);
   Step();
   EXPECT_FALSE(AreKept(a, b));
 }
 
-// As a game does that cuts a wall to pieces, or freezes what has fallen.
+// Games do this when they break a wall, or freeze objects that have fallen.
 TEST_F(BulletFilterTest, AProxyOfAnotherGroupBecomesStaticOrMovingWhileItRests) {
   constexpr int kNotStatic = kAll ^ kStatic;
   btBroadphaseProxy* const a = Add(0, kStatic, kNotStatic);

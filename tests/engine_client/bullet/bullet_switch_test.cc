@@ -1,6 +1,6 @@
-// A switch never changes the game: with arms that change at random, every second, a world is the
-// same to the last bit as with any one arm, whatever the number of threads. Engines were left by
-// their users over broad phases that made the players of one game see different worlds.
+// A switch never changes the game. With arms that change at random in every second, a world is
+// equal to the last bit to a world with one arm, with any number of threads. A broad phase that
+// makes players of one game see different worlds cannot be used in multiplayer games.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -22,14 +22,15 @@ constexpr BulletGameOptions kSmallWorld{.stack_height = 4,
                                         .phase_interval = 50,
                                         .query_interval = 7,
                                         .half_width = 5};
-// Enough boxes for backends and proxies to spread their work over threads.
+// Enough boxes for backends and proxies to divide their work among threads.
 constexpr BulletGameOptions kLargeWorld{
     .pile_count = 3000, .visitor_interval = 2, .phase_interval = 12};
 
 int StepCount() { return static_cast<int>(FromEnvironment("TEST_STEPS", 900)); }
 
-// Has all arms, and now and then chooses another at random: by hand, which executes it in the next
-// frame, or by a command, which waits until the shadow lane has prepared it, if there is one.
+// Has all arms and now and then selects another one at random. It selects by hand, which executes
+// in the next frame, or by a command, which waits for the shadow lane's preparation if there is a
+// lane.
 class SwitchingGame {
  public:
   SwitchingGame(int switch_interval, const BulletGameOptions& options, Executor* executor = nullptr)
@@ -59,7 +60,7 @@ class SwitchingGame {
   std::minstd_rand random_{static_cast<uint32_t>(FromEnvironment("TEST_SEED", 1))};
 };
 
-// Names the first step after which the games differ; empty if there is none.
+// Describes the first step after which the games differ; empty if there is none.
 std::string FirstDifference(SwitchingGame& switching, AdaptiveBulletGame& fixed, int steps) {
   for (int step = 0; step < steps; ++step) {
     switching.Step();

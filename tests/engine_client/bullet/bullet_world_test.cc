@@ -1,5 +1,5 @@
-// Worlds of Bullet on our broad phase and on Bullet's own: the same pairs in each step, and the
-// same world at the end, to the last bit.
+// Compares worlds of Bullet on our broad phase and on Bullet's own: the pairs of each step, and the
+// final world to the last bit.
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btSimpleBroadphase.h>
 #include <gtest/gtest.h>
@@ -63,7 +63,7 @@ IdPairs PairsInCache(BulletGame& game) {
   return pairs;
 }
 
-// The pairs by definition: boxes that overlap and groups that pass.
+// The pairs by definition: boxes overlap and groups match.
 IdPairs PairsByDefinition(BulletGame& game) {
   const std::span<const Aabb> boxes = game.boxes();
   const btCollisionObjectArray& objects = game.world().getCollisionObjectArray();
@@ -82,7 +82,7 @@ IdPairs PairsByDefinition(BulletGame& game) {
   return pairs;
 }
 
-// Names the first step in which the worlds differ; empty if there is none.
+// Describes the first step in which the worlds differ; empty if there is none.
 std::string FirstDifference(AdaptiveBulletGame& ours, BulletGame& theirs, int steps) {
   for (int step = 0; step < steps; ++step) {
     ours.Step();
@@ -133,7 +133,7 @@ TEST_P(BulletWorldTest, IsTheSameAsWithTheSweepOfThreeAxes) {
 INSTANTIATE_TEST_SUITE_P(All, BulletWorldTest, ::testing::ValuesIn(kWorlds),
                          [](const auto& world) { return world.param.name; });
 
-// Without this the worlds above would compare less than their names say.
+// The comparisons above depend on sleeping bodies and blows, so check that both occur.
 TEST(BulletGameTest, BodiesFallAsleepAndBlowsWakeThem) {
   AdaptiveBulletGame played(OneArm("KDTree"),
                             {.stack_height = 3, .pile_count = 10, .blow_interval = 900});
@@ -147,7 +147,7 @@ TEST(BulletGameTest, BodiesFallAsleepAndBlowsWakeThem) {
   EXPECT_LT(played.game().sleeping_count(), most_asleep);
 }
 
-// The whole pile in a longer run: TEST_BODIES=5000.
+// Tests the whole pile in a longer run: TEST_BODIES=5000.
 TEST(BulletPileTest, ALargePileIsTheSameAsWithTheDynamicTree) {
   const auto bodies = static_cast<int>(FromEnvironment("TEST_BODIES", 600));
   const BulletGameOptions options = Sorted(PileOf(bodies));

@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint64_t kLimitNs = 5'000'000'000;
 
-// Returns a frame over the limit, of which detection took three quarters.
+// Returns a frame over the limit, with three quarters of its time in detection.
 FrameSample LongFrame(uint32_t arm) {
   FrameSample sample{};
   sample.arm = arm;

@@ -1,4 +1,4 @@
-// Trials: an arm that takes too long is left by the client itself, in the frame after.
+// Trials: if an arm takes too long, the client itself leaves it in the next frame.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,11 +21,10 @@ using test_support::ScriptedBroadPhase;
 using test_support::ScriptedClock;
 
 constexpr uint64_t kFrameNs = 10'000'000;
-constexpr uint64_t kGrantedNs = 2'000'000;  // a fifth of a frame
+constexpr uint64_t kGrantedNs = 2'000'000;  // 20 % of a frame
 constexpr uint32_t kTrialFrames = 800;
 
-// Arms A and B, of which a frame's search takes 110 ns, on a scripted clock. A trial lasts for
-// kTrialFrames.
+// Arms A and B on a scripted clock; a search of each takes 110 ns. A trial lasts for kTrialFrames.
 class TrialTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -56,8 +55,8 @@ class TrialTest : public ::testing::Test {
   void Frames(uint32_t count) {
     for (uint32_t i = 0; i < count; ++i) Frame();
   }
-  // Commands arm B as a trial of at most 110 ns + kGrantedNs. Its first frame builds, and none of
-  // those here is judged.
+  // Commands arm B as a trial of at most 110 ns + kGrantedNs. The frames here (the first builds,
+  // the others warm up) do not count for the limit.
   void TryB(uint32_t limit_percent = 120) {
     adaptive_->mailbox().Post({.command_id = 7, .arm = 1, .trial_limit_percent = limit_percent});
     ASSERT_EQ(Frame().flags, uint32_t{kFrameRebuild});
@@ -159,7 +158,8 @@ TEST_F(TrialTest, ALongFrameOfLongAgoIsForgotten) {
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
-// Of a game with 1,000 frames a second, a fifth of a frame is less than what interrupts it.
+// At 1,000 frames/s, 20 % of a frame is shorter than common interruptions, so the limit has a
+// minimum.
 TEST_F(TrialTest, AMillisecondIsGrantedInAnyCase) {
   FramesTake(1'000'000);
   Frames(2 * TrialGuard::kBlockFrames);
@@ -172,8 +172,8 @@ TEST_F(TrialTest, AMillisecondIsGrantedInAnyCase) {
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
-// No frame shows such an arm, but all of them cost more than what is learnt from them: of a trial
-// of 8 s, 200 ms may be lost, which 0.9 ms in each frame are after 223.
+// Such an arm is below the limit of a single frame, but too expensive over the whole trial. In a
+// trial of 8 s, 200 ms may be lost; 0.9 ms in each frame reach this after 223 frames.
 TEST_F(TrialTest, AnArmThatTakesMoreThanTheArmBeforeHasABudget) {
   FramesTake(1'000'000);
   Frames(2 * TrialGuard::kBlockFrames);
@@ -194,7 +194,8 @@ TEST_F(TrialTest, AnArmWithinTheBudgetStays) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-// What interrupts single frames for long counts for an eighth.
+// One long frame counts at most 1/kFrameShare of the budget, because interruptions affect single
+// frames.
 TEST_F(TrialTest, TheBudgetIsNotSpentByOneFrame) {
   TryB();
   for (uint64_t i = 0; i < TrialGuard::kFrameShare; ++i) {
@@ -212,11 +213,11 @@ TEST_F(TrialTest, TheBudgetIsNotSpentByOneFrame) {
 
 TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithThat) {
   TryB();
-  SearchOfBTakes(kGrantedNs / 10);  // within the budget
+  SearchOfBTakes(kGrantedNs / 10);  // this is within the budget
   Frames(kTrialFrames);
   adaptive_->mailbox().Post({.command_id = 8, .arm = 0, .trial_limit_percent = 120});
   Frame();
-  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 20;  // A's own earlier frames allow less
+  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 20;  // over A's own limit
   Frames(kShadowWarmUpFrames + 3);
   EXPECT_EQ(adaptive_->active_arm(), 0U);
   arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 5;
@@ -224,7 +225,7 @@ TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithThat) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-// Five frames take longer than the trial lasts; the first three are not of its time.
+// Five frames take longer than the trial. The first three are the build and the warm-up.
 TEST_F(TrialTest, AnArmWhoseFramesAreAsLongAsTheTrialIsLeftToo) {
   const uint64_t long_ns = kTrialFrames * kFrameNs * 3 / 8;
   adaptive_->mailbox().Post({.command_id = 7, .arm = 1, .trial_limit_percent = 120});
@@ -235,7 +236,7 @@ TEST_F(TrialTest, AnArmWhoseFramesAreAsLongAsTheTrialIsLeftToo) {
   EXPECT_EQ(Frame().arm, 0U);
 }
 
-// Physics at 50 Hz searches in some frames only; the trial lasts as long as the decider reckons.
+// Physics at 50 Hz searches only in some frames. The trial ends by time, as the decider expects.
 TEST_F(TrialTest, FramesWithoutASearchTakeOfItsTime) {
   TryB();
   for (uint32_t i = 0; i < kTrialFrames; ++i) FrameWithoutASearch();
@@ -279,7 +280,7 @@ TEST_F(TrialTest, AfterALongTrialTheArmBeforeBuildsAgain) {
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
-// Each reading is a step later, so that a search takes one step whatever it does.
+// A clock that advances by one step with each reading, so that every search takes one step.
 class SteppedClock final : public Clock {
  public:
   uint64_t NowNs() noexcept override { return now_ns_ += step_ns; }
@@ -289,7 +290,7 @@ class SteppedClock final : public Clock {
   uint64_t now_ns_ = 0;
 };
 
-// Returns the flags of the frame after a trial of real arms that was ended.
+// Ends a trial of a real arm and returns the flags of the next frame.
 uint32_t FlagsOfTheWayBack(bool trims) {
   SteppedClock clock;
   const AdaptiveOptions options{.arms = {"SAP", "DBVT"},

@@ -21,7 +21,7 @@
 namespace sweepstake {
 namespace {
 
-// A game's own memory, which notes each block and can run out.
+// An allocator of a game, which records each block and can run out of memory.
 class GameMemory {
  public:
   GameMemory() { EXPECT_TRUE(SetHooks(hooks()).ok()); }
@@ -112,7 +112,7 @@ TEST(HooksTest, AllMemoryThatProxiesCountIsTheGames) {
   const std::vector<OverlapPair> pairs = {{0, 1}};
   proxies.Resolve(pairs);
   EXPECT_GE(memory.held_bytes(), 1000 * sizeof(Aabb));
-  // The sorter's table of fixed size is not the game's.
+  // The sorter's table has a fixed size and does not use the game's allocator.
   EXPECT_EQ(memory.held_bytes(), proxies.native_bytes() - PairSorter().native_bytes());
 }
 
@@ -166,7 +166,7 @@ TEST(HooksTest, ProxiesWithoutMemoryForCompactAreAsTheyWere) {
   EXPECT_TRUE(proxies.RemoveMany(handles));
 }
 
-// Static proxies whose tree has no memory at one of its allocations; afterwards there is some.
+// Static proxies for which one allocation of their tree fails, while later ones succeed.
 class StaticProxiesWithoutMemory {
  public:
   void Add(size_t count, float from) {
@@ -236,14 +236,14 @@ TEST(HooksTest, ATreeOfStaticProxiesWithoutMemoryToGrowIsWholeAtTheNextUse) {
     EXPECT_TRUE(game.PrepareWith(GameMemory::kPlenty));
     game.Add(3000, 200);
     EXPECT_TRUE(game.PrepareWith(GameMemory::kPlenty));
-    game.MoveEvery(140);  // so many that the whole tree is refitted
+    game.MoveEvery(140);  // enough that the whole tree is refitted
     has_all = game.PrepareWith(block_count);
     game.RemoveEvery(2000);
     game.ExpectWhole();
   }
 }
 
-// A snapshot of many proxies in a set of a few, whose memory ends somewhere on the way.
+// Restores a snapshot of many proxies into a set of a few, with memory for some allocations only.
 TEST(HooksTest, ARestoreWithoutMemoryIsMadeUpForByAnotherOne) {
   const auto add = [](ProxySet& proxies, size_t count) {
     for (size_t k = 0; k < count; ++k) {
@@ -273,7 +273,7 @@ TEST(HooksTest, ARestoreWithoutMemoryIsMadeUpForByAnotherOne) {
     } catch (const std::bad_alloc&) {
     }
     memory.blocks_left = GameMemory::kPlenty;
-    if (block_count % 2 == 0) continue;  // the set ends as it is
+    if (block_count % 2 == 0) continue;  // destroys the set in its current state
     ASSERT_TRUE(few.Restore(snapshot).ok());
     ASSERT_EQ(all_of(few), all_of(many));
     few.PrepareQueries();

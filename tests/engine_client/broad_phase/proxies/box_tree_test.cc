@@ -1,4 +1,5 @@
-// A BoxTree that is changed member by member is, for searches, the tree of its members as they are.
+// A BoxTree that changes member by member must give the same results as a tree of the current
+// members.
 #include "engine_client/broad_phase/proxies/box_tree.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@
 namespace sweepstake {
 namespace {
 
-// A tree of random boxes of about one per unit of volume, some of them large or broken.
+// A tree of random boxes with about one box per unit of volume; some are large or invalid.
 class BoxTreeTest : public testing::Test {
  protected:
   Aabb RandomBox(float from, float to) {
@@ -56,7 +57,7 @@ class BoxTreeTest : public testing::Test {
   void AddSome(size_t count) {
     for (; count > 0; --count) Add(RandomBox(0, world_));
   }
-  // Some of each change, most of them here and there, some all in one place.
+  // Makes some changes of each kind, most of them scattered, some all in one place.
   void ChangeSome(size_t count) {
     const float from = random_.Below(3) == 0 ? random_.Between(0, 2 * world_) : 0;
     const float to = from == 0 ? world_ : from + 3;
@@ -77,8 +78,8 @@ class BoxTreeTest : public testing::Test {
   }
   void Update(bool any_moved = false) { tree_.Update(boxes_, any_moved, splitter_, slots_); }
 
-  // Every member stands in its slot and nowhere else, as it is now, and each node has the bounds of
-  // what is below it.
+  // Every member is in its slot and nowhere else, with its current box, and each node has the
+  // bounds of what is below it.
   void ExpectWhole() {
     ASSERT_EQ(tree_.count(), members_.size());
     const std::span<const LeafBlock> leaves = tree_.leaves().leaves();
@@ -124,7 +125,7 @@ class BoxTreeTest : public testing::Test {
     });
     return sorted;
   }
-  // The pairs are those of brute force, and queries find what it finds.
+  // Pairs and query results must equal those of brute force.
   void ExpectPairsAndQueries() {
     std::vector<Aabb> boxes(boxes_.size(), Aabb{{1, 1, 1}, {0, 0, 0}});
     for (const uint32_t id : members_) boxes[id] = boxes_[id];
@@ -186,7 +187,8 @@ TEST_F(BoxTreeTest, HoldsItsMembersWhenAllMayHaveMoved) {
   }
 }
 
-// What comes together gets branches of its own, which those of former tiles leave.
+// Objects that arrive together get their own branches; branches of tiles that were removed are
+// freed.
 TEST_F(BoxTreeTest, TakesInTilesThatComeAndGo) {
   world_ = 30;
   AddSome(27'000);

@@ -1,5 +1,5 @@
-// Proxies with every backend, and with arms that are switched underneath, against the definitions:
-// pairs by filter and kind, and events as the differences of two frames.
+// Compares proxies with the definitions, for every backend and while arms are switched: pairs by
+// filter and kind, and events as the differences of two frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ class Frames {
   bool built_ = false;
 };
 
-// Plays frames and compares each with the definitions.
+// Runs frames and compares each with the definitions.
 class Judge {
  public:
   explicit Judge(ProxyGame& game) : game_(game) {}
@@ -153,7 +153,7 @@ TEST(ProxiesInALargeScene, HaveTheSamePairsInTheSameOrderForAnyNumberOfThreads) 
     ProxyGame game({.executor = executor}, 5, 22);
     Frames frames("KDTree", executor);
     game.AddSome(3000, 6000);
-    game.Add({{0, 0, 0}, {22, 22, 22}}, {});  // more static leaves near it than are listed at once
+    game.Add({{0, 0, 0}, {22, 22, 22}}, {});  // more static leaves near it than fit in one list
     for (int frame = 0; frame < 3; ++frame, game.Step()) {
       const auto pairs = game.proxies.Resolve(frames.Find(game.proxies.moving_boxes()));
       if (outcomes.size() < 3) {
@@ -204,7 +204,7 @@ TEST(ResolvedPairs, NeedBothFiltersToPass) {
   EXPECT_EQ(resolve(), 0U);
 }
 
-// The place is used again between two frames, so that the indices do not change.
+// The slot is reused between two frames, so that the indices do not change.
 TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
   ProxySet proxies({.pair_events = true});
   Frames frames("BruteForce");
@@ -229,7 +229,7 @@ TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
   }
 }
 
-// The second box goes along one axis, to one side of the first.
+// The second box moves along one axis on one side of the first.
 class PairEventsAlongAnAxis : public testing::TestWithParam<std::tuple<size_t, float>> {};
 
 TEST_P(PairEventsAlongAnAxis, EndAPairOnlyWhereItsBoxesAreFartherApartThanTheMargin) {
@@ -250,7 +250,7 @@ TEST_P(PairEventsAlongAnAxis, EndAPairOnlyWhereItsBoxesAreFartherApartThanTheMar
     return proxies.Resolve(frames.Find(proxies.moving_boxes())).size();
   };
   const auto events = [&] { return std::pair(proxies.added().size(), proxies.removed().size()); };
-  EXPECT_EQ(resolve(1.25F), 0U);  // near, but it has not begun
+  EXPECT_EQ(resolve(1.25F), 0U);  // the boxes are near, but their pair has not begun
   EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
   EXPECT_EQ(resolve(1), 1U);
   EXPECT_EQ(events(), std::pair(size_t{1}, size_t{0}));
@@ -304,7 +304,7 @@ TEST(PairEventsWithAMargin, EndAPairThatMayNotGoOnAtOnce) {
   EXPECT_TRUE(ended_after([](ProxySet& set, ProxyHandle a, ProxyHandle) { set.Remove(a); }));
   EXPECT_TRUE(ended_after([](ProxySet& set, ProxyHandle a, ProxyHandle) {
     set.Remove(a);
-    set.Add(kUnit);  // in the same place, and near
+    set.Add(kUnit);  // in the same slot, at the same position
   }));
   EXPECT_TRUE(ended_after([](ProxySet& set, ProxyHandle a, ProxyHandle) {
     set.SetFilter(a, {1, 0});
@@ -316,7 +316,7 @@ TEST(PairEventsWithAMargin, EndAPairThatMayNotGoOnAtOnce) {
   }));
 }
 
-// Bullet sends the boxes of static objects again in each step.
+// Bullet passes the boxes of static objects again in each step.
 TEST(ProxiesWhoseBoxesAreSentAgain, CostNoRefitAndNoEvents) {
   ProxySet proxies({.pair_events = true});
   Frames frames("BruteForce");
@@ -336,7 +336,7 @@ TEST(ProxiesWhoseBoxesAreSentAgain, CostNoRefitAndNoEvents) {
   EXPECT_EQ(proxies.refit_count(), refits + 1);
 }
 
-// Motion, teleports, adds, removes and queries must all do without an allocation.
+// Motion, teleports, adds, removes and queries must not allocate.
 TEST(ProxySetInSteadyState, AllocatesNothing) {
   ProxySet proxies({.pair_events = true});
   Frames frames("SAP");

@@ -1,6 +1,6 @@
-// A game in which proxies come, go, move, teleport, break, fall asleep, become static and change
-// their filters at random, and the origin is shifted now and then, played on a ProxySet and on a
-// list that is searched by the definitions alone.
+// A random game on a ProxySet, and on a list that is searched by the definitions. Proxies are
+// added, removed, moved, teleported, invalidated, put to sleep, made static and get new filters.
+// The origin is shifted now and then.
 //
 // The same seed gives the same game. Not thread-safe.
 #pragma once
@@ -18,7 +18,7 @@
 namespace sweepstake::test_support {
 
 inline constexpr Aabb kUnit = {{0, 0, 0}, {1, 1, 1}};
-inline constexpr Aabb kTouching = {{1, 1, 1}, {2, 2, 2}};  // kUnit in a corner
+inline constexpr Aabb kTouching = {{1, 1, 1}, {2, 2, 2}};  // touches a corner of kUnit
 
 struct ListedProxy {
   ProxyHandle handle;
@@ -51,7 +51,7 @@ class ProxyGame {
     for (size_t k = 0; k < moving_count + static_count; ++k) Add(k >= moving_count);
   }
 
-  // Changes between two frames.
+  // Makes the changes between two frames.
   void Step() {
     for (size_t k = random_.Below(6); k > 0; --k) Add(random_.Below(3) == 0);
     for (size_t k = random_.Below(4); k > 0 && !listed.empty(); --k) Remove();
@@ -70,8 +70,8 @@ class ProxyGame {
     if (random_.Below(40) == 0) proxies.Compact();
   }
 
-  // Some fall asleep, some wake, one may become static or moving. What is static, or moves, does
-  // not sleep.
+  // Puts some proxies to sleep, wakes some, and may make one static or moving. Static proxies and
+  // those that move do not sleep.
   void Rest() {
     for (size_t k = random_.Below(12); k > 0; --k) {
       failed |= !proxies.SetSleeping(Any().handle, random_.Below(4) != 0);
@@ -82,7 +82,7 @@ class ProxyGame {
     failed |= !proxies.SetStatic(proxy.handle, proxy.options.is_static);
   }
 
-  // By eighths, which boxes of this size take without rounding, or by anything.
+  // Shifts by eighths, which boxes of this size take without rounding, or by any value.
   void ShiftOrigin() {
     const bool exact = random_.Below(2) == 0;
     float offset[3];
@@ -128,7 +128,7 @@ class ProxyGame {
     }
   }
 
-  // Many share coordinates, so that faces touch.
+  // Half of the center coordinates are integers, so that many are equal and faces touch.
   Aabb BoxAt(float half_extent) {
     Aabb box;
     for (int axis = 0; axis < 3; ++axis) {
@@ -151,7 +151,7 @@ class ProxyGame {
   ProxySet proxies;
   std::vector<ListedProxy> listed;
   std::vector<ProxyHandle> gone;
-  bool failed = false;  // a call refused a living handle
+  bool failed = false;  // a call refused a valid handle
 
  private:
   Aabb BrokenBox() {
@@ -190,7 +190,7 @@ class ProxyGame {
   float world_;
 };
 
-// The pairs of Resolve as handles; `doubled` says whether one came twice or not as a < b.
+// Returns the pairs of Resolve as handles; `doubled` is set if a pair occurs twice or not as a < b.
 inline ProxyPairs AsHandles(const ProxySet& proxies, std::span<const OverlapPair> pairs,
                             bool& doubled) {
   ProxyPairs handles;

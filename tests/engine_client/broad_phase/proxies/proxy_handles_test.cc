@@ -1,4 +1,4 @@
-// Handles lead to their proxies, and a stale one never leads to another proxy.
+// A handle identifies its proxy, and a stale handle never identifies another proxy.
 #include <gtest/gtest.h>
 
 #include <array>

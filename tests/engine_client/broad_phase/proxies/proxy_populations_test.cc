@@ -1,4 +1,4 @@
-// Proxies that the broad phase need not search: what is taken from it, and that nobody can tell.
+// Proxies that the broad phase does not search must not change the results.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using test_support::kTouching;
 using test_support::kUnit;
 
 constexpr Aabb kFarAway = {{9, 9, 9}, {10, 10, 10}};
-// Collides with everything but its own kind.
+// Debris collides with everything except debris.
 constexpr CollisionFilter kDebris = {.category = 4, .mask = ~4U};
 
 // A set whose pairs are found by brute force.
@@ -30,7 +30,7 @@ class Populations : public testing::Test {
     const auto pairs = proxies_.Resolve(found_.pairs());
     return {pairs.begin(), pairs.end()};
   }
-  // The boxes that the broad phase gets.
+  // Returns the number of boxes that the broad phase searches.
   size_t searched_count() const {
     return static_cast<size_t>(std::ranges::count_if(proxies_.moving_boxes(), IsValid));
   }
@@ -48,7 +48,7 @@ TEST_F(Populations, OfDebrisThatIgnoresItselfFormNoPairsFirst) {
   const ProxyHandle player = proxies_.Add(kTouching);
   EXPECT_EQ(searched_count(), 1U);
   EXPECT_EQ(proxies_.moving_boxes().size(), 1001U);
-  EXPECT_EQ(Resolve().size(), 1000U);  // each with the player
+  EXPECT_EQ(Resolve().size(), 1000U);  // each one with the player
   EXPECT_EQ(found_.size(), 0U);
   ASSERT_TRUE(proxies_.SetFilter(debris[3], {}));
   EXPECT_EQ(searched_count(), 2U);
@@ -67,7 +67,7 @@ TEST_F(Populations, OfDebrisThatIgnoresItselfFormNoPairsFirst) {
 TEST_F(Populations, AreFilteredAfterTheSearchWhereThereIsNoGroupLeft) {
   std::vector<ProxyHandle> handles;
   for (uint32_t kind = 0; kind < 16; ++kind) {
-    // Each passes with all others, so that no two fit into one group.
+    // Each kind matches all other kinds, so that no two fit into one group.
     handles.push_back(proxies_.Add(kUnit, {.filter = {1U << kind, ~(1U << kind)}}));
     handles.push_back(proxies_.Add(kUnit, {.filter = {1U << kind, ~(1U << kind)}}));
   }
@@ -123,14 +123,14 @@ TEST_F(Populations, KeepThePairsOfSleepersWithoutASearch) {
   EXPECT_FALSE(AnyEvents());
   const uint64_t refits = proxies_.refit_count();
   EXPECT_EQ(Resolve().size(), 3U);
-  ASSERT_TRUE(proxies_.Move(a, kUnit));  // the box that it has
+  ASSERT_TRUE(proxies_.Move(a, kUnit));  // the box does not change
   EXPECT_TRUE(proxies_.is_sleeping(a));
   EXPECT_EQ(Resolve().size(), 3U);
   EXPECT_EQ(proxies_.refit_count(), refits);
   const ProxyHandle visitor = proxies_.Add(kUnit);
   EXPECT_EQ(Resolve().size(), 6U);
   EXPECT_EQ(proxies_.added().size(), 3U);
-  EXPECT_EQ(proxies_.refit_count(), refits + 1);  // the visitor's tree
+  EXPECT_EQ(proxies_.refit_count(), refits + 1);  // the tree of the visitor only
   ASSERT_TRUE(proxies_.Remove(visitor) && proxies_.Move(a, kFarAway));
   EXPECT_FALSE(proxies_.is_sleeping(a));
   EXPECT_TRUE(proxies_.is_sleeping(b));
@@ -234,7 +234,7 @@ TEST_F(Populations, OfWhatWasRemovedHoldNothingAfterCompact) {
   EXPECT_EQ(Resolve(), before);
   EXPECT_FALSE(AnyEvents());
   proxies_.Compact();
-  EXPECT_LE(proxies_.native_bytes(), 2 * fresh.native_bytes() + 100'000);  // and lists of events
+  EXPECT_LE(proxies_.native_bytes(), 2 * fresh.native_bytes() + 100'000);  // with event lists
   for (const ProxyHandle handle : living) EXPECT_TRUE(proxies_.is_alive(handle));
   for (int k = 0; k < 20'000; ++k) {
     const ProxyHandle handle = add(proxies_, k);
@@ -242,7 +242,7 @@ TEST_F(Populations, OfWhatWasRemovedHoldNothingAfterCompact) {
   }
 }
 
-// The events need the owners of places that are free by now.
+// The events need the former owners of slots that are free by now.
 TEST_F(Populations, EndTheirPairsByTheirHandlesAfterCompact) {
   const ProxyHandle a = proxies_.Add(kUnit);
   const ProxyHandle b = proxies_.Add(kTouching);

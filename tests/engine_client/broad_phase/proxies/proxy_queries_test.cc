@@ -1,4 +1,4 @@
-// Queries against scans of every proxy.
+// Compares queries with scans of all proxies.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ std::vector<ProxyHandle> ScanForSphere(const ProxyGame& game, const Sphere& sphe
   return found;
 }
 
-// For a ray or for a box on its way.
+// Handles rays and swept boxes.
 template <typename Shape>
 std::vector<RayHit> ScanForHits(const ProxyGame& game, const Shape& shape,
                                 const CollisionFilter& filter) {
@@ -60,7 +60,7 @@ std::vector<RayHit> ScanForHits(const ProxyGame& game, const Shape& shape,
   return hits;
 }
 
-// Returns a ray along an axis, in a plane or without a direction, which may be short, endless, tiny
+// Returns a ray along an axis, in a plane or without a direction; it may be short, infinite, tiny
 // or huge.
 Ray RandomRay(ProxyGame& game) {
   SequentialRandom& random = game.random();
@@ -92,7 +92,7 @@ Sphere RandomSphere(ProxyGame& game) {
   return sphere;
 }
 
-// The const query for each shape, into the room of `found`, and the one into a vector.
+// Calls the const query of each shape with a buffer, and the one that fills a vector.
 Status Ask(const ProxySet& proxies, const Aabb& box, const CollisionFilter& filter,
            std::span<ProxyHandle> found, size_t& count) {
   return proxies.QueryBox(box, filter, found, count);
@@ -120,7 +120,7 @@ void ExpectConstAnswer(const ProxySet& proxies, const Shape& shape, const Collis
   ASSERT_EQ(count, expected.size());
   ASSERT_TRUE(std::equal(expected.begin(), expected.end(), room.begin()));
   ASSERT_EQ(room.back(), T{});
-  // Without enough room it tells how many there are, and gives some of them.
+  // A buffer that is too small receives the number of hits and some of them.
   count = 0;
   std::vector<T> few(expected.size() / 2);
   ASSERT_TRUE(Ask(proxies, shape, filter, std::span(few), count).ok());
@@ -290,8 +290,8 @@ TEST(ASphere, TouchesABoxAtItsRadiusFromTheNearestPoint) {
   };
   EXPECT_TRUE(touches({{0, 1.5F, 1.5F}, 1}));
   EXPECT_FALSE(touches({{0, 1.5F, 1.5F}, 0.999F}));
-  EXPECT_TRUE(touches({{-2, -3, 1}, 5}));     // an edge, at 3 and 4
-  EXPECT_FALSE(touches({{0, 0, 0}, 1.73F}));  // a corner, at the root of 3
+  EXPECT_TRUE(touches({{-2, -3, 1}, 5}));     // touches an edge at the distances 3 and 4
+  EXPECT_FALSE(touches({{0, 0, 0}, 1.73F}));  // the corner is √3 away
   EXPECT_TRUE(touches({{0, 0, 0}, 1.74F}));
   EXPECT_TRUE(touches({{1.5F, 1.5F, 1.5F}, 0}));
   EXPECT_FALSE(touches({{1e30F, 0, 0}, Sphere::kMaxRadius}));
@@ -331,7 +331,7 @@ TEST(ASweptBox, TouchesWhereItsFaceMeetsTheOther) {
   EXPECT_EQ(hits, (std::vector{RayHit{wall, 0}}));
 }
 
-// One box from 1 to 2 on each axis.
+// A set with one box from 1 to 2 on each axis.
 class ARay : public testing::Test {
  protected:
   std::vector<RayHit> Cast(const Ray& ray) {

@@ -1,4 +1,4 @@
-// What is restored is what was saved, in everything that a game can see.
+// A restored set equals the saved one in everything that a game can observe.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::vector<std::byte> Saved(const ProxySet& proxies) {
   return snapshot;
 }
 
-// Everything that a frame gives, in its order.
+// All results of a frame, in their order.
 struct Frame {
   std::vector<OverlapPair> pairs;
   std::vector<ProxyPair> added;
@@ -52,15 +52,15 @@ Frame Play(ProxyGame& game) {
   EXPECT_TRUE(proxies.CastRay({{0, 4, 4}, {1, 0.1F, 0.1F}}, {}, frame.hits).ok());
   for (const ListedProxy& proxy : game.listed) frame.handles.push_back(proxy.handle);
   for (const Aabb& box : proxies.moving_boxes()) {
-    if (IsValid(box)) frame.boxes.push_back(box);  // a NaN equals nothing
+    if (IsValid(box)) frame.boxes.push_back(box);  // a NaN would not equal itself
   }
   return frame;
 }
 
-// Plays a thousand frames after a snapshot, and again after it was restored into `other`.
+// Runs a thousand frames after a snapshot, and again after it was restored into `other`.
 void ExpectTheSameAgain(ProxyGame& game, ProxySet other) {
   for (int frame = 0; frame < 50; ++frame) Play(game);
-  game.Step();  // the trees have yet to take these changes
+  game.Step();  // the trees do not contain these changes yet
   const std::vector<std::byte> snapshot = Saved(game.proxies);
   const std::vector<ListedProxy> listed = game.listed;
   const SequentialRandom random = game.random();
@@ -94,7 +94,7 @@ TEST_P(Snapshots, RestoreASetThatHasGoneOnForAThousandFrames) {
   ExpectTheSameAgain(game, std::move(another.proxies));
 }
 
-// Trees of several blocks, of which each frame refits some.
+// Uses trees of several blocks, of which each frame refits some.
 TEST_P(Snapshots, RestoreASetOfManyStaticProxiesForAThousandFrames) {
   ProxyGame game(GetParam(), 45, 20);
   game.AddSome(60, 1500);

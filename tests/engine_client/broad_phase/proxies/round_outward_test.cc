@@ -52,7 +52,7 @@ TEST(RoundingOutward, GivesAnInvalidBoxWhereNoFloatIsFarEnough) {
   EXPECT_FALSE(IsValid(Rounded(2, 1)));
 }
 
-// Each axis alone, so that no other one makes the box invalid.
+// Tests each axis alone, so that no other axis makes the box invalid.
 TEST(RoundingOutward, LeavesABoxInvertedWhoseFacesAreLessThanOneFloatApart) {
   for (size_t axis = 0; axis < 3; ++axis) {
     const auto is_valid = [axis](double min, double max) {

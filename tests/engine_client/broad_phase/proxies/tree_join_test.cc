@@ -1,5 +1,5 @@
-// The search between two trees: what it finds where boxes stand together, apart or are large, and
-// how many checks that takes.
+// The search between two trees: its results for boxes that are close together, apart or large, and
+// how many checks it takes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace sweepstake {
 namespace {
 
-// Boxes of half an edge, anywhere in a cube.
+// Returns boxes with edges of 0.5 units, at random places in a cube.
 std::vector<Aabb> BoxesWithin(float side, size_t count, uint64_t seed) {
   SequentialRandom random(seed);
   std::vector<Aabb> boxes(count);
@@ -62,7 +62,7 @@ std::vector<OverlapPair> PairsByDefinition(const std::vector<Aabb>& movers,
   return pairs;
 }
 
-// Of one density: each mover is near to as many boxes in a large world as in a small one.
+// The density is constant: each mover has as many near boxes in a large world as in a small one.
 uint64_t ChecksAmong(size_t static_count) {
   const float side = std::cbrt(static_cast<float>(static_count));
   const Found found =
@@ -75,7 +75,7 @@ uint64_t ChecksAmong(size_t static_count) {
 TEST(AJoinOfBoxesThatStandApart, TakesHardlyMoreChecksAmongSixteenTimesAsManyBoxes) {
   const uint64_t few = ChecksAmong(20'000);
   const uint64_t many = ChecksAmong(320'000);
-  // One level more, of the five that each box goes down.
+  // The larger tree has one level more; each box passes about five levels.
   EXPECT_LT(static_cast<double>(many), 1.5 * static_cast<double>(few));
   EXPECT_LT(many, 200U * 600);
 }
