@@ -1,5 +1,5 @@
-/* What the files in golden/ are made of: each line of theirs is checked by the compiler, on every
- * platform that builds the tests. */
+/* The macros of the files in golden/: the compiler checks each of their lines, on every platform
+ * that builds the tests. */
 #ifndef SWEEPSTAKE_TESTS_C_API_ABI_H_
 #define SWEEPSTAKE_TESTS_C_API_ABI_H_
 

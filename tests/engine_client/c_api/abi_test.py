@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Fails when the C ABI is not what golden/ says: every struct, field, value and function of each c_*.h.
+"""Fails if the C ABI differs from golden/: every struct, field, value and function of each c_*.h.
 
-    abi_test.py ROOT           compares the headers of the tree at ROOT with the golden files, and asks that each struct with a size
-                               and each function with a pointer has a test
-    abi_test.py ROOT --write   writes the golden files again, after a change that is allowed
+    abi_test.py ROOT           compares the headers of the tree at ROOT with the golden files, and requires a test for each struct with a
+                               size and each function with a pointer
+    abi_test.py ROOT --write   writes the golden files after an allowed change
     abi_test.py --self-test    shows that each rule can fail
 
-Allowed are new functions, values and structs, and new fields at the end of a struct that has a struct_size, whose former size then
-stands in kEarlierSizes (engine_client/c_api/sized_struct.h). Each of them raises SWP_ABI_REVISION, once per release. Whatever else
-changes would be noticed by callers that are compiled already. Never allowed: padding, which nobody could use later, and structs by
-value, which Unity's Burst cannot pass.
+Allowed are new functions, values and structs, and new fields at the end of a struct with a struct_size. The former size of such a struct
+is added to kEarlierSizes (engine_client/c_api/sized_struct.h). An addition increments SWP_ABI_REVISION, once per release. All other
+changes would break callers that are already compiled. Never allowed are padding, which could not be used later, and structs by value,
+which Unity's Burst cannot pass.
 
-The layouts are computed here by the rule that all our platforms share (natural alignment, 64 bits); the golden files are C, and the
-tests compile them, so that each compiler confirms them.
+This script computes the layouts by the rule that all our platforms share (natural alignment, 64 bits). The golden files are C and compiled
+by the tests, so that each compiler confirms them.
 """
 
 import pathlib
@@ -24,7 +24,7 @@ TESTS = "tests/engine_client/c_api"
 GOLDEN = TESTS + "/golden"
 EARLIER_SIZES = "engine_client/c_api/sized_struct.h"
 
-# SWP_ABI_REVISION of the latest release. From the first release on, --write refuses what its callers would notice.
+# SWP_ABI_REVISION of the latest release. After the first release, --write refuses changes that would break its callers.
 RELEASED_REVISION = None
 
 SCALARS = {"uint32_t": 4, "int32_t": 4, "uint64_t": 8, "int64_t": 8, "float": 4, "double": 8}
@@ -57,7 +57,7 @@ def parameter_types(parameters):
 
 
 class Abi:
-    """The lines of each header's golden file, from the texts of all headers."""
+    """The lines of each header's golden file, computed from the texts of all headers."""
 
     def __init__(self, headers):
         self.aliases, self.structs, self.lines, self.revision = {}, {}, {}, 0
@@ -75,7 +75,7 @@ class Abi:
             yield from self.declaration_lines(match)
         rest = DECLARATION.sub("", text).replace('extern "C" {', "").replace("}", "").strip()
         if rest:
-            raise Broken(f"{name}: not understood: {rest[:200]}")
+            raise Broken(f"{name}: cannot parse: {rest[:200]}")
 
     def declaration_lines(self, match):
         if match["struct"]:
@@ -87,7 +87,7 @@ class Abi:
             for value in match["values"].split(","):
                 name, equals, number = value.partition("=")
                 if not equals:
-                    raise Broken(f"{name.strip()} needs a value that is written out")
+                    raise Broken(f"{name.strip()} needs an explicit value")
                 yield f"VALUE({name.strip()}, {number.strip()})"
         elif match["callback"]:
             self.aliases[match["callback"]] = POINTER
@@ -153,7 +153,7 @@ def golden_lines(text):
 
 
 def grown(line, new_lines, earlier_sizes):
-    """Whether a SIZE line is gone because the struct has grown at its end, and its former size is known."""
+    """Whether a SIZE line changed because the struct has grown at its end, and its former size is in kEarlierSizes."""
     match = re.match(r"SIZE\((\w+), (\d+)\)", line)
     return bool(match) and f"FIELD({match[1]}, struct_size, 0, uint32_t)" in new_lines and \
         int(match[2]) in earlier_sizes.get(match[1], ())
@@ -166,7 +166,7 @@ def earlier_sizes_of(text):
 
 
 def refusals(old, new, earlier_sizes, new_revision, released):
-    """Why a change may not be written: `old` and `new` are lines."""
+    """Returns why a change is not allowed; `old` and `new` are lines."""
     if released is None:
         return []
     errors = [f"{line}: callers of the release rely on it" for line in old
@@ -193,18 +193,18 @@ def read(root):
 
 
 def untested(lines, tests):
-    """What has no test of its sizes or its arguments; `tests` are the texts of the C tests."""
+    """Yields structs and functions without a test of sizes or arguments; `tests` is the text of the C tests."""
     for line in lines:
         struct = re.match(r"FIELD\((\w+), struct_size,", line)
         if struct and f"{{sizeof({struct[1]})," not in tests:
-            yield f"{struct[1]} is not in structs_test.c: sizes that are shorter, longer or nonsense"
+            yield f"{struct[1]} is not in structs_test.c: add a test of sizes that are shorter, longer or invalid"
         function = re.match(r"FUNCTION\((\w+), swp_result \(\*\)\(.*\*", line)
         if function and not re.search(rf"REFUSED\(\s*{function[1]}\(", tests):
-            yield f"{function[1]}: no test refuses NULL or nonsense, as argument_test.c does for the others"
+            yield f"{function[1]}: add a test of NULL and invalid values to argument_test.c"
 
 
 def unnamed(abi):
-    """The structs that bindings of other languages cannot ask swp_struct_size for."""
+    """Yields structs whose size bindings of other languages cannot read from swp_struct_size."""
     for struct in (name for name, size in abi.structs.items() if size):
         constant = "SWP_STRUCT_" + struct.removeprefix("swp_").upper()
         if not any(line.startswith(f"VALUE({constant}, ") for line in abi.lines["c_api.h"]):
@@ -234,10 +234,10 @@ def write(root, abi):
 
 ADVICE = """
 The C ABI has changed. If the change adds something (a function, a value, a struct, a field at the end of a struct with struct_size):
-  raise SWP_ABI_REVISION where the latest release has this one, put the former size of a struct that grew into kEarlierSizes
+  increment SWP_ABI_REVISION if the latest release has the current one, add the former size of a struct that grew to kEarlierSizes
   (engine_client/c_api/sized_struct.h), add new functions to the tests of tests/engine_client/c_api, and run
   python3 tests/engine_client/c_api/abi_test.py . --write
-Anything else breaks callers that are compiled already: take it back."""
+All other changes break callers that are already compiled: revert them."""
 
 
 def self_test():
@@ -263,18 +263,18 @@ def self_test():
         "structs by value are found": is_broken(options + " SWP_API void swp_f(swp_o options);"),
         "returned structs are found": is_broken(options + " SWP_API swp_o swp_f(void);"),
         "struct_size comes first": is_broken("typedef struct swp_p { uint32_t a; uint32_t struct_size; } swp_p;"),
-        "nothing is overlooked": is_broken("union swp_u { int a; };"),
-        "values are written out": is_broken("enum { SWP_A };"),
-        "before a release all is free": not refusals(lines(options), [], {}, 0, None),
+        "an unknown declaration is found": is_broken("union swp_u { int a; };"),
+        "enum values must be explicit": is_broken("enum { SWP_A };"),
+        "before a release every change is allowed": not refusals(lines(options), [], {}, 0, None),
         "an addition needs a revision": refusals(lines(options), lines(longer), sizes, 0, 0),
-        "an addition with a revision is free": not refusals(lines(options), lines(longer), sizes, 1, 0),
+        "an addition with a revision is allowed": not refusals(lines(options), lines(longer), sizes, 1, 0),
         "a struct that grew needs its former size": refusals(lines(options), lines(longer), {}, 1, 0),
-        "a field that is gone is refused": refusals(lines(longer), lines(options), sizes, 1, 0),
+        "a removed field is refused": refusals(lines(longer), lines(options), sizes, 1, 0),
         "former sizes are read": earlier_sizes_of("std::array<uint32_t, 2> kEarlierSizes<swp_o>{8, 16};") == {"swp_o": [8, 16]},
         "a struct without a test is found": len(list(untested(lines(options), ""))) == 1,
         "a function without a test is found": len(list(untested(["FUNCTION(swp_f, swp_result (*)(const char*))"], "REFUSED(swp_g("))) == 1,
         "a function with a test is found": not list(untested(["FUNCTION(swp_f, swp_result (*)(const char*))"], "REFUSED(swp_f(NULL")),
-        "another order is seen": list(differences("c.h", ["A()", "B()"], ["B()", "A()"])),
+        "another order is found": list(differences("c.h", ["A()", "B()"], ["B()", "A()"])),
     }
     return [f"not true: {what}" for what, holds in checks.items() if not holds]
 
@@ -299,7 +299,7 @@ def main(arguments):
         errors = [*unnamed(abi), *untested(sum(abi.lines.values(), []), tests_of(root))]
         changes = [error for header, lines in abi.lines.items() for error in differences(header, read_golden(root, header), lines)]
         errors += [*changes, ADVICE] if changes else []
-    done = "written" if arguments[1:] else "as they were"
+    done = "written" if arguments[1:] else "unchanged"
     print("\n".join(errors) or f"{sum(map(len, abi.lines.values()))} declarations are {done}")
     return 1 if errors else 0
 

@@ -1,4 +1,5 @@
-/* NULL and nonsense in every place give SWP_INVALID_ARGUMENT and a message, and change nothing. */
+/* NULL and invalid values for every argument give SWP_INVALID_ARGUMENT and a message, and change
+ * nothing. */
 #include <math.h>
 #include <string.h>
 
@@ -121,7 +122,7 @@ static void check_proxies_options(void) {
   CHECK(proxies == NULL);
 }
 
-/* A shape that is refused leaves all outputs as they were. */
+/* A refused shape leaves all outputs unchanged. */
 static void check_refused_shapes(const swp_proxies* proxies) {
   const swp_sphere spheres[2] = {{{0, 0, 0}, 1}, {{0, 0, 0}, -1}};
   const swp_box_sweep sweeps[2] = {{{{0, 0, 0}, {1, 1, 1}}, {1, 0, 0}},
@@ -138,7 +139,7 @@ static void check_refused_shapes(const swp_proxies* proxies) {
   CHECK(hits[0].proxy == 9 && hits[0].distance == 9);
 }
 
-/* Without a shape too, the queries have to be made ready. */
+/* Queries without a shape also require swp_proxies_prepare_queries. */
 static void check_unprepared(const swp_proxies* proxies) {
   CHECK(swp_proxies_query_boxes(proxies, NULL, 0, NULL, NULL, 0, NULL) == SWP_FAILED_PRECONDITION);
   CHECK(swp_proxies_query_spheres(proxies, NULL, 0, NULL, NULL, 0, NULL) ==

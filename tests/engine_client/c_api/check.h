@@ -1,4 +1,4 @@
-/* What the C tests share: a check that counts failures, and a brute force of their own. */
+/* Shared by the C tests: a check that counts failures, and an independent brute-force search. */
 #ifndef SWEEPSTAKE_TESTS_C_API_CHECK_H_
 #define SWEEPSTAKE_TESTS_C_API_CHECK_H_
 
@@ -19,23 +19,23 @@ extern int failure_count;
 
 #define CHECK_OK(call) CHECK((call) == SWP_OK)
 
-/* Nonsense is refused, and the message says what it is. */
+/* Checks that a call with an invalid argument is refused with a message. */
 #define REFUSED(call)                      \
   do {                                     \
     CHECK((call) == SWP_INVALID_ARGUMENT); \
     CHECK(swp_last_error()[0] != '\0');    \
   } while (0)
 
-/* All overlapping pairs, in ascending order; the caller frees them. */
+/* Returns all overlapping pairs in ascending order; the caller frees them. */
 swp_pair* brute_force(const swp_aabb* boxes, uint32_t count, uint64_t* pair_count);
 
-/* A copy, which the caller frees. */
+/* Returns a copy, which the caller frees. */
 swp_pair* copy_pairs(const swp_pair* pairs, uint64_t count);
 
-/* Whether both hold the same pairs; sorts `found`. */
+/* Whether both contain the same pairs; sorts `found`. */
 int same_pairs(swp_pair* found, uint64_t found_count, const swp_pair* right, uint64_t right_count);
 
-/* A scene of the library; ends the program where there is none. */
+/* Creates a scene of the library; ends the program if it does not exist. */
 swp_scene* make_scene(const char* name, uint32_t object_count);
 
 void test_version(void);

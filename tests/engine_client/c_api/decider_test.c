@@ -1,5 +1,5 @@
 /* The embedded decider on a scripted clock: it explores every arm once, then decides, and bails out
- * of a long frame. */
+ * after a long frame. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,8 +64,8 @@ static game start_game(void) {
   return played;
 }
 
-/* The exploration gives each arm 6 s, here a quarter of it, and what is left until the next
- * decision. */
+/* The exploration gives each arm 6 s (a quarter of it at this time scale) plus the time until the
+ * next decision. */
 static void check_exploration(game* played) {
   uint32_t visited = 0;
   uint32_t epoch = 99;
@@ -98,7 +98,7 @@ static void check_beliefs(const game* played) {
   CHECK(source_count == 0);
 }
 
-/* The exploration has learnt something: there is a leader, and somebody it is told to. */
+/* The exploration has learnt something, so there is a leader. */
 static void check_verdict(const game* played) {
   swp_verdict verdict = {SWP_VERDICT_UNKNOWN, 99, -1};
   CHECK_OK(swp_session_verdict(played->session, &verdict));
@@ -116,7 +116,8 @@ static void check_no_decision(swp_session* session) {
   CHECK(outcome.command_id == 0 && outcome.reason == 0);
 }
 
-/* The decision that commanded last, with its reasons, and what came of an earlier one's switch. */
+/* Checks the latest decision with a command and its reasons, and the outcome of an earlier
+ * decision's switch. */
 static void check_last_decision(game* played) {
   const uint32_t arm_count = swp_backend_count();
   const uint32_t before = played->command_count;
@@ -143,8 +144,8 @@ static void check_last_decision(game* played) {
   CHECK(outcome.executed == 1 && outcome.switch_epoch > 0);
 }
 
-/* Frames of 50 ms miss the floor of 30 frames/s whatever the arm, once the leading one has had
- * some: which one that is depends on what searches take here. */
+/* Frames of 50 ms are below the floor of 30 frames/s with every arm. The verdict follows when the
+ * leader has had some such frames; which arm leads depends on the search times of this machine. */
 static void check_degraded(game* played) {
   swp_verdict verdict = {SWP_VERDICT_UNKNOWN, 0, 0};
   for (int frame = 0; frame < 60 * 400 && verdict.kind != SWP_VERDICT_DEGRADED; ++frame) {
@@ -154,7 +155,7 @@ static void check_degraded(game* played) {
   CHECK(verdict.kind == SWP_VERDICT_DEGRADED);
 }
 
-/* By hand nothing is decided. */
+/* In manual mode nothing is decided. */
 static void check_manual(game* played) {
   uint32_t before = 99;
   uint32_t after = 98;
@@ -166,7 +167,8 @@ static void check_manual(game* played) {
   CHECK(before == after);
 }
 
-/* Ten frames of 50 ms in a row, which are under the floor unless it is lower, and ten decisions. */
+/* Frames of 50 ms are below the floor unless the floor is lower. The interval of 0.5 s gives 120
+ * decisions in 60 s. */
 static void check_intervals_and_floor(void) {
   for (int is_low = 0; is_low <= 1; ++is_low) {
     swp_decider_options options = {.struct_size = sizeof options};
@@ -191,7 +193,7 @@ static void check_intervals_and_floor(void) {
   }
 }
 
-/* The outcome of a switch tells when the session has settled. */
+/* The outcome of a switch is reported when the session has settled. */
 static void check_settled_frames(game* played, uint64_t settling_ns) {
   uint32_t arm = 99;
   uint32_t epoch = 99;
@@ -207,7 +209,7 @@ static void check_settled_frames(game* played, uint64_t settling_ns) {
   }
 }
 
-/* The decider settles for as long as the game says, in its own time. */
+/* The decider uses the settling time that the game sets, divided by its time scale. */
 static void check_settling(void) {
   enum { kTimeScale = 2 };
   swp_session_options options = {.struct_size = sizeof options};
@@ -302,7 +304,7 @@ static void check_freeze(swp_session* session, swp_decider_options* options) {
   CHECK_OK(swp_session_set_mode(session, SWP_MODE_AI));
 }
 
-/* What one decider learnt is what the next one starts from; what is learnt twice is there once. */
+/* The next decider starts from the exported priors; importing them twice counts once. */
 static void check_priors(const game* played) {
   swp_decider_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;

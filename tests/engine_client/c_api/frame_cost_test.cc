@@ -1,4 +1,4 @@
-// What the C ABI costs a frame, apart from time: nothing that allocates, locks or could wait.
+// The costs of the C ABI per frame other than time: no call allocates, locks or blocks.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -20,7 +20,7 @@ constexpr int kMeasuredFrames = 100;
 
 uint64_t AllocationCount() { return ThreadAllocationCount() + ThreadMallocCount(); }
 
-// A set of proxies, searched by a session, and the memory of its queries.
+// A set of proxies that a session searches, and the memory of its queries.
 class CFrameCost : public ::testing::Test {
  protected:
   CFrameCost() {
@@ -43,7 +43,7 @@ class CFrameCost : public ::testing::Test {
     swp_proxies_destroy(proxies_);
   }
 
-  // A row of boxes, each of which touches its neighbours; it goes to and fro.
+  // Moves a row of boxes to and fro; each box touches its neighbours.
   void MoveBoxes(int frame) {
     const float y = frame % 2 == 0 ? 0.0F : 0.25F;
     for (uint32_t i = 0; i < kCount; ++i) {
@@ -76,7 +76,7 @@ class CFrameCost : public ::testing::Test {
               SWP_OK);
     ASSERT_EQ(swp_proxies_cast_rays(proxies_, rays_.data(), kCount, nullptr, hits_.data()), SWP_OK);
     ASSERT_EQ(swp_session_end_frame(session_, 5000000, 0), SWP_OK);
-    // What fails is as cheap.
+    // A call that fails does not allocate or block either.
     ASSERT_EQ(swp_session_end_frame(session_, 5000000, 0), SWP_FAILED_PRECONDITION);
   }
 

@@ -1,4 +1,4 @@
-/* Memory, zones and threads of the game's own, over the life of a session. */
+/* Memory, zones and threads of the game over the life of a session. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@ typedef struct seen {
   uint64_t decide_count;
   uint64_t open_zone_count;
   uint64_t pool_thread_count;
-  uint64_t allocations_left; /* counted while memory is short */
+  uint64_t allocations_left; /* counts down while memory is short */
   int is_short;
 } seen;
 
@@ -20,7 +20,8 @@ static void* allocate(uint64_t bytes, uint64_t alignment, void* user) {
   seen* counts = user;
   if (counts->is_short && counts->allocations_left-- == 0) return NULL;
   ++counts->allocation_count;
-  /* Windows has no aligned_alloc: the block's own address stands in front of what is given out. */
+  /* Windows does not have aligned_alloc: the block's own address is stored before the returned
+   * address. */
   char* const block = malloc(bytes + alignment + sizeof block);
   if (block == NULL) return NULL;
   char* const first = block + sizeof block;
@@ -53,7 +54,7 @@ static void start_thread(const char* name, void* user) {
   ((seen*)user)->pool_thread_count += strcmp(name, "swp pool") == 0;
 }
 
-/* Returns a session on the hooks, with a pool of two threads. */
+/* Returns a session that uses the hooks, with a pool of two threads. */
 static swp_session* make_session(uint64_t memory_budget_bytes) {
   swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
@@ -105,8 +106,8 @@ static void check_budget(seen* counts) {
   }
 }
 
-/* The second search of a frame has memory for `allocation_count` blocks only. Returns its result.
- */
+/* Makes the second search of a frame with memory for `allocation_count` blocks only. Returns its
+ * result. */
 static swp_result search_short_of_memory(seen* counts, uint64_t allocation_count) {
   enum { kMany = 3000 };
   static swp_aabb boxes[kMany];
@@ -138,7 +139,7 @@ static swp_result search_short_of_memory(seen* counts, uint64_t allocation_count
   return result;
 }
 
-/* Whichever of its allocations fails, no pairs of the search before are left. */
+/* Whichever allocation fails, no pairs of the former search remain. */
 static void check_out_of_memory(seen* counts) {
   uint64_t allocation_count = 0;
   while (search_short_of_memory(counts, allocation_count) == SWP_RESOURCE_EXHAUSTED) {
@@ -147,7 +148,7 @@ static void check_out_of_memory(seen* counts) {
   CHECK(allocation_count > 0);
 }
 
-/* A set of one moving and one static proxy gets many more, with memory for `allocation_count`
+/* Adds many proxies to a set of one moving and one static proxy, with memory for `allocation_count`
  * blocks only. Returns the result. */
 static swp_result add_short_of_memory(seen* counts, uint64_t allocation_count) {
   enum { kMany = 300 };
@@ -177,7 +178,7 @@ static swp_result add_short_of_memory(seen* counts, uint64_t allocation_count) {
   return result;
 }
 
-/* Whichever of its allocations fails, nothing was added. */
+/* Whichever allocation fails, nothing was added. */
 static void check_add_without_memory(seen* counts) {
   uint64_t allocation_count = 0;
   while (add_short_of_memory(counts, allocation_count) == SWP_RESOURCE_EXHAUSTED) {
@@ -186,7 +187,8 @@ static void check_add_without_memory(seen* counts) {
   CHECK(allocation_count > 2);
 }
 
-/* A world holds no memory of the hooks before it is built; its threads read them all the same. */
+/* The hooks cannot change while an object exists: a world that was not built holds no memory of
+ * them, but its threads use them. */
 static void check_beside_an_object(void) {
   swp_world* world = NULL;
   CHECK_OK(swp_world_create("SAP", NULL, &world));

@@ -1,11 +1,11 @@
-/* A link, against a daemon of which each test writes the messages byte by byte. */
+/* A link with a daemon whose messages each test writes byte by byte. */
 #include <string.h>
 
 #include "tests/engine_client/c_api/check.h"
 
 enum { kMs = 1000000, kHello = 2, kFrameBatch = 3, kSwitchOutcome = 4, kGoodbye = 7 };
 
-/* What the daemon sends: fields of protocol buffers one after the other. */
+/* A message of the daemon: encoded fields of protocol buffers. */
 typedef struct bytes {
   unsigned char data[512];
   uint64_t size;
@@ -78,7 +78,7 @@ static bytes snapshot(uint32_t arm_count) {
   return response_with(4, &part);
 }
 
-/* google.rpc.Status with an ErrorInfo. */
+/* Returns a google.rpc.Status with an ErrorInfo. */
 static bytes details_with(const char* reason) {
   bytes info = {.size = 0};
   bytes any = {.size = 0};
@@ -142,8 +142,8 @@ static uint64_t take_varint(const bytes* in, uint64_t* at) {
   return value;
 }
 
-/* The kind and the number of the next message, which ends where its size says; a kind of 0: none is
- * due. */
+/* Returns the kind and the sequence number of the next message, and checks that it ends at its
+ * size; 0 if none is due. */
 static unsigned next_kind(const game* played, unsigned* sequence) {
   bytes message;
   uint64_t at = 0;
@@ -221,7 +221,7 @@ static void check_options(void) {
   swp_session_destroy(played.session);
 }
 
-/* A command goes to the frame thread, and its outcome comes back among the frames. */
+/* A command goes to the frame thread, and its outcome is sent among the frames. */
 static void check_session(void) {
   game played = make_game();
   unsigned sequence = 0;
@@ -255,7 +255,7 @@ static void check_session(void) {
   end_game(&played);
 }
 
-/* A message that does not fit in the buffer stays the next one, and nothing is lost. */
+/* A message that does not fit in the buffer stays the next one, so that nothing is lost. */
 static void check_small_buffer(void) {
   game played = make_game();
   bytes message;
@@ -266,7 +266,7 @@ static void check_small_buffer(void) {
   run_frames(&played, 1);
   CHECK(swp_link_next_message(played.link, played.now_ns, NULL, 0, &size, &action) ==
         SWP_RESOURCE_EXHAUSTED);
-  CHECK(strstr(swp_last_error(), "larger than the buffer") == NULL); /* it only asks */
+  CHECK(strstr(swp_last_error(), "larger than the buffer") == NULL); /* not an error for NULL */
   CHECK(size > 10 && size < 100 && action == SWP_LINK_SEND);
   CHECK(swp_link_next_message(played.link, played.now_ns, message.data, size - 1, &message.size,
                               &action) == SWP_RESOURCE_EXHAUSTED);
@@ -279,7 +279,7 @@ static void check_small_buffer(void) {
   end_game(&played);
 }
 
-/* A welcome replaces the session's own limit for as long as there is a link. */
+/* A welcome message replaces the session's own bail-out limit while the link exists. */
 static void check_limit(void) {
   game played = make_game();
   swp_frame_sample sample;
@@ -296,7 +296,7 @@ static void check_limit(void) {
   swp_session_destroy(played.session);
 }
 
-/* Without a stream, and without a word why. */
+/* Connecting fails without a stream and without an error message. */
 static void check_no_stream(void) {
   game played = make_game();
   uint32_t delay_ms = 0;
@@ -349,7 +349,7 @@ static void check_goodbye(void) {
   end_game(&played);
 }
 
-/* At the deadline of the goodbye the caller is told to end its stream until it has. */
+/* After the deadline of the goodbye the action is SWP_LINK_CANCEL until the stream has ended. */
 static void check_goodbye_deadline(void) {
   game played = make_game();
   bytes message;
@@ -366,7 +366,8 @@ static void check_goodbye_deadline(void) {
   end_game(&played);
 }
 
-/* What fails with the link is no failure of its session, of which the frame thread reports. */
+/* An error of the link does not replace the last error of its session, which the frame thread
+ * reads. */
 static void check_errors(void) {
   game played = make_game();
   char text[256];
@@ -380,7 +381,7 @@ static void check_errors(void) {
   end_game(&played);
 }
 
-/* NULL where a pointer is needed is refused, and changes nothing. */
+/* NULL is refused if a pointer is required, and changes nothing. */
 static void check_null(void) {
   game played = make_game();
   swp_link_stats stats = {.struct_size = sizeof stats};
@@ -426,7 +427,7 @@ static void check_session_ends_first(void) {
   swp_link_destroy(played.link);
 }
 
-/* Handles that a host has lost: the link ends with its session, and answers afterwards. */
+/* A host lost its handles: the link ends with its session, and its calls fail afterwards. */
 static void check_shutdown(void) {
   game played = make_game();
   go_online(&played);

@@ -1,4 +1,4 @@
-// A link that is driven on one thread beside the frame thread.
+// A link that runs on another thread than the frame thread.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -18,7 +18,7 @@ using sweepstake::test_support::WaitCounter;
 // The welcome to session "a" in version 2 of the protocol.
 constexpr char kWelcome[] = "\x0a\x06\x0a\x01\x61\xa0\x01\x02";
 
-// Moves what the link has, until it has nothing after `stop`, and counts the messages.
+// Sends the link's messages until it has none left after `stop`, and counts them.
 uint64_t Drive(swp_link* link, const std::atomic<bool>& stop) {
   std::vector<char> buffer(1 << 16);
   uint64_t count = 0;
@@ -74,7 +74,7 @@ TEST(LinkThreadsTest, TheFrameThreadNeitherWaitsNorAllocatesForALink) {
   swp_link_stats stats{};
   stats.struct_size = sizeof stats;
   EXPECT_EQ(swp_link_status(link, &stats), SWP_OK);
-  // Each frame a message, after the Hello, until as many are unacknowledged as may be.
+  // After the Hello, each frame is a message, until the limit of unacknowledged messages.
   EXPECT_EQ(stats.sent_frame_count, link_options.unacknowledged_messages);
   EXPECT_EQ(message_count, 1U + link_options.unacknowledged_messages);
   swp_link_destroy(link);

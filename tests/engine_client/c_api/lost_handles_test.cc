@@ -1,5 +1,5 @@
-// A host that loses its handles, as when its domain is reloaded: it counts what lives, shuts all
-// down, and may still meet an old handle. The sanitizers watch.
+// A host loses its handles, for example when its domain is reloaded. It counts the live objects,
+// shuts all down, and may still use an old handle. Run with the sanitizers.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace {
 
-constexpr uint32_t kLong = 60000;  // ms, a deadline that is never reached
+constexpr uint32_t kLong = 60000;  // deadline in ms that no test reaches
 
 struct Objects {
   swp_world* world = nullptr;
@@ -28,7 +28,7 @@ Struct Sized() {
   return made;
 }
 
-// With threads wherever there can be some.
+// Creates objects with threads wherever an option allows it.
 Objects MakeObjects() {
   Objects made;
   auto world = Sized<swp_world_options>();
@@ -133,7 +133,7 @@ TEST(LostHandlesTest, AnotherThreadThanTheOneThatMadeThemShutsThemDown) {
   Destroy(lost);
 }
 
-// The frame thread and the transport go on as if nothing had happened, until they are told.
+// The frame thread and the transport continue until their calls fail.
 TEST(LostHandlesTest, CallsThatAreUnderWayReturnAndNoneBeginsAfterThem) {
   const Objects lost = MakeObjects();
   const swp_aabb boxes[2] = {{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
@@ -164,7 +164,7 @@ TEST(LostHandlesTest, CallsThatAreUnderWayReturnAndNoneBeginsAfterThem) {
   Destroy(lost);
 }
 
-// An executor that holds its first part until it is let go.
+// An executor that blocks in its first part until it is released.
 struct Gate {
   std::atomic<bool> reached = false;
   std::atomic<bool> open = false;
@@ -202,7 +202,7 @@ TEST(LostHandlesTest, ACallThatDoesNotReturnKeepsItsObjectOnly) {
   std::thread caller([&] {
     const auto* const own = reinterpret_cast<const swp_aabb*>(copy.data());
     EXPECT_EQ(swp_world_build(busy, own, count), SWP_OK);
-    swp_world_find_pairs(busy);  // the shutdown may be there first
+    swp_world_find_pairs(busy);  // may fail because of the shutdown
   });
   while (!gate.reached) std::this_thread::yield();
   EXPECT_EQ(swp_shutdown_all(0), SWP_UNAVAILABLE);

@@ -1,4 +1,4 @@
-/* Runs the test that is named on the command line. */
+/* Runs the test that the command line names. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,7 @@ int failure_count = 0;
 
 static int overlap(const swp_aabb* a, const swp_aabb* b) {
   for (int axis = 0; axis < 3; ++axis) {
-    /* Written so that NaN on either side gives no overlap. */
+    /* NaN on either side gives no overlap. */
     if (!(a->min[axis] <= b->max[axis] && b->min[axis] <= a->max[axis])) return 0;
   }
   return 1;

@@ -1,5 +1,5 @@
-// Queries of one set on several threads at the same time, often enough that their answers tell most
-// of what they share. ThreadSanitizer sees the rest.
+// Queries one set on several threads at the same time. Their results reveal most errors of shared
+// state; ThreadSanitizer finds the rest.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ constexpr uint32_t kCount = 400;
 constexpr int kThreads = 4;
 constexpr int kRounds = 50;
 
-// A row of unit boxes along x, every second one static, each touching the next.
+// Returns a row of unit boxes along x; every second one is static, and each touches the next.
 std::vector<swp_aabb> Row() {
   std::vector<swp_aabb> boxes;
   for (uint32_t i = 0; i < kCount; ++i) {

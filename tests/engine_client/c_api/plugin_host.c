@@ -1,5 +1,5 @@
-/* An engine that knows the plug-in by its file name alone: it loads it, lets it work on threads,
- * lets its memory run out and unloads it, as often as a game is played in an editor. */
+/* An engine that loads the plug-in by its file name, uses it on threads, lets it run out of memory
+ * and unloads it, as often as a game is played in an editor. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ static void Require(int holds, const char* what) {
 
 #define REQUIRE(condition) Require(condition, #condition)
 
-/* Declares a pointer with the name of a function of the C ABI, taken from the plug-in. */
+/* Declares a pointer with the name of a function of the C ABI, and loads it from the plug-in. */
 #define LOAD(function)                                    \
   __typeof(&function) loaded_##function;                  \
   do {                                                    \
@@ -34,7 +34,7 @@ static void FindsPairsOnThreads(void) {
   LOAD(swp_world_find_pairs);
   LOAD(swp_world_counters);
   LOAD(swp_world_destroy);
-  static swp_aabb boxes[4000]; /* each touches the next */
+  static swp_aabb boxes[4000]; /* each one touches the next */
   for (int k = 0; k < 4000; ++k) {
     boxes[k] = (swp_aabb){{(float)k, 0, 0}, {(float)k + 1, 1, 1}};
   }
@@ -51,7 +51,7 @@ static void FindsPairsOnThreads(void) {
   loaded_swp_world_destroy(world);
 }
 
-/* What is thrown inside the plug-in is caught there, with the plug-in's own unwinder. */
+/* An exception inside the plug-in is caught there, with the plug-in's own unwinder. */
 static void RunsOutOfMemory(void) {
   LOAD(swp_scene_options_init);
   LOAD(swp_scene_create);
@@ -69,8 +69,8 @@ static void RunsOutOfMemory(void) {
   setrlimit(RLIMIT_AS, &before);
 }
 
-/* A folder and a broken file are told from a scene: the plug-in asks the system for their kind and
- * size. */
+/* The plug-in distinguishes a folder and a broken file from a scene, by asking the system for kind
+ * and size. */
 static void LooksAtFiles(const char* folder, const char* file) {
   LOAD(swp_scene_create);
   swp_scene* scene = NULL;
@@ -79,7 +79,7 @@ static void LooksAtFiles(const char* folder, const char* file) {
 }
 
 int main(int argument_count, char** arguments) {
-  REQUIRE(argument_count == 4); /* the plug-in, a folder, a file NAME.aabbs that is none */
+  REQUIRE(argument_count == 4); /* plug-in, folder, broken NAME.aabbs */
   for (int play = 0; play < 3; ++play) {
     library = dlopen(arguments[1], RTLD_NOW | RTLD_LOCAL);
     if (library == NULL) fprintf(stderr, "%s\n", dlerror());
@@ -90,7 +90,7 @@ int main(int argument_count, char** arguments) {
     if (CATCHES_OUT_OF_MEMORY) RunsOutOfMemory();
     LooksAtFiles(arguments[2], arguments[3]);
     REQUIRE(dlclose(library) == 0);
-    /* Nothing keeps it: an editor can build it anew and load that. */
+    /* The library is unloaded completely: an editor can build it again and load the new one. */
     REQUIRE(dlopen(arguments[1], RTLD_NOW | RTLD_NOLOAD) == NULL);
   }
   return 0;

@@ -1,19 +1,19 @@
-/* Proxies and threads of the C ABI: a small game against a search of this program, the rules of
- * handles and buffers, and executors of the caller's own. */
+/* Proxies and threads of the C ABI: a small game that is compared with an independent search, the
+ * rules of handles and buffers, and executors of the caller. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "tests/engine_client/c_api/check.h"
 
-/* ---- an executor of this program ---- */
+/* An executor of the caller. */
 
 typedef struct part_count {
   uint64_t calls;
   uint64_t parts;
 } part_count;
 
-/* Runs the parts backwards. */
+/* Runs the parts in reverse order. */
 static void run_backwards(void* user, uint64_t count, swp_run_part run_part, void* job) {
   part_count* counted = user;
   ++counted->calls;
@@ -111,11 +111,11 @@ void test_threads(void) {
   swp_scene_destroy(scene);
 }
 
-/* ---- proxies ---- */
+/* Proxies. */
 
 #define OBJECTS 300U
 
-/* Every third is static; categories and masks of three bits. */
+/* Every third proxy is static; categories and masks have three bits. */
 typedef struct game {
   swp_scene* scene;
   swp_world* world;
@@ -171,7 +171,7 @@ static int is_pair(uint32_t a, uint32_t b) {
          (other.filter.category & one.filter.mask) != 0;
 }
 
-/* By objects: those of the brute force that pass. */
+/* Returns the pairs of the brute force whose filters match, by object. */
 static swp_pair* right_pairs(const game* played, uint64_t* count) {
   uint64_t all_count = 0;
   swp_pair* pairs = brute_force(played->boxes, OBJECTS, &all_count);
@@ -194,7 +194,7 @@ static void step(game* played) {
   }
 }
 
-/* A copy, which the caller frees. */
+/* Returns a copy, which the caller frees. */
 static swp_pair* resolved_pairs(game* played, uint64_t* count) {
   const swp_aabb* moving = NULL;
   const swp_pair* found = NULL;
@@ -286,7 +286,7 @@ static void check_handles(swp_proxies* proxies) {
   CHECK(moving_count == 1);
 }
 
-/* The set of one object gets a second, and both are removed together, one of them named twice. */
+/* Adds a second proxy to the set, and removes both together, one of them twice in the list. */
 static void check_batches(swp_proxies* proxies) {
   const swp_aabb boxes[3] = {kUnit, kTouching, kUnit};
   const swp_proxy_options options[3] = {
@@ -319,7 +319,7 @@ static void check_resolve(swp_proxies* proxies) {
   CHECK(count == 1 && pairs[0].a == 0 && pairs[0].b == 1);
 }
 
-/* Three boxes of which the middle one finds nothing. */
+/* Queries three boxes, of which the middle one finds nothing. */
 static void check_query_boxes(const swp_proxies* proxies, swp_proxy resting) {
   const swp_aabb boxes[3] = {
       {{1, 1, 1}, {1, 1, 1}}, {{8, 8, 8}, {9, 9, 9}}, {{1.5F, 1.5F, 1.5F}, {9, 9, 9}}};
@@ -354,7 +354,7 @@ static void check_rays(const swp_proxies* proxies, swp_proxy resting) {
   CHECK(nearest[0].proxy == 9);
 }
 
-/* Whatever is changed has to be made ready again. */
+/* After every change the queries have to be prepared again. */
 static void check_queries(swp_proxies* proxies) {
   const swp_proxy_options options = {{1, 0xffffffffU}, SWP_PROXY_STATIC, 0, 42};
   const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};

@@ -6,7 +6,7 @@
 
 enum { kObjects = 300, kFrameNs = 5000000 };
 
-/* One frame of `scene`, whose pairs must equal brute force. */
+/* Runs one frame of `scene`; the pairs must equal those of brute force. */
 static void run_frame(swp_session* session, swp_scene* scene) {
   const swp_aabb* boxes = NULL;
   uint32_t count = 0;
@@ -68,7 +68,7 @@ static void check_order(swp_session* session) {
   CHECK(swp_session_find_pairs(session, &box, 1) == SWP_FAILED_PRECONDITION);
 }
 
-/* Two searches in a frame are one sample; the pairs are the latest one's. */
+/* Two searches in a frame give one sample; the pairs are those of the second search. */
 static void check_substeps(swp_session* session) {
   const swp_aabb boxes[3] = {
       {{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
@@ -90,7 +90,7 @@ static void check_substeps(swp_session* session) {
   CHECK(sample.pair_count == 1 && sample.object_count == 2);
 }
 
-/* Sorted pairs are those of brute force, byte by byte, whatever the arm. */
+/* Sorted pairs equal those of brute force byte by byte with every arm. */
 static void check_sorted_pairs(swp_scene* scene) {
   swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
@@ -119,7 +119,7 @@ static void check_sorted_pairs(swp_scene* scene) {
   swp_session_destroy(session);
 }
 
-/* Every arm in turn by hand, in manual mode. */
+/* Selects every arm in turn in manual mode. */
 static void check_selection(swp_session* session, swp_scene* scene) {
   swp_mode mode = 0;
   CHECK_OK(swp_session_set_mode(session, SWP_MODE_MANUAL));
@@ -168,7 +168,7 @@ static void check_bail_out_limit(swp_scene* scene) {
   swp_session_destroy(session);
 }
 
-/* Nobody takes the samples: the oldest are dropped, and counted. */
+/* If nothing reads the samples, the oldest are dropped and counted. */
 static void check_full_queue(swp_session* session, swp_scene* scene) {
   uint64_t dropped = 99;
   uint64_t dropped_notes = 99;
@@ -177,7 +177,7 @@ static void check_full_queue(swp_session* session, swp_scene* scene) {
   CHECK(dropped == 4 && dropped_notes == 0);
 }
 
-/* Off unless asked for; asked for, every arm has been visited before long. */
+/* The lane is off by default. When it is on, it soon visits every arm. */
 static void check_shadow_lane(swp_scene* scene) {
   swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = make_session(16);
@@ -204,7 +204,7 @@ static void check_shadow_lane(swp_scene* scene) {
   swp_session_destroy(session);
 }
 
-/* A lane without memory is there, and says why it does nothing. */
+/* A lane with too little memory reports why it does nothing. */
 static void check_shadow_memory(swp_scene* scene) {
   swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;

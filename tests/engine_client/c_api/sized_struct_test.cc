@@ -1,4 +1,4 @@
-// A struct that has grown twice, as later revisions will: callers compiled against each of them.
+// A struct that has grown twice, and callers compiled with each of its revisions.
 #include "engine_client/c_api/sized_struct.h"
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@ namespace {
 struct Grown {
   uint32_t struct_size;
   uint32_t first;
-  uint64_t second;  // since the second revision
-  uint64_t third;   // since the third
+  uint64_t second;  // added in the second revision
+  uint64_t third;   // added in the third revision
 };
 constexpr Grown kDefaults = {sizeof(Grown), 1, 2, 3};
 

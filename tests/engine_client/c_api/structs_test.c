@@ -1,4 +1,4 @@
-/* Structs with a struct_size: what is shorter, longer or nonsense, for each of them. */
+/* Every struct with a struct_size: sizes that are shorter, longer or invalid. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 static swp_session* session;
 static swp_world* world;
 
-/* ---- calls that take such a struct ---- */
+/* Calls that read such a struct. */
 
 static swp_result take_world_options(void* options) {
   swp_world* made = NULL;
@@ -74,7 +74,7 @@ static swp_result take_scene_options(void* options) {
   return result;
 }
 
-/* ---- calls that fill one ---- */
+/* Calls that fill one. */
 
 static swp_result fill_world_options(void* out) { return swp_world_options_init(out); }
 static swp_result fill_hooks(void* out) { return swp_hooks_init(out); }
@@ -116,7 +116,7 @@ static const options_struct kOptions[] = {
     {sizeof(swp_scene_options), fill_scene_options, take_scene_options},
 };
 
-/* Taken while there is no object alone. */
+/* swp_hooks can only be set while no object exists. */
 static const options_struct kHooks = {sizeof(swp_hooks), fill_hooks, take_hooks};
 
 static const output_struct kOutputs[] = {
@@ -134,7 +134,7 @@ static const output_struct kOutputs[] = {
     {sizeof(swp_link_stats), fill_link_stats},
 };
 
-/* Memory of exactly this size, so that a sanitizer sees what is read or written beyond it. */
+/* Allocates exactly this size, so that a sanitizer reports an access beyond it. */
 static unsigned char* make_struct(uint32_t bytes, uint32_t struct_size, int filler) {
   unsigned char* made = malloc(bytes);
   if (made == NULL) abort();

@@ -1,4 +1,5 @@
-// A system that starts no more threads. The C library's function is replaced for the whole program.
+// A system that starts no more threads. The test replaces the C library's function for the whole
+// program.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <pthread.h>
@@ -11,7 +12,7 @@
 
 #include "sweepstake/c_api.h"
 
-// ThreadSanitizer stands in front of the same function, and must know who called it.
+// ThreadSanitizer intercepts the same function and needs its real caller.
 #ifndef __SANITIZE_THREAD__
 
 namespace {

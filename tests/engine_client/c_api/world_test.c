@@ -1,5 +1,5 @@
-/* Worlds: every backend against a brute force of this program, and the rules of buffers and of
- * order. */
+/* Worlds: compares every backend with an independent brute-force search, and tests the rules of
+ * buffers and call order. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,7 +43,7 @@ void test_version(void) {
   CHECK(swp_struct_size(0) == 0 && swp_struct_size(999) == 0);
 }
 
-/* A copy of the world's pairs, which same_pairs may sort. */
+/* Returns a copy of the world's pairs, which same_pairs may sort. */
 static swp_pair* all_pairs(swp_world* world, uint64_t* count) {
   const swp_pair* found = NULL;
   CHECK_OK(swp_world_find_pairs(world));
@@ -91,7 +91,7 @@ void test_worlds(void) {
 static const swp_aabb kBoxes[3] = {
     {{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}, {{0.5F, 0.5F, 0.5F}, {3, 3, 3}}};
 
-/* The pairs are found once, and stay where they are until the next boxes. */
+/* The pairs are found once, and stay in place until the next boxes. */
 static void check_that_pairs_stay(swp_world* world) {
   const swp_pair* pairs = NULL;
   const swp_pair* again = NULL;

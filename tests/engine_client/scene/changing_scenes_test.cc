@@ -21,8 +21,8 @@ std::unique_ptr<Scene> Make(std::string_view name, uint32_t object_count, uint64
 }
 
 struct Step {
-  double moved_share;  // the share of the objects shown before and after that have moved
-  double mean_move;    // the mean distance of these objects along x
+  double moved_share;  // share of moved objects among those in both frames
+  double mean_move;    // mean distance along x of the objects in both frames
   size_t object_count;
 };
 
@@ -63,7 +63,7 @@ double Side(const Scene& scene, int axis) {
   return static_cast<double>(high) - static_cast<double>(low);
 }
 
-// The number of frames of each scene's regimes if the caller does not choose one.
+// The default number of frames per regime of each scene.
 constexpr std::pair<std::string_view, uint32_t> kRegimeFrames[] = {
     {"rest-and-motion", 400},    {"waves", 400},         {"storms", 400},
     {"gather-and-scatter", 300}, {"day-and-night", 500}, {"arrivals", 350}};
@@ -85,7 +85,7 @@ TEST(ChangingScenes, TheSameSeedGivesTheSameBoxesAndAnotherOneOthers) {
   }
 }
 
-// The hashes are equal on every platform and compiler; a change here invalidates every recorded
+// The hashes are equal on every platform and compiler. A change here invalidates every recorded
 // trace.
 TEST(ChangingScenes, TheBoxesOfFixedSeedsArePinned) {
   const std::pair<std::string_view, uint64_t> golden[] = {

@@ -1,5 +1,5 @@
-// Files for the .aabbs tests: a directory per test, bytes written and read whole, and scenes with
-// scripted boxes.
+// Helpers for the .aabbs tests: a directory per test, reading and writing whole files, and scenes
+// with scripted boxes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@
 
 namespace sweepstake {
 
-// An empty directory of this test's own, removed with it.
+// An empty directory for this test, which is removed at its end.
 class FileTest : public testing::Test {
  protected:
   FileTest() {
@@ -39,7 +39,8 @@ class FileTest : public testing::Test {
 
   std::filesystem::path Write(const std::string& bytes) const {
     std::filesystem::path path = PathOf("scene.aabbs");
-    // A file that is truncated and written again is flushed to the disk by some file systems.
+    // Some file systems flush a truncated file to the disk when it is written again, so remove it
+    // first.
     std::filesystem::remove(path);
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
@@ -58,7 +59,7 @@ class FileTest : public testing::Test {
   std::filesystem::path directory_;
 };
 
-// A scene that shows the given frames, and then the last one forever.
+// A scene that shows the given frames, and then repeats the last one.
 class ScriptedScene final : public Scene {
  public:
   explicit ScriptedScene(std::vector<std::vector<Aabb>> frames) : frames_(std::move(frames)) {}
@@ -80,7 +81,7 @@ class ScriptedScene final : public Scene {
 
 inline Aabb BoxAt(float x) { return {{x, x + 1, x + 2}, {x + 10, x + 11, x + 12}}; }
 
-// An independent writer of the format: little-endian fields one after another.
+// An independent writer of the format: appends little-endian fields.
 class FileBytes {
  public:
   FileBytes& Text(std::string text, size_t size) {

@@ -65,7 +65,7 @@ TEST_F(Recording, NotesFollowTheBoxesAndComeBackAsTheyWere) {
     EXPECT_EQ(replayed->aabbs().size(), frames[1].size());
     replayed->Step();
     EXPECT_EQ(replayed->aabbs()[0], BoxAt(0));
-    replayed.reset();  // Windows replaces no file that is open.
+    replayed.reset();  // Windows cannot replace an open file.
     ASSERT_TRUE(RecordScene(scene, 0, path).ok());
     EXPECT_EQ(*RecordedNotes(path), "");
   }
@@ -182,7 +182,7 @@ TEST_F(Recording, AFileCanBeRecordedOverWhileItIsReplayed) {
 
 #if defined(__linux__)
 
-// A limit on the size of files simulates a full disk.
+// Simulates a full disk by a limit on the size of files.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {

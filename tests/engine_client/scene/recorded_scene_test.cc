@@ -27,7 +27,7 @@ class RecordedFile : public FileTest {
     return MustMakeScene(Write(bytes).string(), {});
   }
 
-  // Expects kDataLoss in one line that names the file and says `what`.
+  // Expects kDataLoss with a message of one line that contains the file name and `what`.
   void ExpectBroken(const std::string& bytes, const std::string& what) const {
     const Status status = MakeScene(Write(bytes).string(), {}).status();
     EXPECT_EQ(status.code(), StatusCode::kDataLoss) << what;
@@ -135,7 +135,7 @@ TEST_F(RecordedFile, AHeaderThatPromisesMoreThanTheFileHoldsTakesNoMemory) {
 
 TEST_F(RecordedFile, MoreObjectsThanTheBoundAreRefusedEvenWhereTheSizeFits) {
   const auto path = Write(FileBytes().Header(16'777'217, 0).str());
-  std::filesystem::resize_file(path, 304 + 16'777'217ULL * 32);  // sparse
+  std::filesystem::resize_file(path, 304 + 16'777'217ULL * 32);  // a sparse file
   const Status status = MakeScene(path.string(), {}).status();
   EXPECT_EQ(status.code(), StatusCode::kResourceExhausted);
   EXPECT_THAT(status.message(), HasSubstr("at most 16777216"));
@@ -197,12 +197,12 @@ TEST_F(RecordedFile, AFileCutWhileItPlaysLeavesTheBoxesAsTheyAre) {
   for (const Aabb& box : scene->aabbs()) EXPECT_TRUE(IsValid(box));
 }
 
-// Flips up to three bytes, and sometimes cuts or extends the end.
+// Flips up to three bytes, and sometimes truncates or extends the end.
 std::string Mutated(std::string bytes, const CounterRandom& random, uint64_t round) {
   uint64_t draws = 0;
   const auto below = [&](uint64_t bound) { return random.Bits(round, draws++) % bound; };
   for (uint64_t flips = below(4); flips > 0; --flips) {
-    // Half of the flips are in the numbers of the header, on which most decisions depend.
+    // Half of the flips are in the numbers of the header, on which most checks depend.
     const size_t offset = below(2) == 0 ? 256 + below(48) : below(bytes.size());
     bytes[offset] = static_cast<char>(below(256));
   }

@@ -46,7 +46,7 @@ TEST(Scenario, TheSameSeedsGiveTheSameBoxesBitForBit) {
   }
 }
 
-// The hashes are equal on every platform and compiler; a change here invalidates every recorded
+// The hashes are equal on every platform and compiler. A change here invalidates every recorded
 // comparison.
 TEST(Scenario, TheBoxesOfFixedSeedsArePinned) {
   SceneOptions options = WithCount(200);
@@ -105,7 +105,8 @@ TEST(Scenario, MoreObjectsLeaveTheFirstOnesWhereTheyWere) {
   }
 }
 
-// The reference hurricane extends beyond its world by a twentieth of its radius.
+// Returns how far centres may lie outside the world: in the reference hurricane a twentieth of its
+// radius.
 double Overhang(const Scene& scene) {
   return scene.name() == "suite-h" ? 0.026 * scene.world().max[0] : 1e-3;
 }
@@ -155,14 +156,14 @@ TEST(Scenario, TheFrameIndexCountsSteps) {
 TEST(BrownianScene, KicksAreBoundedBySpeedTimesStepAndNeverCalmDown) {
   const SceneOptions options = WithCount(500);
   const std::unique_ptr<Scene> scene = MustMakeScene("brownian", options);
-  // The mean length of a uniform draw from the cube [-1, 1]^3 is 0.9606.
+  // The mean length of a vector from the uniform distribution over the cube [-1, 1]^3 is 0.9606.
   const double kick = options.speed * options.fixed_step_s;
   EXPECT_NEAR(MeanMove(*scene), 0.9606 * kick, 0.05 * kick);
   StepTimes(*scene, 1000);
   EXPECT_NEAR(MeanMove(*scene), 0.9606 * kick, 0.05 * kick);
 }
 
-// Returns the mean distance along x and y from the middle of an interval to its end.
+// Returns the mean distance along x and y that boxes move in the second half of an interval.
 std::array<double, 2> MeanWayInSecondHalf(Scene& scene, int steps_per_interval) {
   StepTimes(scene, steps_per_interval / 2);
   const std::array<double, 2> middle = {MeanCentre(scene.aabbs(), 0), MeanCentre(scene.aabbs(), 1)};
@@ -219,7 +220,7 @@ TEST(FreeFallScene, ABodyFallsAsGravitySays) {
   StepTimes(*scene, 60);
   for (size_t i = 0; i < spawn.size(); ++i) {
     if (spawn[i].min[1] < -44) continue;
-    // Semi-implicit steps fall (n + 1) / n times the exact way.
+    // Semi-implicit steps give (n + 1) / n times the exact distance of the fall.
     EXPECT_NEAR(Centre(spawn[i], 1) - Centre(scene->aabbs()[i], 1), 0.5 * 9.81 * 61 / 60, 1e-3);
   }
 }
@@ -243,8 +244,8 @@ TEST(RandomGravityScene, ObjectsLeaveInAllDirectionsAndComeToRestAtTheWalls) {
 
 double AxisDistance(const Aabb& box) { return std::hypot(Centre(box, 0), Centre(box, 2)); }
 
-// Returns the distance moved in one step around the axis, averaged over objects between two
-// distances from it.
+// Returns the distance moved around the axis in one step, averaged over objects between two
+// distances from the axis.
 double MeanTangentialMove(Scene& scene, double nearest, double farthest) {
   const std::vector<Aabb> before = BoxesOf(scene);
   scene.Step();

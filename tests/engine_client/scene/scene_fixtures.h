@@ -1,5 +1,4 @@
-// The parts that the scene tests share: making scenes that must exist, and hashing boxes bit by
-// bit.
+// Helpers of the scene tests: creating scenes that must exist, and hashing boxes bit by bit.
 #pragma once
 
 #include <bit>

@@ -25,7 +25,7 @@ uint64_t CountPairs(std::span<const Aabb> boxes, std::vector<Aabb>& sorted) {
   return count;
 }
 
-// Returns the mean over frames 21 to 140, as in the published table.
+// Returns the mean number of pairs in frames 21 to 140, as in the published table.
 double MeanPairs(std::string_view name, uint32_t object_count) {
   const std::unique_ptr<Scene> scene = MustMakeScene(name, WithCount(object_count));
   std::vector<Aabb> sorted;

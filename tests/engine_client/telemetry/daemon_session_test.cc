@@ -1,5 +1,5 @@
-// The session over real gRPC on the loopback, against a daemon that each test scripts. Tests wait
-// for conditions, never for a time; a failed wait ends with the test's time limit.
+// The session over real gRPC on the loopback, with a daemon that each test scripts. Tests wait for
+// conditions, not for fixed times; a wait that fails ends with the test's time limit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ class DaemonSessionTest : public ::testing::Test {
     RunUntilState(ConnectionState::kOnline);
   }
 
-  // Runs one frame and counts the calls that could have made it wait.
+  // Runs one frame and counts the calls that could have blocked it.
   void Frame(uint64_t frame_time_ns = 10 * kMs) {
     const WaitCounter waits;
     adaptive_->BeginFrame();
@@ -87,7 +87,7 @@ class DaemonSessionTest : public ::testing::Test {
     RunUntil([&] { return session_->stats().state == state; });
   }
 
-  // Sums over the messages that the daemon received, each counted once.
+  // Sums over the messages that the daemon received; each message counts once.
   static uint64_t FramesIn(const std::vector<v1::StreamTelemetryRequest>& evidence) {
     uint64_t count = 0;
     for (const auto& request : evidence) count += request.frame_batch().frame_time_ns_size();
@@ -269,7 +269,7 @@ TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
   ASSERT_TRUE(daemon.Send(response));
   RunUntil([&] { return session_->stats().beliefs[2].alpha == 3; });
 
-  // Snapshots with too few arms or without a distribution are ignored; the last one stays.
+  // Snapshots with too few arms or without a distribution are ignored; the last valid one stays.
   response.mutable_posterior_snapshot()->mutable_arms(0)->set_alpha(-1);
   ASSERT_TRUE(daemon.Send(response));
   response.mutable_posterior_snapshot()->mutable_arms()->RemoveLast();
@@ -297,8 +297,8 @@ TEST_F(DaemonSessionTest, TellsTheDaemonsVerdict) {
   EXPECT_EQ(adaptive_->verdict().verdict, Verdict::kTie);
   EXPECT_EQ(adaptive_->verdict().leader_probability, 0.625);
 
-  // Verdicts with an unknown arm, an invalid probability or a later kind are ignored; the last one
-  // stays.
+  // Verdicts with an unknown arm, an invalid probability or an unknown kind are ignored; the last
+  // valid one stays.
   snapshot.set_verdict(v1::VERDICT_STABLE);
   snapshot.set_leader_arm(3);
   ASSERT_TRUE(daemon.Send(response));
@@ -352,7 +352,7 @@ TEST_F(DaemonSessionTest, ResumesAfterTheDaemonWasKilledAndCountsNothingTwice) {
   const auto evidence = daemon.Evidence();
   EXPECT_EQ(FramesIn(evidence), frame_count_);
   ExpectFramesWithoutGaps(evidence);
-  EXPECT_GT(daemon.evidence.size(), evidence.size());  // replays
+  EXPECT_GT(daemon.evidence.size(), evidence.size());  // evidence was sent again
   EXPECT_EQ(daemon.hellos.back().session_id(), "session-1");
   EXPECT_GT(session_->stats().resent_message_count, 0U);
   EXPECT_EQ(wait_count_, 0U);

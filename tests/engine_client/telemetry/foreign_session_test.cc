@@ -1,4 +1,4 @@
-// A session that the daemon holds to be somebody else's, over real gRPC on the loopback.
+// A session that, for the daemon, belongs to another client, over real gRPC on the loopback.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -13,7 +13,7 @@ namespace {
 
 using test_support::FakeDaemon;
 
-// As the daemon refuses it.
+// Returns the status with which the daemon refuses it.
 grpc::Status ForeignSession() {
   v1::ErrorInfo info;
   info.set_reason("FOREIGN_SESSION");
@@ -41,7 +41,7 @@ TEST(ForeignSessionTest, IsNotNamedAgainAndTheGameBeginsANewOne) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const int port = daemon.port();
   daemon.Kill();
-  // A stream that is broken off may have been followed by another one before the port closed.
+  // After an aborted stream another one may begin before the port closes.
   const size_t before = daemon.hellos.size();
   daemon.SetScript([](auto& script) { script.refusal = ForeignSession(); });
   daemon.Start(port);

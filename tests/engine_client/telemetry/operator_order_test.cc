@@ -1,4 +1,4 @@
-// What a game does with an operator's orders, over real gRPC on the loopback.
+// How a game reacts to an operator's orders, over real gRPC on the loopback.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ class OperatorOrderTest : public ::testing::Test {
     SessionOptions options;
     options.batch_interval_ms = 1;
     options.allow_operator_orders = allow_operator_orders;
-    adaptive_.reset();  // before the session that its shadow lane writes to
+    adaptive_.reset();  // must precede the session, to which the lane writes
     session_ = std::move(*MakeDaemonSession(daemon_.address(), options));
     adaptive_ = std::move(
         *AdaptiveBroadPhase::Create({.arms = {"BruteForce", "Grid", "SAP"}}, &session_->sink()));
@@ -49,7 +49,7 @@ class OperatorOrderTest : public ::testing::Test {
     if (arm) response.mutable_operator_order()->set_arm(*arm);
     ASSERT_TRUE(daemon_.Send(response));
   }
-  // The message that answers the order.
+  // Returns the message that answers the order.
   Request Answer(uint64_t order_id) {
     const auto answers = [order_id](const Request& request) {
       return request.mode_change().order_id() == order_id ||

@@ -25,7 +25,7 @@ using test_support::ScriptedClock;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-// A game of two arms with a flight recorder of 1 MiB and a budget of 50 ms.
+// A game with two arms, a flight recorder of 1 MiB and a budget of 50 ms.
 class FlightRecorderTest : public ::testing::Test {
  protected:
   FlightRecorderTest() {
@@ -113,7 +113,7 @@ TEST_F(FlightRecorderTest, WritesTheBoxesTheFramesAndTheDecisionsOfFiveSeconds) 
   EXPECT_EQ(notes["frames"].back(),
             (nlohmann::json{601, 61'000'000, 1'000'000, 2, 2, 0, 0, 1, 1, 0, 494}));
   EXPECT_EQ(notes["frames"][0][7], 0);
-  ASSERT_EQ(notes["decisions"].size(), 1U);  // The first one is older.
+  ASSERT_EQ(notes["decisions"].size(), 1U);  // The first decision is older.
   EXPECT_EQ(notes["decisions"][0]["frame"], 600);
   EXPECT_EQ(notes["decisions"][0]["outcome"], "switched");
   EXPECT_EQ(notes["decisions"][0]["commanded_arm"], 1);
@@ -121,7 +121,7 @@ TEST_F(FlightRecorderTest, WritesTheBoxesTheFramesAndTheDecisionsOfFiveSeconds) 
   EXPECT_EQ(notes["decisions"][0]["best_probability"], (nlohmann::json{0.25, 0.75}));
 
   const auto scene = std::move(*MakeScene(recordings[0].path, {}));
-  EXPECT_EQ(scene->aabbs()[0], (Aabb{{0, 0, 0}, {1, 108, 1}}));  // of frame 107
+  EXPECT_EQ(scene->aabbs()[0], (Aabb{{0, 0, 0}, {1, 108, 1}}));  // box of frame 107
   for (int step = 0; step < 494; ++step) scene->Step();
   EXPECT_EQ(scene->aabbs()[1], (Aabb{{2, 0, 0}, {3, 602, 1}}));
   EXPECT_EQ(scene->world().max[1], 602);

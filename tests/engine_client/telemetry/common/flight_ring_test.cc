@@ -10,7 +10,7 @@ namespace {
 constexpr uint64_t kMs = 1'000'000;
 constexpr uint64_t kBudgetNs = 50 * kMs;
 
-// A game whose box `object` of a frame is at frame · 100 + object.
+// A game in which box `object` of a frame has the coordinate frame · 100 + object.
 class FlightRingTest : public ::testing::Test {
  protected:
   static Aabb BoxOf(uint64_t frame, size_t object) {
@@ -39,7 +39,7 @@ class FlightRingTest : public ::testing::Test {
     for (size_t i = 0; i < frames; ++i) Frame(ring, 10, count);
   }
 
-  // Returns the frames with boxes, each of which must be those that the game has shown.
+  // Returns the frames with boxes, and checks that the boxes are those of the game.
   static size_t CheckedBoxFrames(const FlightRing& ring) {
     size_t found = 0;
     for (const FlightFrame& frame : ring.Frames()) {
@@ -82,10 +82,10 @@ TEST_F(FlightRingTest, AFrameWithinTheBudgetPausedOrLoadingIsNoReason) {
 
 TEST_F(FlightRingTest, BoxesThatDoNotFitForFiveSecondsAreKeptAtEqualIntervals) {
   FlightRing ring(40, kBudgetNs);
-  Frames(ring, 1008);  // of four boxes: ten times within five seconds, the last time in frame 1000
+  Frames(ring, 1008);  // keeps boxes ten times in five seconds, at last in frame 1000
   Frame(ring, 51, 0);
   EXPECT_FALSE(ring.frozen());
-  Frame(ring, 10);  // The frame over the budget had no boxes, the next one has.
+  Frame(ring, 10);  // The frame over the budget has no boxes, this one has.
   ASSERT_TRUE(ring.frozen());
   const std::vector<FlightFrame> frames = ring.Frames();
   EXPECT_EQ(frames.back().box_count, 4U);
@@ -139,7 +139,7 @@ TEST_F(FlightRingTest, RecordsNothingInTheFirstSecondAndTheCooldown) {
   EXPECT_EQ(CheckedBoxFrames(ring), 492U);
 }
 
-// The sender releases it at any time, also between a frame's boxes and its end.
+// The sender may release the ring at any time, also between a frame's boxes and its end.
 TEST_F(FlightRingTest, AReleaseInTheMidstOfAFrameLeavesThatFrameWithoutBoxes) {
   FlightRing ring(10'000, kBudgetNs);
   Frames(ring, 200);

@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// The element is large, so that reading it takes long: without the version checks most reads are
+// The element is large, so that a read takes long: without the version checks most reads would be
 // torn.
 using Block = std::array<uint64_t, 128>;
 

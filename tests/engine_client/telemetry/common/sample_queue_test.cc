@@ -16,7 +16,7 @@ FrameSample FrameOf(uint64_t index) {
   return sample;
 }
 
-// A sample of which every field follows from its index, so that a torn one shows.
+// Returns a sample whose fields are functions of its index, so that a torn read is detected.
 FrameSample PatternOf(uint64_t index) {
   const auto low = static_cast<uint32_t>(index);
   return {.frame_index = index,
@@ -111,16 +111,16 @@ TEST(SampleQueue, DropsTheOldestNotesWhenThereAreTooMany) {
   EXPECT_EQ(queue.dropped_note_count(), 10U);
 }
 
-// A torn sample needs a reader that is interrupted within a sample until the producer has come
-// round. This is so rare that the test needs some millions of frames to see one.
-// (lossy_ring_test.cc does the same with large elements, where it is common.)
+// A torn sample needs a reader that is interrupted within a sample until the producer has wrapped
+// around. This is so rare that the test needs millions of frames. (lossy_ring_test.cc tests the
+// same with large elements, where it is common.)
 #ifdef __SANITIZE_THREAD__
-constexpr uint64_t kFrameCount = 300'000;  // each of them ten times as long
+constexpr uint64_t kFrameCount = 300'000;  // each frame takes ten times as long
 #else
 constexpr uint64_t kFrameCount = 4'000'000;
 #endif
 
-// The capacities range from a ring that is always overrun to one that rarely is.
+// The capacities range from a ring that always overflows to one that rarely does.
 class SampleQueueStress : public ::testing::TestWithParam<uint32_t> {};
 
 TEST_P(SampleQueueStress, GivesWholeFramesInOrderAndCountsTheRest) {

@@ -1,4 +1,4 @@
-// The arm that a game without any measurement keeps to.
+// Tests the selection of an arm from priors alone, for a game without measurements.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,8 @@ using ::testing::HasSubstr;
 const std::vector<std::string> kPriorArms = {"SAP", "DBVT", "KDTree"};
 const std::vector<uint32_t> kPriorVersions = {1, 1, 2};
 
-// The lane's visits of the arms from this one on, each of which costs less than the one before it.
+// Returns priors of the lane's visits of the arms from `first_arm` on; each arm costs less than the
+// one before it.
 std::string Visits(size_t first_arm = 0, const std::string& machine_class = MachineClass()) {
   std::vector<PriorRecord> records;
   for (size_t arm = first_arm; arm < kPriorArms.size(); ++arm) {

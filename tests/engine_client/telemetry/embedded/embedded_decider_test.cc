@@ -20,7 +20,7 @@ constexpr uint64_t kMs = 1'000'000;
 const std::vector<std::string> kArms = {"SAP", "DBVT", "KDTree"};
 const std::vector<uint32_t> kVersions = {1, 1, 2};
 
-// A game in virtual time whose frames have the cost of its active arm.
+// A game in virtual time whose frames cost what its active arm costs.
 class Game {
  public:
   explicit Game(std::vector<uint64_t> frame_ms) : frame_ms_(std::move(frame_ms)) {}
@@ -119,7 +119,7 @@ TEST(EmbeddedDecider, LearnsFromTheShadowLaneWhichArmIsTheBest) {
     }
     game.RunFor(*decider, 1000);
   }
-  ASSERT_EQ(game.commands.size(), 1U);  // At once to the best one, which nobody has tried.
+  ASSERT_EQ(game.commands.size(), 1U);  // At once to the best arm, although it was not tried.
   EXPECT_EQ(game.commands[0].arm, 2U);
   EXPECT_EQ(game.commands[0].reason, SwitchReason::kPolicy);
 }
@@ -202,7 +202,7 @@ TEST(EmbeddedDecider, TellsWithADecisionWhatItBelievesAndCommands) {
   EXPECT_EQ(decider->last_decision()->decision_id, told.back().decision_id);
 }
 
-// The policy is `paper`: whatever took the time.
+// The policy `paper` leaves an arm after any long frame, whatever caused it.
 TEST(EmbeddedDecider, AnswersABailOutAtOnce) {
   const auto decider = MakeDecider();
   Game game({20, 20, 20});
@@ -211,7 +211,8 @@ TEST(EmbeddedDecider, AnswersABailOutAtOnce) {
   const uint32_t before = game.arm;
   const double beta_before = decider->beliefs()[before].beta;
   const size_t commands_before = game.commands.size();
-  // Resampling may keep the arm; each ten observations without reward make that less likely.
+  // Sampling again may keep the arm; each bail-out (ten observations without reward) makes it less
+  // likely.
   for (int i = 0; i < 10 && game.commands.size() == commands_before; ++i) {
     game.Frame(*decider, 6000);
   }
@@ -294,7 +295,7 @@ TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
   EXPECT_EQ(decider->beliefs()[0].alpha, 21);
   EXPECT_EQ(decider->beliefs()[0].beta, 11);
   EXPECT_EQ(decider->beliefs()[1].alpha, 1);
-  EXPECT_EQ(decider->beliefs()[2].alpha, 1);  // of another backend version
+  EXPECT_EQ(decider->beliefs()[2].alpha, 1);  // the prior has another backend version
 }
 
 TEST_F(EmbeddedDeciderPriors, AreOfThePolicysVersionOfTheReward) {
@@ -325,7 +326,7 @@ EmbeddedOptions OptionsOfPlayer(const std::string& priors_data) {
   return options;
 }
 
-// Lets the default policy learn for a minute, and returns what it exports.
+// Lets the default policy learn for a minute, and returns the exported priors.
 std::string LearnFrom(const std::string& priors_data) {
   const auto decider = MakeDecider(OptionsOfPlayer(priors_data));
   Game game({30, 60, 15});
@@ -369,7 +370,7 @@ TEST(EmbeddedDeciderExport, IsWhatTheNextRunStartsFromAndGoesOnWith) {
 }
 
 TEST(EmbeddedDeciderExport, HoldsTheBeliefsThatItEndsWith) {
-  const auto decider = MakeDecider(PaperOptions());  // whose beliefs are the sums of its evidence
+  const auto decider = MakeDecider(PaperOptions());  // its beliefs are the sums of its evidence
   Game game({30, 60, 15});
   game.RunFor(*decider, 100'000);
   game.Frame(*decider, 6000);
@@ -419,7 +420,7 @@ TEST(EmbeddedDeciderIntervals, AreThoseOfTheDecisionCoreUnlessGiven) {
   EXPECT_EQ(options.fps_floor, core.fps_floor);
 }
 
-// Runs the paper's policy for 400 s, which explores the three arms in the first 20 s.
+// Runs the policy `paper` for 400 s; it explores the three arms in the first 20 s.
 size_t SwitchesAfterExploration(uint64_t cooldown_ns) {
   EmbeddedOptions options = PaperOptions();
   options.cooldown_ns = cooldown_ns;

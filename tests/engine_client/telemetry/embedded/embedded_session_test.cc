@@ -14,8 +14,8 @@ using test_support::ArmScript;
 using test_support::ScriptedBroadPhase;
 using test_support::ScriptedClock;
 
-// A session with a decider that decides every 2 ms, and a game that runs frames until something has
-// happened.
+// A session with a decider that decides every 2 ms, and a game that runs frames until a condition
+// holds.
 class EmbeddedSessionTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -45,7 +45,7 @@ class EmbeddedSessionTest : public ::testing::Test {
         {.frame_time_ns = adaptive_->active_arm() == 0 ? 40'000'000U : 10'000'000U});
   }
 
-  // A failure ends with the test's time limit, not after a number of attempts.
+  // A wait that fails ends with the test's time limit, not after a number of attempts.
   template <typename Condition>
   void RunUntil(Condition condition) {
     while (!condition()) {
@@ -91,7 +91,7 @@ TEST_F(EmbeddedSessionTest, TellsTheVerdictToTheGame) {
   EXPECT_GE(session_->stats().verdict.leader_probability, 0.8);
 }
 
-// Only the latest decision is told, so that one with a command may have passed unseen.
+// Only the latest decision is available, so the test may miss the one with a command.
 TEST_F(EmbeddedSessionTest, TellsTheLatestDecisionWithItsReasonsAndTheOutcomeOfASwitch) {
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   std::optional<LastDecision> decision;
@@ -116,7 +116,7 @@ TEST_F(EmbeddedSessionTest, TellsTheLatestDecisionWithItsReasonsAndTheOutcomeOfA
   EXPECT_LT(outcome->arm, 2U);
 }
 
-// In 2 ms at this time scale, so that the second frame tells what the switch cost.
+// At this time scale settling takes 2 ms, so that the second frame reports the cost of the switch.
 TEST_F(EmbeddedSessionTest, SettlesInItsDecidersTime) {
   adaptive_->SetMode(Mode::kManual);
   ASSERT_TRUE(session_->Start(*adaptive_).ok());

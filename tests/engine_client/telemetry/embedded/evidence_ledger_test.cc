@@ -22,7 +22,7 @@ EvidenceLedger LedgerOf(std::vector<PriorRecord> given, const std::string& sourc
   return {std::move(given), KeyOfPlayer(source), kLedgerArms, kLedgerVersions};
 }
 
-// Evidence that applies to the arm SAP.
+// Returns evidence for the arm SAP.
 PriorRecord RecordOf(const std::string& source, uint64_t sequence, double alpha) {
   PriorRecord record;
   record.project = "game";
@@ -121,7 +121,7 @@ TEST(EvidenceLedger, KeepsTheLanesVisitsApartAndLearnsFromThem) {
   EXPECT_GT(priors[1].mean(), priors[0].mean()) << "DBVT was never live";
 }
 
-// Four scenes in which SAP costs twice as much as DBVT, of which a fifth one is unlike.
+// In four scenes SAP costs twice as much as DBVT; a fifth scene differs.
 TEST(EvidenceLedger, BeginsASceneWithoutEvidenceWithWhatTheProjectsOthersHaveInCommon) {
   std::vector<PriorRecord> given;
   for (const char* scene : {"desert", "forest", "mine", "tower", "sea"}) {
@@ -156,7 +156,7 @@ TEST(EvidenceLedger, BeginsASceneWithoutEvidenceWithWhatTheProjectsOthersHaveInC
   EXPECT_GT(known.priors()[1].mean(), known.priors()[0].mean()) << "of the others still";
 }
 
-// A studio's machine that is twice as fast as the player's knows DBVT, too.
+// Another machine, twice as fast as the player's, has evidence about DBVT too.
 TEST(EvidenceLedger, ComparesSourcesOfOtherMachinesBuildsAndVersions) {
   const auto lane = [](PriorRecord record, double reward) {
     record.measured_by = "lane";

@@ -29,7 +29,7 @@ PriorRecord RecordOf(const std::string& source) {
   return record;
 }
 
-// The document with one record in which `field` is replaced by (or gets) `value`.
+// Returns the document with one record in which `field` is set to `value`.
 std::string DocumentWith(const std::string& field, const std::string& value) {
   const std::string document = FormatPriors(std::vector{RecordOf("s")});
   const size_t start = document.find("\"" + field + "\"");

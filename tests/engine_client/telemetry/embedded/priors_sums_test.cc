@@ -42,7 +42,7 @@ std::vector<PriorRecord> SomeSums() {
                   RecordOf("another", "1.2", "Grid", "lane"), RecordOf("a-third", "1.3", "SAP")});
 }
 
-// The document with its scenes changed, and the right checksum.
+// Returns the document with changed scenes and a correct checksum.
 template <typename Change>
 std::string SumsWith(Change change) {
   json document = json::parse(FormatSums(SomeSums()));
@@ -186,7 +186,7 @@ TEST(PriorsSums, OfAThousandScenesAndTwentyBuildsAreOfFiveMegabytesAtMost) {
   uint64_t state = 1;
   for (int scene = 0; scene < 1'000; ++scene) {
     for (int build = 0; build < 20; ++build) {
-      for (int arm = 0; arm < 10; ++arm) {  // seven by the lane, three of them live too
+      for (int arm = 0; arm < 10; ++arm) {  // seven by the lane only, three of them live too
         const std::string name = "Algorithm" + std::to_string(arm % 7);
         PriorRecord& record = records.emplace_back(
             RecordOf("s", "1." + std::to_string(build), name, arm < 7 ? "lane" : ""));

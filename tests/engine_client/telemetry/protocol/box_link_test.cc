@@ -1,4 +1,4 @@
-// When a session shows boxes to its daemon, and how that stands with its other messages.
+// When a session sends boxes to its daemon, and how they are ordered among its other messages.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace {
 
 class BoxLinkTest : public ::testing::Test {
  protected:
-  // Connects to a daemon that shows boxes, and wants to see some.
+  // Connects to a daemon that supports box views, and requests some.
   v1::Hello Connect(bool allow_box_view) {
     SessionOptions options;
     options.batch_frames = 1;

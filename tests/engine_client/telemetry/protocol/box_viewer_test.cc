@@ -1,4 +1,4 @@
-// What a game shows of its boxes, when, and for how long. The daemon's side is protobuf's.
+// Which boxes a game sends, when, and for how long. The daemon's side uses protobuf.
 #include "engine_client/telemetry/protocol/box_viewer.h"
 
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ class BoxViewerTest : public ::testing::Test {
     viewer_.OnRequest({.interval_ms = interval_ms, .max_bytes = max_bytes, .until_ms = until_ms},
                       now_ns_);
   }
-  // Lets a millisecond pass, with a frame; returns whether a view was sent.
+  // Advances by milliseconds with one frame; returns whether a view was sent.
   bool Step(uint64_t ms = 1) {
     now_ns_ += ms * kMs;
     tap_.OnFrame(boxes_, ++frame_);

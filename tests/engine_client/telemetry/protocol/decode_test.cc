@@ -1,4 +1,5 @@
-// What a client receives, against protobuf: each field of each message, and bytes that are none.
+// Compares the client's decoder with protobuf: each field of each message, and bytes that are
+// invalid.
 #include <google/protobuf/unknown_field_set.h>
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
@@ -168,7 +169,7 @@ TEST(Decode, RefusesAMessageThatIsCutOffWhereProtobufDoes) {
   EXPECT_GT(refused_count, bytes.size() / 2);
 }
 
-// Protobuf refuses a field's number of more than 32 bits besides; here its lowest bits count.
+// Protobuf also refuses field numbers of more than 32 bits; our decoder uses their lowest bits.
 TEST(Decode, ReadsOfBrokenBytesWhatProtobufReads) {
   size_t read_count = 0;
   size_t refused_count = 0;

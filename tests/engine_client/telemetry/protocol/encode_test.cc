@@ -1,4 +1,4 @@
-// What a client sends, against protobuf: each message, with each of its fields, byte by byte.
+// Compares the client's encoder with protobuf byte by byte: each message with each of its fields.
 #include <gtest/gtest.h>
 
 #include "engine_client/telemetry/proto_conversion.h"
@@ -154,8 +154,8 @@ std::string EncodeAs(const v1::StreamTelemetryRequest& message) {
   return "";
 }
 
-// Calls `check` with random requests of each kind. All columns of a batch are filled in, since they
-// have one length.
+// Calls `check` with random requests of each kind. All columns of a batch are filled, because they
+// must have the same length.
 template <typename Check>
 void ForRandomRequests(double share, const Check& check) {
   const auto& kinds = *v1::StreamTelemetryRequest::descriptor()->oneof_decl(0);

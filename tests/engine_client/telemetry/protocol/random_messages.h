@@ -1,5 +1,5 @@
-// Messages of protobuf with random content, by reflection: a field that is added to proto/ is
-// filled in without a change here.
+// Protobuf messages with random content, by reflection: a field that is added to proto/ is filled
+// without a change here.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -13,11 +13,11 @@ namespace sweepstake::test_support {
 
 class RandomMessages {
  public:
-  // `share` of the fields, 0–1, are set; the elements of repeated numbers are `column_length` many.
+  // Sets a share of the fields (0–1); repeated numbers get `column_length` elements.
   RandomMessages(uint64_t seed, double share, int column_length)
       : random_{seed}, share_(share), column_length_(column_length) {}
 
-  // Sets the fields of `message`; of a oneof, the one that is `chosen`.
+  // Sets the fields of `message`; of a oneof it sets the field `chosen`.
   void Fill(google::protobuf::Message& message,
             const google::protobuf::FieldDescriptor* chosen = nullptr) {
     const google::protobuf::Descriptor& type = *message.GetDescriptor();
@@ -32,7 +32,7 @@ class RandomMessages {
   using Field = google::protobuf::FieldDescriptor;
 
   bool Chance() { return static_cast<double>(random_.Next() >> 11) * 0x1p-53 < share_; }
-  // Of any length of a varint.
+  // Returns a number of any varint length.
   uint64_t Number() { return (random_.Next() | 1) >> (random_.Next() % 63); }
   double Real() { return static_cast<double>(Number()) / 1024; }
   std::string Text() { return "text" + std::to_string(random_.Next()); }
@@ -57,7 +57,7 @@ class RandomMessages {
         return add ? to.AddUInt32(&message, &field, value) : to.SetUInt32(&message, &field, value);
       }
       case Field::CPPTYPE_ENUM: {
-        // Of this protocol or a newer one.
+        // Returns a value of this protocol version or of a newer one.
         const int value = static_cast<int>(1 + random_.Next() % 9);
         return add ? to.AddEnumValue(&message, &field, value)
                    : to.SetEnumValue(&message, &field, value);

@@ -1,4 +1,4 @@
-// When a session gives flight recordings to its daemon, and how that stands with its other
+// When a session sends flight recordings to its daemon, and how they are ordered among its other
 // messages.
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 class RecordingLinkTest : public ::testing::Test {
  protected:
-  // Connects to a daemon that passes recordings on.
+  // Connects to a daemon that forwards recordings.
   v1::Hello Connect(bool allow) {
     options_.allow_recording_download = allow;
     link_.emplace(options_, "the daemon", 7, queue_, *adaptive_, &recorder_);

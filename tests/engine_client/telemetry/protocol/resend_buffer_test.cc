@@ -44,7 +44,7 @@ TEST(ResendBuffer, KeepsItsPlaceWhenAcknowledgementsComeWhileSending) {
   buffer.MarkSent();
   buffer.Acknowledge(1);
   EXPECT_EQ(buffer.Next()->sequence, 3U);
-  buffer.Acknowledge(3);  // more than was sent here: sent on an earlier connection
+  buffer.Acknowledge(3);  // more than this connection sent: an earlier one sent it
   EXPECT_EQ(SendAll(buffer), Sequences{4});
 }
 

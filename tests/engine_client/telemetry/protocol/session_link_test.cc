@@ -1,5 +1,5 @@
-// The whole protocol of a session, message by message and in scripted time. The daemon's side is
-// protobuf's.
+// The complete protocol of a session, message by message and in scripted time. The daemon's side
+// uses protobuf.
 #include "engine_client/telemetry/protocol/session_link.h"
 
 #include <gmock/gmock.h>
@@ -69,7 +69,7 @@ class SessionLinkTest : public ::testing::Test {
     EXPECT_TRUE(request.ParseFromString(link_.Take(now_ns_)));
     return request;
   }
-  // The numbers of the messages that can be sent now.
+  // Returns the sequence numbers of the messages that can be sent now.
   std::vector<uint64_t> TakeAll() {
     std::vector<uint64_t> sequences;
     while (link_.Advance(now_ns_) == LinkAction::kSend) sequences.push_back(Take().sequence());

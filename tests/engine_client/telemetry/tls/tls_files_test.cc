@@ -1,4 +1,4 @@
-// The files of TLS: what is read from good ones, and what is said about others.
+// TLS files: the content of valid files, and the errors for invalid ones.
 #include "engine_client/telemetry/tls/tls_files.h"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ std::string ReadText(const std::filesystem::path& path) {
 class TlsFilesTest : public ::testing::Test {
  protected:
   TlsFilesTest() { authority_.Issue("IP:127.0.0.1", {files_.cert, files_.key}); }
-  // gRPC's handshakes look at the same queue.
+  // gRPC's handshakes use the same error queue, so it must be empty.
   ~TlsFilesTest() override { EXPECT_EQ(ERR_peek_error(), 0u); }
 
   std::filesystem::path Path(const std::string& name) const { return folder_.path() / name; }
