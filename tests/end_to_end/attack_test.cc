@@ -1,4 +1,4 @@
-// What strangers do to a real daemon's listeners, and that games do not notice it.
+// Attacks of unknown clients on the listeners of a real daemon, which games must not notice.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -27,7 +27,7 @@ class AttackTest : public ::testing::Test {
                                                     "/fd");
     return static_cast<size_t>(std::distance(begin(files), end(files)));
   }
-  // The largest that it has been.
+  // Returns the largest resident size so far.
   size_t ResidentKib() const {
     std::ifstream status("/proc/" + std::to_string(daemon_.pid()) + "/status");
     std::string word;
@@ -38,7 +38,7 @@ class AttackTest : public ::testing::Test {
     return kib;
   }
   int port() const { return std::stoi(daemon_.address().substr(daemon_.address().rfind(':') + 1)); }
-  // Connects `count` times, and says nothing.
+  // Opens `count` connections that send nothing.
   std::vector<std::unique_ptr<HttpSocket>> Connect(int port, size_t count) {
     std::vector<std::unique_ptr<HttpSocket>> sockets;
     while (sockets.size() < count) sockets.push_back(std::make_unique<HttpSocket>(port));
@@ -88,7 +88,7 @@ TEST_F(AttackTest, DescriptorsThatRanOutLetGamesInOnceThereAreSome) {
   ASSERT_EQ(prlimit(daemon_.pid(), RLIMIT_NOFILE, &limit, nullptr), 0);
   auto strangers = Connect(port(), 2 * kLeft);
   ASSERT_TRUE(rpc::Eventually([&] { return DescriptorCount() >= limit.rlim_cur; }));
-  // It waits in the system's queue until the strangers are gone.
+  // The game waits in the system's queue until the other connections are closed.
   ScriptedGame game(daemon_.address(), FastOptions());
   strangers.clear();
   game.RunUntil([&](const SessionStats& stats) { return Learns(stats) || daemon_.ended(); },
@@ -97,7 +97,7 @@ TEST_F(AttackTest, DescriptorsThatRanOutLetGamesInOnceThereAreSome) {
   EXPECT_EQ(Get(daemon_.http_port(), "/livez").status, 200);
 }
 
-// Without the daemon's bound each of these calls takes some 20 KiB.
+// Without the daemon's limit each of these calls would take about 20 KiB.
 TEST_F(AttackTest, StreamsThatAreResetAtOnceStayWithinTheMemoryQuota) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer keeps what is freed";
@@ -113,7 +113,7 @@ TEST_F(AttackTest, StreamsThatAreResetAtOnceStayWithinTheMemoryQuota) {
   stranger.Send(calls);
   ScriptedGame game(daemon_.address(), FastOptions());
   EXPECT_TRUE(game.RunUntil(Learns));
-  stranger.ReadAll();  // the daemon has ended the connection
+  stranger.ReadAll();  // returns when the daemon has closed the connection
   EXPECT_LT(ResidentKib(), before_kib + kQuotaKib);
 }
 

@@ -1,5 +1,5 @@
-// The audit log of a real game with a real daemon: every decision is derived again from what is on
-// disk, also where the daemon was killed.
+// The audit log of a real game with a real daemon: every decision must be derivable from the data
+// on disk, also after the daemon was killed.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -27,8 +27,8 @@ class AuditTest : public ::testing::TestWithParam<std::string> {
     return report;
   }
 
-  // Plays no faster than the daemon acknowledges: the log's rows that wait for the disk are
-  // bounded.
+  // Runs no faster than the daemon acknowledges, because the queue of the log's rows for the disk
+  // is bounded.
   static bool RunInStep(ScriptedGame& game, const std::function<bool(const SessionStats&)>& done) {
     constexpr uint64_t kMessagesAhead = 8;
     return game.RunUntil([&](const SessionStats& stats) {

@@ -1,5 +1,4 @@
-// The whole path over the real stream: a daemon as a process of its own, a game with scripted arm
-// costs.
+// The whole system over the real stream: a daemon process and a game with scripted arm costs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +34,7 @@ TEST(ConvergenceTest, LearnsTheBestArmAndRunsItMost) {
 
   const SessionStats stats = game.stats();
   EXPECT_EQ(HighestMean(stats), kScriptedBest);
-  std::vector<double> evidence;  // grows by one for each window that an arm was active in
+  std::vector<double> evidence;  // by arm; grows by one for each window in which the arm was active
   for (const ArmBelief& belief : stats.beliefs) evidence.push_back(belief.alpha + belief.beta);
   EXPECT_EQ(std::max_element(evidence.begin(), evidence.end()) - evidence.begin(), kScriptedBest);
   EXPECT_THAT(stats.command_count, Gt(6U)) << "the exploration commands every other arm once";

@@ -1,5 +1,4 @@
-// Games and the real daemon with a real HAProxy between them, as
-// deploy/haproxy/ sets it up.
+// Games and the real daemon with a real HAProxy between them, configured as in deploy/haproxy/.
 #include <arpa/inet.h>
 #include <errno.h>
 #include <grpcpp/grpcpp.h>
@@ -37,24 +36,23 @@ sockaddr_in Loopback(const char* address, int port) {
   return endpoint;
 }
 
-// HAProxy with the configuration of deploy/, on a port of its own.
+// HAProxy with the configuration of deploy/, on its own port.
 class Haproxy {
  public:
-  // `settings` are "NAME=VALUE", as in its environment.
+  // `settings` are environment variables in the form "NAME=VALUE".
   Haproxy(const std::filesystem::path& folder, const std::string& daemon,
           const std::filesystem::path& certificate, const std::vector<std::string>& settings)
       : socket_(Listen()),
         process_(CommandLine(daemon, certificate, settings), folder / "haproxy.log") {
-    close(socket_);  // HAProxy has it now
+    close(socket_);  // HAProxy has inherited it
     AwaitStart(1);
   }
-  // It stops its worker, which kill -9 would leave behind.
+  // Ends its worker, too, which kill -9 would leave behind.
   ~Haproxy() { process_.Terminate(); }
 
   int port() const { return port_; }
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  // Reads its files again, in a new process; the one before serves the
-  // connections that it has.
+  // Reloads its files in a new process; the former process keeps its connections.
   void Reload() {
     process_.Signal(SIGUSR2);
     AwaitStart(2);
@@ -105,7 +103,7 @@ class Haproxy {
   ChildProcess process_;
 };
 
-// A client that says what a game would not.
+// A client that sends data that no game would send.
 class RawClient {
  public:
   // Connects from `source`, an address of the loopback.
@@ -122,12 +120,12 @@ class RawClient {
     SSL_free(ssl_);
     SSL_CTX_free(context_);
     close(socket_);
-    ERR_clear_error();  // gRPC looks at the same queue
+    ERR_clear_error();  // gRPC uses the same queue
   }
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
 
-  // Begins TLS; returns whether the other side does, too.
+  // Starts TLS; returns whether the other side does, too.
   bool Handshake() {
     context_ = SSL_CTX_new(TLS_client_method());
     ssl_ = SSL_new(context_);
@@ -139,7 +137,7 @@ class RawClient {
   bool Send(std::string_view bytes) {
     return SSL_write(ssl_, bytes.data(), static_cast<int>(bytes.size())) > 0;
   }
-  // Reads until `bytes` have come; returns false if the connection ends before.
+  // Reads until `bytes` have arrived; returns false if the connection ends before.
   bool AwaitBytes(std::string_view bytes) {
     std::string read;
     while (read.find(bytes) == std::string::npos) {
@@ -150,8 +148,7 @@ class RawClient {
     }
     return true;
   }
-  // Reads until the other side ends the connection; returns whether it does
-  // within a minute.
+  // Reads until the other side closes the connection; returns whether it does within a minute.
   bool AwaitEnd() {
     char unread[4096];
     if (ssl_ == nullptr) return recv(socket_, unread, sizeof unread, 0) <= 0 && errno != EAGAIN;
@@ -166,7 +163,7 @@ class RawClient {
   SSL* ssl_ = nullptr;
 };
 
-// A request for telemetry, and its end before it is answered.
+// Returns a request for telemetry that is reset before its answer.
 std::string RequestAndReset(uint32_t stream) {
   return Http2Call(stream, "/sweepstake.v1.TelemetryService/StreamTelemetry") + Http2Reset(stream);
 }
@@ -179,7 +176,7 @@ class HaproxyTest : public ::testing::Test {
         std::make_unique<Haproxy>(folder_.path(), daemon_.address(), Path("haproxy.pem"), settings);
   }
   std::filesystem::path Path(const std::string& name) const { return folder_.path() / name; }
-  // Both in one file, as HAProxy wants them.
+  // Writes certificate and key into one file, as HAProxy requires.
   void IssueCertificate(const TestAuthority& authority) const {
     const CertificateFiles parts{Path("cert.pem"), Path("key.pem")};
     authority.Issue("IP:127.0.0.1", parts);
@@ -283,7 +280,7 @@ TEST_F(HaproxyTest, WhoResetsRapidlyIsSentAwayAndTheGamesPlayOn) {
   ASSERT_TRUE(attacker.Handshake() && attacker.Send(Http2Preface()));
   for (uint32_t stream = 1; stream < 1'000; stream += 2)
     ASSERT_TRUE(attacker.Send(RequestAndReset(stream)));
-  // The answer to a ping comes when HAProxy has read all before it.
+  // HAProxy answers a ping after it has read everything before it.
   const std::string_view payload = "12345678";
   ASSERT_TRUE(attacker.Send(Http2Frame(Http2Type::kPing, 0, 0, payload)));
   ASSERT_TRUE(attacker.AwaitBytes(Http2Frame(Http2Type::kPing, 1, 0, payload)));

@@ -1,8 +1,8 @@
-// kill -9 again and again, at seeded moments of two daemons' progress. Each daemon has a data
-// directory and games of its own, and comes back on its port.
+// Kills two daemons with kill -9 again and again, at seeded moments of their progress. Each daemon
+// has its own data directory and games, and restarts on its port.
 //
-// TEST_KILLS and TEST_SEED say how often and from which seed. The scheduler has a say
-// in what is under way at a kill, so that a seed does not repeat a failure exactly.
+// TEST_KILLS and TEST_SEED set the number of kills and the seed. A seed does not repeat a failure
+// exactly, because the scheduler affects what is in progress at a kill.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,9 +25,9 @@ namespace {
 
 using ::testing::Ge;
 
-constexpr size_t kGameCount = 3;  // at a time, of each daemon
-// A daemon believes 16 bail-outs of a session at once. It may hear of those of this many lives
-// together, and of two when nobody was there.
+constexpr size_t kGameCount = 3;  // concurrent games of each daemon
+// A daemon accepts 16 bail-outs of a session at once. It may receive those of this many lives
+// together, plus two that happened while no daemon ran.
 constexpr uint64_t kLivesUntilAllIsHeard = 4;
 constexpr uint64_t kMaxBailOutsInLife = 2;
 
@@ -36,15 +36,15 @@ struct Player {
   uint64_t bail_out_count = 0;
   uint64_t bail_outs_in_life = 0;
   uint64_t sent_before_life = 0;        // messages
-  priors::SourceProgress on_disk = {};  // at the last look
+  priors::SourceProgress on_disk = {};  // at the last check
 };
 
-// Returns whether this life's daemon has something of the game on its disk.
+// Returns whether this life's daemon has evidence of the game on its disk.
 bool IsHeard(const Player& player) {
   return player.game->stats().acknowledged_sequence > player.sent_before_life;
 }
 
-// What a game that has said goodbye has sent.
+// What a game that has ended with a goodbye has sent.
 struct Sent {
   SessionStats stats;
   uint64_t bail_out_count = 0;
@@ -58,10 +58,10 @@ class Household {
     for (size_t i = 0; i < kGameCount; ++i) players_.push_back(NewPlayer());
   }
 
-  // Plays until some evidence is on disk and some more is under way, kills the daemon and starts
-  // another.
+  // Runs until some evidence is on disk and more is in progress, kills the daemon and starts
+  // another one.
   void LiveAndDie(uint64_t life);
-  // Ends all games and the daemon, and compares what was sent with what the store has.
+  // Ends all games and the daemon, and compares what was sent with the content of the store.
   void End();
 
  private:
@@ -72,7 +72,7 @@ class Household {
 
   template <typename Done>
   void PlayUntil(Done done);
-  // Plays until so many more messages are acknowledged, or sent.
+  // Runs until `count` more messages are acknowledged or sent.
   void PlayFor(uint64_t SessionStats::*messages, uint64_t count);
   void BailOut(Player& player);
   void SayGoodbye(Player& player);
@@ -94,7 +94,7 @@ void Household::PlayUntil(Done done) {
       if (Draw(200) == 0 && player.bail_outs_in_life < kMaxBailOutsInLife) BailOut(player);
       ran |= player.game->RunSomeFrames();
     }
-    // The processors are for the daemons while they have something to do.
+    // Leave the processors to the daemons while they work.
     if (!ran) std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
 }
@@ -116,7 +116,8 @@ void Household::BailOut(Player& player) {
 }
 
 void Household::SayGoodbye(Player& player) {
-  PlayUntil([&] { return IsHeard(player); });  // A game that is not connected just ends.
+  // A game without a connection would end without a goodbye.
+  PlayUntil([&] { return IsHeard(player); });
   player.game->Stop(/*deadline_ms=*/60'000);
   gone_.push_back({.stats = player.game->stats(), .bail_out_count = player.bail_out_count});
   EXPECT_EQ(gone_.back().stats.acknowledged_sequence, gone_.back().stats.sent_sequence)
@@ -137,7 +138,7 @@ void Household::LiveAndDie(uint64_t life) {
   PlayFor(&SessionStats::sent_sequence, Draw(20));
   Kill();
   for (Player& player : players_) {
-    player.game->RunFrames(Draw(500));  // Nobody is there; the frames go on.
+    player.game->RunFrames(Draw(500));  // The frames continue without a daemon.
     if (Draw(3) == 0) BailOut(player);
   }
   daemon_ = std::make_unique<DaemonProcess>(data_.path(), daemon_->address());
@@ -147,7 +148,7 @@ void Household::Kill() {
   std::vector<SessionStats> before;
   for (const Player& player : players_) before.push_back(player.game->stats());
   daemon_->Kill();
-  // Reading tidies the log up, which the next daemon is to do as often.
+  // Reading compacts the store's log. The next daemon must do that equally often.
   const bool look = Draw(1) == 0;
   for (size_t i = 0; i < kGameCount; ++i) {
     Player& player = players_[i];

@@ -1,5 +1,5 @@
-// A game behind the C ABI with a transport of its own: a gRPC stream that moves the bytes of a link
-// to and from the real daemon, and knows no message.
+// A game on the C ABI with its own transport: a gRPC stream moves the bytes of a link to and from
+// the real daemon without parsing them.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -21,7 +21,7 @@ using test_support::TemporaryDirectory;
 
 constexpr uint64_t kNsPerMs = 1'000'000;
 
-// Every 5 ms or sooner, as c_link.h says.
+// Calls the link every 5 ms or more often, as c_link.h requires.
 class LinkHost {
  public:
   explicit LinkHost(std::string address) : address_(std::move(address)) {
@@ -48,7 +48,7 @@ class LinkHost {
   LinkHost(const LinkHost&) = delete;
   LinkHost& operator=(const LinkHost&) = delete;
 
-  // A frame, and what the transport has to do meanwhile.
+  // Runs a frame, and the work of the transport.
   void Step() {
     const std::vector<swp_aabb> boxes(50, {{0, 0, 0}, {1, 1, 1}});
     EXPECT_EQ(swp_session_begin_frame(session_), SWP_OK);
@@ -111,7 +111,7 @@ class LinkHost {
     const swp_result result =
         swp_link_next_message(link_, Now(), writable ? buffer_.data() : nullptr,
                               writable ? buffer_.size() : 0, &size, &action);
-    if (result == SWP_RESOURCE_EXHAUSTED) return;  // A write is under way.
+    if (result == SWP_RESOURCE_EXHAUSTED) return;  // A write is in progress.
     EXPECT_EQ(result, SWP_OK);
     finish_ = finish_ || action == SWP_LINK_FINISH;
     if (action == SWP_LINK_SEND) stream_->Write({buffer_.data(), size});

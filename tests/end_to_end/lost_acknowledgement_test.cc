@@ -1,4 +1,4 @@
-// A game that hears of no acknowledgement sends again what is on disk already.
+// If acknowledgements are lost, the game sends again what is already on disk.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ TEST(LostAcknowledgementTest, WhatIsSentAgainThoughItIsOnDiskCountsOnceAlsoAfter
   const TemporaryDirectory data;
   auto daemon = std::make_unique<DaemonProcess>(data.path());
   const std::string address = daemon->address();
-  // The second one does not share the first one's connection, which has failed.
+  // Do not share the first channel's connection, which has failed.
   grpc::ChannelArguments alone;
   alone.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   const auto connect = [&] {

@@ -1,4 +1,4 @@
-// What an operator sees of a running daemon over HTTP, and what Prometheus makes of it.
+// What a running daemon shows to operators over HTTP, and how Prometheus reads it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -41,7 +41,7 @@ DaemonProcess StartWithHttp(const TemporaryDirectory& data,
   return DaemonProcess(data.path(), "127.0.0.1:0", arguments);
 }
 
-// The value of a series in Prometheus' text, or -1.
+// Returns the value of a series in Prometheus' text format, or -1.
 double ValueOf(const std::string& text, const std::string& series) {
   const size_t line = ("\n" + text).find("\n" + series + " ");
   return line == std::string::npos ? -1 : std::stod(text.substr(line + series.size() + 1));
@@ -136,16 +136,16 @@ int RunShell(const std::string& command) {
 
 constexpr const char* kFolded = "sweepstake_store_folded_sources_total";
 
-// Puts the evidence of a session into the store that the next daemon folds.
+// Adds the evidence of an old session to the store, which the next daemon folds.
 void AddOldSession(const TemporaryDirectory& data) {
   priors::SourceUpdate update = storage::Update("old", 1, {storage::Key("Grid")});
-  update.unix_time_s = 1'000'000'000;  // in 2001
+  update.unix_time_s = 1'000'000'000;  // the year 2001
   const auto store = storage::OpenSqlitePriorStore(data.path() / "priors.db");
   ASSERT_TRUE(store.ok()) << store.status();
   ASSERT_TRUE((*store)->Commit({&update, 1}).ok());
 }
 
-// The names of all metrics that the daemon's sources have.
+// Returns the names of all metrics in the daemon's sources.
 std::set<std::string> NamesInSources() {
   static const std::regex kName("\"((sweepstake|process)_[a-z0-9_]+)\"");
   std::set<std::string> names;
@@ -158,7 +158,7 @@ std::set<std::string> NamesInSources() {
   return names;
 }
 
-// The names of the metrics of a page.
+// Returns the names of the metrics on a page.
 std::set<std::string> NamesOn(const std::string& page) {
   static const std::regex kType("# TYPE (\\w+) ");
   std::set<std::string> names;
@@ -171,7 +171,7 @@ TEST(MetricsTest, PromtoolFindsNothingToSayOfAnyThatThereIs) {
   const TemporaryDirectory data;
   const TemporaryDirectory folder;
   AddOldSession(data);
-  // Some are there with TLS only.
+  // Some metrics exist only with TLS.
   const TestAuthority authority(folder.path() / "ca.pem");
   const CertificateFiles server{folder.path() / "server.pem", folder.path() / "server-key.pem"};
   authority.Issue("IP:127.0.0.1", server);
@@ -191,14 +191,14 @@ TEST(MetricsTest, PromtoolFindsNothingToSayOfAnyThatThereIs) {
   EXPECT_EQ(FileText(said), "");
 }
 
-// A real Prometheus, which ends with the object.
+// A real Prometheus, which the destructor ends.
 class Prometheus {
  public:
   Prometheus(const std::filesystem::path& folder, int target_port)
       : folder_(folder), process_(CommandLine(target_port), folder / "said") {}
 
   std::string log() const { return process_.log(); }
-  // Every sample of a series that it has stored, as text.
+  // Returns every sample of a series that it has stored, as text.
   std::string Samples(const std::string& series) const {
     const std::string samples = folder_ / "samples";
     RunShell("promtool tsdb dump --match='" + series + "' '" + database() + "' >'" + samples +

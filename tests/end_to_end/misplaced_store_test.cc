@@ -1,4 +1,4 @@
-// A running daemon whose database is removed or replaced loses nothing of what it acknowledged.
+// A running daemon whose database is removed or replaced loses nothing that it acknowledged.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ size_t CountIn(const std::string& text, const std::string& part) {
   return count;
 }
 
-// The copies that the log tells of.
+// Returns the copies of the database that the log mentions.
 std::vector<fs::path> CopiesIn(const std::string& log) {
   const std::regex told("acknowledged is in ([^ ]*priors\\.db\\.backup-[^ ]*): stop the daemon");
   std::vector<fs::path> copies;
@@ -58,7 +58,7 @@ class MisplacedDatabaseTest : public ::testing::Test {
     }
   }
   void SendNext(rpc::TelemetryClient& game) const { game.Send(rpc::Frames(sequence_, 30)); }
-  // Does what the log of the daemon, which has ended, says to do with the copy.
+  // Follows the instructions for the copy in the log of the daemon, which has ended.
   void FollowAdvice() const {
     const std::string log = daemon_.log();
     std::smatch advice;
@@ -75,12 +75,12 @@ class MisplacedDatabaseTest : public ::testing::Test {
     EXPECT_EQ(std::system(restore.c_str()), 0) << restore;
   }
   std::string Ready() const { return Get(daemon_.http_port(), "/readyz").body; }
-  // Games go on; returns the name of the copy that the log tells of.
+  // Runs the games until the log mentions a copy; returns its name.
   fs::path AwaitCopy() {
     EXPECT_TRUE(rpc::Eventually([&] { return !CopiesIn(daemon_.log()).empty(); }));
     return CopiesIn(daemon_.log()).front();
   }
-  // All that the games send from now on is not acknowledged, and the daemon says so.
+  // Checks that nothing sent from now on is acknowledged, and that the daemon reports this.
   void ExpectNothingMoreIsAcknowledged() {
     for (rpc::TelemetryClient& game : games_) {
       SendNext(game);

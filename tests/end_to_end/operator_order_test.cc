@@ -1,4 +1,4 @@
-// A game that an operator pins to an arm, with the real daemon and the real client.
+// An operator pins a game to an arm, with the real daemon and the real client.
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr uint32_t kPinned = 5;  // of kScriptedCosts one of the worst
+constexpr uint32_t kPinned = 5;  // one of the slowest arms in kScriptedCosts
 
 class OperatorOrderTest : public ::testing::Test {
  protected:
@@ -27,7 +27,7 @@ class OperatorOrderTest : public ::testing::Test {
     options.allow_operator_orders = allow_operator_orders;
     return options;
   }
-  // Orders while the game plays on, and returns the call's status.
+  // Sends an order while the game runs, and returns the call's status.
   grpc::Status Order(const DaemonProcess& daemon, ScriptedGame& game, v1::Mode mode,
                      const std::string& arm = "") {
     v1::OrderSessionRequest request;
@@ -83,7 +83,7 @@ TEST_F(OperatorOrderTest, APinnedGameRunsThatArmOverARestartOfTheDaemonUntilItsR
   ASSERT_TRUE(PlayOn(game));
   EXPECT_EQ(game.adaptive().active_arm(), kPinned);
   EXPECT_EQ(game.stats().command_count, command_count);
-  // A window would add one; the sums of the store are rounded otherwise than those of a session.
+  // A window would add one. The sums of the store and of a session are rounded differently.
   EXPECT_LT(LearntEvidence(game.stats()), evidence + 0.5) << "nothing is learnt";
   const grpc::Status released = Order(*daemon, game, v1::MODE_AI);
   ASSERT_TRUE(released.ok()) << released.error_message();

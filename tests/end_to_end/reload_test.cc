@@ -22,7 +22,7 @@ class ReloadTest : public ::testing::Test {
   void Write(const std::string& config) {
     std::ofstream(folder_.path() / "sweepstake.toml") << config;
   }
-  // Sends SIGHUP and waits until the log has the text.
+  // Sends SIGHUP and waits until the log contains the text.
   bool ReloadSays(const std::string& text) {
     kill(daemon_->pid(), SIGHUP);
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);

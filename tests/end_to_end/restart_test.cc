@@ -1,4 +1,4 @@
-// What a game and its evidence go through when the daemon is absent, killed or told to stop.
+// Games and their evidence while the daemon is absent, killed or stopped.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
     })) << game.stats().last_error;
     game.BailOut();
     game.RunFrames(100);
-    daemon->Pause();  // So that something is under way when it dies.
+    daemon->Pause();  // so that messages are in progress at the kill
     game.BailOut();
     ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) {
       return stats.sent_sequence >= stats.acknowledged_sequence + 5;
@@ -44,7 +44,7 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
     EXPECT_THAT(source.progress.commit_sequence, Gt(before.commit_sequence));
     ExpectConsistent(source);
     before = source.progress;
-    game.RunFrames(2'000);  // Nobody is there; the frames go on.
+    game.RunFrames(2'000);  // The frames continue without a daemon.
     game.BailOut();
     daemon = std::make_unique<DaemonProcess>(data.path(), address);
   }
@@ -76,8 +76,8 @@ TEST(RestartTest, ADaemonThatHangsCostsSamplesAndNoFrame) {
   ScriptedGame game(daemon.address(), options);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 10; }));
   daemon.Pause();
-  // The connection takes in some before the queue fills. Unlike RunUntil, nothing waits for the
-  // sender.
+  // The connection accepts some messages before the queue fills. Unlike RunUntil, this does not
+  // wait for the sender.
   for (int round = 0; round < 100 && game.stats().dropped_frame_count == 0; ++round)
     game.RunFrames(100'000);
   EXPECT_THAT(game.stats().dropped_frame_count, Gt(0U)) << "a full queue drops its oldest";
@@ -89,7 +89,7 @@ TEST(RestartTest, ADaemonThatComesLateIsFound) {
   const TemporaryDirectory data;
   std::string address;
   {
-    const DaemonProcess first(data.path());  // Only to learn a free port.
+    const DaemonProcess first(data.path());  // only to find a free port
     address = first.address();
   }
   ScriptedGame game(address, FastOptions());
@@ -107,14 +107,14 @@ TEST(RestartTest, ADaemonWithAnotherPolicyGivesTheGameANewSessionAndItGoesOnLear
       data.path(), "127.0.0.1:0", std::vector<std::string>{"--decision-policy", "paper"});
   const std::string address = daemon->address();
   SessionOptions options = FastOptions();
-  options.policy.clear();  // the daemon's
+  options.policy.clear();  // uses the daemon's default
   ScriptedGame game(address, options);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 10; }));
   const std::string first = game.stats().session_id;
   EXPECT_EQ(daemon->Terminate(), 0);
   daemon = std::make_unique<DaemonProcess>(
       data.path(), address, std::vector<std::string>{"--decision-policy", "calibrated"});
-  double least = std::numeric_limits<double>::infinity();  // what the new session began with
+  double least = std::numeric_limits<double>::infinity();  // at the start of the session
   ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
     if (stats.session_id == first || stats.beliefs.empty()) return false;
     least = std::min(least, LearntEvidence(stats));

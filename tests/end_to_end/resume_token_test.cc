@@ -1,4 +1,4 @@
-// The resume token of a session is in nothing that the daemon writes.
+// The resume token of a session appears in nothing that the daemon writes.
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ v1::StreamTelemetryRequest Hello() {
   return request;
 }
 
-// Opens a session, and another that resumes it, and says goodbye.
+// Opens a session and another one that resumes it, and says goodbye. Returns the token.
 std::string Play(const std::string& address) {
   const auto stub = v1::TelemetryService::NewStub(
       grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
@@ -41,7 +41,7 @@ std::string Play(const std::string& address) {
     EXPECT_EQ(response.welcome().resumed(), resumed);
     hello.mutable_hello()->set_session_id(response.welcome().session_id());
     hello.mutable_hello()->set_resume_token(response.welcome().resume_token());
-    // Its message puts the session into the database.
+    // A message makes the daemon store the session in the database.
     v1::StreamTelemetryRequest message;
     message.set_sequence(1);
     message.mutable_mode_change()->set_mode(v1::MODE_AI);

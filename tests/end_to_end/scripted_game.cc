@@ -11,12 +11,12 @@
 namespace sweepstake::test_support {
 namespace {
 
-// Frames run between two looks at the session.
+// Frames between two checks of the session.
 constexpr uint64_t kFramesPerLook = 16;
-// How far the frame loop may run ahead of the sender.
+// Frames by which the loop may be ahead of the sender.
 constexpr uint64_t kFramesAhead = 1024;
 constexpr double kRestOfFrameMs = 1;
-// Half of the frame, or all of it if the frame rebuilds, since the clock is then looked at once
+// Half of the frame's time, or all of it if the frame rebuilds, because the clock is then read once
 // more.
 constexpr double kBailOutDetectionMs = 4'000;
 
@@ -37,13 +37,14 @@ SessionOptions FastOptions() {
   options.scene = "scripted";
   options.seed = 7;
   options.time_scale = 200;
-  options.policy = "paper";  // of which every window is one observation
+  options.policy = "paper";  // with this policy each window is one observation
   options.backoff_min_ms = 5;
   options.backoff_max_ms = 50;
   return options;
 }
 
-// Moves by half of the active arm's cost at every second look: FindPairs reads it before and after.
+// Advances by half of the active arm's cost at every second reading; FindPairs reads the clock
+// twice.
 class ScriptedGame::ScriptedClock final : public Clock {
  public:
   void SetStep(uint64_t step_ns) { step_ns_ = step_ns; }

@@ -1,7 +1,7 @@
-// A game whose arms cost what a script says, connected to a real daemon.
+// A game with scripted arm costs, connected to a real daemon.
 //
-// The backends, the frame path, the session and the stream are real; only the time a frame takes is
-// scripted: the clock moves by the active arm's cost, so that which arm is best does not depend on
+// The backends, the frame path, the session and the stream are real. Only the frame time is
+// scripted: the clock advances by the active arm's cost, so that the best arm does not depend on
 // the machine.
 #pragma once
 
@@ -16,14 +16,14 @@
 
 namespace sweepstake::test_support {
 
-// Arms in the order of AdaptiveBroadPhase::arms(), detection per frame.
+// Detection time per frame, in the order of AdaptiveBroadPhase::arms().
 using ArmCostsMs = std::vector<double>;
 
-// SAP, arm 2, is the best; KDTree the next.
+// SAP, arm 2, is the best; KDTree is the second.
 inline const ArmCostsMs kScriptedCosts = {40, 25, 2, 30, 20, 35, 8};
 inline constexpr uint32_t kScriptedBest = 2;
 
-// A time scale of 200: a decision every 10 ms, a cooldown of 200 ms. Reconnects fast.
+// A time scale of 200: a decision every 10 ms, a cooldown of 200 ms. Reconnects quickly.
 SessionOptions FastOptions();
 
 class ScriptedGame {
@@ -32,23 +32,23 @@ class ScriptedGame {
                ArmCostsMs costs_ms = kScriptedCosts);
   ~ScriptedGame();
 
-  // Runs frames until `done` returns true or `frame_limit` frames have run; returns the former. It
-  // waits for the sender between frames, never inside one, so that the queue drops nothing while
-  // the daemon runs.
+  // Runs frames until `done` returns true or `frame_limit` frames have run; returns whether `done`
+  // was true. It waits for the sender between frames, never inside one, so that the queue drops
+  // nothing while the daemon runs.
   bool RunUntil(const std::function<bool(const SessionStats&)>& done,
                 uint64_t frame_limit = 5'000'000);
-  // Runs a few frames, unless the sender is far behind; returns whether it did.
+  // Runs a few frames unless the sender is far behind; returns whether it did.
   bool RunSomeFrames();
-  // Runs `count` frames without looking at the session at all.
+  // Runs `count` frames without checking the session.
   void RunFrames(uint64_t count);
-  // Runs one frame of 8 s, which its arm is to blame for.
+  // Runs one frame of 8 s that its arm causes.
   void BailOut();
   void Stop(uint32_t deadline_ms = 5'000);
 
   SessionStats stats() const { return session_->stats(); }
   AdaptiveBroadPhase& adaptive() { return *adaptive_; }
   uint64_t frame_count() const { return frame_count_; }
-  // Calls that can block, made on this thread inside BeginFrame, FindPairs and EndFrame.
+  // Number of calls that can block, made on this thread inside BeginFrame, FindPairs and EndFrame.
   uint64_t wait_count() const { return wait_count_; }
 
  private:
@@ -64,10 +64,11 @@ class ScriptedGame {
   uint64_t wait_count_ = 0;
 };
 
-// Evidence in the latest snapshot, priors from the store included: the sum of α + β − 2 over arms.
+// Returns the evidence in the latest snapshot, including the store's priors: the sum of α + β − 2
+// over the arms.
 double LearntEvidence(const SessionStats& stats);
 
-// Whether the daemon has acknowledged something of the game: a condition for RunUntil.
+// Whether the daemon has acknowledged a message of the game: a condition for RunUntil.
 inline bool IsConnected(const SessionStats& stats) { return stats.acknowledged_sequence > 0; }
 
 }  // namespace sweepstake::test_support

@@ -1,4 +1,4 @@
-// The daemon under a service manager, and as its own probe.
+// The daemon under a service manager, and its program as a health probe.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -25,7 +25,7 @@ TEST(ServiceManagerTest, HearsOfTheDaemonFromItsStartToItsEnd) {
   const TemporaryDirectory folder;
   NotifySocket manager(folder.path(), std::chrono::seconds(60));
   DaemonProcess daemon(data.path());
-  // The watchdog's thread and the main one speak independently.
+  // The watchdog's thread and the main thread send independently.
   std::string first = manager.Receive();
   const bool watchdog_came = first == "WATCHDOG=1";
   if (watchdog_came) first = manager.Receive();
@@ -46,7 +46,7 @@ int Probe(const std::string& arguments) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// What the probe says of a daemon that gives it no answer.
+// Returns the probe's error for a daemon that does not answer.
 std::string Complaint(const std::string& arguments) {
   FILE* probe =
       popen((std::string(SWEEPSTAKED_PATH) + " probe " + arguments + " 2>&1").c_str(), "r");

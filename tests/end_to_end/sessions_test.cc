@@ -1,4 +1,4 @@
-// A game whose session is kicked, by the real daemon: it comes back if it may, and only then.
+// A real daemon kicks a game's session; the game may return only if the kick allows it.
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What the shadow lane of a real game measures, over a real stream, to the session that decides by
-// it.
+// What the shadow lane of a real game measures reaches, over a real stream, the session that
+// decides.
 #include <algorithm>
 #include <vector>
 
@@ -31,7 +31,7 @@ class ShadowTest : public rpc::RpcTest {
     RpcTest::TearDown();
   }
 
-  // Plays frames until `done` says so.
+  // Runs frames until `done` returns true.
   template <typename Condition>
   [[nodiscard]] bool PlayUntil(Condition done) {
     return rpc::Eventually([&] {

@@ -1,4 +1,4 @@
-// What a daemon that is not running has left on disk.
+// Reads what a stopped daemon has left on disk.
 #pragma once
 
 #include <filesystem>
@@ -9,20 +9,20 @@
 
 namespace sweepstake::test_support {
 
-// State of one source in the store under the daemon's data directory; fails the test when it cannot
-// be read or is not there.
+// Returns the state of one source in the store under the daemon's data directory; fails the test if
+// it is missing or cannot be read.
 priors::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id);
 
-// All scenes of the store; fails the test when they cannot be read.
+// Returns all scenes of the store; fails the test if they cannot be read.
 std::vector<priors::SceneEvidence> ReadScenes(const std::filesystem::path& data);
 
-// The audit log of all sessions in the store, as AuditCsv has it.
+// Returns the audit log of all sessions in the store, in the format of AuditCsv.
 std::string ReadAuditLog(const std::filesystem::path& data);
 
-// Evidence of a source, summed over arms.
+// Returns the evidence of a source, summed over its arms.
 priors::Evidence TotalEvidence(const priors::SourceState& source);
 
-// Expects of a session of the policy "paper" that no increment was lost or applied twice: α + β
+// Expects that no increment of a session with the policy "paper" was lost or applied twice: α + β
 // counts one per window and ten per bail-out.
 void ExpectConsistent(const priors::SourceState& source);
 

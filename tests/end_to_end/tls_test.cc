@@ -1,4 +1,4 @@
-// Games and the real daemon with TLS: who is let in, what the others are told, and certificates
+// Games and the real daemon with TLS: who may connect, the errors of the others, and certificates
 // that are replaced while both run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,8 +53,8 @@ SessionOptions With(const std::optional<TlsOptions>& tls) {
   return options;
 }
 
-// Plays until something of the game is on the daemon's disk. Returns why it never connected, or
-// nothing.
+// Runs until evidence of the game is on the daemon's disk. Returns the error if it never connected,
+// or an empty text.
 std::string Play(const std::string& address, const std::optional<TlsOptions>& tls) {
   ScriptedGame game(address, With(tls));
   EXPECT_TRUE(game.RunUntil(
@@ -62,7 +62,7 @@ std::string Play(const std::string& address, const std::optional<TlsOptions>& tl
   return game.stats().last_error;
 }
 
-// Plays until it can, for a minute.
+// Tries to connect for up to a minute; returns whether it succeeded.
 bool PlaysInTheEnd(const std::string& address, const std::optional<TlsOptions>& tls) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   std::string problem;
@@ -77,7 +77,7 @@ bool AcceptsVersion(const std::string& address, int version) {
   SSL_CTX* context = SSL_CTX_new(TLS_client_method());
   SSL_CTX_set_min_proto_version(context, TLS1_VERSION);
   SSL_CTX_set_max_proto_version(context, version);
-  SSL_CTX_set_cipher_list(context, "ALL:@SECLEVEL=0");  // so that this side has no objection
+  SSL_CTX_set_cipher_list(context, "ALL:@SECLEVEL=0");  // so that the client allows old ciphers
   constexpr unsigned char kHttp2[] = {2, 'h', '2'};
   SSL_CTX_set_alpn_protos(context, kHttp2, sizeof kHttp2);
   BIO* connection = BIO_new_ssl_connect(context);
@@ -85,7 +85,7 @@ bool AcceptsVersion(const std::string& address, int version) {
   const bool accepted = BIO_do_handshake(connection) == 1;
   BIO_free_all(connection);
   SSL_CTX_free(context);
-  ERR_clear_error();  // gRPC looks at the same queue
+  ERR_clear_error();  // gRPC uses the same queue
   return accepted;
 }
 
@@ -153,7 +153,7 @@ TEST_F(TlsTest, AReplacedCertificateIsServedAndNoRunningStreamIsLost) {
   ScriptedGame running(daemon.address(), With(tls_));
   ASSERT_TRUE(running.RunUntil(IsConnected));
   other_authority_.Issue("IP:127.0.0.1", server_);
-  // A game that trusts the new authority tries until the daemon has read the new files.
+  // A game that trusts the new authority retries until the daemon has read the new files.
   tls_.ca_file = other_authority_.cert();
   ScriptedGame next(daemon.address(), With(tls_));
   ASSERT_TRUE(next.RunUntil(IsConnected, UINT64_MAX));
@@ -163,7 +163,7 @@ TEST_F(TlsTest, AReplacedCertificateIsServedAndNoRunningStreamIsLost) {
   EXPECT_EQ(running.stats().connection_count, 1u);
   EXPECT_EQ(running.stats().last_error, "");
   EXPECT_EQ(running.stats().dropped_frame_count, 0u);
-  // The old certificate is not served any more.
+  // The old certificate must not be served any longer.
   tls_.ca_file = authority_.cert();
   EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("name the one that signed it"));
 }
@@ -195,7 +195,7 @@ TEST_F(TlsTest, FilesThatBreakAreToldOnceAndNoRunningStreamIsLost) {
   authority_.Issue("IP:127.0.0.1", server_);
   reloads(1);
   EXPECT_EQ(Get(daemon.http_port(), "/readyz").body, "ok\n");
-  // gRPC reads the files in its own time.
+  // gRPC reads the files after some time.
   EXPECT_TRUE(PlaysInTheEnd(daemon.address(), tls_));
   EXPECT_EQ(running.stats().connection_count, 1u);
   const std::string log = daemon.log();

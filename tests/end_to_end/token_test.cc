@@ -1,5 +1,5 @@
-// Games and the real daemon with tokens: who is let in, what the others are told, and that no token
-// is in anything that the daemon writes or says.
+// Games and the real daemon with tokens: who may connect, the errors of the others, and that no
+// token appears in anything that the daemon writes or sends.
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Returns what `sweepstaked ARGUMENTS` prints, errors included.
+// Returns the output of `sweepstaked ARGUMENTS`, including errors.
 std::string RunDaemonCommand(const std::string& arguments) {
   std::string text;
   FILE* output = popen((std::string(SWEEPSTAKED_PATH) + " " + arguments + " 2>&1").c_str(), "r");
@@ -42,7 +42,7 @@ std::string Content(const std::filesystem::path& path) {
 
 class TokenTest : public ::testing::Test {
  protected:
-  // Makes a token and returns the file that has it.
+  // Creates a token and returns the file that contains it.
   std::string MakeToken(const std::string& name, const std::string& options) {
     const std::string file = (folder_.path() / (name + ".token")).string();
     RunDaemonCommand("token create " + name + " " + options + " --out " + file + Data());
@@ -135,7 +135,7 @@ TEST_F(TokenTest, ATokenThatCannotBeUsedIsRefusedBeforeTheFirstConnectionAndNotS
   EXPECT_THAT(error("127.0.0.1:1", {.file = "nowhere", .text = "secret"}), HasSubstr("not both"));
 }
 
-// Lists posteriors with the token and returns what the daemon says.
+// Lists posteriors with the token and returns the daemon's answer as text.
 std::string Say(const std::string& address, const std::string& token) {
   const auto stub = v1::PosteriorsService::NewStub(
       grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
@@ -149,11 +149,11 @@ std::string Say(const std::string& address, const std::string& token) {
 TEST_F(TokenTest, NoTokenIsInAnythingThatTheDaemonWritesOrSays) {
   const std::string file = MakeToken("canary", "--role ingest");
   std::string token = Content(file);
-  token.pop_back();  // the line's end
+  token.pop_back();  // the line break
   const std::string secret = token.substr(token.find('_') + 1);
   ASSERT_EQ(secret.size(), 43u);
   std::vector<std::pair<std::string, std::string>> said;
-  setenv("SWEEPSTAKE_CLIENT_TOKEN", token.c_str(), 1);  // of the daemon's, too
+  setenv("SWEEPSTAKE_CLIENT_TOKEN", token.c_str(), 1);  // the daemon inherits it, too
   {
     DaemonProcess daemon(data_.path(), "127.0.0.1:0",
                          {"--log-level", "trace", "--http", "127.0.0.1:0"});

@@ -1,5 +1,5 @@
-// What a game hears of its scene over the real stream: is the choice clear, a tie, or is even the
-// best arm too slow?
+// The verdict about its scene that a game receives over the real stream: a clear choice, a tie, or
+// even the best arm is too slow.
 #include <gtest/gtest.h>
 
 #include "tests/end_to_end/scripted_game.h"
@@ -11,7 +11,7 @@ namespace {
 
 class VerdictTest : public testing::Test {
  protected:
-  // Runs until the game hears of this verdict.
+  // Runs until the game receives this verdict.
   static SceneVerdict Hear(Verdict verdict, ScriptedGame& game) {
     EXPECT_TRUE(game.RunUntil([verdict](const SessionStats& stats) {
       return stats.verdict.verdict == verdict;
@@ -25,7 +25,7 @@ class VerdictTest : public testing::Test {
 
 TEST_F(VerdictTest, IsStableWhereOneArmIsClearlyTheBest) {
   ScriptedGame game(daemon_.address(), FastOptions());
-  // What the frame thread reads without asking the session.
+  // The frame thread can read the verdict without the session.
   const auto knows_the_best = [&game](const SessionStats&) {
     const SceneVerdict verdict = game.adaptive().verdict();
     return verdict.verdict == Verdict::kStable && verdict.leader_arm == kScriptedBest;

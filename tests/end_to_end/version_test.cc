@@ -1,4 +1,4 @@
-// Games and daemons of different versions of the protocol, over the real stream.
+// Games and daemons of different protocol versions, over the real stream.
 #include <gmock/gmock.h>
 #include <google/protobuf/unknown_field_set.h>
 #include <grpcpp/grpcpp.h>
@@ -29,8 +29,8 @@ using ::testing::StartsWith;
 using Request = v1::StreamTelemetryRequest;
 using Response = v1::StreamTelemetryResponse;
 
-// Returns a message of version 1 as it was recorded. What today's protocol has in other fields
-// would be unknown to it, and other bytes come back when it is sent.
+// Returns a recorded message of version 1. If today's protocol moved a field, its value would be
+// unknown, and the message would serialize to other bytes.
 template <typename Message>
 Message Recorded(const std::string& name) {
   std::ifstream file(VERSION_1_MESSAGES);
@@ -45,7 +45,7 @@ Message Recorded(const std::string& name) {
   return {};
 }
 
-// Adds a field that no version has yet to the message and to every message in it.
+// Adds an unknown field to the message and to every message in it, like a newer version.
 void AddNewerFields(google::protobuf::Message& message) {
   const google::protobuf::Reflection& reflection = *message.GetReflection();
   std::vector<const google::protobuf::FieldDescriptor*> fields;
@@ -66,7 +66,7 @@ Message Newer(const std::string& name) {
   return message;
 }
 
-// A message's fields by their numbers, which are all that an old program knows.
+// A message's fields by their numbers, which are all that an old program uses.
 class Fields {
  public:
   explicit Fields(const std::string& message = "") {
@@ -88,15 +88,15 @@ class Fields {
     return nullptr;
   }
 
-  // Shared, because it cannot be copied.
+  // Shared, because an UnknownFieldSet cannot be copied.
   std::shared_ptr<google::protobuf::UnknownFieldSet> fields_ =
       std::make_shared<google::protobuf::UnknownFieldSet>();
 };
 
-// The numbers of version 1.
+// The field numbers of version 1.
 enum ResponseField { kWelcome = 1, kSwitchCommand = 2, kAcknowledgement = 3 };
 
-// A stream of a game that says what the test wants, and reads by numbers.
+// A game's stream that sends what the test sets, and reads responses by field number.
 class ScriptedStream {
  public:
   explicit ScriptedStream(const DaemonProcess& daemon)
@@ -125,7 +125,7 @@ class ScriptedStream {
     }
     return stream_->Finish();
   }
-  // The latest response of a kind.
+  // Returns the latest response of a kind.
   const Fields& latest(ResponseField kind) { return latest_[kind]; }
 
  private:
@@ -235,7 +235,7 @@ class GameTest : public ::testing::Test {
     });
     daemon_.Start();
   }
-  // Whether the game has told how a command went.
+  // Whether the game has reported the outcome of a command.
   bool HasOutcomeOf(uint64_t command_id) {
     const std::vector<Request> evidence = daemon_.Evidence();
     return std::any_of(evidence.begin(), evidence.end(), [&](const Request& request) {

@@ -15,7 +15,7 @@ void* CountedAllocation(size_t bytes) noexcept {
 
 #ifdef _WIN32
 
-// The Windows runtime has functions of its own, and memory from them is freed by another one.
+// The Windows runtime has its own aligned functions, whose memory must be freed by a matching one.
 void* AlignedAllocation(size_t bytes, size_t alignment) {
   return _aligned_malloc(bytes == 0 ? 1 : bytes, alignment);
 }
@@ -23,7 +23,7 @@ void AlignedFree(void* memory) { _aligned_free(memory); }
 
 #else
 
-// aligned_alloc wants a multiple of the alignment.
+// aligned_alloc requires a multiple of the alignment.
 void* AlignedAllocation(size_t bytes, size_t alignment) {
   return std::aligned_alloc(alignment, (bytes + alignment) / alignment * alignment);
 }

@@ -1,11 +1,11 @@
-// Counts the calls of global operator new, in programs that have allocation_counter.cc among their
-// sources: it replaces the operators. malloc and realloc are not counted.
+// Counts the calls of global operator new in programs that have allocation_counter.cc among their
+// sources, which replaces the operators. malloc and realloc are not counted.
 //
 //   const uint64_t before = ThreadAllocationCount();
 //   ... one frame ...
 //   EXPECT_EQ(ThreadAllocationCount(), before);
 //
-// Thread safety: each thread counts its own.
+// Thread safety: each thread has its own count.
 #pragma once
 
 #include <cstdint>

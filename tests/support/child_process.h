@@ -1,4 +1,4 @@
-// A program that runs beside the test.
+// A program that runs as a child process of the test.
 #pragma once
 
 #include <sys/types.h>
@@ -11,30 +11,30 @@ namespace sweepstake::test_support {
 
 class ChildProcess {
  public:
-  // Starts `arguments[0]`, which is looked for in PATH, and appends to `log` what it says on
-  // stderr. Aborts the test program if it cannot be started.
+  // Starts `arguments[0]`, searched in PATH, and appends its stderr to `log`. Aborts the test
+  // program if it cannot be started.
   ChildProcess(std::vector<std::string> arguments, std::filesystem::path log);
-  ~ChildProcess();  // kill -9 when still running
+  ~ChildProcess();  // kill -9 if it still runs
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   pid_t pid() const { return pid_; }
-  // What it has said so far.
+  // Returns its output so far.
   std::string log() const;
   // Returns whether it has ended by itself.
   bool ended();
   void Signal(int signal) const;
-  // kill -9, and waits for the end.
+  // Sends SIGKILL and waits for the end.
   void Kill();
-  // SIGTERM; the exit code, or -1 when it ended before or a signal ended it.
+  // Sends SIGTERM; returns the exit code, or -1 if it had ended or a signal ended it.
   int Terminate();
 
  private:
-  // The exit code, or -1.
+  // Returns the exit code, or -1.
   int Await();
 
   std::filesystem::path log_;
-  pid_t pid_ = -1;  // -1 from its end on
+  pid_t pid_ = -1;  // -1 after its end
 };
 
 }  // namespace sweepstake::test_support

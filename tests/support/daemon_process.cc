@@ -14,7 +14,7 @@ std::vector<std::string> CommandLine(const std::filesystem::path& data,
                                      const std::filesystem::path& port_file,
                                      const std::string& listen,
                                      const std::vector<std::string>& more_arguments) {
-  std::filesystem::remove(port_file);  // of the daemon before
+  std::filesystem::remove(port_file);  // of the former daemon
   std::vector<std::string> arguments = {SWEEPSTAKED_PATH,   "--listen",         listen,
                                         "--data",           data.string(),      "--port-file",
                                         port_file.string(), "--max-time-scale", "1000"};
@@ -27,7 +27,7 @@ std::vector<std::string> CommandLine(const std::filesystem::path& data,
 DaemonProcess::DaemonProcess(const std::filesystem::path& data, const std::string& listen,
                              const std::vector<std::string>& more_arguments)
     : process_(CommandLine(data, data / "port", listen, more_arguments), data / "log") {
-  // The port file appears, whole, once the daemon listens.
+  // The daemon writes the complete port file when it listens.
   while (!std::filesystem::exists(data / "port")) {
     if (process_.ended()) {
       std::fprintf(stderr, "The daemon ended at once:\n%s\n", log().c_str());

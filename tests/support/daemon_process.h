@@ -11,25 +11,26 @@ namespace sweepstake::test_support {
 
 class DaemonProcess {
  public:
-  // Starts the daemon, which allows any time scale, and returns when it listens. `listen` may name
-  // a port to come back on after a kill. Aborts the test program with the daemon's log when it does
-  // not start.
+  // Starts the daemon, which allows any time scale, and returns when it listens. `listen` may set a
+  // port, to use the same one after a kill. Aborts the test program with the daemon's log if it
+  // does not start.
   explicit DaemonProcess(const std::filesystem::path& data,
                          const std::string& listen = "127.0.0.1:0",
                          const std::vector<std::string>& more_arguments = {});
 
   const std::string& address() const { return address_; }
-  // The port of --http, or -1 if the daemon was started without.
+  // The port of --http, or -1 without that option.
   int http_port() const { return http_port_; }
   pid_t pid() const { return process_.pid(); }
-  bool ended() { return process_.ended(); }  // by itself
-  // What the daemon has logged so far.
+  bool ended() { return process_.ended(); }  // without a signal
+  // Returns the daemon's log so far.
   std::string log() const { return process_.log(); }
-  // Stops running without ending: connections stay open, nothing is read or answered any more.
+  // Stops the process with SIGSTOP: connections stay open, but nothing is read or answered.
   void Pause() const;
-  // kill -9, and waits for the end. It happens by itself when the object ends.
+  // Sends SIGKILL and waits for the end. The destructor calls it, too.
   void Kill() { process_.Kill(); }
-  // SIGTERM; the exit code, or -1 when a signal ended it. Prints the daemon's log unless it is 0.
+  // Sends SIGTERM; returns the exit code, or -1 if a signal ended it. Prints the daemon's log
+  // unless the code is 0.
   int Terminate();
 
  private:

@@ -1,2 +1,2 @@
-// The program that owns the tests' precompiled headers does nothing.
+// The program that owns the tests' precompiled headers; it does nothing.
 int main() { return 0; }

@@ -1,7 +1,7 @@
-// A daemon for tests: it speaks sweepstake.v1 on a port of its own, records what it receives, and
-// answers as the test says.
+// A daemon for tests: it implements sweepstake.v1 on its own port, records what it receives, and
+// answers as the test sets.
 //
-// Thread safety: all methods from the test's thread; the stream's own thread only reads the script
+// Thread safety: call all methods from the test's thread; the stream's thread only reads the script
 // and records.
 #pragma once
 
@@ -23,14 +23,14 @@ class FakeDaemon final : public v1::TelemetryService::Service {
  public:
   // How each connection is answered; may be changed at any time.
   struct Script {
-    // Ends the stream with it instead of a welcome.
+    // Ends the stream with this status instead of a welcome.
     std::optional<grpc::Status> refusal;
-    // Ends the stream with it after the first message with evidence.
+    // Ends the stream with this status after the first message with evidence.
     std::optional<grpc::Status> refusal_of_evidence;
-    // Answers a goodbye.
+    // The status that answers a goodbye.
     grpc::Status farewell;
-    bool never_reads = false;   // welcomes, then reads nothing more
-    bool acknowledges = true;   // each message with evidence at once
+    bool never_reads = false;   // sends the welcome, then reads nothing
+    bool acknowledges = true;   // acknowledges each message with evidence at once
     bool answers_hello = true;  // whether a Hello gets a Welcome
     v1::Welcome welcome;        // session_id, resumed and acknowledged_sequence are filled in
   };
@@ -38,33 +38,31 @@ class FakeDaemon final : public v1::TelemetryService::Service {
   FakeDaemon();
   ~FakeDaemon() override;
 
-  // Port 0 takes a free one; a port that was ours before brings the daemon back to the same
-  // address.
+  // Port 0 selects a free port; a former port restarts the daemon at the same address.
   void Start(int port = 0);
-  // Breaks off all streams, as kill -9 does. What it knew of sessions is kept, as on a disk.
+  // Aborts all streams, like kill -9. Sessions are kept, as if they were on a disk.
   void Kill();
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
   int port() const { return port_; }
 
   void SetScript(const std::function<void(Script&)>& change);
-  // Loses the knowledge of all sessions: to resume one fails with NOT_FOUND.
+  // Discards all sessions: resuming one fails with NOT_FOUND.
   void ForgetSessions();
   // Writes to the open connection; returns false if there is none.
   bool Send(const v1::StreamTelemetryResponse& response);
 
-  // Waits until `condition` holds for what was received. The test's time limit ends a wait that
-  // never succeeds.
+  // Waits until `condition` holds. A wait that never succeeds ends with the test's time limit.
   void WaitUntil(const std::function<bool(const FakeDaemon&)>& condition);
 
-  // What was received so far, in order, over all connections. Inside WaitUntil's condition only, or
-  // when stopped.
+  // Everything received so far, in order, over all connections. Read it only inside WaitUntil's
+  // condition or after Stop.
   std::vector<v1::Hello> hellos;
-  std::vector<v1::StreamTelemetryRequest> evidence;  // all messages, replays included
+  std::vector<v1::StreamTelemetryRequest> evidence;  // all messages, including those sent again
   std::vector<v1::Goodbye> goodbyes;
   int open_stream_count = 0;
 
-  // A copy of the evidence, each sequence number of the latest session once, in order.
+  // Returns a copy of the evidence: each sequence number of the latest session once, in order.
   std::vector<v1::StreamTelemetryRequest> Evidence();
 
  private:
@@ -78,14 +76,14 @@ class FakeDaemon final : public v1::TelemetryService::Service {
   int port_ = 0;
   std::unique_ptr<grpc::Server> server_;
 
-  std::mutex mutex_;  // guards what follows and the records above
+  std::mutex mutex_;  // guards the members below and the records above
   std::condition_variable changed_;
   Script script_;
   Stream* open_stream_ = nullptr;
   std::vector<grpc::ServerContext*> contexts_;
   bool killed_ = false;
   int session_count_ = 0;
-  std::string session_id_;  // the session that is known; empty if there is none
+  std::string session_id_;  // the current session; empty if there is none
   uint64_t acknowledged_sequence_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What a file holds, for tests. A pure read; a file that is not there is an empty text.
+// Returns the content of a file for tests; an empty text if the file does not exist.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Speaks HTTP over a plain socket on loopback, so that tests can also send what no client would.
+// HTTP over a plain loopback socket, so that tests can also send invalid requests.
 #pragma once
 
 #include <string>
@@ -6,22 +6,22 @@
 
 namespace sweepstake::test_support {
 
-// A connection that ends with the object. A server that says nothing for a minute ends the test
-// program.
+// A connection that the destructor closes. If the server sends nothing for a minute, the test
+// program ends.
 class HttpSocket {
  public:
-  // With `receive_bytes` the system takes little that is not read.
+  // `receive_bytes` limits the receive buffer, so that the system accepts little unread data.
   explicit HttpSocket(int port, int receive_bytes = 0);
   ~HttpSocket();
   HttpSocket(const HttpSocket&) = delete;
   HttpSocket& operator=(const HttpSocket&) = delete;
 
   void Send(std::string_view bytes);
-  // Returns what comes until the server ends the connection.
+  // Returns all data until the server closes the connection.
   std::string ReadAll();
   // Returns one answer with a Content-Length.
   std::string ReadAnswer();
-  // Returns what comes up to the text, or all of it if the server ends the connection before.
+  // Returns the data up to the text, or all data if the server closes the connection before.
   std::string ReadUntil(std::string_view text);
 
  private:
@@ -38,7 +38,7 @@ struct HttpAnswer {
   std::string body;
 };
 
-// Sends `request` and reads until the server ends the connection.
+// Sends `request` and reads until the server closes the connection.
 HttpAnswer Exchange(int port, std::string_view request);
 
 // Gets a page.

@@ -14,8 +14,8 @@ uint64_t ThreadMallocCount() { return thread_malloc_count; }
 
 }  // namespace sweepstake::test_support
 
-// The linker's --wrap turns calls of f into __wrap_f and gives the real one as __real_f; the names
-// are its own. NOLINTBEGIN(bugprone-reserved-identifier)
+// The linker's --wrap turns calls of f into __wrap_f and provides the real function as __real_f; it
+// defines these names. NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __real_malloc(size_t bytes);
 void* __real_calloc(size_t count, size_t bytes);

@@ -1,6 +1,6 @@
-// The pairs a broad phase must find, by the definition of aabb.h alone, and a readable comparison.
-// It leaves no pair out by any reasoning, and shares no code with the faster oracle of `sweepstake
-// check`, so that neither can hide a fault of the other.
+// The pairs that a broad phase must find, by the definition in aabb.h alone, and a readable
+// comparison. It tests all pairs and shares no code with the faster oracle of `sweepstake check`,
+// so that neither can hide an error of the other.
 #pragma once
 
 #include <span>
@@ -14,11 +14,12 @@ namespace sweepstake::test_support {
 // Returns every overlapping pair in ascending order. Cost: n²/2 scalar tests.
 std::vector<OverlapPair> ScalarPairs(std::span<const Aabb> boxes);
 
-// Ascending order, duplicates kept.
+// Returns the pairs in ascending order, including duplicates.
 std::vector<OverlapPair> Sorted(std::span<const OverlapPair> pairs);
 
-// Empty when both hold the same pairs as often; else one line with the first few that are missing,
-// surplus, doubled or not a < b. REQUIRES: `expected` as ScalarPairs returns it.
+// Returns an empty text if both contain the same pairs equally often. Otherwise returns one line
+// with the first pairs that are missing, surplus, duplicate or not a < b. REQUIRES: `expected` is a
+// result of ScalarPairs.
 std::string PairDifference(std::span<const OverlapPair> found,
                            std::span<const OverlapPair> expected);
 

@@ -1,4 +1,4 @@
-// A sink that keeps everything it is given.
+// A sink that records everything it receives.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ class RecordingSink final : public FrameSink {
   std::vector<SceneDescriptor> descriptors;
   std::vector<SwitchOutcome> switches;
   std::vector<ModeChange> mode_changes;
-  std::vector<ShadowSample> shadows;  // written on the lane's thread; read them when it has ended
+  std::vector<ShadowSample> shadows;  // written by the lane's thread; read them after its end
 };
 
 }  // namespace sweepstake::test_support

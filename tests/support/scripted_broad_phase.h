@@ -1,5 +1,5 @@
-// A backend with a script for costs: each operation takes its scripted time on a scripted clock,
-// finds the scripted number of pairs, and is counted.
+// A backend with scripted costs: each operation takes its scripted time on a scripted clock, finds
+// the scripted number of pairs, and is counted.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct ArmScript {
   uint64_t check_count = 0;
   size_t bytes = 0;
   uint32_t pair_count = 0;
-  bool descending = false;  // the order of the pairs
+  bool descending = false;  // whether pairs are in descending order
 };
 
 class ScriptedBroadPhase final : public BroadPhase {
@@ -47,7 +47,7 @@ class ScriptedBroadPhase final : public BroadPhase {
   uint64_t aabb_check_count() const override { return script_.check_count; }
   size_t native_bytes() const override { return script_.bytes; }
 
-  // A script may change between frames.
+  // The test may change the script between frames.
   ArmScript& script() { return script_; }
 
   int build_count = 0;

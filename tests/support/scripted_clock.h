@@ -1,4 +1,4 @@
-// A clock that goes on only when told to.
+// A clock that advances only when the test advances it.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ class ScriptedClock final : public Clock {
     return now_ns_ += reading_ns_;
   }
   void Advance(uint64_t duration_ns) { now_ns_ += duration_ns; }
-  // What each reading takes from now on.
+  // Sets the time by which each reading advances the clock from now on.
   void SetReading(uint64_t duration_ns) { reading_ns_ = duration_ns; }
   uint64_t reading_count() const { return reading_count_; }
 

@@ -1,5 +1,5 @@
-// How much a test with random moments does, and from which seed: in the suite what its source says,
-// in a longer run what the environment says.
+// The size and the seed of a test with random moments: set in its source for the test suite, and by
+// the environment for longer runs.
 #pragma once
 
 #include <cstdint>

@@ -28,7 +28,7 @@ void AddExtension(X509* certificate, int kind, const std::string& value) {
   X509_EXTENSION_free(extension);
 }
 
-// Makes a certificate of `key`, not yet signed, with a name and a number that no other one has.
+// Creates a certificate of `key`, not signed yet, with a unique name and serial number.
 X509* MakeCertificate(EVP_PKEY* key) {
   X509* certificate = X509_new();
   uint32_t number = 0;

@@ -1,4 +1,5 @@
-// A certificate authority for tests. All keys are made anew, so that none is ever in the tree.
+// A certificate authority for tests. Keys are generated in each run, so that none is in the
+// repository.
 #pragma once
 
 #include <openssl/evp.h>
@@ -18,13 +19,13 @@ struct CertificateFiles {
 
 class TestAuthority {
  public:
-  // Makes the authority, and its certificate as a file.
+  // Creates the authority and writes its certificate to a file.
   explicit TestAuthority(std::filesystem::path cert);
 
   const std::filesystem::path& cert() const { return cert_file_; }
-  // Makes a key and its certificate for `host`, "IP:127.0.0.1" or "DNS:example.com", and writes
-  // both to `files`, first the certificate. Each file is replaced in one step. It expires after so
-  // many seconds, or has if they are negative.
+  // Creates a key and its certificate for `host` ("IP:127.0.0.1" or "DNS:example.com") and writes
+  // both to `files`, the certificate first. Each file is replaced in one step. The certificate
+  // expires in `expires_in_s` seconds; a negative value makes an expired one.
   void Issue(const std::string& host, const CertificateFiles& files,
              int64_t expires_in_s = 86'400) const;
 

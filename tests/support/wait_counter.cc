@@ -26,8 +26,8 @@ thread_local constinit const char* latest_call = "";
   latest_call = name;
 }
 
-// The function this one stands in front of. Looked up at each call: a static would need a guard,
-// which may lock.
+// Returns the intercepted function. It is looked up at each call: a static variable would need a
+// guard, which may lock.
 template <typename Function>
 [[maybe_unused]] Function* Next(const char* name) {
   void* next = dlsym(RTLD_NEXT, name);
@@ -57,11 +57,11 @@ const char* WaitCounter::last_call() const { return latest_call; }
 
 }  // namespace sweepstake::test_support
 
-// ThreadSanitizer stands in front of the same functions, and must know who called them.
+// ThreadSanitizer intercepts the same functions and needs their real caller.
 #ifndef __SANITIZE_THREAD__
 
-// Each definition takes the place of the C library's for the whole program. The arguments of the
-// macro are types, names and lists that bring their own parentheses.
+// Each definition replaces the C library's function in the whole program. The macros' arguments are
+// types, names and lists with their own parentheses.
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define SWEEPSTAKE_INTERPOSE(result, name, parameters, arguments)            \
   extern "C" __attribute__((visibility("default"))) result name parameters { \
@@ -103,8 +103,9 @@ SWEEPSTAKE_INTERPOSE(ssize_t, recvmsg, (int f, msghdr* m, int o), (f, m, o))
 SWEEPSTAKE_INTERPOSE(int, poll, (pollfd * f, nfds_t n, int t), (f, n, t))
 SWEEPSTAKE_INTERPOSE(int, epoll_wait, (int f, epoll_event* e, int n, int t), (f, e, n, t))
 
-// What libstdc++ makes of std::atomic::wait and notify: syscall(SYS_futex, …) with up to six
-// arguments. Like the C library's, it reads all six, whether the caller gave them or not.
+// libstdc++ implements std::atomic::wait and notify by syscall(SYS_futex, …) with up to six
+// arguments. Like the C library's function, this one reads all six, even if the caller passed
+// fewer.
 extern "C" __attribute__((visibility("default"), no_sanitize("address"))) long syscall(
     long number, ...) noexcept {
   Count("syscall");

@@ -1,14 +1,14 @@
-// Counts what could make a thread wait: calls of locks, waits, wake-ups, sleeps, yields, and input
-// and output, by interposing the C library's functions in programs that have wait_counter.cc among
-// their sources. Calls from shared libraries are seen too; a system call made inside the C library
-// itself (an allocator's futex) is not, so count allocations beside it.
+// Counts calls that could block a thread: locks, waits, wake-ups, sleeps, yields, and input and
+// output. It intercepts the C library's functions in programs that have wait_counter.cc among their
+// sources, also for calls from shared libraries. A system call inside the C library itself (an
+// allocator's futex) is not counted, so count allocations too.
 //
 //   WaitCounter waits;                  // counts on this thread from here on
 //   ... one frame ...
 //   EXPECT_EQ(waits.count(), 0) << waits.last_call();
 //
-// Thread safety: each counter counts the thread that made it, while it lives; one at a time per
-// thread.
+// Thread safety: each counter counts the calls of the thread that created it, while it exists; at
+// most one per thread.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class WaitCounter {
   static bool Works();
 
   uint64_t count() const;
-  // Name of the latest counted function; empty: none.
+  // Name of the latest counted function; empty if there is none.
   const char* last_call() const;
 };
 

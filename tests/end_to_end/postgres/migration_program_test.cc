@@ -1,5 +1,5 @@
-// `sweepstaked migrate` takes what a daemon has learnt to PostgreSQL and back, and its sessions go
-// on in both places.
+// `sweepstaked migrate` transfers what a daemon has learnt to PostgreSQL and back, and its sessions
+// continue in both places.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@ constexpr uint64_t kMessages = 5;
 
 struct Ran {
   int exit_code = -1;
-  std::string said;  // on stdout and stderr
+  std::string said;  // output on stdout and stderr
 };
 
 Ran RunDaemonProgram(const std::string& arguments) {
@@ -41,7 +41,7 @@ std::shared_ptr<grpc::Channel> To(const DaemonProcess& daemon) {
   return grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials());
 }
 
-// Of the one scene, once no session plays in it any more.
+// Returns the posteriors of the one scene after its sessions have ended.
 std::string PosteriorsOf(const DaemonProcess& daemon) {
   const auto stub = v1::PosteriorsService::NewStub(To(daemon));
   v1::ListPosteriorsResponse response;
@@ -57,7 +57,7 @@ class MigrationProgram : public ::testing::Test {
  protected:
   MigrationProgram() { hello_.set_time_scale(200); }
 
-  // Plays until so many messages of the session are acknowledged, and leaves for good or not.
+  // Sends messages until `until` is acknowledged. Says goodbye unless `from` is 0.
   void Play(const DaemonProcess& daemon, uint64_t from, uint64_t until) {
     rpc::TelemetryClient game(To(daemon));
     const v1::Welcome welcome = game.Open(hello_);

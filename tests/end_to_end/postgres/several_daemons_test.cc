@@ -1,8 +1,8 @@
 // Three daemons on one PostgreSQL, games that move between them, and daemons and servers that are
-// killed at seeded moments: in the end each message of each game counts once.
+// killed at seeded moments. In the end each message of each game must count once.
 //
-// TEST_KILLS and TEST_SEED say how often and from which seed. The scheduler has a say in what is
-// under way at a kill, so that a seed does not repeat a failure exactly.
+// TEST_KILLS and TEST_SEED set the number of kills and the seed. A seed does not repeat a failure
+// exactly, because the scheduler affects what is in progress at a kill.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,20 +31,20 @@ namespace {
 constexpr size_t kDaemons = 3;
 constexpr size_t kGames = 4;
 constexpr int kFramesPerMessage = 30;
-// An hour of a game that has a hard time: 150 messages of 240 frames of 100 ms.
+// An hour of a game with slow frames: 150 messages of 240 frames of 100 ms.
 constexpr int kMessagesPerHour = 150;
 constexpr int kFramesOfHour = 240;
 constexpr uint64_t kFrameMsOfHour = 100;
-constexpr uint64_t kMaxBailOuts = 12;  // a daemon believes 16 of a session at once
+constexpr uint64_t kMaxBailOuts = 12;  // a daemon accepts 16 of a session at once
 
 std::shared_ptr<grpc::Channel> ChannelTo(const std::string& address) {
-  // It does not share an earlier one's connection, which may have failed.
+  // Do not share an earlier channel's connection, which may have failed.
   grpc::ChannelArguments alone;
   alone.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), alone);
 }
 
-// A game that keeps what is not acknowledged, and sends it to whichever daemon it is at.
+// A game that keeps unacknowledged messages, and sends them to the daemon that it uses next.
 class Game {
  public:
   explicit Game(const std::string& scene) : hello_(rpc::OneArmHello()) {
@@ -52,12 +52,12 @@ class Game {
     hello_.set_scene(scene);
   }
 
-  // Leaves the daemon that it is at, without a word, and goes on at this one. It may fail.
+  // Leaves its daemon without a goodbye, and continues at this one. It may fail.
   void MoveTo(const std::string& address);
   void Send(bool bails_out);
-  // Sends an hour's frames, without waiting for an answer.
+  // Sends an hour's frames without waiting for an answer.
   void SendHour();
-  // Reads until all that was sent is acknowledged, or the stream ends.
+  // Reads until everything sent is acknowledged, or the stream ends.
   void Await();
   // Returns whether the daemon has confirmed the goodbye.
   bool SayGoodbye();
@@ -66,7 +66,7 @@ class Game {
   const std::string& session_id() const { return hello_.session_id(); }
   uint64_t sent_count() const { return sent_.size(); }
   uint64_t bail_out_count() const { return bail_out_count_; }
-  // Compares what was sent with what the store has.
+  // Compares what was sent with the content of the store.
   void ExpectAllIn(priors::PriorReader& store) const;
 
  private:
@@ -74,7 +74,7 @@ class Game {
 
   v1::Hello hello_;
   std::unique_ptr<rpc::TelemetryClient> stream_;
-  std::vector<v1::StreamTelemetryRequest> sent_;  // message i has the number i + 1
+  std::vector<v1::StreamTelemetryRequest> sent_;  // message i has the sequence number i + 1
   uint64_t acknowledged_ = 0;
   uint64_t frame_count_ = 0;
   uint64_t bail_out_count_ = 0;
@@ -99,8 +99,8 @@ void Game::MoveTo(const std::string& address) {
     EXPECT_EQ(welcome.session_id(), hello_.session_id()) << "it is lost";
   }
   rpc::Resume(hello_, welcome);
-  // A daemon that has not heard of the later ones says less; what is acknowledged is not sent
-  // again, and it must notice.
+  // A daemon that has not read the later messages reports a smaller number. Acknowledged messages
+  // are not sent again, and the daemon must notice that.
   acknowledged_ = std::max(acknowledged_, welcome.acknowledged_sequence());
   for (uint64_t next = acknowledged_; next < sent_.size(); ++next) stream_->Send(sent_[next]);
 }
@@ -147,7 +147,7 @@ void Game::ExpectAllIn(priors::PriorReader& store) const {
   ExpectConsistent(**source);
 }
 
-// Once no session plays at the daemon any more.
+// Returns the posteriors after all sessions at the daemon have ended.
 v1::ListPosteriorsResponse PosteriorsOf(const DaemonProcess& daemon) {
   const auto stub = v1::PosteriorsService::NewStub(ChannelTo(daemon.address()));
   v1::ListPosteriorsResponse response;
@@ -173,7 +173,7 @@ class Cluster {
   void Play();
   // Kills a daemon or the server, and starts it again.
   void Kill();
-  // The server goes, each game plays on for an hour of its time, and the server comes back.
+  // Stops the server, runs each game for an hour of its time, and starts the server again.
   void PlayWithoutServer();
   // Ends all games, and compares.
   void End();
@@ -241,7 +241,7 @@ void Cluster::End() {
   for (const auto& daemon : daemons_) EXPECT_EQ(daemon->Terminate(), 0);
 }
 
-// The sums are those of the sources' own evidence, to the bit, and every daemon serves them.
+// The sums equal those of the sources' own evidence to the bit, and every daemon serves them.
 void Cluster::ExpectTheSameEverywhere(priors::PriorStore& store) {
   std::map<priors::EvidenceKey, priors::Evidence> sums;
   for (const Game& game : games_) {
@@ -286,7 +286,7 @@ TEST(SeveralDaemons, WithoutTheServerGamesPlayOnForHoursAndAllIsInOnceAfterwards
   cluster.End();
 }
 
-// Nobody sends its evidence again.
+// No game sends its evidence again.
 TEST(SeveralDaemons, WhatAGameTaughtOutlivesADaemonThatEndsWithoutTheServer) {
   for (const bool is_killed : {false, true}) {
     PostgresServer server;

@@ -1,4 +1,4 @@
-// A game on a dynamics world of Bullet that has Sweepstake as its broad phase.
+// A game on a dynamics world of Bullet that uses Sweepstake as its broad phase.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ namespace sweepstake::test_support {
 
 class AdaptiveBulletGame {
  public:
-  // REQUIRES: valid options. The executor of the search serves the broad phase too.
+  // REQUIRES: valid options. The broad phase also uses the executor of the search.
   AdaptiveBulletGame(const AdaptiveOptions& search, const BulletGameOptions& game,
                      FrameSink* sink = nullptr)
       : search_(std::move(*AdaptiveBroadPhase::Create(search, sink))),

@@ -1,4 +1,4 @@
-// Proxies of Sweepstake's broad phase for Bullet, without a world.
+// Creates proxies of Sweepstake's broad phase for Bullet, without a world.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ inline constexpr int kAll = btBroadphaseProxy::AllFilter;
 
 class BulletBroadPhaseTest : public ::testing::Test {
  protected:
-  // A cube of edge 1 whose lowest corner is (x, 0, 0).
+  // Adds a cube of edge 1 whose lowest corner is (x, 0, 0).
   btBroadphaseProxy* Add(float x, int group = kDefault, int mask = kAll) {
     return broad_phase_.createProxy({x, 0, 0}, {x + 1, 1, 1}, BOX_SHAPE_PROXYTYPE, nullptr, group,
                                     mask, nullptr);

@@ -25,7 +25,7 @@ uint64_t TimeOf(const Call& call) {
       std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count());
 }
 
-// Collects the bodies whose own boxes overlap the query's, which may find more.
+// Collects the bodies whose own boxes overlap the query's box; a broad phase may report more.
 class BodiesInBox final : public btBroadphaseAabbCallback {
  public:
   BodiesInBox(const btVector3& min, const btVector3& max) : min_(min), max_(max) {}
@@ -152,7 +152,7 @@ void BulletGame::BuildPile() {
   }
 }
 
-// The capsules lie one behind the other along z; each joint bends by up to a half right angle.
+// The capsules lie in a row along z; each joint bends by up to 45 degrees.
 void BulletGame::BuildChain(int index) {
   constexpr int kLinks = 8;
   const btQuaternion along_z(btVector3(1, 0, 0), SIMD_HALF_PI);
@@ -189,7 +189,7 @@ void BulletGame::Remove(btRigidBody& body) {
   std::erase_if(bodies_, [&](const auto& own) { return own.get() == &body; });
 }
 
-// Up for three seconds, down for three, in steps that are exact in floats.
+// Moves up for three seconds and down for three, in steps that are exact in floats.
 void BulletGame::MoveLifts() {
   const bool up = step_count_ / 180 % 2 == 0;
   for (btRigidBody* const lift : lifts_) {
@@ -229,7 +229,7 @@ void BulletGame::Phase() {
   }
 }
 
-// The boxes are brought up to date first: those of the last step are from before the bodies moved.
+// Updates the boxes first: those of the last step are from before the bodies moved.
 void BulletGame::Query() {
   world_.updateAabbs();
   const float reach = options_.half_width;

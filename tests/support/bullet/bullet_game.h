@@ -1,8 +1,8 @@
-// A game on a dynamics world of Bullet: the same steps for the same options, whatever the broad
-// phase, so that broad phases can be compared by what becomes of the world.
+// A game on a dynamics world of Bullet. The same options give the same steps with every broad
+// phase, so that broad phases can be compared by the state of the world.
 //
-// Not thread-safe. The broad phase is borrowed and must outlive the game. Lengths in metres; one
-// step is 1/60 s.
+// Not thread-safe. The broad phase is borrowed and must outlive the game. Lengths are in metres;
+// one step is 1/60 s.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
@@ -18,29 +18,28 @@
 
 namespace sweepstake::test_support {
 
-// What is in the world besides the ground and its four walls.
+// The content of the world in addition to the ground and its four walls.
 struct BulletGameOptions {
-  int stack_height = 0;  // boxes upon one another, a little askew
-  int pile_count = 0;    // boxes, spheres and capsules that fall into a heap
-  int chain_count = 0;   // of eight capsules each, joined at their ends like limbs
+  int stack_height = 0;  // boxes on top of each other, slightly shifted
+  int pile_count = 0;    // boxes, spheres and capsules that fall on a heap
+  int chain_count = 0;   // chains of eight capsules, joined at their ends
   int lift_count = 0;    // kinematic boxes that go up and down
-  // A body comes in every so many steps, and then the oldest of `visitor_limit` leaves; 0: none.
+  // Steps between two bodies that enter; if there are `visitor_limit`, the oldest leaves. 0: none.
   int visitor_interval = 0;
   int visitor_limit = 20;
-  int blow_interval = 0;  // steps between two blows, which wake what sleeps; 0: none
-  // Every so many steps some bodies collide with nothing for a sixth of a second; 0: none.
+  int blow_interval = 0;  // steps between blows, which wake bodies; 0: none
+  // Steps after which some bodies collide with nothing for a sixth of a second; 0: none.
   int phase_interval = 0;
-  int query_interval = 0;  // steps between two rays, sweeps and box queries; 0: none
-  float half_width = 12;   // from the middle to a wall
-  // Solves contacts in an order that does not depend on that of the pairs in the cache, but on the
-  // proxies' ids alone.
+  int query_interval = 0;  // steps between queries (rays, sweeps, boxes); 0: none
+  float half_width = 12;   // distance from the centre to a wall
+  // Solves contacts in the order of the proxies' ids instead of the order of pairs in the cache.
   bool sorts_pairs = false;
 };
 
-// Returns a heap of bodies in a pit that holds about four layers of them.
+// Returns options for a heap of bodies in a pit, about four layers deep.
 BulletGameOptions PileOf(int body_count);
 
-// A dynamics world that knows what its broad phase has cost.
+// A dynamics world that measures the time of its broad phase.
 class TimedWorld final : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
@@ -48,8 +47,8 @@ class TimedWorld final : public btDiscreteDynamicsWorld {
   void updateAabbs() override;
   void computeOverlappingPairs() override;
 
-  // Returns the time of both since the world began, which includes that of the shapes to tell their
-  // boxes.
+  // Returns the time of updating boxes and finding pairs since the world was created. It includes
+  // the time in which shapes compute their boxes.
   uint64_t broad_phase_ns() const { return broad_phase_ns_; }
 
  private:
@@ -63,14 +62,14 @@ class BulletGame {
 
   void Step();
 
-  // Returns a number made of all bodies' places, velocities and states of sleep, of all that the
-  // queries have found, and of the hashes of all steps before.
+  // Returns a hash of the places, velocities and sleep states of all bodies, of all query results,
+  // and of the hashes of all former steps.
   uint64_t state_hash() const { return hash_; }
   int step_count() const { return step_count_; }
   int sleeping_count() const;
   TimedWorld& world() { return world_; }
 
-  // Returns the boxes of the bodies as the broad phase has them, in the order of the world.
+  // Returns the bodies' boxes in the broad phase, in the order of the world.
   std::span<const Aabb> boxes();
 
  private:

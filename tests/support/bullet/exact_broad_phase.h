@@ -1,8 +1,8 @@
-// A broad phase of Bullet's own that shows the world the pairs whose boxes overlap, and no others.
+// A broad phase of Bullet that shows the world only pairs whose boxes overlap.
 //
-// Bullet's broad phases keep pairs whose boxes are merely near, or have come apart some steps ago.
-// No contact comes of those, but they join islands, which fall asleep together. Here they stay in
-// the broad phase's own cache; the world sees a second one.
+// Bullet's broad phases also keep pairs whose boxes are only near, or separated some steps ago.
+// Such pairs make no contacts, but they join islands, which fall asleep together. Here these pairs
+// stay in the broad phase's own cache; the world uses a second cache.
 #pragma once
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -39,7 +39,7 @@ class ExactBroadPhase final : public Base {
   void calculateOverlappingPairs(btDispatcher* dispatcher) override {
     Base::calculateOverlappingPairs(dispatcher);
     const btBroadphasePairArray& shown = exact_.getOverlappingPairArray();
-    // A pair that leaves is replaced by the last one.
+    // Removing a pair moves the last one to its place.
     for (int i = shown.size(); i-- > 0;) {
       const btBroadphasePair pair = shown[i];
       if (!Overlap(pair)) exact_.removeOverlappingPair(pair.m_pProxy0, pair.m_pProxy1, dispatcher);
@@ -54,7 +54,7 @@ class ExactBroadPhase final : public Base {
   const btOverlappingPairCache* getOverlappingPairCache() const override { return &exact_; }
 
  private:
-  // The ids of the others are places, of which the one freed last is taken first.
+  // The other broad phases reuse ids; the id that was freed last is used first.
   static constexpr bool kIdsGrow = std::is_same_v<Base, btDbvtBroadphase>;
 
   static bool Overlap(const btBroadphasePair& pair) {

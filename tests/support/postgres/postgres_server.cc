@@ -21,7 +21,7 @@ constexpr uid_t kNobody = 65534;
 constexpr int kStartAttempts = 12'000;
 constexpr auto kPause = std::chrono::milliseconds(5);
 
-// The command, run as who may run a server.
+// Returns the command, run as a user that may run a server.
 std::vector<std::string> Command(const char* program, std::initializer_list<std::string> rest) {
   std::vector<std::string> command;
   if (geteuid() == 0)
@@ -47,7 +47,7 @@ PostgresServer::PostgresServer(bool synced) : synced_(synced) {
 
 PostgresServer::~PostgresServer() {
   if (!process_) return;
-  process_->Signal(SIGQUIT);  // at once, and with those that serve connections
+  process_->Signal(SIGQUIT);  // ends the server and its connections at once
   while (!process_->ended()) std::this_thread::sleep_for(kPause);
 }
 
@@ -66,7 +66,7 @@ void PostgresServer::Start() {
   const std::string socket = directory_.path().string();
   const std::string url = "host=" + socket + " user=sweepstake dbname=postgres";
   for (int attempt = 0; attempt < kStartAttempts; ++attempt) {
-    // It ends at once while processes of one that was killed are still there.
+    // The server ends at once while processes of a killed server still exist.
     if (!process_ || process_->ended()) {
       process_ = std::make_unique<ChildProcess>(
           Command("postgres", {"-D", socket + "/data", "-k", socket, "-c",
@@ -81,8 +81,8 @@ void PostgresServer::Start() {
   Abort("the server does not answer: " + process_->log());
 }
 
-// Those that serve connections find out about the first one's end when they get to it, which may
-// be after another commit.
+// The processes that serve connections notice the end of the main process later, possibly after
+// another commit.
 void PostgresServer::Kill() {
   const std::string first = std::to_string(process_->pid());
   std::ifstream list("/proc/" + first + "/task/" + first + "/children");

@@ -1,6 +1,6 @@
-// A real PostgreSQL server for a test, in a directory of its own and on a socket there.
+// A real PostgreSQL server for a test, with its own directory and a socket in it.
 //
-// The server refuses to run as root: then it runs as "nobody".
+// PostgreSQL refuses to run as root; the server then runs as "nobody".
 #pragma once
 
 #include <memory>
@@ -13,18 +13,18 @@ namespace sweepstake::test_support {
 
 class PostgresServer {
  public:
-  // Makes the server's files and starts it. Aborts the test program if that fails. With `synced` it
-  // has the settings that Debian gives it. Without, a commit is not synced to the disk, which a
-  // killed process does not lose, only a machine that stops would; and it takes little memory, and
-  // does nothing by itself.
+  // Creates the server's files and starts it. Aborts the test program if that fails. With `synced`
+  // it has Debian's default settings. Without, commits are not synced to the disk: they survive a
+  // killed process, but not a crash of the machine. It also uses little memory and runs no
+  // background work.
   explicit PostgresServer(bool synced = false);
   ~PostgresServer();
   PostgresServer(const PostgresServer&) = delete;
   PostgresServer& operator=(const PostgresServer&) = delete;
 
-  // Makes an empty database, and returns its URL.
+  // Creates an empty database and returns its URL.
   std::string NewDatabase();
-  // kill -9 of its first process; those that serve connections find that out, and end.
+  // Sends SIGKILL to its main process; the processes of connections notice that and end.
   void Kill();
   // Starts it again after Kill, and waits until it answers.
   void Start();

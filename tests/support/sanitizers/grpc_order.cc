@@ -1,11 +1,12 @@
-// Tells ThreadSanitizer what gRPC guarantees and it cannot see, since gRPC's and Abseil's libraries
-// are built without it: an operation is started before its reaction runs, so what was written
-// before StartRead, StartWrite or Finish is there in OnReadDone, OnWriteDone and OnDone. Nothing
-// else is ordered: what our own locks must guard is still seen.
+// Informs ThreadSanitizer of the order that gRPC guarantees. ThreadSanitizer cannot see it, because
+// the libraries of gRPC and Abseil are built without it. An operation starts before its reaction
+// runs, so what was written before StartRead, StartWrite or Finish is visible in OnReadDone,
+// OnWriteDone and OnDone. Nothing else is ordered: accesses that our own locks must guard are still
+// checked.
 //
-// Stands in front of the C library underneath gRPC's headers, in programs that have this file among
-// their sources: they start a batch of operations, and let go of the call right before the
-// reaction.
+// It intercepts the C library underneath gRPC's headers, in programs that have this file among
+// their sources: the functions that start a batch of operations, and that release the call just
+// before the reaction.
 #include <dlfcn.h>
 #include <grpc/grpc.h>
 
