@@ -1,10 +1,10 @@
-// Writes what must be the same on every platform: a line per scene, backend and frame with hashes
+// Writes data that must be equal on every platform: a line per scene, backend and frame with hashes
 // of the boxes' bits and of the sorted pairs, and for each scene a line with a hash of its
-// recording. tests/cross.sh compares what the platforms write, byte by byte.
+// recording. tests/cross.sh compares the output of the platforms byte by byte.
 //
 //   fingerprint OUT
 //
-// Exit status 1: something could not be made or written; 2: bad usage.
+// Exit status 1: something could not be created or written; 2: bad usage.
 #include <algorithm>
 #include <bit>
 #include <cinttypes>
@@ -34,7 +34,7 @@ namespace {
 constexpr uint64_t kSeed = 7;
 constexpr size_t kPoolThreads = 3;
 
-// FNV-1a of words. They enter byte by byte, the lowest first, whatever the machine's own order is.
+// FNV-1a of words. Their bytes enter in little-endian order on every machine.
 class Hash {
  public:
   void Add(uint32_t word) { value_ = math::Fnv1aOfWord(value_, word); }
@@ -78,7 +78,7 @@ struct Backend {
   size_t thread_count;
 };
 
-// Returns every family, alone and with `pool`.
+// Returns every backend, alone and with `pool`.
 std::vector<Backend> MakeBackends(Executor& pool) {
   std::vector<Backend> backends;
   for (const std::string_view name : BroadPhaseNames()) {
@@ -149,7 +149,7 @@ void AddAll(Fingerprint& fingerprint, const std::filesystem::path& scratch) {
     fingerprint.AddScene(*NamedScene(name, 1000), 20);
     fingerprint.AddRecording(*NamedScene(name, 100), 20, scratch);
   }
-  // Enough objects for the parts of several threads.
+  // Enough objects that the work is divided among several threads.
   for (const std::string_view name : {"suite-b", "suite-g"}) {
     fingerprint.AddScene(*NamedScene(name, 10'000), 3);
   }

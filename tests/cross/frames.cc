@@ -1,9 +1,10 @@
-// Runs one backend over a scene's frames and writes a line before and behind each frame, so that
-// neon_instructions.py can count what is executed between the two, where nothing can be timed.
+// Runs one backend over a scene's frames and writes a line before and after each frame.
+// neon_instructions.py counts the instructions between the two lines, because times under an
+// emulator are meaningless.
 //
-//   frames BACKEND SCENE OBJECTS FRAMES        FRAMES: 2 or more, of which the first one builds
+//   frames BACKEND SCENE OBJECTS FRAMES        FRAMES: 2 or more; the first frame builds
 //
-// Lines: "begin" and "end PAIRS CHECKS" of each frame behind the first one, then the instruction
+// Lines: "begin" and "end PAIRS CHECKS" for each frame after the first one, then the instruction
 // set that ran. Exit status 1: bad usage.
 #include <charconv>
 #include <cinttypes>
@@ -29,7 +30,7 @@ int Run(std::string_view backend, std::string_view scene_name, uint32_t objects,
       MakeScene(scene_name, {.object_count = objects, .spawn_seed = 7, .motion_seed = 8});
   const auto broad_phase = MakeBroadPhase(backend);
   if (!scene.ok() || !broad_phase.ok() || frames < 2) return 1;
-  // Each line has to leave at once: its place among the instructions is what it says.
+  // Flush each line at once, because its position among the instructions matters.
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   PairBuffer pairs;
   (*broad_phase)->Build((*scene)->aabbs());

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Counts the instructions of a frame with NEON and with SSE4, which stand in for times: no Arm processor is here to be timed.
+"""Counts the instructions of a frame with NEON and with SSE4. The counts replace times, because no Arm processor is available.
 
 Both programs run the same frames under qemu, which logs every block of instructions that it translates and every one that it
-executes. Only what lies between the lines of tests/cross/frames.cc is counted: start-up is not the same in two runs, since
-Highway's library calibrates a timer there. A count says nothing of an instruction's latency, nor of how many a processor
-begins at once. Both instruction sets have registers of 128 bits.
+executes. Only instructions between the lines of tests/cross/frames.cc are counted: start-up differs between two runs, because
+Highway's library calibrates a timer there. A count does not include latency or parallel execution. Both instruction sets have
+registers of 128 bits.
 """
 
 import argparse
@@ -26,21 +26,21 @@ sys.path.append(str(ROOT / "tests" / "bench"))
 from judging.common import meets, table  # noqa: E402
 
 BACKENDS = ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree")
-# Those processors have these instruction sets and none that the kernels would rather use.
+# These processors have the instruction set and none that the kernels would prefer.
 EMULATORS = {
     "neon": ["qemu-aarch64-static", "-cpu", "neoverse-n1", "-L", "/usr/aarch64-linux-gnu"],
     "sse4": ["qemu-x86_64-static", "-cpu", "Westmere"],
 }
-# An instruction's address, bytes and name; the bytes of a long one go on in a line without a name.
+# An instruction's address, bytes and name; a long one continues in a line with bytes only.
 INSTRUCTION = re.compile(rb"0x\w+:  [0-9a-f ]+  [a-z]")
 
 
 class RunError(Exception):
-    """What a program could not do, or did not do as the other one."""
+    """A program failed, or its results differ from those of the other one."""
 
 
 def instructions_between_writes(log):
-    """How many were executed before each line that the program wrote."""
+    """Returns the number of instructions executed before each line that the program wrote."""
     lengths = {}
     length = count = 0
     for line in log:
@@ -57,7 +57,7 @@ def instructions_between_writes(log):
 
 
 def run(simd, program, cell):
-    """The instructions of each frame, and what the program wrote."""
+    """Returns the instructions of each frame, and the lines that the program wrote."""
     log, log_end = os.pipe()
     with tempfile.TemporaryFile("w+", encoding="ascii") as output:
         command = [*EMULATORS[simd], "-d", "in_asm,exec,nochain,strace", "-D", f"/dev/fd/{log_end}", program, *cell]
@@ -68,20 +68,20 @@ def run(simd, program, cell):
         output.seek(0)
         written = output.read().splitlines()
     if process.returncode != 0 or len(counts) != len(written) or written[-1:] != [simd]:
-        raise RunError(f"{program} {' '.join(cell)}: {simd} ended with {process.returncode}, wrote {written[-1:]} last")
+        raise RunError(f"{program} {' '.join(cell)}: {simd} ended with {process.returncode}; its last output was {written[-1:]}")
     return counts[1:-1:2], written[:-1]
 
 
 def compare(backend, neon, sse4):
     (neon_counts, neon_written), (sse4_counts, sse4_written) = neon, sse4
     if neon_written != sse4_written:
-        raise RunError(f"{backend} finds other pairs, or makes other checks, with NEON than with SSE4")
+        raise RunError(f"{backend} gives different pairs or checks with NEON and SSE4")
     return {"backend": backend, "neon": round(statistics.mean(neon_counts)), "sse4": round(statistics.mean(sse4_counts)),
             "ratio": sum(neon_counts) / sum(sse4_counts)}
 
 
 def measure(options):
-    """A row per backend, in their order; runs are independent of each other."""
+    """Returns a row per backend, in their order; the runs are independent of each other."""
     programs = {"neon": options.aarch64, "sse4": options.native}
     backends = options.only or BACKENDS
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
@@ -122,7 +122,7 @@ def require_programs(options):
 def count_from(least):
     def parse_count(word):
         if not word.isdecimal() or int(word) < least:
-            raise argparse.ArgumentTypeError(f"{word} is not a number from {least} on")
+            raise argparse.ArgumentTypeError(f"{word} is not a number of at least {least}")
         return int(word)
     return parse_count
 
@@ -131,19 +131,19 @@ def parse(words):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="examples:\n"
-        "  tests/cross.sh --quick aarch64      # builds what is run\n"
+        "  tests/cross.sh --quick aarch64      # builds the programs\n"
         "  tests/cross/neon_instructions.py\n"
         "  tests/cross/neon_instructions.py --scene suite-g --only KDTree --only Tracy\n"
         "  tests/cross/neon_instructions.py --frames 4 --json\n"
-        "exit code: 0 every backend meets the goal, 1 one does not, 2 nothing could be counted")
+        "exit code: 0 every backend meets the goal, 1 one does not, 2 the instructions could not be counted")
     parser.add_argument("--scene", default="suite-b", help="default: %(default)s")
     parser.add_argument("--objects", type=count_from(1), default=1000, metavar="N", help="default: %(default)s")
     parser.add_argument("--frames", type=count_from(2), default=48, metavar="N",
-                        help="with the first one, which builds and is not counted; so many that KDTree splits anew in suite-b "
-                        "and suite-g (default: %(default)s)")
-    parser.add_argument("--only", choices=BACKENDS, action="append", help="only this backend; may be given again")
+                        help="including the first one, which builds and is not counted; the default is enough that KDTree "
+                        "splits again in suite-b and suite-g (default: %(default)s)")
+    parser.add_argument("--only", choices=BACKENDS, action="append", help="only this backend; may be repeated")
     parser.add_argument("--jobs", type=count_from(1), default=len(os.sched_getaffinity(0)), metavar="N",
-                        help="runs at a time (default: one per processor)")
+                        help="parallel runs (default: one per processor)")
     parser.add_argument("--native", default=ROOT / "build/cross-native/bin/frames", metavar="PROGRAM",
                         help="for x86-64 (default: %(default)s)")
     parser.add_argument("--aarch64", default=ROOT / "build/cross-aarch64/bin/frames", metavar="PROGRAM",

@@ -1,4 +1,4 @@
-"""Tests of neon_instructions.py: what it takes for an executed instruction, and what for a goal that is met."""
+"""Tests neon_instructions.py: which instructions count as executed, and when a goal is met."""
 
 import contextlib
 import io
@@ -10,7 +10,7 @@ from unittest import mock
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import neon_instructions  # noqa: E402
 
-# Two blocks: three instructions, of which the second one's bytes take two lines, and one instruction.
+# Two blocks: one with three instructions, the second of which takes two lines, and one with one instruction.
 FIRST = b"""----------------
 IN: main
 0x4000001000:  48 89 e7                 movq     %rsp, %rdi
@@ -35,7 +35,7 @@ def count(log):
 
 
 def run_main(instructions, words=()):
-    """The exit code and stdout where a frame takes so many instructions: by instruction set, `instructions` has them."""
+    """Returns exit code and stdout for frames with these numbers of instructions; `instructions` has a list per instruction set."""
     out, err = io.StringIO(), io.StringIO()
     with (mock.patch.object(neon_instructions, "run", lambda simd, program, cell: (instructions[simd], ["end 1 2"])),
           mock.patch.object(neon_instructions, "require_programs"),

@@ -1,8 +1,8 @@
-"""Checks that one seed gives the same boxes and pairs on every instruction set of this machine.
+"""Checks that one seed gives the same boxes and pairs with every instruction set of this machine.
 
   simd_fingerprints_test.py FINGERPRINT
 
-FINGERPRINT is the program that tests/cross.sh runs on other platforms. Exit status: 0 the same, 1 not.
+FINGERPRINT is the program that tests/cross.sh runs on other platforms. Exit status: 0 equal, 1 different.
 """
 
 import os
@@ -15,7 +15,7 @@ SIMD_TARGETS = ("avx512", "avx2", "sse4", "sve2", "sve", "neon", "scalar")
 
 
 def fingerprint(program, folder, target):
-    """What it writes, or None where the machine has no such instruction set."""
+    """Returns the output of the program, or None if the machine does not have the instruction set."""
     out = pathlib.Path(folder) / f"{target}.txt"
     done = subprocess.run([program, out], env={**os.environ, "SWEEPSTAKE_CLIENT_SIMD": target}, capture_output=True, text=True,
                           check=False)
@@ -30,12 +30,12 @@ def main(program):
     with tempfile.TemporaryDirectory() as folder:
         found = {target: text for target in SIMD_TARGETS if (text := fingerprint(program, folder, target))}
     if len(found) < 2:
-        raise SystemExit(f"only {', '.join(found) or 'nothing'} ran, so there is nothing to compare")
+        raise SystemExit(f"only {', '.join(found) or 'no instruction set'} ran, so the outputs cannot be compared")
     first, *others = found
     for target in others:
         if found[target] != found[first]:
-            raise SystemExit(f"{target} finds something else than {first}")
-    print(f"{', '.join(found)}: {len(found[first].splitlines())} lines, the same")
+            raise SystemExit(f"the output of {target} differs from that of {first}")
+    print(f"{', '.join(found)}: {len(found[first].splitlines())} lines, equal")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-# Windows x86-64, with clang on the runtime of Debian's mingw-w64; programs run under wine. CROSS_ROOT holds the libraries
-# (cross.sh). gcc for this target misaligns vectors that it spills to the stack (its bug 54412), so it is none for AVX.
+# Windows x86-64, with clang on the runtime of Debian's mingw-w64; programs run under wine. CROSS_ROOT contains the
+# libraries (cross.sh). gcc for this target misaligns vectors that it spills to the stack (gcc bug 54412), so it cannot be used with AVX.
 set(CMAKE_SYSTEM_NAME Windows)
 set(CMAKE_SYSTEM_PROCESSOR AMD64)
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CROSS_ROOT)
@@ -15,12 +15,12 @@ foreach(tool AR RANLIB NM OBJDUMP)
 endforeach()
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-fuse-ld=lld-19 -static")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT "-fuse-ld=lld-19 -static")
-set(CMAKE_CXX_STANDARD_LIBRARIES -lwinpthread)  # the standard library's threads stand on it
-# Debian's `wine` asks for 32-bit programs to be installed each time.
+set(CMAKE_CXX_STANDARD_LIBRARIES -lwinpthread)  # needed by the standard library's threads
+# Debian's `wine` prints a request to install 32-bit programs at each start.
 find_program(WINE NAMES wine64 wine PATHS /usr/lib/wine REQUIRED)
 set(CMAKE_CROSSCOMPILING_EMULATOR ${WINE})
 
-# Only what is there: a library of this machine is none of that one.
+# Search only in CROSS_ROOT: libraries of the build machine do not work on the target.
 set(CMAKE_FIND_ROOT_PATH ${CROSS_ROOT})
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)

@@ -1,5 +1,5 @@
-"""Stand-ins for the part of Conan 2 that the recipes use: they write down what a recipe asks for. `load` runs every method of a
-recipe in the order in which Conan does."""
+"""Stubs of the part of Conan 2 that the recipes use: they record the requests of a recipe. `load` runs every method of a recipe
+in the same order as Conan."""
 import collections
 import importlib.util
 import pathlib
@@ -31,7 +31,7 @@ class Option:
 
 
 class Options:
-    """An option is its value; `.NAME.value = x` sets it, as in Conan."""
+    """Reading an option gives its value; `.NAME.value = x` sets it, as in Conan."""
 
     def __init__(self, values):
         self.__dict__.update(values)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The vcpkg port and the Conan recipe, without a network, vcpkg or Conan: what they say is what CMake asks for, and the port's
-script and every method of the recipe run, against stand-ins of the functions that they call.
+"""Tests the vcpkg port and the Conan recipe without a network, vcpkg or Conan. They must list the same dependencies as CMake, and
+the port's script and every method of the recipe must run with stubs of the functions that they call.
 
     packages_test.py SOURCE BUILD
 """
@@ -19,7 +19,7 @@ CMAKE = (SOURCE / "CMakeLists.txt").read_text()
 VERSION = re.search(r"project\(sweepstake VERSION ([0-9.]+)", CMAKE).group(1)
 PORT = SOURCE / "deploy/vcpkg/ports/sweepstake"
 
-# What CMake looks for: its name in vcpkg, in Conan Center, and the feature that needs it.
+# The packages that CMake searches: the name in vcpkg, the name in Conan Center, and the feature that needs it.
 PACKAGES = {
     "hwy": (["highway"], "highway", None),
     "Eigen3": (["eigen3"], "eigen", None),
@@ -100,7 +100,7 @@ class VcpkgManifestTest(unittest.TestCase):
 
 class PortfileTest(unittest.TestCase):
     def run_port(self, features):
-        """The calls that the script made, as lists, and the folder of the package."""
+        """Runs the script; returns its calls as lists, and the files of the package."""
         with tempfile.TemporaryDirectory() as folder:
             command = ["cmake", f"-DPORTFILE={PORT / 'portfile.cmake'}", f"-DFOLDER={folder}", f"-DFEATURES={';'.join(features)}",
                        "-P", SOURCE / "tests/deploy/vcpkg_stub.cmake"]
@@ -142,7 +142,7 @@ class PortfileTest(unittest.TestCase):
 
 
 def exported_targets(file_name):
-    """The static libraries of an exported file of targets: name, and those of ours that it stands on."""
+    """Returns the static libraries in an exported file of targets: name, and the libraries of this project that each one needs."""
     found = {}
     for file in [*BUILD.glob(f"CMakeFiles/Export/*/{file_name}"), *BUILD.glob(f"engine_client/*/CMakeFiles/Export/*/{file_name}")]:
         text = file.read_text()

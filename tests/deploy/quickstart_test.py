@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plays the demo of deploy/quickstart.sh --stay: the page's address answers, all scenes are learnt live, and its end leaves nothing.
+"""Runs the demo of deploy/quickstart.sh --stay: the page can be loaded, all scenes are learnt live, and the end leaves nothing behind.
 
     quickstart_test.py ROOT BIN
 """
@@ -16,7 +16,7 @@ import urllib.request
 
 PATIENCE_S = 240
 GAMES = 9
-SCENES = 8  # one of seven is played on two classes of machines
+SCENES = 8  # seven scenes, one of them on two classes of machines
 
 
 def until(what, condition):
@@ -56,7 +56,7 @@ def play(script, bin_folder, data):
         builds = {session["build"] for session in called(origin, "SessionsService/ListSessions")["sessions"]}
         assert builds == {"1.4", "1.5"}, builds
         session = called(origin, "SessionsService/ListSessions")["sessions"][0]["sessionId"]
-        called(origin, "SessionsService/ReadRecording", {"sessionId": session})  # which recordings it gives, if any yet
+        called(origin, "SessionsService/ReadRecording", {"sessionId": session})  # its recordings so far
         children = children_of(demo.pid)
         assert len(children) == 1 + GAMES, children
     finally:

@@ -1,5 +1,5 @@
-# Runs a port's script as vcpkg does, with functions in the place of vcpkg's that write down how they are called. Variables:
-# PORTFILE, FOLDER (gets calls.txt and package/), FEATURES.
+# Runs a port's script as vcpkg does, with stubs of vcpkg's functions that record their calls. Variables:
+# PORTFILE, FOLDER (receives calls.txt and package/), FEATURES.
 cmake_minimum_required(VERSION 3.25)
 
 set(CMAKE_CURRENT_LIST_FILE ${PORTFILE})

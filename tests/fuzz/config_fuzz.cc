@@ -1,4 +1,5 @@
-// The daemon's settings from each of their sources. What is accepted can be printed and read again.
+// Fuzzes the daemon's settings from each of their sources. Accepted settings can be printed and
+// read again.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -29,7 +30,7 @@ std::vector<std::string> Lines(std::string_view text) {
   return lines;
 }
 
-// As main.cc has them: a flag of any text, whose key is one of the table.
+// Parses flags as main.cc does: any text whose key is in the table.
 Assignments Flags(std::string_view text) {
   const std::vector<SettingDescription> settings = DescribeSettings();
   Assignments flags;

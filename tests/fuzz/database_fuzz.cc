@@ -1,6 +1,6 @@
-// A database of any bytes: opened, read and written, or refused. The bytes are the file itself, or
-// changes to a valid one, since few others come past SQLite's own checks. Folding old evidence
-// changes no sums, whatever else is in the file.
+// Fuzzes a database: arbitrary bytes are opened, read and written, or refused. The input is the
+// file itself, or changes to a valid file, because few other inputs pass SQLite's own checks.
+// Folding old evidence must not change sums, whatever else the file contains.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -54,7 +54,7 @@ void RemoveDatabase() {
   for (const auto& entry : fs::directory_iterator(Folder())) fs::remove(entry.path());
 }
 
-// Folds a few rows at a time what was last seen at `last_unix_s` or before.
+// Folds the sources that were last seen at `last_unix_s` or before, a few rows at a time.
 absl::Status Fold(PriorStore& store, uint64_t last_unix_s) {
   FoldStep step;
   while (!step.last) {
@@ -65,7 +65,7 @@ absl::Status Fold(PriorStore& store, uint64_t last_unix_s) {
   return absl::OkStatus();
 }
 
-// The bytes of a database with something in every table.
+// Returns the bytes of a database with rows in every table.
 std::string ValidDatabase() {
   const fs::path path = Folder() / "priors.db";
   {
@@ -91,7 +91,7 @@ std::string ValidDatabase() {
   return bytes;
 }
 
-// Writes pieces over the bytes, cuts them off, or appends to them.
+// Overwrites, cuts off or appends pieces.
 std::string Changed(std::string bytes, Input input) {
   while (!input.empty()) {
     const uint8_t change = input.Byte();
@@ -107,7 +107,7 @@ std::string Changed(std::string bytes, Input input) {
   return bytes;
 }
 
-// Reads all that a store has. What it gives is valid, or it says that it cannot.
+// Reads everything in a store. The results are valid, or it reports an error.
 void Read(PriorStore& store) {
   if (const auto records = store.Export({}, {}, kPage); records.ok())
     Require(CheckRecords(records->records).ok(), "what is read is valid");
@@ -129,7 +129,7 @@ void Read(PriorStore& store) {
   }
 }
 
-// The sums of all arms, or nothing if they cannot be read.
+// Returns the sums of all arms, or nullopt if they cannot be read.
 std::optional<std::vector<priors::Evidence>> Sums(PriorStore& store) {
   const auto scenes = store.List({}, std::nullopt, kPage);
   if (!scenes.ok()) return std::nullopt;

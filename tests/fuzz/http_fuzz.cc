@@ -1,4 +1,4 @@
-// One connection of the HTTP listener: what a client sends until it ends its side.
+// Fuzzes one connection of the HTTP listener: all that a client sends until it closes its side.
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ namespace {
 
 using fuzz::Require;
 
-// The pages of the daemon.
+// Returns the pages of the daemon.
 PageTable Pages() {
   const HealthCheck well{"well", [] { return std::optional<std::string>(); }};
   const HealthCheck ill{"ill", [] { return std::optional<std::string>("it is"); }};
@@ -37,7 +37,7 @@ PageTable Pages() {
   return pages;
 }
 
-// A text in two parts.
+// A text that is sent in two parts.
 class Halves final : public PartSource {
  public:
   explicit Halves(std::string text) : text_(std::move(text)) {}
@@ -55,12 +55,12 @@ class Halves final : public PartSource {
   std::string text_;
 };
 
-// Answers with the request that the API would pass on, as JSON again.
+// Answers with the request that the API would forward, converted back to JSON.
 void Echo(const std::shared_ptr<Exchange>& exchange) {
   static const std::vector<std::string> kNames = {"PosteriorsService/ListPosteriors",
                                                   "PosteriorsService/WatchPosteriors"};
   static const Methods kMethods(kNames);
-  v1::ListPosteriorsRequest linked;  // with its file's descriptors
+  v1::ListPosteriorsRequest linked;  // links the descriptors of its file
   const Request& request = exchange->request();
   const Method* method = kMethods.Find(request.path().substr(request.path().find('/', 1) + 1));
   if (method == nullptr) return exchange->Answer({404, linked.DebugString()});
@@ -77,10 +77,11 @@ void Echo(const std::shared_ptr<Exchange>& exchange) {
   exchange->Stream("text/event-stream", std::make_unique<Halves>(*json));
 }
 
-// An answer to every few bytes fits the socket's buffer, so that nobody has to read meanwhile.
+// The answers to this many bytes fit in the socket's buffer, so that they need not be read in
+// between.
 constexpr size_t kMaxBytes = 1024;
 
-// Returns all that the server answers.
+// Sends the request and returns all answers of the server.
 std::string Talk(std::string_view request) {
   static const Site kSite({.pages = Pages(), .hosts = {"a"}, .api = Echo});
   ConnectionShared shared{.limits = {}, .handler = [](const std::shared_ptr<Exchange>& exchange) {
@@ -117,7 +118,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
                                  std::min(size, web::kMaxBytes));
   const std::string answers = web::Talk(request);
   fuzz::Require(answers.empty() || answers.starts_with("HTTP/1."), "an answer is HTTP");
-  // Whole lines: a body says again what the request said, but as JSON, in which no line ends.
+  // Compares complete lines: a body repeats the request as JSON, which contains no line breaks.
   for (const std::string fault :
        {"500 Internal Server Error", "501 Not Implemented", "504 Gateway Timeout"})
     fuzz::Require(answers.find("HTTP/1.1 " + fault + "\r\n") == std::string::npos,

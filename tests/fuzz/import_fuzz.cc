@@ -1,5 +1,5 @@
-// Imports, promotions, commits and revocations: the messages of a client, their checks, and both
-// stores, which must agree.
+// Fuzzes imports, promotions, commits and revocations: the messages of a client, their checks, and
+// both stores, which must agree.
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -33,8 +33,8 @@ std::unique_ptr<PriorStore> Open(const fs::path& path) {
   return *std::move(store);
 }
 
-// A new, empty store; the file of the one before is gone. Making one anew takes longer than to copy
-// it.
+// Opens a new, empty store and removes the former one. It copies an empty file, which is faster
+// than creating a store.
 std::unique_ptr<PriorStore> OpenEmpty() {
   static const test_support::TemporaryDirectory kFolder;
   const fs::path empty = kFolder.path() / "empty.db";
@@ -50,7 +50,7 @@ std::unique_ptr<PriorStore> OpenEmpty() {
   return Open(path);
 }
 
-// Both stores, which are told the same.
+// Applies each operation to both stores.
 class Stores {
  public:
   void Import(const std::vector<PriorRecord>& records, bool waits) {
@@ -95,7 +95,7 @@ class Stores {
   }
 
  private:
-  // SQLite adds in another order, and counts beyond 2^53 as floating-point numbers.
+  // SQLite adds in another order, and counts above 2^53 as floating-point numbers.
   static bool IsNear(double a, double b) {
     return std::isfinite(a) && a >= 0 && std::abs(a - b) <= 1e-9 * (1 + std::abs(b));
   }
@@ -125,7 +125,7 @@ class Stores {
   MemoryPriorStore memory_;
 };
 
-// The records of one import, or nothing if the daemon refuses it.
+// Returns the records of one import, or nullopt if the daemon refuses it.
 std::optional<std::vector<PriorRecord>> Read(std::string_view bytes) {
   v1::ImportPriorsRequest request;
   if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return std::nullopt;

@@ -1,4 +1,4 @@
-// What a fuzz target makes of its bytes, and how it says that something is wrong.
+// Reads values from the bytes of a fuzz input, and reports violated conditions.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace sweepstake::fuzz {
 
-// Takes small numbers and pieces off the front. At the end all numbers are 0 and all pieces empty.
+// Takes small numbers and pieces from the front. At the end all numbers are 0 and all pieces empty.
 class Input {
  public:
   Input(const uint8_t* data, size_t size) : rest_(reinterpret_cast<const char*>(data), size) {}
@@ -24,7 +24,7 @@ class Input {
     const uint32_t low = Byte();
     return low | uint32_t{Byte()} << 8;
   }
-  // A piece whose length stands before it, in two bytes, the lower first.
+  // Takes a piece that is preceded by its length in two bytes, little-endian.
   std::string_view Piece() { return Take(TwoBytes()); }
   std::string_view Rest() { return Take(rest_.size()); }
 
@@ -38,7 +38,7 @@ class Input {
   std::string_view rest_;
 };
 
-// Ends the program, which the fuzzer reports with the input, unless `holds`.
+// Aborts the program unless `holds`; the fuzzer then reports the input.
 inline void Require(bool holds, std::string_view what) {
   if (holds) return;
   std::fprintf(stderr, "not so: %.*s\n", static_cast<int>(what.size()), what.data());

@@ -1,5 +1,5 @@
-// A session whose daemon, and the owner of whose stream, do what the bytes say: what they send, in
-// which order, how a stream ends, and how time passes.
+// Fuzzes a link: the bytes determine what the daemon and the owner of the stream send, in which
+// order, how a stream ends, and how time passes.
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,7 +17,7 @@ using fuzz::Require;
 
 constexpr uint64_t kNsPerMs = 1'000'000;
 
-// No frame is run, so that it stays as it is.
+// Returns an AdaptiveBroadPhase that runs no frames, so that its state does not change.
 AdaptiveBroadPhase& Adaptive() {
   static const std::unique_ptr<AdaptiveBroadPhase> kMade = std::move(*AdaptiveBroadPhase::Create(
       {.arms = {"BruteForce", "Grid"}, .shadow = {.enabled = ShadowMode::kOff}}, nullptr));
@@ -111,7 +111,8 @@ class Owner {
     Require((message_count_++ == 0) == request_.has_hello(), "a stream begins with its Hello");
     if (request_.has_hello() || request_.has_goodbye()) return;
     Require(request_.sequence() > 0, "evidence has a number");
-    // A daemon that acknowledges what was not sent on this stream makes it go on behind that.
+    // If the daemon acknowledges messages that were not sent on this stream, the numbers continue
+    // after them.
     Require(!last_sequence_ || request_.sequence() > *last_sequence_, "numbers ascend");
     last_sequence_ = request_.sequence();
   }

@@ -1,6 +1,6 @@
-// What a game sends, from its bytes to its session, decisions, evidence and audit log, by the
-// daemon's own stream. Every decision can be derived again from its log, and what is stored is
-// valid.
+// Fuzzes what a game sends, from its bytes to its session, decisions, evidence and audit log,
+// through the daemon's own stream. Every decision must be derivable from its log, and stored data
+// must be valid.
 #include <memory>
 #include <string>
 #include <utility>
@@ -36,7 +36,7 @@ RpcOptions Options() {
   return options;
 }
 
-// A daemon and the connection of its one client, on the thread of the fuzzer.
+// A daemon and the connection of its one client, on the fuzzer's thread.
 class Daemon final : public TelemetryTransport {
  public:
   Daemon() { daemon_.hub.Add(watcher_); }
@@ -80,7 +80,8 @@ class Daemon final : public TelemetryTransport {
                                                 auth::Principal{});
     stream_->Accept();
   }
-  // Adds what no input can know: the session's id and token. An input always does the same.
+  // Adds the session's id and token, which an input cannot contain. An input always has the same
+  // effect.
   void Complete(v1::Hello& hello) const {
     if (hello.seed() == 0) hello.set_seed(1);
     if (hello.session_id().empty()) return;

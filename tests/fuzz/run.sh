@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets with clang and runs each of them: first what is in corpus/, then inputs that it makes of these.
+# Builds the fuzz targets with clang and runs each of them: first the inputs in corpus/, then mutations of them.
 #
 #   tests/fuzz/run.sh                      30 seconds each, two at a time
 #   tests/fuzz/run.sh --seconds 3600       an hour each
 #   tests/fuzz/run.sh --seconds 60 http    only these targets: config database http import link messages
 #
-# What it finds to be new stays in build/fuzz/corpus and is used the next time. An input that ends a target is in
-# build/fuzz/failures; copy it to corpus/, mend, and see `build/fuzz/bin/NAME_fuzz FILE` pass.
+# New inputs are kept in build/fuzz/corpus and used the next time. An input that makes a target fail is in
+# build/fuzz/failures; copy it to corpus/, fix the error, and check that `build/fuzz/bin/NAME_fuzz FILE` passes.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -15,7 +15,7 @@ targets=()
 while (($# > 0)); do
   case $1 in
     --seconds)
-      seconds=${2:?"--seconds wants a number"}
+      seconds=${2:?"--seconds needs a number"}
       shift
       ;;
     config | database | http | import | link | messages) targets+=("$1") ;;
@@ -24,7 +24,7 @@ while (($# > 0)); do
       exit 0
       ;;
     *)
-      echo "Unknown argument '$1'. There are --seconds N, --help, config, database, http, import, link and messages." >&2
+      echo "Unknown argument '$1'. Known are --seconds N, --help, config, database, http, import, link and messages." >&2
       exit 2
       ;;
   esac
@@ -32,12 +32,12 @@ while (($# > 0)); do
 done
 ((${#targets[@]} > 0)) || targets=(messages import database config link http)
 
-# gcc has no libFuzzer.
+# libFuzzer needs clang; gcc does not have it.
 deploy/install_packages.sh clang libclang-rt-dev llvm
 cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz -j "$(nproc)"
 
-# Where files cost nothing.
+# Use memory instead of a disk if possible.
 work=$(mktemp -d -p "$([[ -w /dev/shm ]] && echo /dev/shm || echo "${TMPDIR:-/tmp}")")
 trap 'rm -rf "$work"' EXIT
 mkdir -p build/fuzz/failures
@@ -52,7 +52,7 @@ fuzz() {
     echo "$name: failed; the input is in build/fuzz/failures."
     return 1
   }
-  echo "$name: $(grep -o 'stat::number_of_executed_units: .*' "$work/$name.log" | grep -o '[0-9]*$') inputs, nothing found"
+  echo "$name: $(grep -o 'stat::number_of_executed_units: .*' "$work/$name.log" | grep -o '[0-9]*$') inputs, no failure"
 }
 export -f fuzz
 export work seconds

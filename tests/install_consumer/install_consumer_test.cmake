@@ -1,4 +1,4 @@
-# Installs the build into an empty prefix, then configures, builds and runs a project that sees only that prefix.
+# Installs the build into an empty prefix, then configures, builds and runs a project that can use only that prefix.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -46,7 +46,7 @@ run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build_c -G ${GENERATOR} -D
 run(${CMAKE_COMMAND} --build ${WORK}/build_c)
 run(${WORK}/build_c/c_consumer)
 
-# flavour_by_pkg_config(NAME): main.c, compiled as a makefile would.
+# flavour_by_pkg_config(NAME): compiles main.c with pkg-config, as a makefile does.
 function(flavour_by_pkg_config name)
   set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBRARY_FOLDER}/pkgconfig)
   execute_process(COMMAND ${PKG_CONFIG} --cflags --libs ${name} OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE
@@ -59,7 +59,7 @@ if(PKG_CONFIG)
   flavour_by_pkg_config(sweepstake)
 endif()
 
-# With a static Highway: the archive, and the plug-in where a Unity package has it.
+# Only with a static Highway: the archive, and the plug-in in the folder of the Unity package.
 if(WITH_ARCHIVE)
   run(${WORK}/build_c/c_static_consumer)
   if(PKG_CONFIG)

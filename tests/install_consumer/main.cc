@@ -1,4 +1,5 @@
-// A C++ game that finds pairs with every backend, and is told what the embedded decider decides.
+// A C++ game that finds pairs with every backend, and receives the decisions of the embedded
+// decider.
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -22,7 +23,8 @@ bool FindsTheOnePair(std::string_view name) {
   return pairs.size() == 1 && pairs.pairs()[0] == sweepstake::OverlapPair{0, 1};
 }
 
-// Plays 200 frames of 16 ms, in which one decision is due, and expects both callbacks to be called.
+// Plays 200 frames of 16 ms, in which one decision is due, and expects that both callbacks are
+// called.
 bool ReportsADecision() {
   std::vector<sweepstake::DecisionEvent> events;
   std::vector<std::string> audit_rows;

@@ -1,4 +1,4 @@
-// A C++ game with a ball that meets a floor: the lines of engine_client/README.md.
+// A C++ game with a ball that touches a floor: the example of engine_client/README.md.
 #include "sweepstake/proxy_set.h"
 
 #include <vector>

@@ -1,4 +1,4 @@
-// A C++ game that starts a session with a daemon that is not there, and ends it.
+// A C++ game that starts a session with a daemon that does not exist, and ends it.
 #include "sweepstake/session.h"
 
 int main() {

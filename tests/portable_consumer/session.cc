@@ -1,5 +1,5 @@
-// A game that plays with a session and has memory of its own, until that is used up: without
-// exceptions the library then calls the game's hook and ends.
+// A game with a session and its own allocator, which runs out of memory. Without exceptions the
+// library then calls the game's hook and ends the program.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -26,7 +26,7 @@ Hooks GameHooks() {
   hooks.release = [](void* pointer, size_t, size_t alignment, void*) {
     ::operator delete (pointer, std::align_val_t{alignment});
   };
-  // What this program shows.
+  // This call is what the program tests.
   hooks.out_of_memory = [](void*) { std::_Exit(memory_is_used_up ? 0 : 2); };
   return hooks;
 }

@@ -1,5 +1,5 @@
-# As a folder of another project Sweepstake is quiet: no tests, no launcher, no warnings as errors, no settings of the whole
-# build, no daemon. Variables: SWEEPSTAKE_SOURCE, WORK (emptied first), GENERATOR, WITH_TELEMETRY (gRPC is there).
+# As a folder of another project, Sweepstake must not add tests, a launcher, warnings as errors, settings of the whole build, or a
+# daemon. Variables: SWEEPSTAKE_SOURCE, WORK (emptied first), GENERATOR, WITH_TELEMETRY (gRPC is installed).
 cmake_minimum_required(VERSION 3.25)
 
 file(REMOVE_RECURSE ${WORK})
@@ -25,7 +25,7 @@ foreach(unwanted "-Werror" "ccache" "_test\\.cc" "server/(daemon|rpc|storage|web
     message(FATAL_ERROR "As a folder of another project Sweepstake brings '${unwanted}': ${CMAKE_MATCH_0}")
   endif()
 endforeach()
-# The daemon's libraries are not asked for.
+# The daemon's libraries must not be searched for.
 file(STRINGS ${WORK}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|prometheus-cpp|libsystemd)_")
 if(asked)
   message(FATAL_ERROR "As a folder of another project Sweepstake asks for what only the daemon needs: ${asked}")
@@ -35,7 +35,7 @@ if(test_lists)
   message(FATAL_ERROR "Sweepstake brings tests to the project that added it: ${test_lists}")
 endif()
 
-# Its own source compiles, and what it installs is its own.
+# The game compiles, and installs only its own files.
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK} --target CMakeFiles/game.dir/game.cc.o
   RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
 if(NOT result EQUAL 0)

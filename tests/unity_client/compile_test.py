@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Compiles the assemblies of the Unity package and of its samples as Unity would: by their .asmdef, for editors and players.
 
-The C# of the package's documents is compiled with it (document_code.py). What Unity itself brings are stubs with the signatures that are used (unity_client/dotnet/stubs). Warnings are errors. C# 9, .NET Standard 2.1.
+The C# code in the package's documents is compiled too (document_code.py). Stubs replace Unity's own assemblies (unity_client/dotnet/stubs).
+Warnings are errors. C# 9, .NET Standard 2.1.
 
-    compile_test.py ROOT BUILD     BUILD has restored the projects of unity_client/dotnet (tests/unity_client/dotnet_test.sh does)
+    compile_test.py ROOT BUILD     tests/unity_client/dotnet_test.sh restores the projects of unity_client/dotnet in BUILD first
 
-Rows with gRPC need its libraries; without them they are left out, and the last line says so.
+Rows with gRPC need its libraries; without them they are skipped, and the last line says so.
 """
 
 import json
@@ -18,7 +19,7 @@ import document_code
 
 PACKAGE = "unity_client/com.sweepstake.broadphase"
 STUBS = "unity_client/dotnet/stubs"
-# Unity switches these off: fields that only the inspector sets look unused. 1701 and 1702 are about versions of references.
+# Unity disables these too: fields that only the inspector sets look unused. 1701 and 1702 concern versions of references.
 NO_WARNING = "0169,0649,1701,1702"
 DOCUMENTS = "Sweepstake.Documents"
 DIRECTIVE = re.compile(r"^\s*#(?:if|elif)\s+(.*)$", re.MULTILINE)
@@ -28,7 +29,7 @@ GRPC = ["SWEEPSTAKE_GRPC"]
 OLD_INPUT, NEW_INPUT = ["ENABLE_LEGACY_INPUT_MANAGER"], ["ENABLE_INPUT_SYSTEM"]
 YAHA, INPUT, BURST = "com.cysharp.yetanotherhttphandler", "com.unity.inputsystem", "com.unity.burst"
 URP, HDRP = "com.unity.render-pipelines.universal", "com.unity.render-pipelines.high-definition"
-# Packages that are an assembly of their own here.
+# The assembly of each package that has a stub.
 PACKAGE_ASSEMBLIES = {YAHA: "YetAnotherHttpHandler", INPUT: "Unity.InputSystem", BURST: "Unity.Burst"}
 
 
@@ -61,7 +62,7 @@ ROWS = [
 
 
 class Toolchain:
-    """The compiler and the libraries of .NET, wherever the SDK and NuGet have put them."""
+    """The compiler and the libraries of .NET in the folders of the SDK and NuGet."""
 
     def __init__(self, build):
         version, folder = re.findall(r"^(\S+) \[(.*)\]$", run("dotnet", "--list-sdks"), re.MULTILINE)[-1]
@@ -78,7 +79,7 @@ class Toolchain:
             return []
         target = next(iter(json.loads(assets.read_text(encoding="utf-8"))["targets"].values()))
         found = [self.packages / name.lower() / file for name, library in target.items() for file in library.get("compile", {}) if library["type"] == "package"]
-        # Unity's own .NET Standard has those of System in it.
+        # Unity's .NET Standard contains the System assemblies.
         found = [path for path in found if not path.name.startswith("System.")]
         return found if all(path.is_file() for path in found) else []
 
@@ -88,7 +89,7 @@ def run(*command):
 
 
 class Assembly:
-    """Sources and what the .asmdef says; a stub has no .asmdef."""
+    """Sources and the content of the .asmdef; a stub has none."""
 
     def __init__(self, name, sources, asmdef=None):
         self.name, self.asmdef = name, asmdef or {}
@@ -118,7 +119,7 @@ def package_assemblies(package):
 
 
 def document_assembly(root, folder):
-    """In the rows that have all that the documents speak of."""
+    """Returns the assembly of the documents' code, for the rows with all packages that the documents use."""
     sources = [*document_code.write(root / "unity_client", folder), *sorted((root / "tests/unity_client/documents").glob("*.cs"))]
     return Assembly(DOCUMENTS, sources, {
         "noEngineReferences": False, "overrideReferences": False, "includePlatforms": ["Editor"], "defineConstraints": [*GRPC, *NEW_INPUT],
@@ -135,7 +136,7 @@ class Compiler:
         self.tools, self.output, self.made, self.count = tools, output, {}, 0
 
     def compile(self, assembly, defines, references):
-        """The path of the assembly; compiles what is the same for several rows once."""
+        """Returns the path of the assembly; compiles equal assemblies of several rows once."""
         key = (assembly.name, tuple(defines), tuple(references))
         if key not in self.made:
             folder = self.output / str(len(self.made))
@@ -156,7 +157,7 @@ class Compiler:
 
 
 def compile_row(compiler, package, stubs, row):
-    """Names of the assemblies of the package that were compiled, and of those that failed."""
+    """Returns the names of the package's assemblies that were compiled, and of those that failed."""
     _, platform, defines, packages = row
     present = {name: stub for name, stub in stubs.items() if platform == "Editor" or name != "UnityEditor"}
     present = {name: stub for name, stub in present.items() if name not in PACKAGE_ASSEMBLIES.values() or any(PACKAGE_ASSEMBLIES.get(p) == name for p in packages)}
@@ -180,7 +181,7 @@ def compile_row(compiler, package, stubs, row):
 
 
 def reference_names(assembly, present, due):
-    """An assembly that is not there is passed over, as Unity does."""
+    """Returns the names of referenced assemblies; missing ones are skipped, as in Unity."""
     if not assembly.asmdef:
         return [] if assembly.name in ("UnityEngine", "YetAnotherHttpHandler") else ["UnityEngine"]
     engine = [] if assembly.asmdef["noEngineReferences"] else [name for name in ("UnityEngine", "UnityEditor") if name in present]
@@ -195,7 +196,7 @@ def precompiled(tools, assembly, defines):
 
 
 def expectation_errors(row, compiled):
-    """What must be there, and what must not."""
+    """Yields assemblies that were not compiled but should have been, and vice versa."""
     name, platform, defines, _ = row
     due = {"Sweepstake.Core", "Sweepstake.Unity"} | {n for n in ("Sweepstake.Editor",) if platform == "Editor"}
     due |= {"Sweepstake.Protocol", "Sweepstake.GrpcNet"} if GRPC[0] in defines and platform != "WebGL" else set()

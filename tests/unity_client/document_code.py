@@ -1,8 +1,8 @@
-"""The C# of the package's documents as sources that can be compiled: each ```csharp block of a page is a file of its own.
+"""Converts the C# in the package's documents into sources that can be compiled: each ```csharp block of a page becomes a file.
 
-A block that declares a type at its outermost level is a file as it is. Of any other block the using directives stay above, members become
-those of a class and statements the body of its method; that class has what documents/Context.cs names, and knows the namespaces that every
-script of a game with this package would.
+A block that declares a type at its outermost level becomes a file without changes. For any other block the using directives stay at the
+top, members become members of a class, and statements become the body of its method. That class inherits the names in
+documents/Context.cs, and uses the namespaces that scripts of a game with this package use.
 """
 
 import re
@@ -15,7 +15,7 @@ KNOWN = {"Sweepstake", "Sweepstake.Unity", "System.Collections", "System.Collect
 
 
 def source(name, block, line):
-    """The text of a file; the compiler names the page and its line."""
+    """Returns the text of a file; compiler errors refer to the page and its line."""
     place = f'#line {line} "{name}"\n'
     if FILE.search(block):
         return place + block
@@ -27,7 +27,7 @@ def source(name, block, line):
 
 
 def write(documents, folder):
-    """Writes a file for each block below `documents`, each with a namespace of its own; returns the paths."""
+    """Writes a file for each block below `documents`, each with its own namespace; returns the paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for page in sorted(documents.rglob("*.md")):

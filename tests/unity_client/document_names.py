@@ -1,4 +1,4 @@
-"""What the documents of the Unity package name, looked for in the package: words that a person clicks, names of the API, files."""
+"""Checks that names in the documents of the Unity package exist: labels of menus and buttons, names of the API, files."""
 
 import json
 import re
@@ -11,24 +11,24 @@ FILE_NAME = re.compile(r"(?:deploy|dotnet|tests|unity_client|Runtime|Samples~|Te
 LITERAL = re.compile(r'"([^"\\\n]+)"')
 FIELD = re.compile(r"^\s+(?:\[[^\n]*\] )?(?:public|private|internal) [\w.<>\[\]?]+ (\w+)(?: = [^;]*)?;", re.MULTILINE)
 HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
-# The page of what is proven is checked for them.
+# package_test.py checks names of tests.
 TEST = re.compile(r"\w+Test\b")
 API_WORD = re.compile(r"\b[A-Z]\w*[a-z]\w*")
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
-# What Unity itself shows, in its menus, its settings and its profiler: whole paths.
+# Complete paths of Unity's own menus, settings and profiler.
 UNITY = {"Window > Package Management > Package Manager", "Window > Package Manager", "+ > Install package from disk", "+ > Add package from disk",
          "Samples > Import", "Project Settings > Tags and Layers", "Project Settings > Graphics > Shader Stripping > Instancing Variants", "Keep All", "High", "Reload Domain", "GC Alloc"}
-# Where the package has a menu or a page of its own.
+# Menus and pages in which the package has entries.
 PARENTS = ("Window > ", "GameObject > ", "Assets > Create > ", "Project Settings > ")
-# Of Unity, .NET and other packages, as far as no stub has it.
+# Names of Unity, .NET and other packages that are not in a stub.
 OTHERS_API = {"NuGetForUnity", "UnityNuGet", "StreamingAssets", "SocketsHttpHandler", "ComputePenetration"}
-# What the documents call an object of these types.
+# The variable names in the documents, and the types of these objects.
 OWNERS = {"manager": ("SweepstakeManager",), "tracker": ("ColliderTracker",), "session": ("BroadPhaseSession", "NativeObject"),
           "connection": ("DaemonConnection", "SessionWork")}
 
 
 def shown(package, sources):
-    """The texts of menus, buttons and states, the names that an inspector gives to fields, those of the package and its samples."""
+    """Returns the texts of menus, buttons and states, the inspector's names of fields, and the names of the package and its samples."""
     manifest = json.loads((package / "package.json").read_text(encoding="utf-8"))
     texts = {manifest["displayName"], *(sample["displayName"] for sample in manifest["samples"])}
     for source in sources:
@@ -47,7 +47,7 @@ def words_of(sources):
 
 
 def unknown_words(code, files, words):
-    """Of an expression, or of the members of an owner whose type is known."""
+    """Returns the unknown names in an expression, or in the members of an owner whose type is known."""
     owner, _, members = code.partition(".")
     types = OWNERS.get(owner)
     known = words_of(files[name] for name in types) if types else words

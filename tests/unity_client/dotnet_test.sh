@@ -4,7 +4,7 @@
 #   tests/unity_client/dotnet_test.sh build/dev                       all tests
 #   tests/unity_client/dotnet_test.sh build/dev --filter Name~Reload  arguments after the folder go to `dotnet test`
 #
-# Exit status: 0 all is well, 1 something failed, 77 some or all tests were left out, and the last line says which and why.
+# Exit status: 0 all tests passed, 1 a test failed, 77 some or all tests were skipped; the last line says which and why.
 set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 projects=$repository/unity_client/dotnet
@@ -26,7 +26,7 @@ dotnet-sdk-10.0 of Microsoft's repository for this system, or unpack the SDK and
 [[ $(dotnet --version) =~ ^([0-9]+)\. && ${BASH_REMATCH[1]} -ge 10 ]] ||
   left_out "the C# tests of the Unity package. They need the .NET SDK 10, and this is $(dotnet --version)"
 
-# The daemon takes each SWEEPSTAKE_… of the environment for a setting.
+# The name must not begin with SWEEPSTAKE_: the daemon reads such variables as settings.
 export UNITY_CLIENT_BUILD=$build LD_LIBRARY_PATH=$build/plugin${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 settings=(--configuration Release --nologo -p:BuildFolder="$build/dotnet/" -nodeReuse:false)
 
@@ -35,7 +35,7 @@ run() {
   dotnet build "$projects/$1" --no-restore --verbosity quiet "${settings[@]}"
   dotnet test "$projects/$1" --no-build --no-restore --verbosity quiet --logger "console;verbosity=minimal" "${settings[@]}" "${@:2}"
 }
-readonly advice="NuGet could not restore the packages that unity_client/dotnet names; add a source that has them to your NuGet configuration"
+readonly advice="NuGet could not restore the packages that unity_client/dotnet needs; add a source with them to your NuGet configuration"
 
 restore core_tests || left_out "the C# tests of the Unity package. $advice"
 run core_tests "$@"
@@ -43,7 +43,7 @@ compile_as_unity() { python3 "$repository/tests/unity_client/compile_test.py" "$
 
 if ! restore daemon_tests || ! restore unity_tests; then
   compile_as_unity
-  left_out "the C# tests of the Unity package that speak gRPC, and with them those of its components; those of its core have passed. $advice"
+  left_out "the C# tests of the Unity package that need gRPC, including those of its components; the tests of its core have passed. $advice"
 fi
 python3 "$repository/unity_client/tools/make_protocol.py" "$repository" --check
 run daemon_tests "$@"

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Fails when the Unity package breaks a rule that Unity's own validation has, or when its documents are not true.
+"""Fails if the Unity package breaks a rule of Unity's own validation, or if its documents are wrong.
 
-    package.json    name, version (that of the CMake project, of the commit's tag and of the tag in the documents), Unity 2022.3; samples exist
-    .meta           each asset has one, each belongs to an asset, no GUID is there twice; a plug-in has one where a build has placed it
-    .asmdef         named as its file, references what exists, gRPC behind SWEEPSTAKE_GRPC, no engine below Runtime/Unity, Editor for the editor
-    samples         each folder is in the manifest and has an assembly and a scene; a scene's scripts are the package's
-    CHANGELOG.md    Keep a Changelog, newest first, the version of the package unless it is unreleased
-    paths           at most 140 characters; no link.xml, which Unity ignores in packages; no library of .NET
-    privacy.md      names each field of what a game and the editor's window send, and no other
-    proven.md       has each of the 47 points once, with a test that exists or with steps; a quick start has six steps at most
-    links           of the documents lead somewhere; menus, fields, files and names of the API that they name exist (document_names.py)
+    package.json    name, version (equal to the CMake project, the commit's tag and the tag in the documents), Unity 2022.3; samples exist
+    .meta           each asset has one, each belongs to an asset, each GUID is unique; an installed plug-in has one
+    .asmdef         named like its file, references exist, gRPC needs SWEEPSTAKE_GRPC, no engine outside Runtime/Unity, Editor for the editor
+    samples         each folder is in the manifest and has an assembly and a scene; scenes use only the package's scripts
+    CHANGELOG.md    format of Keep a Changelog, newest first, begins with the package's version or with Unreleased
+    paths           at most 140 characters; no link.xml, which Unity ignores in packages; no .NET library
+    privacy.md      names each field that a game and the editor's window send, and no other
+    proven.md       has each of the 47 points once, with an existing test or with steps; the quick start has at most six steps
+    links           links in the documents lead to files; the menus, fields, files and API names in them exist (document_names.py)
 
     package_test.py ROOT          checks the tree at ROOT
     package_test.py --self-test   shows that each rule can fail
@@ -42,7 +42,7 @@ PROTO_MESSAGE = re.compile(r"^message (\w+) \{(.*?)^\}", re.MULTILINE | re.DOTAL
 PROTO_FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+;", re.MULTILINE)
 INSTALLED_TAG = re.compile(r"#v(\d+\.\d+\.\d+)")
 PRIVACY_FIELD = re.compile(r"^\| `(\w+\.\w+)` \|", re.MULTILINE)
-# What a game sends, and what the editor's window asks.
+# The messages that a game and the editor's window send.
 SENT_MESSAGES = ("StreamTelemetryRequest", "WatchPosteriorsRequest", "ListPosteriorsRequest")
 POINTS = 47
 POINT = re.compile(r"^\| (\d+) \|([^|]+)\|([^|]*)\|([^|]*)\|$", re.MULTILINE)
@@ -74,15 +74,15 @@ def manifest_errors(root, package):
 
 
 def commit_errors(root, package):
-    """A tree without its history has no tag."""
+    """Checks the tags of the commit; a tree without its history has none."""
     if not (root / ".git").exists():
         return
     try:
         asked = subprocess.run(["git", "-C", str(root), "tag", "--points-at", "HEAD", "v*"], capture_output=True, text=True, check=True)
     except subprocess.CalledProcessError as problem:
-        yield f"git cannot say which tags the commit has: {problem.stderr.strip()}"
+        yield f"git cannot list the tags of the commit: {problem.stderr.strip()}"
     except OSError as problem:
-        yield f"git cannot be started, which knows the tags of the commit ({problem.strerror}): install it, and put its folder into PATH"
+        yield f"git cannot be started to list the tags of the commit ({problem.strerror}): install it, and add its folder to PATH"
     else:
         yield from release_errors(package, asked.stdout.split())
 
@@ -92,30 +92,30 @@ def release_errors(package, tags):
     yield from (f"the commit's tag is {tag}, and package.json's version {version}" for tag in tags if tag != f"v{version}")
     latest = HEADING.search((package / "CHANGELOG.md").read_text(encoding="utf-8"))
     if tags and not (latest and re.fullmatch(rf"## \[{re.escape(version)}\] - \d{{4}}-\d\d-\d\d", latest[0])):
-        yield f"CHANGELOG.md: a release begins with '## [{version}] - ' and its date"
+        yield f"CHANGELOG.md: a release must begin with '## [{version}] - ' and its date"
 
 
 def tag_errors(root, package):
     version = json_of(package / "package.json")["version"]
     named = [(page.name, tag) for page in sorted((root / "unity_client").rglob("*.md")) for tag in INSTALLED_TAG.findall(page.read_text(encoding="utf-8"))]
     if not named:
-        yield "no document says how a release is installed by its tag, #v1.2.3"
-    yield from (f"{name}: the tag #v{tag} is not that of the version {version}" for name, tag in named if tag != version)
+        yield "no document describes the installation of a release by its tag, #v1.2.3"
+    yield from (f"{name}: the tag #v{tag} does not match the version {version}" for name, tag in named if tag != version)
 
 
 def changelog_errors(package):
     text = (package / "CHANGELOG.md").read_text(encoding="utf-8")
     if not text.startswith("# Changelog\n"):
-        yield "CHANGELOG.md: the first line is '# Changelog'"
+        yield "CHANGELOG.md: the first line must be '# Changelog'"
     headings = [line for line in text.splitlines() if line.startswith("## ")]
     if not headings:
-        yield "CHANGELOG.md: there is no version"
+        yield "CHANGELOG.md: the versions are missing"
     for heading in headings:
         if not VERSION_HEADING.match(heading):
             yield f"CHANGELOG.md: '{heading}' is not '## [1.2.3] - 2026-01-31' or '## [Unreleased]'"
     versions = [tuple(map(int, match[1].split("."))) for heading in headings if (match := VERSION_HEADING.match(heading)) and match[1] != "Unreleased"]
     if versions != sorted(versions, reverse=True):
-        yield "CHANGELOG.md: the newest version comes first"
+        yield "CHANGELOG.md: the newest version must come first"
     version = json_of(package / "package.json")["version"]
     if headings and headings[0] != "## [Unreleased]" and not headings[0].startswith(f"## [{version}]"):
         yield f"CHANGELOG.md: begins with neither '## [Unreleased]' nor {version}, package.json's version"
@@ -134,13 +134,13 @@ def asmdef_errors(package):
             yield f"{name}: either includes platforms or excludes some"
         for reference in asmdef["references"]:
             if reference not in names | KNOWN_REFERENCES:
-                yield f"{name}: '{reference}' is no assembly"
+                yield f"{name}: '{reference}' is not an assembly"
         if name.startswith(ENGINE_FREE) and not asmdef["noEngineReferences"]:
-            yield f"{name}: knows UnityEngine"
+            yield f"{name}: must not reference UnityEngine"
         if name.startswith("Editor/") and asmdef["includePlatforms"] != ["Editor"]:
-            yield f"{name}: is for the editor alone"
+            yield f"{name}: must include the editor only"
         if name.startswith(GRPC) and asmdef["defineConstraints"] != ["SWEEPSTAKE_GRPC"]:
-            yield f"{name}: would not compile without the libraries of gRPC; its constraint is SWEEPSTAKE_GRPC"
+            yield f"{name}: does not compile without the libraries of gRPC; add the constraint SWEEPSTAKE_GRPC"
 
 
 def sample_errors(package):
@@ -151,7 +151,7 @@ def sample_errors(package):
         if name not in listed:
             yield f"package.json: the sample {name} is not listed"
         if not list(folder.glob("*.asmdef")) or not list(folder.glob("*.unity")):
-            yield f"{name}: a sample has an assembly and a scene"
+            yield f"{name}: a sample must have an assembly and a scene"
         for scene in sorted(folder.glob("*.unity")):
             for guid in SCENE_SCRIPT.findall(scene.read_text(encoding="utf-8")):
                 if guid not in scripts:
@@ -166,7 +166,7 @@ def path_errors(package):
         if path.name == "link.xml":
             yield f"{name}: Unity ignores it in a package"
         if path.suffix == ".dll" and not make_metas.template(name).is_file():
-            yield f"{name}: a library of .NET would meet another copy of itself in the project"
+            yield f"{name}: a .NET library would conflict with another copy in the project"
 
 
 def document_errors(package):
@@ -180,7 +180,7 @@ def document_errors(package):
 
 
 def sent_fields(proto):
-    """Message.field of all that these requests may hold."""
+    """Returns Message.field for all fields that these requests may contain."""
     messages = {name: PROTO_FIELD.findall(body) for name, body in PROTO_MESSAGE.findall(proto)}
     due, seen, fields = list(SENT_MESSAGES), set(), set()
     while due:
@@ -198,9 +198,9 @@ def privacy_errors(root, package):
     told = set(PRIVACY_FIELD.findall((package / "Documentation~/privacy.md").read_text(encoding="utf-8")))
     sent = sent_fields("".join((root / f"proto/sweepstake/v1/{name}.proto").read_text(encoding="utf-8") for name in ("telemetry", "recordings", "posteriors")))
     for field in sorted(sent - told):
-        yield f"Documentation~/privacy.md: `{field}` is sent, and not told"
+        yield f"Documentation~/privacy.md: `{field}` is sent, but not listed"
     for field in sorted(told - sent):
-        yield f"Documentation~/privacy.md: `{field}` is told, and not sent"
+        yield f"Documentation~/privacy.md: `{field}` is listed, but not sent"
 
 
 def proof_errors(root, package):
@@ -208,11 +208,11 @@ def proof_errors(root, package):
     steps = set(STEP.findall(page))
     rows = POINT.findall(page)
     if [int(row[0]) for row in rows] != list(range(1, POINTS + 1)):
-        yield f"Documentation~/proven.md: the points 1 to {POINTS} have a row each, in order"
+        yield f"Documentation~/proven.md: the points 1 to {POINTS} must have one row each, in order"
     tests = {path.stem: path.read_text(encoding="utf-8") for path in sorted((root / "unity_client").rglob("*Test.cs"))}
     for number, _, proof, editor in rows:
         if not proof.strip() and not editor.strip():
-            yield f"Documentation~/proven.md: point {number} is proven by nothing"
+            yield f"Documentation~/proven.md: point {number} has neither a test nor steps"
         for name, method in TEST_NAME.findall(proof):
             if f" {method}(" not in tests.get(name, "") and not (name in tests and not method):
                 yield f"Documentation~/proven.md: the test {name}.{method} does not exist"
@@ -220,7 +220,7 @@ def proof_errors(root, package):
             yield f"Documentation~/proven.md: the steps {editor.strip()[0]} do not exist"
     quick_start = re.search(r"^## Quick start\n(.*?)^## ", (package / "Documentation~/index.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     if not quick_start or not 1 <= len(re.findall(r"^\d+\. ", quick_start[1], re.MULTILINE)) <= MAX_QUICK_START_STEPS:
-        yield f"Documentation~/index.md: a quick start has at most {MAX_QUICK_START_STEPS} steps"
+        yield f"Documentation~/index.md: the quick start must have at most {MAX_QUICK_START_STEPS} steps"
 
 
 def check(root):
@@ -250,42 +250,42 @@ def place(package, name):
     path.touch()
 
 
-# What is done to a copy of the package, and what must be said then.
+# Changes of a copy of the package, and a part of the error that each must cause.
 BAD = [
     (lambda p: edit(p, "package.json", '"version": "', '"version": "9'), "the version is not"),
     (lambda p: edit_by(p, "Documentation~/index.md", INSTALLED_TAG, "#v99.0.0"), "index.md: the tag #v99"),
-    (lambda p: edit_by(p, "Documentation~/index.md", INSTALLED_TAG, "the tag"), "no document says how a release is installed"),
+    (lambda p: edit_by(p, "Documentation~/index.md", INSTALLED_TAG, "the tag"), "no document describes the installation"),
     (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## [0.0.9] - 2026-01-01"), "begins with neither"),
     (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## [Unreleased]\n\n## [99.0.0] - 2026-01-01"), "has a version after"),
     (lambda p: edit(p, "package.json", '"2022.3"', '"2019.4"'), "the lowest Unity"),
     (lambda p: edit(p, "package.json", "Samples~/QuickStart", "Samples~/None"), "Samples~/None does not exist"),
     (lambda p: edit(p, "package.json", "Samples~/QuickStart", "Samples~/None"), "the sample Samples~/QuickStart is not listed"),
-    (lambda p: (p / "Samples~/QuickStart/QuickStart.unity").unlink(), "a sample has an assembly and a scene"),
+    (lambda p: (p / "Samples~/QuickStart/QuickStart.unity").unlink(), "a sample must have an assembly and a scene"),
     (lambda p: edit(p, "Samples~/QuickStart/QuickStart.unity", "11500000, guid: ", "11500000, guid: 0"), "is not the package's"),
-    (lambda p: edit(p, "Editor/Sweepstake.Editor.asmdef", '["Editor"]', "[]"), "is for the editor alone"),
+    (lambda p: edit(p, "Editor/Sweepstake.Editor.asmdef", '["Editor"]', "[]"), "must include the editor only"),
     (lambda p: edit(p, "Documentation~/proven.md", "| 7 |", "| 77 |"), "the points 1 to 47"),
     (lambda p: edit(p, "Documentation~/proven.md", "`SecurityTest`", "`InsecurityTest`"), "the test InsecurityTest. does not exist"),
     (lambda p: edit(p, "Documentation~/proven.md", "- **G**", "- **X**"), "the steps G do not exist"),
-    (lambda p: edit(p, "Documentation~/proven.md", "| G |", "| |"), "point 25 is proven by nothing"),
+    (lambda p: edit(p, "Documentation~/proven.md", "| G |", "| |"), "point 25 has neither a test nor steps"),
     (lambda p: edit(p, "Documentation~/index.md", "## Quick start\n", "## Quick start\n\n1. a\n2. b\n"), "at most 6 steps"),
-    (lambda p: edit(p, "Documentation~/privacy.md", "| `ListPosteriorsRequest.page_size` |", "| |"), "`ListPosteriorsRequest.page_size` is sent, and not told"),
+    (lambda p: edit(p, "Documentation~/privacy.md", "| `ListPosteriorsRequest.page_size` |", "| |"), "`ListPosteriorsRequest.page_size` is sent, but not listed"),
     (lambda p: (p / "README.md.meta").unlink(), "README.md.meta is missing"),
     (lambda p: (p / "Gone.md.meta").write_text("guid: " + "0" * 32 + "\n"), "Gone.md.meta belongs to nothing"),
     (lambda p: shutil.copy(p / "README.md.meta", p / "LICENSE.md.meta"), "has the GUID of"),
     (lambda p: place(p, "Runtime/Plugins/linux-x86_64/libsweepstake.so"), "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta is missing"),
     (lambda p: place(p, "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta"), "Runtime/Plugins/linux-x86_64/libsweepstake.so.meta belongs to nothing"),
     (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## Unreleased"), "is not '## [1.2.3]"),
-    (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## [0.1.0] - 2026-01-01\n\n## [0.2.0] - 2026-01-01"), "the newest version comes first"),
-    (lambda p: place(p.parents[1], ".git"), "git cannot say which tags"),
+    (lambda p: edit_by(p, "CHANGELOG.md", HEADING, "## [0.1.0] - 2026-01-01\n\n## [0.2.0] - 2026-01-01"), "the newest version must come first"),
+    (lambda p: place(p.parents[1], ".git"), "git cannot list the tags"),
     (lambda p: edit(p, "Runtime/Core/Sweepstake.Core.asmdef", '"Sweepstake.Core"', '"Core"'), "is called 'Core'"),
-    (lambda p: edit(p, "Runtime/Core/Sweepstake.Core.asmdef", '"noEngineReferences": true', '"noEngineReferences": false'), "knows UnityEngine"),
+    (lambda p: edit(p, "Runtime/Core/Sweepstake.Core.asmdef", '"noEngineReferences": true', '"noEngineReferences": false'), "must not reference UnityEngine"),
     (lambda p: edit(p, "Runtime/GrpcNet/Sweepstake.GrpcNet.asmdef", '"SWEEPSTAKE_GRPC"', ""), "without the libraries of gRPC"),
-    (lambda p: edit(p, "Runtime/GrpcNet/Sweepstake.GrpcNet.asmdef", '"Sweepstake.Core"', '"Sweepstake.Kern"'), "'Sweepstake.Kern' is no assembly"),
+    (lambda p: edit(p, "Runtime/GrpcNet/Sweepstake.GrpcNet.asmdef", '"Sweepstake.Core"', '"Sweepstake.Kern"'), "'Sweepstake.Kern' is not an assembly"),
     (lambda p: (p / "Documentation~" / ("x" * MAX_PATH)).write_text(""), "more than 140 characters"),
     (lambda p: (p / "Documentation~/link.xml").write_text(""), "Unity ignores it"),
-    (lambda p: (p / "Documentation~/Google.Protobuf.dll").write_text(""), "another copy of itself"),
-    (lambda p: (p / "Documentation~/privacy.md").write_text("| `Hello.shoe_size` | |\n"), "`Hello.shoe_size` is told, and not sent"),
-    (lambda p: edit(p, "Documentation~/privacy.md", "| `Hello.machine_class` |", "| |"), "`Hello.machine_class` is sent, and not told"),
+    (lambda p: (p / "Documentation~/Google.Protobuf.dll").write_text(""), "conflict with another copy"),
+    (lambda p: (p / "Documentation~/privacy.md").write_text("| `Hello.shoe_size` | |\n"), "`Hello.shoe_size` is listed, but not sent"),
+    (lambda p: edit(p, "Documentation~/privacy.md", "| `Hello.machine_class` |", "| |"), "`Hello.machine_class` is sent, but not listed"),
     (lambda p: edit(p, "Documentation~/setup.md", "*Set Define*", "*Set a Define*"), "setup.md: nothing is called 'Set a Define'"),
     (lambda p: edit(p, "Documentation~/components.md", "`Connect()`", "`Conect()`"), "components.md: the API has no Conect"),
     (lambda p: edit(p, "Documentation~/native-library.md", "`tests/cross.sh`", "`tests/crass.sh`"), "there is no file tests/crass.sh"),
@@ -305,7 +305,7 @@ def release_misses(package):
             shutil.copy(package / name, copy)
         edit_by(copy, "CHANGELOG.md", HEADING, f"## [{version}] - 2026-01-01")
         if list(release_errors(copy, ["v" + version])):
-            yield "a release was not taken for one"
+            yield "a valid release was refused"
         if not list(release_errors(copy, ["v99.0.0"])):
             yield "a commit's tag of another version was not found"
         for heading in ("## [Unreleased]", f"## [{version}]", "## [99.0.0] - 2026-01-01"):
@@ -318,7 +318,7 @@ def git_misses(package):
     with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(os.environ, {"PATH": folder}):
         place(pathlib.Path(folder), ".git")
         if not any("git cannot be started" in error for error in commit_errors(pathlib.Path(folder), package)):
-            yield "that there is no git was not said"
+            yield "a missing git was not reported"
 
 
 def self_test(root):
@@ -332,7 +332,7 @@ def self_test(root):
             change(copy / PACKAGE)
             errors = check(copy)
             if not any(error in found for found in errors):
-                missed.append(f"'{error}' was not said, but: {errors}")
+                missed.append(f"'{error}' was not reported, but: {errors}")
     return missed
 
 
