@@ -1,5 +1,5 @@
-// The program `paper_check`: is the policy `paper` the paper's? Its Tables 3 and 4 beside what the
-// real decision core predicts.
+// The program `paper_check` compares the policy `paper` with the paper: its Tables 3 and 4 beside
+// the predictions of the real decision core.
 
 #include <unistd.h>
 

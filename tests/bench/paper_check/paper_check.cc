@@ -26,7 +26,7 @@ std::vector<PaperGame> Play(const PaperRules& rules, const PaperCell& cell, cons
   return games;
 }
 
-// `deviation` is that of a run.
+// `deviation` is the standard deviation of a run.
 PaperResidual Compare(std::string_view name, const PaperFigure& paper, const PaperFigure& ours,
                       double deviation, uint32_t run_count) {
   const double error = deviation / std::sqrt(static_cast<double>(run_count));
@@ -47,8 +47,8 @@ PaperResidual Compare(std::string_view name, const PaperFigure& paper,
   return Compare(name, paper, ours, pooled, run_count);
 }
 
-// The paper prints no deviation of its counts; ours has one more run of each kind (Laplace), since
-// a share of 1 has none of its own.
+// The paper gives no deviation of its counts. Ours adds one run of each kind (Laplace), because a
+// share of 1 would have a deviation of 0.
 PaperResidual CompareDominance(uint32_t dominant_run_count, std::vector<double> values) {
   const PaperFigure paper{static_cast<double>(dominant_run_count) / kPaperRunCount, 0};
   const PaperFigure ours{Mean(values), SampleDeviation(values)};
@@ -56,8 +56,8 @@ PaperResidual CompareDominance(uint32_t dominant_run_count, std::vector<double> 
   return Compare("dominance", paper, ours, SampleDeviation(values), kPaperRunCount);
 }
 
-// Of the fitted figures, in the standard errors of the paper's runs alone: ours would reward costs
-// that make the runs differ.
+// The loss of the fitted figures, in standard errors of the paper's runs alone: with ours, costs
+// that make the runs differ would reduce the loss.
 double LossOf(const std::array<PaperResidual, 5>& figures, uint32_t run_count) {
   double loss = 0;
   for (const PaperResidual& figure : figures) {
@@ -170,9 +170,9 @@ std::array<PaperResidual, 5> CompareWithPaper(const PaperCell& cell,
 double SecondsPerObservation(const PaperCell& cell) {
   constexpr double kObservationS = 900;
   constexpr double kSettlingS = 2;
-  constexpr double kNotLearnt = 2 + 2;  // of n*: the prior and the exploration's two windows
+  constexpr double kNotLearnt = 2 + 2;  // part of n* from the prior and the exploration's windows
   const double active_s = cell.active_percent.mean / 100 * kObservationS;
-  const double settling_s = cell.switches.mean / 2 * kSettlingS;  // every other switch is to it
+  const double settling_s = cell.switches.mean / 2 * kSettlingS;  // every second switch leads to it
   return (active_s - settling_s) / (cell.evidence.mean - kNotLearnt);
 }
 

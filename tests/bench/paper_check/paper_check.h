@@ -1,13 +1,13 @@
-// Is the policy `paper` the paper's? Of each cell of its Table 4, μ* and the active share are
-// fitted, by the two costs of paper_game.h; what the policy then does is a prediction of the
-// switches, of n* and of Table 3's dominance, to be compared with the paper's.
+// Compares the policy `paper` with the paper. For each cell of its Table 4, μ* and the active share
+// are fitted with the two costs of paper_game.h. The switches, n* and the dominance of Table 3 are
+// then predictions of the policy, which are compared with the paper's.
 //
-// The same is done with the policy `random`, and with least numbers of samples per window, of which
-// one holds for all cells.
+// The same is done with the policy `random`, and with minimum numbers of samples per window, the
+// same for all cells.
 //
-// Our runs are aggregated as the paper's five are: switches over all of them, active share, μ* and
-// n* over those in which the cell's dominant arm dominates. A difference is measured by the
-// standard error of the mean of five runs, or of as many as the paper's mean is over, from the mean
+// Our runs are aggregated like the paper's five runs: switches over all of them; active share, μ*
+// and n* over those in which the cell's dominant arm dominates. A difference is measured in
+// standard errors of the mean of five runs (or of as many as the paper's mean has), from the mean
 // of the paper's and our variance.
 //
 // Deterministic; the result does not depend on the number of threads.
@@ -30,55 +30,56 @@ struct PaperResidual {
   std::string_view name;
   bool is_fitted = false;
   PaperFigure paper;
-  PaperFigure ours;            // over our runs; not a number if the dominant arm never dominates
+  PaperFigure ours;            // over our runs; NaN if the dominant arm never dominates
   double standard_errors = 0;  // (ours − paper) ÷ standard error; infinite if it never dominates
 
   bool is_close() const { return -2 <= standard_errors && standard_errors <= 2; }
 };
 
-// The places of the figures.
+// Indices of the figures.
 enum PaperFigureIndex : size_t { kDominance, kSwitches, kActive, kPosteriorMean, kEvidence };
 
 struct PaperPrediction {
   PaperRules rules;
   PaperCell cell;
-  PaperCosts costs;  // fitted
+  PaperCosts costs;  // the fitted costs
   std::array<PaperResidual, 5> figures;
 };
 
 struct PaperCheckOptions {
-  uint32_t seed_count = 100;  // runs of a prediction; a fit takes as many, others, to 50
+  uint32_t seed_count = 100;  // runs of a prediction; a fit uses up to 50 other runs
   uint32_t thread_count = 1;
 };
 
-// The least numbers of samples per window that are tried.
+// The minimum numbers of samples per window that are tried.
 inline constexpr std::array<uint32_t, 4> kMinSampleCounts = {20, 40, 80, 160};
 
-// `paper` as it ships, `random`, and `paper` with each of kMinSampleCounts.
+// Returns `paper` as shipped, `random`, and `paper` with each of kMinSampleCounts.
 std::vector<PaperRules> PaperRulesToCheck();
 
-// Returns one prediction per rules and cell, all cells of the first rules first. `on_done` hears
-// from the calling thread how many there are. REQUIRES: at least one seed.
+// Returns one prediction per rules and cell; the cells of the first rules come first. `on_done` is
+// called on the calling thread with the number of finished predictions. REQUIRES: at least one
+// seed.
 std::vector<PaperPrediction> CheckPaper(std::span<const PaperRules> rules,
                                         std::span<const PaperCell> cells,
                                         const PaperCheckOptions& options,
                                         const std::function<void(uint64_t done)>& on_done);
 
-// Finds the costs that give a cell's μ* and active share, or come closest to them: one after
-// the other is made larger and smaller by a factor, which shrinks when none helps; first with 8
+// Finds the costs that give a cell's μ* and active share, or come closest to them. It increases and
+// decreases one cost after the other by a factor, which shrinks if neither helps; first with 8
 // runs, then with all.
 PaperCosts FitPaperCosts(const PaperRules& rules, const PaperCell& cell, uint32_t seed_count);
 
-// The figures of some runs beside the cell's. REQUIRES: not empty.
+// Compares the figures of some runs with those of the cell. REQUIRES: not empty.
 std::array<PaperResidual, 5> CompareWithPaper(const PaperCell& cell,
                                               std::span<const PaperGame> games);
 
-// Seconds of active time, settling left out, that the paper's n* took for each of its observations:
-// 2 where every tick taught something.
+// Returns the seconds of active time (without settling) per observation in the paper's n*: 2 if
+// every tick was an observation.
 double SecondsPerObservation(const PaperCell& cell);
 
-// The predicted figures of some cells that are close, and the root of their mean squared distance
-// in standard errors, each counted as 10 at most.
+// The number of predicted figures that are close, and their root mean square distance in standard
+// errors, with each distance limited to 10.
 struct PaperScore {
   uint32_t close_count = 0;
   uint32_t figure_count = 0;

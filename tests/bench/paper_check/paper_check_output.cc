@@ -29,7 +29,7 @@ std::string FigureText(const PaperFigure& figure, int decimals) {
   return MeanText(figure, decimals) + " ± " + Fixed(figure.deviation, decimals);
 }
 
-// Dominance as Table 3 has it: "3 / 5".
+// Formats dominance as in Table 3: "3 / 5".
 std::string FigureText(const PaperResidual& residual, const PaperFigure& figure) {
   if (residual.paper.deviation == 0 && residual.paper.mean <= 1)
     return Fixed(figure.mean * kPaperRunCount, 1) + " / " + std::to_string(kPaperRunCount);
@@ -79,7 +79,8 @@ void PrintCells(const PaperReport& report, std::ostream& out) {
   table.Print(out);
 }
 
-// Which least number of samples per window explains the cells that observe less than once per tick.
+// Prints which minimum number of samples per window explains the cells with less than one
+// observation per tick.
 void PrintMinSamples(const PaperReport& report, std::ostream& out) {
   std::vector<std::string> header = {"samples per window"};
   std::vector<size_t> cells;

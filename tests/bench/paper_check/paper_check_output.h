@@ -1,4 +1,4 @@
-// What `paper_check` prints, for people and for scripts. Pure functions.
+// Formats the output of `paper_check` for readers and for scripts. Pure functions.
 #pragma once
 
 #include <ostream>
@@ -8,8 +8,8 @@
 
 namespace sweepstake::cli {
 
-// The predictions by their rules, as CheckPaper orders them, and which of those with a least number
-// of samples comes closest to the paper in all cells. REQUIRES: those of PaperRulesToCheck.
+// The predictions in the order of CheckPaper, and the rules with a minimum number of samples that
+// come closest to the paper in all cells. REQUIRES: the predictions of PaperRulesToCheck.
 struct PaperReport {
   std::span<const PaperPrediction> paper;
   std::span<const PaperPrediction> random;

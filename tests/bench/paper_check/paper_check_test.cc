@@ -1,4 +1,4 @@
-// The paper's Tables 3 and 4 against the real decision core, with few seeds that stay the same.
+// Tests the paper's Tables 3 and 4 with the real decision core and a few fixed seeds.
 #include "tests/bench/paper_check/paper_check.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ TEST(PaperGame, ObservesOnceIn2SecondsOfActiveTimeButForTheSettling) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     const PaperGame game = PlayPaperGame({}, {.detection_ms = 1}, kAxisSweep, seed);
     const double active_s = game.active_percent * 9;
-    // The prior, the exploration's windows, and a window less for each of the arm's activations.
+    // The prior, the exploration's windows, and one window less for each activation of the arm.
     EXPECT_LE(game.evidence, 2 + 2 + active_s / 2 + 1);
     EXPECT_GE(game.evidence,
               2 + 1 + active_s / 2 - 2 * static_cast<double>(game.switch_count / 2 + 1));
@@ -46,7 +46,7 @@ TEST(PaperGame, ObservesOnceIn2SecondsOfActiveTimeButForTheSettling) {
 }
 
 TEST(PaperGame, WaitsForTheSamplesOfAWindow) {
-  // 10 FPS: 20 samples in each interval.
+  // 10 FPS give 20 samples in each interval.
   const PaperCosts slow{.detection_ms = 88, .gap_ms = 40};
   const PaperGame each = PlayPaperGame({}, slow, kAxisSweep, 1);
   const PaperGame enough =
@@ -59,7 +59,7 @@ TEST(PaperGame, WaitsForTheSamplesOfAWindow) {
 }
 
 TEST(PaperGame, AFrameOverTheLimitIsABailOut) {
-  // All others bail out: none but the fast arm is left after its first frame.
+  // All other arms bail out, so only the fast arm remains after its first frame.
   const PaperGame game = PlayPaperGame({}, {.detection_ms = 1, .gap_ms = 5'500}, kAxisSweep, 1);
   EXPECT_EQ(game.dominant_arm, kAxisSweep);
   EXPECT_GT(game.active_percent, 90);
@@ -108,16 +108,17 @@ TEST(PaperCheck, AggregatesAsTheTablesDo) {
 TEST(PaperCheck, MeasuresByTheStandardErrorOfAsManyRunsAsThePapersMeanIsOver) {
   const std::vector<PaperGame> games = ThreeGames();
   const auto all = CompareWithPaper(Cell("hurricane", 2000), games);
-  const double error = std::sqrt((52.0 + 1.7 * 1.7) / 2 / 5);  // of 4, 8 and 18, and the paper's
+  // The variances are those of 4, 8 and 18, and of the paper.
+  const double error = std::sqrt((52.0 + 1.7 * 1.7) / 2 / 5);
   EXPECT_NEAR(all[kSwitches].standard_errors, (10 - 6.6) / error, 1e-12);
   EXPECT_TRUE(all[kSwitches].is_close());
-  // KDTree dominated 3 of 5 runs, and one of these.
+  // KDTree dominated 3 of 5 runs in the paper, and one of these two.
   const std::vector<PaperGame> two = {{.dominant_arm = 6, .evidence = 190},
                                       {.dominant_arm = 6, .evidence = 210}};
   const auto some = CompareWithPaper(Cell("brownian", 3000), two);
   EXPECT_NEAR(some[kEvidence].standard_errors, (200 - 203) / std::sqrt((200 + 35.5 * 35.5) / 2 / 3),
               1e-12);
-  // Dominance 1 of 2, with one more run of each kind.
+  // A dominance of 1 of 2, with one more run of each kind.
   EXPECT_NEAR(some[kDominance].standard_errors, 0.4 / std::sqrt((0.25 * 4 - 0.25) / 3 / 5), 1e-12);
 }
 

@@ -22,8 +22,8 @@ constexpr double kRestMs = 12;
 constexpr uint32_t kObjectCount = 1'000;
 constexpr uint64_t kPairCount = uint64_t{kObjectCount} * (kObjectCount - 1) / 2;
 
-// A shipped policy without its diagnosis, on which no decision depends and which takes three
-// quarters of a run's time.
+// A shipped policy without its diagnosis, which affects no decision and takes three quarters of a
+// run's time.
 template <typename Kind>
 class Undiagnosed : public Kind {
  public:
@@ -101,7 +101,7 @@ class Game {
     samples_.clear();
   }
 
-  // The session sees it by the frames' epoch.
+  // The session notices the switch by the epoch of the frames.
   void Execute(const decision::Decision& decision) {
     if (!decision.command) return;
     arm_ = decision.command->arm;
@@ -125,7 +125,7 @@ class Game {
     return frame;
   }
 
-  // Standard normal, one for each second and arm.
+  // Returns a standard normal value, one for each second and arm.
   double Wobble() {
     const int64_t second = now_ns_ / kWobbleNs;
     if (second != wobble_second_ || arm_ != wobble_arm_) {
@@ -143,13 +143,13 @@ class Game {
   const uint32_t fast_arm_;
   const uint64_t seed_;
   decision::DecisionSession session_;
-  std::vector<decision::Frame> samples_;  // not yet shown to the session
+  std::vector<decision::Frame> samples_;  // not passed to the session yet
   uint32_t arm_;
   int64_t now_ns_ = 0;
   std::optional<int64_t> end_ns_;
   uint32_t epoch_ = 0;
   bool is_first_frame_ = true;
-  int64_t settled_ns_ = 0;  // since the end of the epoch's first frame
+  int64_t settled_ns_ = 0;  // time since the end of the epoch's first frame
   int64_t wobble_second_ = -1;
   uint32_t wobble_arm_ = 0;
   double wobble_ = 0;

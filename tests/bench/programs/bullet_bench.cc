@@ -1,16 +1,16 @@
-// What a broad phase costs in worlds of Bullet, per step and alone: each arm of ours, all of them
-// with AI Decides in the process, and Bullet's own, side by side in one run.
+// Measures a broad phase in worlds of Bullet, per step and alone: each of our arms, all arms with
+// AI Decides in the process, and Bullet's own broad phases, in one run.
 //
 //   bullet_bench [WORLD,…] [BODIES] [STEPS]               one line of JSON for each contestant
 //   bullet_bench --record FILE.aabbs WORLD [BODIES] [STEPS]  the world's boxes as a scene
 //
-// The contestants play the same game, each in a world of its own, and take turns by blocks of
-// steps; who begins rotates. "Alone" is the time to take the new boxes and to bring the pair cache
-// up to date, the shapes' time to tell their boxes included, which is the same for all. A ratio is
-// the median, over the steps, of a contestant's time ÷ that of btDbvtBroadphase, which is what
-// games have that choose nothing. Bullet's broad phases keep more pairs, which the rest of the step
-// pays for; the worlds are the same until these let bodies fall asleep at other moments. More than
-// 32,000 bodies are too many for btAxisSweep3.
+// The contestants play the same game, each in its own world, and take turns by blocks of steps in a
+// rotating order. "Alone" is the time to update the boxes and the pair cache. It includes the time
+// in which shapes compute their boxes, which is the same for all. A ratio is the median over the
+// steps of a contestant's time ÷ that of btDbvtBroadphase, the default choice of games. Bullet's
+// broad phases keep more pairs, which costs time in the rest of the step; the worlds are equal
+// until such pairs make bodies fall asleep at other moments. btAxisSweep3 supports at most 32,000
+// bodies.
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
@@ -74,7 +74,7 @@ constexpr NamedWorld kWorlds[] = {{"stack", Stacks},
                                   {"visitors", Visitors},
                                   {"mixed", Mixed}};
 
-// A player of the game, with what each step has taken.
+// A contestant plays the game and records the time of each step.
 class Contestant {
  public:
   Contestant(std::string name, const BulletGameOptions&) : name_(std::move(name)) {}
@@ -90,7 +90,7 @@ class Contestant {
   }
 
   virtual BulletGame& game() = 0;
-  // Returns how often the arm has changed, and to which at last.
+  // Returns the number of arm changes and the last arm.
   virtual std::string Choice() { return {}; }
   const std::string& name() const { return name_; }
 
@@ -141,7 +141,7 @@ std::unique_ptr<Session> MakeSession() {
   return std::move(*MakeEmbeddedSession(options, {}));
 }
 
-// With AI Decides in the process, twenty times as fast, since a run lasts seconds.
+// Uses AI Decides in the process at twenty times its speed, because a run lasts seconds.
 class AllOfOurs final : public Contestant {
  public:
   AllOfOurs(std::string name, const BulletGameOptions& options)
@@ -222,8 +222,8 @@ void Measure(const NamedWorld& world, int bodies, int steps) {
   for (const auto& one : contestants) Print(world, *one, *contestants.front());
 }
 
-// The boxes of a world, those of its ground and walls included, in the order of the world, in which
-// the last body takes the place of one that leaves.
+// The boxes of a world, including the ground and walls, in the order of the world. In this order
+// the last body replaces one that is removed.
 class WorldScene final : public Scene {
  public:
   WorldScene(const NamedWorld& world, const BulletGameOptions& options)

@@ -1,8 +1,8 @@
-// What one decision costs: the time of DecisionSession::Tick, with a window and a shadow sweep of
-// all arms to learn from, for a few arms and for the most that there may be.
+// Measures the cost of a decision: the time of DecisionSession::Tick with a window and a shadow
+// sweep of all arms, for a few arms and for the maximum number.
 //
 // decision_tick_bench [--json] [POLICY…] (default: paper adaptive). Prints p50 and p99 per policy
-// and number of arms, the same with an audit log, and how long a row of the log is. Every figure is
+// and number of arms, the same with an audit log, and the size of a row of the log. Every figure is
 // the best of a few rounds, because other programs may use the machine. The goal is in
 // tests/bench/data/goals.toml.
 #include <algorithm>
@@ -25,11 +25,11 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr int kRoundCount = 5;
-constexpr int kTickCount = 1'000;  // the ticks of a round
+constexpr int kTickCount = 1'000;  // ticks per round
 constexpr int kFramesPerTick = 20;
 
-// The processor time of this thread, which leaves out what other programs take; where the system
-// has no such clock, a steady clock.
+// Returns the processor time of this thread, which excludes other programs, or a steady clock if
+// the system has no such clock.
 double NowUs() {
 #ifdef __unix__
   timespec time{};
@@ -64,7 +64,7 @@ class Game {
     if (sink != nullptr) StartAudit(session_, *sink, {});
   }
 
-  // Sorted, in microseconds.
+  // Returns the sorted times in microseconds.
   std::vector<double> TickTimes() {
     std::vector<double> times_us;
     for (int tick = 0; tick < kTickCount; ++tick) times_us.push_back(TimeTick());
@@ -149,7 +149,7 @@ struct Row {
   uint32_t arm_count = 0;
   Quantiles plain;
   Quantiles audited;
-  double row_bytes = 0;  // the mean of the audit log's rows
+  double row_bytes = 0;  // mean size of the audit log's rows
 };
 
 Row Measure(const std::string& policy, uint32_t arm_count) {

@@ -1,15 +1,14 @@
-// What adaptation and telemetry cost the frame thread, the backend excluded: the frame path with a
-// backend that does nothing, its samples going nowhere, into a queue that nobody reads, or into one
-// that is read as a session reads it.
+// Measures the cost of adaptation and telemetry on the frame thread without the backend: the frame
+// path with a backend that does nothing. Its samples are discarded, go into a queue that is never
+// read, or into a queue that is read like a session does.
 //
-// Prints nanoseconds per frame (the goal is below 100) and, per frame and counted apart from the
-// timing: calls of operator new and malloc, calls that could make the thread wait (wait_counter.h
-// lists them), and system calls of any kind (system_call_counter.h), the clock's own included. Ends
-// with 1 when any of these is not zero.
+// Prints nanoseconds per frame (goal: below 100). Counted separately per frame: calls of operator
+// new and malloc, calls that could block the thread (see wait_counter.h), and all system calls
+// including those of the clock (system_call_counter.h). Exits with 1 if any of these is not zero.
 //
-// BM_Descriptors: what describing the scene costs of it, and as a share of the detection time of
-// the arm that is the cheapest in this scene (the goal is below 1 %). BM_CopyForTheLane: a frame
-// whose boxes the shadow lane asked for, which is at most one of many.
+// BM_Descriptors: the cost of describing the scene, also as a share of the detection time of the
+// cheapest arm in this scene (goal: below 1 %). BM_CopyForTheLane: a frame whose boxes the shadow
+// lane requested, which is rare.
 #include <benchmark/benchmark.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -50,7 +49,7 @@ class NullBackend final : public BroadPhase {
   size_t native_bytes() const override { return 0; }
 };
 
-// Empties the queue every millisecond until it goes.
+// Empties the queue every millisecond until it is destroyed.
 class Reader {
  public:
   explicit Reader(SampleQueue& queue)
@@ -71,7 +70,7 @@ class Reader {
   std::thread thread_;
 };
 
-// The frame path and the scene it is shown.
+// The frame path and its scene.
 class FramePath {
  public:
   FramePath(FrameSink* sink, size_t object_count) : scene_("brownian", object_count, 11) {
@@ -95,7 +94,7 @@ class FramePath {
 struct Faults {
   uint64_t allocation_count = 0;
   uint64_t wait_count = 0;
-  std::optional<uint64_t> system_call_count;  // absent: this system cannot count them
+  std::optional<uint64_t> system_call_count;  // nullopt if this system cannot count them
 };
 
 template <typename Frame>
@@ -118,7 +117,7 @@ Faults CountFaults(const Frame& frame) {
   return faults;
 }
 
-bool any_fault = false;  // what Google Benchmark has no return value for
+bool any_fault = false;  // Google Benchmark has no return value for it
 
 void Report(const Faults& faults, benchmark::State& state) {
   const auto per_frame = [](uint64_t count) { return static_cast<double>(count) / kCountedFrames; };
@@ -146,7 +145,7 @@ void BM_FrameIntoAFullQueue(benchmark::State& state) {
   Measure(&queue, state);
 }
 
-// The filter of the count stops this thread only, so the reader goes first.
+// The filter that counts system calls stops only this thread, so end the reader first.
 void BM_FrameIntoAQueueThatIsRead(benchmark::State& state) {
   SampleQueue queue(4096);
   FramePath path(&queue, static_cast<size_t>(state.range(0)));
@@ -161,7 +160,7 @@ BENCHMARK(BM_FrameWithoutSink)->Arg(1000)->Arg(100'000);
 BENCHMARK(BM_FrameIntoAFullQueue)->Arg(1000)->Arg(100'000);
 BENCHMARK(BM_FrameIntoAQueueThatIsRead)->Arg(1000)->Arg(100'000)->UseRealTime();
 
-// The median detection time of the cheapest arm in this scene.
+// Returns the median detection time of the cheapest arm in this scene.
 double CheapestFrameNs(size_t object_count) {
   constexpr int kFrames = 20;
   double cheapest_ns = std::numeric_limits<double>::max();
@@ -216,7 +215,7 @@ void BM_CopyForTheLane(benchmark::State& state) {
 }
 BENCHMARK(BM_CopyForTheLane)->Arg(1000)->Arg(10'000);
 
-// What the clock takes of it: two readings per frame.
+// Measures the clock's part of it: two readings per frame.
 void BM_TwoReadingsOfTheClock(benchmark::State& state) {
   Clock& clock = SteadyClock();
   while (state.KeepRunning()) {
@@ -226,7 +225,7 @@ void BM_TwoReadingsOfTheClock(benchmark::State& state) {
 }
 BENCHMARK(BM_TwoReadingsOfTheClock);
 
-// A counter that sees nothing would praise everything.
+// Checks that the counter counts, because a counter that stays 0 would hide every error.
 bool CounterSeesSystemCalls() {
   const auto calls = test_support::CountSystemCalls([] { (void)syscall(SYS_getppid); });
   return !calls || (calls->count == 1 && calls->last_number == SYS_getppid);

@@ -1,13 +1,13 @@
-// How many increments of evidence a second daemons commit into a PostgreSQL of their own on this
-// machine, which syncs every commit to the disk.
+// Measures how many increments of evidence per second daemons commit to their own PostgreSQL on
+// this machine, which syncs every commit to the disk.
 //
 //     postgres_bench [ROWS [GROUP [DAEMONS]]]
 //
-// ROWS increments (1,000,000) in commits of GROUP (5,000, as a busy daemon groups them; of at most
-// 10,000) by DAEMONS (3), each a thread with a connection of its own. Each has 1,000 sessions that
-// teach ten rows each, of seven arms and their shadow visits, in 20 scenes that all daemons have in
-// common: the first commit of each session adds its rows, the later ones add to them. Prints the
-// rate of each kind, and fails where the sums are not what was committed.
+// Commits ROWS increments (1,000,000) in groups of GROUP (5,000, as a busy daemon does; at most
+// 10,000) by DAEMONS (3), each a thread with its own connection. Each daemon has 1,000 sessions
+// with ten rows each (seven arms and their shadow visits), in 20 scenes that all daemons share. The
+// first commit of each session adds its rows, later commits update them. Prints the rate of each
+// kind, and fails if the sums differ from what was committed.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -72,7 +72,7 @@ absl::Status CommitRounds(PriorStore& store, uint64_t daemon, Rounds rounds, uin
   return absl::OkStatus();
 }
 
-// Returns the rows that all daemons commit in a second.
+// Returns the rows that all daemons together commit per second.
 absl::StatusOr<double> RowsPerSecond(const Stores& stores, Rounds rounds, uint64_t group_rows) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<absl::Status> ends(stores.size());

@@ -1,7 +1,7 @@
-// What proxies cost per frame and per query beside the broad phase itself: 10,000 moving boxes of
-// suite-b, with and without the first frame of 100,000 boxes of it as static ones.
+// Measures the cost of proxies per frame and per query in addition to the broad phase: 10,000
+// moving boxes of suite-b, with and without 100,000 static boxes (the first frame of suite-b).
 //
-// Times of frames are of the call that is named alone (manual time); pairs come from KDTree.
+// Frame times are those of the named call only (manual time); pairs come from KDTree.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -130,7 +130,7 @@ void MoveAll(benchmark::State& state) {
 }
 BENCHMARK(MoveAll)->Unit(benchmark::kMicrosecond);
 
-// The first query after all moving ones moved, or after one static one did.
+// The first query after all moving proxies moved, or after one static proxy moved.
 void RefreshMoving(benchmark::State& state) {
   Game game({}, 0, {});
   for ([[maybe_unused]] auto _ : state) {
@@ -143,7 +143,7 @@ void RefreshStatic(benchmark::State& state) {
   const ProxyHandle one = game.proxies.handle(kStaticProxyBit);
   Aabb box = *game.proxies.box(one);
   for ([[maybe_unused]] auto _ : state) {
-    std::swap(box.min[0], box.max[0]);  // there and away
+    std::swap(box.min[0], box.max[0]);  // valid and invalid in turn
     game.proxies.Move(one, box);
     TimeAlone(state, [&] { game.proxies.PrepareQueries(); });
   }
@@ -162,7 +162,8 @@ void SortPairs(benchmark::State& state) {
 }
 BENCHMARK(SortPairs)->UseManualTime()->Iterations(kFrames)->Unit(benchmark::kMicrosecond);
 
-// Among 10,000 moving and 100,000 static ones, anywhere in the world of the static ones.
+// Returns a box among 10,000 moving and 100,000 static ones, anywhere in the world of the static
+// ones.
 Aabb Anywhere(SequentialRandom& random, float half_extent) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,9 +1,9 @@
-// What proxies cost where engines notice it, as ratios that `judge.py proxies` holds against
-// goals.toml: one JSON document on stdout.
+// Measures the cost of proxies in cases that matter to engines, as ratios that `judge.py proxies`
+// compares with goals.toml. Prints one JSON document.
 //
-// The two sides of a ratio take turns in one run and are compared by their fastest turns, since
+// The two sides of a ratio take turns in one run and are compared by their fastest turns, because
 // other programs can only slow a turn down. All boxes move a little in each frame; pairs come from
-// KDTree. `--quick` makes everything small, to see that it works.
+// KDTree. `--quick` makes everything small, as a smoke test.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -64,7 +64,7 @@ void Print(const char* figure, const Fastest& fastest, const char* a, const char
               fastest.a_ms / fastest.b_ms, a, fastest.a_ms, b, fastest.b_ms);
 }
 
-// A cube of the boxes' density of suite-b, half of an edge beside the others.
+// Returns the edge of a cube with the density of suite-b.
 float SideFor(size_t count) { return std::cbrt(static_cast<float>(count)); }
 
 Aabb BoxWithin(SequentialRandom& random, float from, float to) {
@@ -85,7 +85,7 @@ std::vector<Aabb> BoxesWithin(size_t count, float side, uint64_t seed) {
   return boxes;
 }
 
-// Moving boxes, with a broad phase.
+// Moving boxes with a broad phase.
 class World {
  public:
   World(std::vector<Aabb> boxes, const CollisionFilter& filter)
@@ -122,8 +122,8 @@ class World {
   float step_ = 0.0078125F;
 };
 
-// The time of one search of boxes that all stand in one place, or do not meet: what finding all
-// pairs first would cost a filter behind the search, and all checks one in the leaves.
+// Returns the time of a search without filters, for boxes that are all in one place or apart. A
+// design that filters after the search, or at each check in the leaves, would pay this time.
 double SearchMilliseconds(const char* backend_name, const std::vector<Aabb>& boxes) {
   const auto backend = std::move(*MakeBroadPhase(backend_name));
   PairBuffer pairs;
@@ -147,7 +147,7 @@ void IgnoredInOnePlace(const Sizes& sizes) {
   }
   World a(together, kDebris);
   World b(apart, kDebris);
-  // They are searched for what they do not ignore, of which none is near.
+  // The search looks for proxies that the movers do not ignore; none of these is near.
   for (ProxySet* const proxies : {&a.proxies, &b.proxies}) {
     proxies->Add({{-9, -9, -9}, {-8, -8, -8}});
     proxies->Add({{-9, -9, -9}, {-8, -8, -8}}, {.is_static = true});
@@ -160,7 +160,7 @@ void IgnoredInOnePlace(const Sizes& sizes) {
               SearchMilliseconds("KDTree", together), SearchMilliseconds("BruteForce", apart));
 }
 
-// Both worlds have the same boxes where the movers are; the large one has others beside them.
+// Around the movers both worlds have the same boxes; the large one has more boxes elsewhere.
 void MoversAmongStatic(const Sizes& sizes) {
   const float side = SideFor(sizes.few_static);
   const std::vector<Aabb> movers = BoxesWithin(sizes.movers, side, 1);
@@ -241,7 +241,7 @@ double QueryMilliseconds(ProxySet& proxies, float side) {
   });
 }
 
-// Proxies, of which every second is static, come and go, with queries between them.
+// Adds and removes proxies, every second of them static, with queries in between.
 void QueriesAfterChurn(const Sizes& sizes) {
   const float side = SideFor(sizes.churned);
   std::vector<Aabb> boxes = BoxesWithin(sizes.churned, side, 5);
@@ -267,7 +267,7 @@ void QueriesAfterChurn(const Sizes& sizes) {
         "churned_queries_ms", "fresh_queries_ms");
 }
 
-// Static proxies that fill a cube, at the density of suite-b.
+// Static proxies that fill a cube with the density of suite-b.
 class StaticWorld {
  public:
   explicit StaticWorld(size_t count) : side(SideFor(count)) {
@@ -277,7 +277,7 @@ class StaticWorld {
     proxies.PrepareQueries();
   }
 
-  // Returns the milliseconds of a frame in which one is removed and one added.
+  // Returns the milliseconds of a frame that removes one proxy and adds one.
   double ChangeOne() {
     const size_t k = random_.Below(handles_.size());
     const Aabb box = BoxWithin(random_, 0, side);
@@ -310,8 +310,8 @@ void OneChange(const Sizes& sizes) {
         "one_change_many_static_ms", "one_change_few_static_ms");
 }
 
-// Tiles of static boxes beside a world of them come and, four tiles later, go. The worst of these
-// frames is compared with the first one, which sorts the world.
+// Adds tiles of static boxes next to a world of them, and removes each four tiles later. The
+// slowest of these frames is compared with the first frame, which sorts the world.
 void StreamedTiles(const Sizes& sizes) {
   ProxySet fresh;
   for (const Aabb& box : BoxesWithin(sizes.many_static, SideFor(sizes.many_static), 11)) {

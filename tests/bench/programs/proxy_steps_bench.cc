@@ -1,13 +1,13 @@
-// A whole step of a game's broad phase, as ratios that `judge.py proxies` holds against goals.toml:
-// 10,000 boxes of suite-b move, all pairs are found, and 10,000 rays are cast for their nearest
-// hit; each arm with a ProxySet, beside Bullet's tree and Embree in the same run. One JSON document
-// on stdout; `--quick` makes everything small.
+// Measures a complete step of a game's broad phase as ratios that `judge.py proxies` compares with
+// goals.toml. 10,000 boxes of suite-b move, all pairs are found, and 10,000 rays are cast for their
+// nearest hit. Each arm with a ProxySet is compared with Bullet's tree and Embree in the same run.
+// Prints one JSON document; `--quick` makes everything small.
 //
-// All contestants take turns frame by frame, each frame beginning with the next of them, and are
-// compared by their fastest frames, since other programs can only slow a frame down. In each frame
-// all arms must find the same pairs and hits, and their peers as many: Embree as many pairs and
-// hits as they, Bullet, whose boxes are larger, at least as many pairs. The run fails otherwise.
-// Embree takes one thread. Rays end after 20 units.
+// The contestants take turns frame by frame in a rotating order. They are compared by their fastest
+// frames, because other programs can only slow a frame down. In each frame all arms must find the
+// same pairs and hits. Embree must find equally many pairs and hits, and Bullet, whose boxes are
+// larger, at least as many pairs. Otherwise the run fails. Embree uses one thread. Rays end after
+// 20 units.
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
 #if __has_include(<embree4/rtcore.h>)
@@ -90,7 +90,7 @@ class Arm final : public Contestant {
   PairBuffer pairs_;
 };
 
-// Returns where the ray enters the box, or infinity.
+// Returns the distance at which the ray enters the box, or infinity.
 float EnterAt(const float* origin, const float* direction, const float* min, const float* max) {
   float enter = 0;
   float leave = kRayLength;
@@ -105,7 +105,7 @@ float EnterAt(const float* origin, const float* direction, const float* min, con
 
 btVector3 Vector(const float* v) { return {v[0], v[1], v[2]}; }
 
-// Bullet calls back for each box on the way.
+// Bullet calls it for each box along the ray.
 struct NearestOfBullet final : btBroadphaseRayCallback {
   const Ray* ray = nullptr;
   float nearest = std::numeric_limits<float>::infinity();
@@ -201,7 +201,7 @@ class Embree final : public Contestant {
   }
 
  private:
-  // Embree reports pairs of leaves, in both orders.
+  // Embree reports pairs of leaves in both orders.
   static void CountPairs(void* self, RTCCollision* collisions, unsigned count) {
     auto& embree = *static_cast<Embree*>(self);
     for (unsigned k = 0; k < count; ++k) {
@@ -248,7 +248,7 @@ std::vector<Ray> AnyRays(size_t count, const std::vector<Aabb>& boxes) {
   return rays;
 }
 
-// Where the contestants stand in the list.
+// Index of the contestant in the list.
 constexpr size_t kBullet = 0;
 constexpr size_t kEmbree = 1;
 constexpr size_t kFirstArm = 2;
@@ -269,8 +269,8 @@ void Print(const std::vector<std::unique_ptr<Contestant>>& contestants) {
               slowest_arm / contestants[kEmbree]->fastest_ms);
 }
 
-// Returns whether all have done the whole work. The peers round a ray's way through their trees
-// otherwise: in a thousand rays they may differ by one.
+// Returns whether all have done the complete work. The peers' trees round differently along a ray:
+// in a thousand rays the hits may differ by one.
 bool Agree(const std::vector<std::unique_ptr<Contestant>>& contestants) {
   const Contestant& arm = *contestants[kFirstArm];
   const size_t tolerated = arm.hit_count / 1000;
@@ -289,7 +289,7 @@ bool Agree(const std::vector<std::unique_ptr<Contestant>>& contestants) {
   return true;
 }
 
-// Returns whether the contestants agree.
+// Measures all contestants; returns whether their results agree.
 bool Measure(uint32_t object_count, int frames) {
   SceneOptions options;
   options.object_count = object_count;

@@ -1,17 +1,19 @@
-// What a switch of arms costs the frame that makes it, without the shadow lane (cold) and with it
-// (warm), for all ordered pairs of arms; and what the lane costs every other frame.
+// Measures the cost of switching arms for the frame that switches, without the shadow lane (cold)
+// and with it (warm), for all ordered pairs of arms, and the cost of the lane for every other
+// frame.
 //
 //   switch_bench [OBJECTS,…] [REPEATS] [ARM,…]
 //
-// A switch: some frames on one arm, a command for the other, frames until it is executed, and then
-// enough for a median. The figure is the switching frame's detection time ÷ the median of the new
-// arm's later frames, the median over the repeats; each repeat starts with new backends, so that a
-// cold switch is one to an arm that was never active. Frames are not paced and nothing but the
-// broad phase runs, which is the hardest case: in a game the rest of the frame pushes everything
-// out of the cache in every frame, not only in the switching one.
+// A switch is: some frames on one arm, a command for the other, frames until it is executed, and
+// then enough frames for a median. The figure is the detection time of the switching frame ÷ the
+// median of the new arm's later frames, as the median over the repeats. Each repeat starts with new
+// backends, so that a cold switch goes to an arm that was never active. Frames are not paced and
+// only the broad phase runs, which is the worst case: in a game the rest of the frame evicts
+// everything from the cache in every frame, not only in the switching one.
 //
-// The lane's cost: blocks of frames with the lane at work (kAi) and paused (kManual) in turn; the
-// ratio of neighbouring blocks' mean frame times, and as a control that of two paused ones.
+// The lane's cost: blocks of frames alternate between a working lane (kAi) and a paused one
+// (kManual). The figure is the ratio of the mean frame times of neighbouring blocks; the control is
+// the ratio of two paused blocks.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,7 +30,7 @@ namespace {
 
 constexpr int kFramesBefore = 12;
 constexpr int kFramesAfter = 24;
-constexpr int kFramesUnsettled = 4;  // the first of those after, which the median leaves out
+constexpr int kFramesUnsettled = 4;  // first frames after a switch, excluded from the median
 constexpr int kBlocks = 12;
 constexpr uint64_t kBlockNs = 150'000'000;
 
@@ -39,7 +41,7 @@ std::vector<std::string> Split(const std::string& list) {
   return items;
 }
 
-// Returns the upper of the two middle values if their number is even.
+// Returns the median, and for an even number of values the upper of the two in the middle.
 double UpperMedian(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values.empty() ? 0 : values[values.size() / 2];
@@ -50,7 +52,7 @@ struct FrameTimes {
   double detection = 0;
 };
 
-// The frame path and the scene it is shown.
+// The frame path and its scene.
 class Game {
  public:
   Game(const AdaptiveOptions& options, uint32_t object_count)
@@ -76,7 +78,7 @@ class Game {
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
 
-// The switching frame ÷ the median frame after it.
+// Returns the switching frame's time ÷ the median of the frames after it.
 FrameTimes SwitchRatio(const std::vector<std::string>& arms, uint32_t from, uint32_t to,
                        uint32_t object_count, ShadowMode lane) {
   Game game({.arms = arms, .initial_arm = arms[from], .shadow = {.enabled = lane}}, object_count);
@@ -145,7 +147,8 @@ void MeasureSwitches(const std::vector<std::string>& arms, uint32_t object_count
   PrintSummary("detection alone", detection_ratios);
 }
 
-// Mean frame time of a block, its first fifth left out: a sweep under way may last into it.
+// Returns the mean frame time of a block without its first fifth, because a sweep may extend into
+// it.
 double BlockMean(Game& game, Mode mode) {
   game.adaptive().SetMode(mode);
   double sum = 0;
@@ -178,7 +181,7 @@ void MeasureLane(const std::vector<std::string>& arms, uint32_t object_count) {
   Game game({.arms = arms, .initial_arm = arms[1]}, object_count);
   std::vector<double> on_to_off;
   std::vector<double> off_to_off;
-  BlockMean(game, Mode::kAi);  // The first sweep, which no budget holds back.
+  BlockMean(game, Mode::kAi);  // Completes the first sweep, which no budget delays.
   for (int block = 0; block < kBlocks; ++block) {
     const double off = BlockMean(game, Mode::kManual);
     const double on = BlockMean(game, Mode::kAi);

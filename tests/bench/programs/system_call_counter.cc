@@ -14,7 +14,7 @@
 namespace sweepstake::test_support {
 namespace {
 
-// Shared with the parent. Written by the signal handler, which can reach it in no other way.
+// Memory shared with the parent. The signal handler has no other way to report its counts.
 struct Tally {
   SystemCallCount calls;
   bool finished;
@@ -26,7 +26,7 @@ void OnTrap(int, siginfo_t* trap, void*) {
   tally->calls.last_number = trap->si_syscall;
 }
 
-// Lets the handler return and the process end.
+// Allows the return from the handler and the end of the process.
 bool TrapSystemCalls() {
   struct sigaction action = {};
   action.sa_sigaction = OnTrap;

@@ -1,6 +1,6 @@
-// Counts the system calls that something makes, by a seccomp filter in a child process: every call
-// but the return from a signal handler traps, is counted, and is not carried out. The clock counts
-// like any other call; where the kernel serves it without one (vDSO), it makes none.
+// Counts system calls with a seccomp filter in a child process: every call except the return from a
+// signal handler traps, is counted, and is not executed. The clock counts like any other call; if
+// the kernel serves it without a system call (vDSO), it is not counted.
 //
 // For programs with one thread at the time of the call. Linux only.
 #pragma once
@@ -13,11 +13,11 @@ namespace sweepstake::test_support {
 
 struct SystemCallCount {
   uint64_t count = 0;
-  int last_number = -1;  // the latest call's number, as in <sys/syscall.h>
+  int last_number = -1;  // number of the latest call, see <sys/syscall.h>
 };
 
-// Runs `work` in a copy of this process. Absent where the kernel has no such filter, or the copy
-// ended otherwise than by finishing its work.
+// Runs `work` in a copy of this process. Returns nullopt if the kernel does not support the filter,
+// or if the copy did not finish its work.
 std::optional<SystemCallCount> CountSystemCalls(const std::function<void()>& work);
 
 }  // namespace sweepstake::test_support
