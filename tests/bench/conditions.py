@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Judges AI Decides in replays under conditions: what the lane gets wrong, other work, flips, extreme scenes, sizes, new ones, tails.
+"""Judges AI Decides in replays under conditions: errors of the lane, other work, flips, extreme and new scenes, sizes, tails.
 
-ROW is one of data/conditions.toml: which scenes are played under which conditions, beside which policies. The scenes of LIST
-are traced where their traces are not there yet, `sweepstake-lab replay` plays them, and every goal that data/goals.toml has for
-the row is printed with what was reached and the cells behind it.
+ROW is a row of data/conditions.toml: it selects the scenes, the conditions and the policies for comparison. The program creates
+the missing traces of the scenes in LIST and replays them with `sweepstake-lab replay`. It prints every goal of the row in
+data/goals.toml with the reached value and its cells.
 """
 
 import argparse
@@ -25,7 +25,7 @@ DATA = HERE / "data"
 
 
 class Failure(Exception):
-    """A program that was called has failed; the message says what it said."""
+    """A called program has failed; the message contains its error."""
 
 
 def read_plan(path=DATA / "conditions.toml"):
@@ -34,7 +34,7 @@ def read_plan(path=DATA / "conditions.toml"):
 
 
 def lane_words(model):
-    """Options of `sweepstake-lab replay` from a lane model, as data/lane_model.toml."""
+    """Converts a lane model (data/lane_model.toml) to options of `sweepstake-lab replay`."""
     words = []
     for name, value in model.items():
         if isinstance(value, dict):
@@ -50,7 +50,7 @@ def condition_words(condition, lane_model):
 
 
 def games_of(row, scenes, regime_frames):
-    """The games of a row: a scene each, with the pass that replay gets and the flips that come of it."""
+    """Returns the games of a row: a scene each, with the pass for the replay and the interval of flips that results."""
     games = [scene | {"flip_s": None} for scene in scenes if scene["category"] in row["categories"]]
     for flip_s in row.get("flip_s", []):
         for scene in {each["cell"]: each for each in scenes if each["scene"] in regime_frames}.values():
@@ -69,7 +69,7 @@ def called(command, what):
 
 
 def replayed(program, games, traces, policies, words):
-    """The rows of one replay of all games, game by game and there policy by policy."""
+    """Returns the rows of one replay of all games: for each game, a row per policy."""
     document = json.loads(called(
         [program, "replay", "--costs", ",".join(str(traces / (game["cell"] + ".costs")) for game in games),
          "--pass", ",".join(game["pass"] for game in games), "--policy", ",".join(policies), "--json", *words], "sweepstake-lab replay"))
@@ -78,14 +78,14 @@ def replayed(program, games, traces, policies, words):
 
 
 def milliseconds(frame):
-    """Per frame: the best fixed arm's, what was lost to it and saved against the median and the worst one, and the lane's."""
+    """Returns milliseconds per frame: of the best fixed arm, lost to it, saved against the median and the worst arm, and of the lane."""
     saved = {arm: frame[arm] - frame["detection"] for arm in ("median", "worst")}
     return {"ms_best": frame["best"], "ms_lost": frame["regret"], "ms_saved_median": saved["median"], "ms_saved_worst": saved["worst"],
             "ms_lane": frame["lane"], "ms_lane_unpaid": frame["lane"] - saved["median"]}
 
 
 def said(bins, low, high):
-    """Decisions whose P(best) was in this range, and of how many of them the leader was the fastest arm."""
+    """Returns the number of decisions with P(best) in this range, and in how many of them the leader was the fastest arm."""
     decisions, right = 0, 0.0
     for one in bins:
         if low <= one["low"] and one["high"] <= high:
@@ -112,7 +112,7 @@ def cell_of(condition, game, rows, policy, peers, cold):
 
 
 def play(row, scenes, traces, plan, options, progress):
-    """The cells of a row: every game under every condition."""
+    """Returns the cells of a row: every game under every condition."""
     policies = [options.policy, *row["peers"]]
     games = games_of(row, scenes, plan["regime_frames"])
     with open(options.lane_model, "rb") as file:
@@ -140,7 +140,7 @@ def trace(scenes_path, traces, row, options):
 
 
 def list_name(path):
-    """That of its folder of traces; of held_out_scenes.txt it is held-out, as decisions.sh calls it."""
+    """Returns the name of the list's folder of traces, as in decisions.sh: held-out for held_out_scenes.txt."""
     name = path.stem.removesuffix("_scenes")
     return name if name == path.stem else name.replace("_", "-")
 
@@ -160,11 +160,11 @@ def run(options):
 def add_replay_options(parser):
     parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/bin/sweepstake-lab", metavar="PATH",
                         help="(default: %(default)s)")
-    parser.add_argument("--policy", default="default", help="the judged one (default: %(default)s)")
+    parser.add_argument("--policy", default="default", help="the judged policy (default: %(default)s)")
     parser.add_argument("--seeds", type=int, default=30, help="games of each policy on each trace (default: %(default)s)")
     parser.add_argument("--run", default="15m", help="virtual time of a game (default: %(default)s)")
     parser.add_argument("--lane-model", type=pathlib.Path, default=DATA / "lane_model.toml", metavar="FILE.toml",
-                        help="as lane_model.py prints it (default: %(default)s)")
+                        help="output of lane_model.py (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
 
 
@@ -181,11 +181,11 @@ def parse(words):
         "  tests/bench/conditions.py stationary\n"
         "  tests/bench/conditions.py flips tests/bench/data/held_out_scenes.txt --json\n"
         "  tests/bench/conditions.py baselines --seeds 10 --policy lane-argmin\n"
-        "Ends with 0 when every goal is met, with 1 when one is missed, with 2 when it could not be run. README.md beside it\n"
-        "says how long each row takes.")
+        "Exit code: 0 every goal is met, 1 a goal is missed, 2 the measurement failed. README.md in this folder says how long each\n"
+        "row takes.")
     parser.add_argument("row", choices=rows, metavar="ROW", help=", ".join(rows))
     parser.add_argument("list", nargs="?", type=pathlib.Path, metavar="LIST.txt",
-                        help="the scenes (default: data/tuning_scenes.txt, or what data/conditions.toml has for the row)")
+                        help="the scenes (default: data/tuning_scenes.txt, or the row's list in data/conditions.toml)")
     parser.add_argument("--traces", type=pathlib.Path, metavar="FOLDER", help="(default: build/traces/LIST; LIST-raw for tails)")
     add_replay_options(parser)
     options = parser.parse_args(words)

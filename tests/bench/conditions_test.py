@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""conditions.py and sealed.py with the real program on tiny scenes, and how judging/choosing.py takes cells together.
+"""Tests conditions.py and sealed.py with the real program on tiny scenes, and how judging/choosing.py combines cells.
 
 conditions_test.py SWEEPSTAKE
 """
@@ -123,13 +123,13 @@ class Conditions(unittest.TestCase):
 
     def test_a_lane_s_errors_reach_the_replay(self):
         regrets = []
-        for arm in ("Grid", "AxisSweep"):  # the trivial policy believes that this one is the cheapest
+        for arm in ("Grid", "AxisSweep"):  # this arm looks cheapest to the trivial policy
             model = self.folder / f"{arm}.toml"
             model.write_text(f"[lane-ratio]\n{arm} = 0.01\n")
             cells = json.loads(self.run_row("stationary", "--json", "--lane-model", model).stdout)["cells"]
             regrets.append({one["condition"]: one["regret_lane-argmin"] for one in cells})
         self.assertNotEqual(regrets[0]["measured"], regrets[1]["measured"])
-        self.assertEqual(regrets[0]["bias"], regrets[1]["bias"], "which has no lane model")
+        self.assertEqual(regrets[0]["bias"], regrets[1]["bias"], "the condition bias has no lane model")
         self.assertEqual(conditions.condition_words({"lane_model": True, "options": {"lane-noise": 0.3}},
                                                     {"lane-noise": 0.15, "lane-ratio": {"SAP": 0.9}}),
                          ["--lane-noise", "0.3", "--lane-ratio", "SAP", "0.9"])

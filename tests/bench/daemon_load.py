@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Measures what a daemon bears: many streams at two rates, a restart, watchers, files of priors, and a scene that many have taught.
+"""Measures the capacity of a daemon: many streams at two rates, a restart, watchers, files of priors, and a scene with many sources.
 
-Starts `sweepstaked` from the folder of programs, on a free port of loopback with a data directory of its own, loads it with
-`sweepstake-lab load`, and prints a table with the goals of data/goals.toml, or one JSON document, which `judge.py daemon` reads.
-The generator runs on the same machine and takes a part of its processors: where tick_lateness is large, or batches are fewer
-than streams × rate, the machine is too small for the load, whoever of the two needs it. server_cpu is the daemon's alone,
-generator_cpu the other's. Needs Linux, Python 3.11 and openssl. Exit code: 0 measured, 2 cannot.
+Starts `sweepstaked` from the folder of programs, on a free loopback port with its own data directory, and loads it with
+`sweepstake-lab load`. Prints a table with the goals of data/goals.toml, or one JSON document for `judge.py daemon`. The generator
+runs on the same machine and uses a part of its processors. If tick_lateness is large, or if there are fewer batches than
+streams × rate, the machine is too small for the load. server_cpu is the time of the daemon, generator_cpu that of the generator.
+Needs Linux, Python 3.11 and openssl. Exit code: 0 measured, 2 the measurement failed.
 """
 
 import argparse
@@ -38,7 +38,7 @@ class Failure(Exception):
 
 
 class Daemon:
-    """A daemon in a process of its own; its data outlives a restart."""
+    """A daemon process; its data is kept over a restart."""
 
     def __init__(self, programs, data, with_tls=False, max_sessions=20_000, server_options=()):
         self.programs, self.data, self.address, self.process = programs, pathlib.Path(data), "127.0.0.1:0", None
@@ -48,7 +48,7 @@ class Daemon:
         self.start()
 
     def make_certificate(self):
-        """The options of the daemon and of its clients."""
+        """Creates a certificate; returns the options of the daemon and of its clients."""
         certificate, key = self.data / "cert.pem", self.data / "key.pem"
         subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days",
                         "2", "-subj", "/CN=load", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate],
@@ -107,7 +107,7 @@ def await_value(what, get):
         if value := get():
             return value
         time.sleep(0.05)
-    raise Failure(f"{what} did not come within {PATIENCE_S} s")
+    raise Failure(f"{what} did not appear within {PATIENCE_S} s")
 
 
 def run(command):
@@ -128,10 +128,10 @@ def seconds_of(command):
 
 
 def add_cost(figures):
-    """Adds the daemon's processor time per message that reached its disk."""
+    """Adds the daemon's processor time per message on its disk."""
     messages = figures["acknowledged_per_s"] * figures["measured_s"]
     if messages == 0:
-        raise Failure("nothing was acknowledged: measure for more --seconds")
+        raise Failure("nothing was acknowledged: increase --seconds")
     figures["server_cores"] = figures["server_cpu_s"] / figures["measured_s"]
     figures["server_cpu_us_per_message"] = 1e6 * figures["server_cpu_s"] / messages
     return figures
@@ -142,7 +142,7 @@ def measure_rate(daemon, streams, rate, frames, options):
 
 
 def measure_idle(daemon, streams, options):
-    """Resident memory of streams that have said Hello, and say no more."""
+    """Measures the resident memory of streams that send only a Hello."""
     before_kib = daemon.rss_kib()
     with subprocess.Popen(daemon.load(streams, 0.01, 1, 1000), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as load:
         try:
@@ -155,7 +155,7 @@ def measure_idle(daemon, streams, options):
 
 
 def measure_restart(daemon, streams, options):
-    """The time from the first lost stream until all are back, while the daemon is stopped and started again."""
+    """Measures the time from the first lost stream until all are back, while the daemon is restarted."""
     duration_s = options.seconds + 15 + streams // 200
     with subprocess.Popen(daemon.load(streams, 1, 60, duration_s), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                           text=True) as load:
@@ -171,7 +171,7 @@ def measure_restart(daemon, streams, options):
 
 
 def measure_watched(daemon, streams, options):
-    """The same load without watchers, then with them; what the daemon takes in less then, as a ratio."""
+    """Measures the same load without watchers, then with them, and the ratio by which the throughput falls."""
     alone = measure_rate(daemon, streams, 1, 60, options)
     watched = measure_watchers(daemon, streams, 100, options)
     watched["ingest_loss_ratio"] = 1 - watched["acknowledged_per_s"] / alone["acknowledged_per_s"]
@@ -189,7 +189,7 @@ def measure_watchers(daemon, streams, watchers, options):
         await_value("a watcher", all_watch)
         figures = measure_rate(daemon, streams, 1, 60, options)
         if not all_watch():
-            raise Failure("a watcher has gone while the load was measured")
+            raise Failure("a watcher has ended during the measurement")
     finally:
         for watcher in watching:
             watcher.send_signal(signal.SIGINT)
@@ -199,7 +199,7 @@ def measure_watchers(daemon, streams, watchers, options):
 
 
 class Browsers(threading.Thread):
-    """Connections that watch a scene each by server-sent events, the scenes in turn, and read all that comes."""
+    """Connections that each watch one scene (the scenes in turn) by server-sent events, and read everything."""
 
     PATH = "/events/sweepstake.v1.PosteriorsService/WatchPosteriors?request="
 
@@ -231,12 +231,12 @@ class Browsers(threading.Thread):
 
 
 def measure_midst(daemon, scenes, options, count):
-    """What the daemon takes, and what is counted, in a second in the midst of a load of one game for each scene."""
+    """Measures the daemon's time and counts events per second during a load of one game for each scene."""
     with subprocess.Popen(daemon.load(scenes, 4, 15, 10_000, scenes=scenes), stdout=subprocess.DEVNULL,
                           stderr=subprocess.DEVNULL) as load:
         try:
             await_value("a game", lambda: daemon.metric("sweepstake_open_streams") == scenes)
-            time.sleep(3)  # until all have learnt
+            time.sleep(3)  # until every game has learnt something
             start, cpu_s, before = time.monotonic(), daemon.cpu_s(), count()
             time.sleep(options.seconds)
             elapsed_s, cpu_s, after = time.monotonic() - start, daemon.cpu_s() - cpu_s, count()
@@ -246,7 +246,7 @@ def measure_midst(daemon, scenes, options, count):
 
 
 def measure_browsers(daemon, watchers, scenes, options):
-    """What browsers that watch scenes whose posteriors change four times a second cost the daemon, beside the games' own cost."""
+    """Measures the daemon's cost of browsers that watch scenes with four changes of posteriors per second, without the games' cost."""
     alone, _ = measure_midst(daemon, scenes, options, lambda: [])
     browsers = Browsers(daemon, watchers, scenes)
     browsers.start()
@@ -255,7 +255,7 @@ def measure_browsers(daemon, watchers, scenes, options):
         watched, (told, encoded) = measure_midst(
             daemon, scenes, options, lambda: [browsers.event_count, daemon.metric("sweepstake_http_encoded_events_total")])
         if not browsers.is_alive() or daemon.metric("sweepstake_http_watchers") != watchers:
-            raise Failure("a browser has gone while the load was measured")
+            raise Failure("a browser has ended during the measurement")
     finally:
         browsers.end()
     return {"browsers": watchers, "scenes": scenes, "posteriors_per_s": told / watchers * scenes, "told_per_s": told,
@@ -264,7 +264,7 @@ def measure_browsers(daemon, watchers, scenes, options):
 
 
 def import_records(daemon, records):
-    """Lets a daemon learn what a file of priors says. Returns how long it took until they waited in quarantine, and until they counted."""
+    """Imports a file of priors into a daemon. Returns the time until they were in quarantine, and until they were promoted."""
     path = daemon.data / "records.json"
     path.write_text(json.dumps({"format": "sweepstake-priors", "version": 1, "records": records}, separators=(",", ":")), encoding="utf-8")
     return (seconds_of(daemon.sweepstake("priors", "import", "--in", path)),
@@ -272,9 +272,9 @@ def import_records(daemon, records):
 
 
 def measure_files(daemon, scenes, builds):
-    """How long the commands take that write and read the evidence of so many scenes and builds, and how large what ships is.
+    """Measures the commands that write and read the evidence of these scenes and builds, and the size of the shipped files.
 
-    Of each scene and build there are ten records, as of a session: seven arms that the lane measured, three of them live too.
+    Each scene and build has ten records, like a session: seven arms that the lane measured, three of them live too.
     """
     generator = random.Random(1)
     records = [{"project": "load", "scene": f"level {scene}", "arm": ARMS[place % 7], "backend_version": 1, "reward_version": 3,
@@ -286,7 +286,7 @@ def measure_files(daemon, scenes, builds):
     sums = daemon.data / "sums.json"
     export_s = seconds_of(daemon.sweepstake("priors", "export", "--sums", "--out", sums))
     whole_s = seconds_of(daemon.sweepstake("priors", "export", "--out", daemon.data / "whole.json"))
-    # What a game that ships with it does at its start: all of it is read and checked, and one scene of it is used.
+    # A game with this file reads and checks all of it at its start, and uses one scene.
     read_s = seconds_of([daemon.programs / "sweepstake", "priors", "arm", "--in", sums, "--project", "load", "--scene", "level 0",
                          "--machine-class", "desktop"])
     return {"scenes": scenes, "builds": builds, "records": len(records), "import_s": import_s, "promote_s": promote_s, "export_s": export_s,
@@ -294,7 +294,7 @@ def measure_files(daemon, scenes, builds):
 
 
 def measure_hello(daemon, sources, options):
-    """Welcomes of a scene that so many sessions have taught."""
+    """Measures the welcome messages for a scene with this number of sources."""
     records = [{"project": "load", "scene": "scene 0", "arm": "arm 0", "backend_version": 1, "reward_version": 3,
                 "source_id": f"{number:032x}", "source_sequence": 1, "alpha_increment": 1, "beta_increment": 1,
                 "window_count": 2} for number in range(sources)]
@@ -305,19 +305,19 @@ def measure_hello(daemon, sources, options):
 
 
 def check_taught(daemon, sources):
-    """What a game of the load learns is added to what was imported, so that games start from it."""
-    run_json(daemon.load(1, 10, 60, 3, scenes=1, bail_out_share=1))  # a bail-out is evidence whatever else was measured
+    """Checks that a game's evidence is added to the imported scene, so that games start from the imported sources."""
+    run_json(daemon.load(1, 10, 60, 3, scenes=1, bail_out_share=1))  # a bail-out is evidence even without other measurements
     listed = run_json(daemon.sweepstake("priors", "list", "--json"))
     taught = [scene["sources"] for scene in listed["scenes"]]
     if len(taught) != 1 or taught[0] <= sources:
-        raise Failure(f"the games did not start from the imported sources, but from a scene of their own: {taught}")
+        raise Failure(f"the games did not start from the imported sources, but from another scene: {taught}")
 
 
 def plan(options):
-    """Name, title, measurement, and the daemon's options."""
+    """Returns name, title, measurement and the daemon's options of each load."""
     streams = options.streams
     scenes, browsers, levels = max(streams // 40, 1), max(streams // 10, 1), max(options.sources // 100, 1)
-    # Each game's posterior changes at each tick of what watchers are told: the paper's policy learns from every window.
+    # Each game's posterior changes at each tick of the watchers' updates, because the policy `paper` learns from every window.
     quick = {"server_options": ["--decision-policy", "paper", "--decision-interval-ms", "200", "--decision-settling-ms", "0",
                                 "--no-decision-explore"]}
     return [
@@ -355,13 +355,13 @@ def parse(words):
         epilog="examples:\n  tests/bench/daemon_load.py\n  tests/bench/daemon_load.py --streams 1000 --only restart --json\n"
         "  tests/bench/daemon_load.py --json | tests/bench/judge.py daemon")
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin", metavar="FOLDER",
-                        help="with sweepstaked and sweepstake (default: build/release/bin)")
-    parser.add_argument("--streams", type=int, default=10_000, help="games at a time (default: %(default)s)")
+                        help="folder with sweepstaked and sweepstake (default: build/release/bin)")
+    parser.add_argument("--streams", type=int, default=10_000, help="concurrent games (default: %(default)s)")
     parser.add_argument("--sources", type=int, default=100_000,
-                        help="sessions that taught the scene; 1: connecting alone (default: %(default)s)")
-    parser.add_argument("--seconds", type=int, default=30, help="to measure each load for (default: %(default)s)")
+                        help="sources of the scene; 1 measures connecting only (default: %(default)s)")
+    parser.add_argument("--seconds", type=int, default=30, help="duration of each load (default: %(default)s)")
     parser.add_argument("--only", action="append", choices=[row[0] for row in plan(argparse.Namespace(streams=0, sources=0))],
-                        help="only this load; may be given again")
+                        help="only this load; may be repeated")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
     return parser.parse_args(words)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prints the table of goals of the policy of AI Decides: see README.md beside this file, or --help.
+# Prints the table of goals of the policy of AI Decides: see README.md in this folder, or --help.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -9,16 +9,16 @@ usage() {
   cat <<END
 Usage: tests/bench/decisions.sh [--program PATH] [--traces FOLDER] [--ablation] [tuning|held-out|LIST.txt] [-- OPTION…]
 
-Traces the scenes of data/tuning_scenes.txt, data/held_out_scenes.txt (the default: the final figures) or LIST.txt into FOLDER where
-they are not there yet, lets the policies play them in virtual time without priors, with what a store
-serves after a game of the same scene, with that reversed, after one on another class of machines and, as of a new scene, after
-games of the other traces, times a decision, and prints every goal with what was reached, the cells behind it and how each policy did.
-What follows -- goes to \`sweepstake-lab replay\`, as --seeds 200 or --no-shadow; --json prints one JSON document.
-  --ablation        every policy that there is, not only AI Decides and the paper's
+Creates the missing traces of the scenes in data/tuning_scenes.txt, data/held_out_scenes.txt (the default, for final figures)
+or LIST.txt in FOLDER. Replays the policies in virtual time: without priors, with the priors of a store after a game of the
+same scene, with these reversed, with those of another class of machines, and for a new scene with those of the other traces.
+Measures the time of a decision, and prints every goal with the reached value, its cells and the results of each policy.
+Options after -- are passed to \`sweepstake-lab replay\`, for example --seeds 200 or --no-shadow; --json prints one JSON document.
+  --ablation        all policies, not only AI Decides and the paper's
   --program PATH    the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
   --traces FOLDER   (default: build/traces/tuning, held-out or LIST)
-Ends with 1 when a goal was missed, with 2 when something is missing. Tracing takes 5 to 20 minutes and wants the machine for
-itself; the rest takes some minute on two cores, two with --ablation.
+Exit code: 0 every goal is met, 1 a goal is missed, 2 something is missing. Tracing takes 5 to 20 minutes on an otherwise idle
+machine; the rest takes about one minute on two cores, two with --ablation.
 END
 }
 
@@ -49,7 +49,7 @@ for option; do
 done
 
 tick_bench=$(dirname "$program")/decision_tick_bench
-[[ -x $tick_bench ]] || { echo "No program at $tick_bench, which times a decision: build the tests, too" >&2; exit 2; }
+[[ -x $tick_bench ]] || { echo "No program at $tick_bench, which measures the time of a decision: build the tests, too" >&2; exit 2; }
 "$here/traces.sh" --program "$program" "$scenes" "$traces" >&2
 
 costs=

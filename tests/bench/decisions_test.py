@@ -17,10 +17,10 @@ import judge  # noqa: E402
 
 CELL = "brownian-60-3"
 SCENES = "brownian 60 40 3 1s stationary\n"
-# Keys of the programs' documents that the table of decisions is made of.
+# Keys of the programs' documents that the table of decisions uses.
 KEYS = ("command", "seeds", "scenes", "costs", "control_regret", "rows", "policy", "priors", "pass_ns", "regret_best_fixed",
         "ci95", "regret_after_start", "headroom", "headroom_captured", "switches", "active_share", "bail_outs", "arms", "p99_ms")
-# Calls the real program and keeps what `sweepstake-lab replay` prints: decisions.sh deletes it.
+# Calls the real program and keeps the output of `sweepstake-lab replay`, which decisions.sh deletes.
 RECORDER = """#!/usr/bin/env bash
 set -euo pipefail
 if [[ $1 == replay ]]; then
@@ -36,7 +36,7 @@ set -euo pipefail
 
 
 def renamed(value, key):
-    """The document with `key` under another name wherever it occurs."""
+    """Returns the document with `key` renamed wherever it occurs."""
     if isinstance(value, dict):
         return {name + "_renamed" if name == key else name: renamed(inner, key) for name, inner in value.items()}
     return [renamed(inner, key) for inner in value] if isinstance(value, list) else value
@@ -62,7 +62,7 @@ class DecisionsOfOneCell(unittest.TestCase):
         cls.documents = [json.loads(path.read_text()) for path in sorted(documents.iterdir())]
 
     def judge(self, documents):
-        """The exit code and stderr of judge.py, which writes its text tables."""
+        """Returns the exit code and stderr of judge.py with text tables."""
         paths = []
         for number, document in enumerate(documents):
             paths.append(self.folder / f"{number}.json")
@@ -73,7 +73,7 @@ class DecisionsOfOneCell(unittest.TestCase):
         return code, err.getvalue()
 
     def test_the_script_judges_the_cell(self):
-        # 1 is a missed goal, which a trace of 40 frames may well be.
+        # 1 means a missed goal, which is likely in a trace of 40 frames.
         self.assertIn(self.run_of_script.returncode, (0, 1), self.run_of_script.stderr)
         document = json.loads(self.run_of_script.stdout)
         self.assertEqual((document["policy"], document["seeds"]), ("default", 2))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""stored_priors.py, worth.py and lane_model.py: real programs and tiny games, and their own arithmetic on given figures.
+"""Tests stored_priors.py, worth.py and lane_model.py with real programs and tiny games, and their arithmetic on given figures.
 
 games_test.py FOLDER, with sweepstake and sweepstaked
 """
@@ -74,7 +74,7 @@ class LaneModel(unittest.TestCase):
         if done.returncode == 2:
             self.assertIn("too few visits", done.stderr)
             self.assertRegex(done.stderr, "lane (running|off, no core to spare): left out")
-            self.skipTest("other work kept the lane from its visits")
+            self.skipTest("the machine was too busy for the lane's visits")
         words = conditions.lane_words(tomllib.loads(done.stdout))
         self.assertEqual(words[0:4:2], ["--lane-noise", "--lane-contention"])
         self.assertIn("--lane-ratio", words)

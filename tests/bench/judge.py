@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Holds what `sweepstake-lab bench`, `sweepstake-lab replay`, `live.py` and `daemon_load.py` measured against the goals.
+"""Compares measurements of `sweepstake-lab bench`, `sweepstake-lab replay`, `live.py` and `daemon_load.py` with the goals.
 
-Reads documents that these commands print with --json, the goals of data/goals.toml and the times that were published or
-measured elsewhere, data/published_figures.csv. Needs Python 3.11 and nothing else. Exit code: 0 every goal is met, 1 a
-goal is missed, or has too few rounds or scenes, 2 the input is wrong or incomplete: a cell without its rows is never taken for one
-that meets its goal. A document of `live.py` may have some of the conditions; `live` names the goals that it says nothing of.
+Reads documents that these commands print with --json, the goals in data/goals.toml, and published times and times measured elsewhere in
+data/published_figures.csv. Needs only Python 3.11. Exit code: 0 every goal is met, 1 a goal is missed or has too few rounds or
+scenes, 2 the input is wrong or incomplete. A cell without rows never meets its goal. A document of `live.py` may contain a part of
+the conditions; `live` lists the goals that it does not cover.
 """
 
 import argparse
@@ -84,21 +84,21 @@ def parse(words):
     bench.set_defaults(judge=judge_bench)
     replays = commands.add_parser("decisions", help="the policy of AI Decides on replayed traces")
     replays.add_argument("documents", nargs="+", metavar="document",
-                           help="of `sweepstake-lab replay --json` with --priors none, right and wrong, and of "
+                           help="documents of `sweepstake-lab replay --json` with --priors none, right and wrong, and of "
                            "`decision_tick_bench --json`")
-    replays.add_argument("--cells", required=True, metavar="LIST.txt", help="the scenes, one in a line")
-    replays.add_argument("--policy", help="the judged one (default: the first of the first document)")
+    replays.add_argument("--cells", required=True, metavar="LIST.txt", help="the scenes, one per line")
+    replays.add_argument("--policy", help="the judged policy (default: the first of the first document)")
     replays.set_defaults(judge=judge_decisions)
-    load = commands.add_parser("daemon", help="what a daemon bears: the document of `daemon_load.py --json`")
+    load = commands.add_parser("daemon", help="the capacity of a daemon: the document of `daemon_load.py --json`")
     load.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     load.set_defaults(judge=judge_daemon)
-    ratios = commands.add_parser("proxies", help="what proxies cost: the document of `proxy_ratios_bench` or `proxy_steps_bench`")
+    ratios = commands.add_parser("proxies", help="the cost of proxies: the document of `proxy_ratios_bench` or `proxy_steps_bench`")
     ratios.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     ratios.set_defaults(judge=judge_proxies)
     games = commands.add_parser("live", help="AI Decides in live games: the document of `live.py --json`")
     games.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     games.set_defaults(judge=judge_live)
-    choice = commands.add_parser("choosing", help="again, what conditions.py, sealed.py, stored_priors.py or worth.py printed with --json")
+    choice = commands.add_parser("choosing", help="judges a document of conditions.py, sealed.py, stored_priors.py or worth.py again")
     choice.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     choice.set_defaults(judge=judge_choosing)
     for command in (bench, replays, load, ratios, games, choice):
@@ -114,7 +114,7 @@ def main(words):
     except (InputError, OSError, tomllib.TOMLDecodeError) as error:
         print(f"judge.py: {error}", file=sys.stderr)
     except (KeyError, TypeError) as error:
-        print(f"judge.py: a document lacks {error}; it has to be one of this version's programs", file=sys.stderr)
+        print(f"judge.py: a document does not contain {error}; make it with the programs of this version", file=sys.stderr)
     return 2
 
 

@@ -1,4 +1,4 @@
-"""Tests of judge.py: goals that are met and missed, and input that is incomplete, which is an error."""
+"""Tests judge.py: goals that are met and missed, and errors for incomplete input."""
 
 import contextlib
 import copy
@@ -15,7 +15,7 @@ from judging import backends, common, decisions  # noqa: E402
 
 
 def run(words, documents=()):
-    """The exit code, stdout and stderr of judge.py with `documents` written to files at the end of its words."""
+    """Returns exit code, stdout and stderr of judge.py; `documents` are written to files and passed as the last arguments."""
     out, err = io.StringIO(), io.StringIO()
     with tempfile.TemporaryDirectory() as folder:
         paths = []
@@ -150,7 +150,7 @@ class BenchGoals(unittest.TestCase):
             found, document, _ = judged(bench_document([bench_row(ours)], [ratio(kind, ours, "Peer", value)]))
             self.assertEqual(found, code, (kind, value))
             self.assertEqual(document["goals"][0]["met"], code == 0)
-            self.assertEqual(document["rows"], [bench_row(ours)], "the document stays whole")
+            self.assertEqual(document["rows"], [bench_row(ours)], "the document is kept completely")
 
     def test_of_memory_count_the_pairs(self):
         row = bench_row("KDTree", objects=100_000, bytes_with_pairs=9_000_000)
@@ -289,7 +289,7 @@ def replay_row(category, policy, priors, **figures):
 
 
 class Replays:
-    """Documents of a policy that reaches every goal, to be changed by a test."""
+    """Documents of a policy that reaches every goal, which tests change."""
 
     def __init__(self):
         scenes = [{"costs": f"traces/{cell}.costs", "control_regret": -0.004} for cell in CELLS.values()]
@@ -367,7 +367,7 @@ class DecisionGoals(unittest.TestCase):
 
 
 def beside(goal, met):
-    """A figure a little on this or that side of the goal's limit."""
+    """Returns a figure just inside or outside the goal's limit."""
     word, limit = common.limit_of(goal)
     step = max(0.1 * limit, 0.01)
     return limit + step if (word == "at_least") == met else limit - step
@@ -408,7 +408,7 @@ class DaemonGoals(unittest.TestCase):
 
 
 class Proxies(unittest.TestCase):
-    """Each goal can be met and missed, and has to have its figure."""
+    """Each goal can be met and missed, and must have its figure."""
 
     def setUp(self):
         self.goals = common.read_goals(judge.DATA / "goals.toml")["proxies"]
@@ -435,7 +435,7 @@ class Proxies(unittest.TestCase):
 
 
 class Incomplete(unittest.TestCase):
-    """What is missing is an error, never a goal that is met."""
+    """Missing input is an error, never a met goal."""
 
     def check(self, replays, *said):
         code, out, err = replays.judge()

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Measures what the shadow lane gets wrong on this machine, and prints it as `conditions.py --lane-model` takes it.
+"""Measures the errors of the shadow lane on this machine, and prints them in the format of `conditions.py --lane-model`.
 
-Each arm plays each scene with the lane at work, which visits the active arm, too, on the same frames. A visit's time ÷ the median of
-the frame thread's on the frames that the visit measured is the lane's error: its median by arm, over the scenes, is the arm's
-ratio, the spread of its logarithm within a game the noise. Visits that the lane's cap ended tell nothing. Contention is the mean
-frame after a sweep's frames were copied, for as long as its visits take, ÷ as many frames before the sweep: the median over the
-sweeps, mean over the games. The lane looks for copied frames once a millisecond, so that a part of its work is missed. With
---condition the rest of the machine does what it does in live.py; on one processor alone the lane rests, and there is nothing to measure.
-Needs Linux and Python 3.11; else nothing should run meanwhile.
+Each arm plays each scene with a working lane, which also visits the active arm, on the same frames. The error of a visit is its time ÷
+the median time of the frame thread on the frames of the visit. The median per arm, over the scenes, is the arm's ratio; the spread of
+its logarithm within a game is the noise. Visits that the lane's time cap ended are ignored.
+
+Contention compares the mean frame during a sweep's visits, after its frames were copied, with equally many frames before the sweep. It
+is the median over the sweeps and the mean over the games. The lane checks for copied frames once a millisecond, so a part of its work
+is missed. With --condition the rest of the machine is loaded as in live.py. On one processor the lane does not run, so nothing can be
+measured. Needs Linux and Python 3.11; the machine should be otherwise idle.
 """
 
 import argparse
@@ -20,20 +21,20 @@ import sys
 import live
 from judging.common import or_dash, table
 
-# Frames of a visit from its first one on: the build, the warm-up, and those that are measured (engine_client/adaptive/shadow_schedule.h).
+# Frames at the start of a visit: the build and the warm-up, then the measured frames (engine_client/adaptive/shadow_schedule.h).
 UNMEASURED_FRAMES = 3
 VISIT_FRAMES = 8
-# Below so many processors' time the lane leaves them to the game.
+# With a smaller quota (in processors) the lane leaves all time to the game.
 MIN_QUOTA = 2
 CONDITIONS = [condition for condition in live.CONDITIONS if condition != "one-cpu"]
 ACTIVE, CAPPED = 1, 2
-# Of a normal distribution, quartiles are so many standard deviations apart; spikes do not move them.
+# Distance between the quartiles of a normal distribution in standard deviations; spikes do not change the quartiles.
 QUARTILES_APART = 1.349
 MIN_VISITS = 4
 
 
 class LaneGame(live.Game):
-    """Keeps what the lane's visits measured."""
+    """A game that also keeps the measurements of the lane's visits."""
 
     def read(self, folder):
         super().read(folder)
@@ -43,14 +44,14 @@ class LaneGame(live.Game):
 
 
 def visits_of(text):
-    """The visits of a cell `shadow` of an audit log: their first frame, ns of a frame, ns of the build, flags."""
+    """Parses the visits in a cell `shadow` of an audit log: first frame, ns per frame, ns of the build, flags."""
     for sample in text.split():
         first_frame, detection_ns, build_ns, *_, flags = map(int, sample.split(":"))
         yield first_frame, detection_ns, build_ns, flags
 
 
 def errors_of(visits, detection_ns):
-    """The logarithms of lane ÷ frame thread of the whole visits of the active arm."""
+    """Returns ln(lane ÷ frame thread) for the complete visits of the active arm."""
     errors = []
     for first_frame, ns, _, flags in visits:
         live_ns = detection_ns[first_frame + UNMEASURED_FRAMES:first_frame + VISIT_FRAMES]
@@ -60,7 +61,7 @@ def errors_of(visits, detection_ns):
 
 
 def work_of(visits):
-    """The time of all visits by the sweep's first frame."""
+    """Returns the time of all visits of a sweep, by the sweep's first frame."""
     work_ns = {}
     for first_frame, ns, build_ns, _ in visits:
         work_ns[first_frame] = work_ns.get(first_frame, 0) + build_ns + (VISIT_FRAMES - 1) * ns
@@ -68,7 +69,7 @@ def work_of(visits):
 
 
 def contention_of(visits, frame_ns):
-    """Frames during a sweep's work ÷ as many before it, the median over the sweeps; None where no sweep has both."""
+    """Returns frames during a sweep's work ÷ equally many before it, the median over the sweeps; None if no sweep has both."""
     ratios = []
     for first_frame, work_ns in work_of(visits).items():
         begin = end = first_frame + VISIT_FRAMES
@@ -87,7 +88,7 @@ def spread(errors):
 
 
 def measure(game, arm, options):
-    """One game of an arm; None where the lane made too few visits to tell."""
+    """Plays one game of an arm; None if the lane made too few visits."""
     frame_ns = game.fixed(arm, "--shadow", "on", "--time-scale", str(options.time_scale))
     errors, contention = errors_of(game.visits, game.detection_ns), contention_of(game.visits, frame_ns)
     if len(errors) < MIN_VISITS or contention is None:
@@ -98,7 +99,7 @@ def measure(game, arm, options):
 
 
 def model_of(rows, arms, condition):
-    """The lane model, and what else was seen."""
+    """Returns the lane model and other measurements."""
     by_arm = {arm: [row["error"] for row in rows if row["arm"] == arm] for arm in arms}
     errors = {arm: statistics.fmean(values) for arm, values in by_arm.items() if values}
     contention, half_width = live.interval([row["contention"] for row in rows])
@@ -124,12 +125,12 @@ def run(options):
             print(f"{number} of {len(cells)}: {arm} in {row['scene']}, {row['visits']} visits, lane ÷ frame thread "
                   f"{math.exp(row['error']):.2f}, noise {row['noise']:.2f}", file=sys.stderr, flush=True)
     if not rows:
-        raise live.Failure("the lane made too few visits to tell: give more --seconds")
+        raise live.Failure("the lane made too few visits: increase --seconds")
     return model_of(rows, options.arms, options.condition)
 
 
 def model_text(model):
-    """The lane model as data/lane_model.toml has it."""
+    """Formats the lane model like data/lane_model.toml."""
     lines = [f"{name} = {model[name]:.3f}" for name in ("lane-noise", "lane-contention")]
     return "\n".join([*lines, "", "[lane-ratio]", *(f"{arm} = {ratio:.3f}" for arm, ratio in model["lane-ratio"].items())]) + "\n"
 
@@ -141,7 +142,7 @@ def text(model):
                f"{or_dash(model['contention_half_width'], '{:.3f}'.format)}; SD of ln(ratio) between arms "
                f"{or_dash(model['bias_deviation'], '{:.3f}'.format)}.\n")
     if model["unmeasured_arms"]:
-        comment += f"Too few visits, which replays take for a ratio of 1: {', '.join(model['unmeasured_arms'])}. Give more --seconds.\n"
+        comment += f"Too few visits, so replays use a ratio of 1: {', '.join(model['unmeasured_arms'])}. Increase --seconds.\n"
     lines = table(("scene", "arm", "visits", "ratio", "noise", "contention"), rows) + "\n" + comment + "\n"
     return "".join(f"# {line}".rstrip() + "\n" for line in lines.splitlines()) + model_text(model)
 
@@ -152,18 +153,18 @@ def parse(words):
         epilog="examples:\n  tests/bench/lane_model.py > mine.toml && tests/bench/conditions.py stationary --lane-model mine.toml\n"
         "  tests/bench/lane_model.py --condition neighbours --scenes hurricane:2000\n"
         "  tests/bench/lane_model.py --condition quota --cpu-quota 3 --json\n"
-        "Ends with 0 when it has measured, with 2 when it could not.")
+        "Exit code: 0 measured, 2 the measurement failed.")
     parser.add_argument("--program", default=live.ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=live.SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
     parser.add_argument("--arms", type=lambda word: word.split(","), default=list(live.ARMS), metavar="ARM,…", help="(default: all)")
     parser.add_argument("--condition", choices=CONDITIONS, default="quiet", help="(default: %(default)s)")
     parser.add_argument("--cpu-quota", type=float, default=MIN_QUOTA, metavar="CORES",
-                        help="of the condition quota, at least %(default)s")
+                        help="quota of the condition quota, at least %(default)s")
     live.add_game_options(parser, seconds=5)
     options = parser.parse_args(words)
     live.check_game_options(parser, options, [options.program])
     if not options.cpu_quota >= MIN_QUOTA:
-        parser.error(f"with a quota below {MIN_QUOTA} processors the lane rests: there is nothing to measure")
+        parser.error(f"with a quota below {MIN_QUOTA} processors the lane rests, so nothing can be measured")
     if unknown := set(options.arms) - set(live.ARMS):
         parser.error(f"unknown arm '{unknown.pop()}', must be one of {', '.join(live.ARMS)}")
     return options

@@ -1,33 +1,32 @@
 #!/usr/bin/env python3
-"""Measures AI Decides live: frame time against the best fixed arm on the same frames, in turns.
+"""Measures AI Decides in live games: the frame time compared with the best fixed arm on the same frames, in turns.
 
-Each round plays, for each condition and scene, one game with AI Decides and one with every arm that comes near the best one,
-in an order that rotates, with `sweepstake run --embedded`. A round's regret is AI Decides' mean frame time ÷ that of the
-best fixed arm over the frames that all of them played, minus 1; the table shows the mean of the rounds with its 95 %
-interval.
+For each condition and scene, each round plays one game with AI Decides and one with every arm that is near the best one, in rotating
+order, with `sweepstake run --embedded`. The regret of a round is the mean frame time of AI Decides ÷ that of the best fixed arm,
+minus 1, over the frames that all of them played. The table shows the mean of the rounds with its 95 % interval.
 
-A machine's speed changes by the second, above all a virtual one's, and that would hide the answer. The frames of a scene have
-work that no arm changes, which is all but the detection: where a block of them took longer in one game than in another, the
-machine was slower, and the block is counted as if it had not been. What the shadow lane slows down goes with that, and is
-added as the game measured it, beside its own bursts of work and between them. The raw regret is without all this.
+The speed of a machine, above all of a virtual one, changes by the second and would hide the result. The rest of a frame, without the
+detection, is the same work with every arm. If this rest took longer in a block of one game than in another, the machine was slower, and
+the block's time is corrected. This correction also removes the slowdown by the shadow lane, which is therefore added again as the game
+measured it, during its bursts of work and between them. The raw regret has no correction.
 
-One more pair of games plays the best arm with the shadow lane and without: what the lane alone costs, as ratios of the mean and
-of the 99.9th percentile frame, as they are. The choice tells apart what was chosen: AI Decides' frames, each at what its arm's
-frame takes ÷ that other work, against those of the best arm; it means something where the arms' costs stay what they are.
+One more pair of games plays the best arm with and without the shadow lane, for the cost of the lane alone, as ratios of the mean and
+of the 99.9th percentile frame without correction. The column choice isolates the choice of arms: each frame of AI Decides counts with
+the typical time of its arm's frame ÷ the rest, compared with the best arm. It is meaningful if the arms' costs are constant.
 
-A trial is a stretch of frames on another arm than the incumbent, the one of most frames, with the frame that switches back. Its worst
-frame is divided by the incumbent's worst one on the same frames, in a game of its own, or by the best arm's if the incumbent is too
-dear to take part; where the machine disturbs frames it does so in both. The column worst frame is the ratio that nine in ten trials
-do not exceed ÷ what the same frames of the best arm's two games, with the lane and without, give likewise.
+A trial is a sequence of frames on another arm than the incumbent (the arm with most frames), including the frame that switches back.
+Its worst frame is divided by the incumbent's worst frame on the same frames in a separate game, or by the best arm's if the incumbent is
+too expensive to take part. Disturbances by the machine occur in both. The column worst frame is the 90th percentile of this ratio ÷
+the same figure for the two games of the best arm, with and without the lane.
 Conditions:
-  quiet       nothing else runs
-  one-cpu     all of the game on one processor (taskset), where the shadow lane rests
-  neighbours  two other processes copy 64 MiB from here to there without end
-  bursts      four other processes compute for 1.2 s, and rest for 2.5 s
-  quota       the game's control group has --cpu-quota processors' time; needs cgroups that may be written, as root's
-With --minutes no round begins that would not end in time; fewer than five rounds tell too little for the goals. With --lane-only
-only the pairs of games with the lane and without are played.
-Needs Linux and Python 3.11. Exit code: 0 measured, 2 could not be run. `judge.py live` holds the result against the goals.
+  quiet       no other load
+  one-cpu     the game runs on one processor (taskset), so that the shadow lane rests
+  neighbours  two other processes copy 64 MiB again and again
+  bursts      four other processes compute for 1.2 s and rest for 2.5 s
+  quota       the game's control group has the time of --cpu-quota processors; needs writable cgroups, for example as root
+With --minutes a round starts only if it can end in time; the goals need at least five rounds. With --lane-only only the pairs of games
+with and without the lane are played.
+Needs Linux and Python 3.11. Exit code: 0 measured, 2 the measurement failed. `judge.py live` compares the result with the goals.
 """
 
 import argparse
@@ -52,7 +51,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONDITIONS = ("quiet", "one-cpu", "neighbours", "bursts", "quota")
 DEFAULT_CONDITIONS = "quiet,one-cpu,neighbours,bursts"
 ARMS = ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree")
-# They have work of their own besides the detection. The regimes of a changing scene have so many frames, which pass too fast here.
+# Scenes with work other than the detection. Changing scenes are not used, because their regimes would pass too fast.
 SCENES = "hurricane:2000,brownian:1000,rotating-gravity:3000,free-fall:5000"
 BLOCK_FRAMES = 256
 LONGEST_AGAIN_S = 4
@@ -63,17 +62,17 @@ while True:
         pass
     sleep(3.7 - time() % 3.7)"""
 OTHER_WORK = {"neighbours": (2, STREAM), "bursts": (4, BURST)}
-# Two-sided 95 % quantiles of Student's t distribution for 1, 2, ... degrees of freedom; then the normal one.
+# Two-sided 95 % quantiles of Student's t distribution for 1, 2, … degrees of freedom; for more, the normal one.
 STUDENT = (12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26, 2.23)
 
 
 class Failure(Exception):
-    """The measurement cannot go on; the message says why."""
+    """The measurement cannot continue; the message says why."""
 
 
 @contextlib.contextmanager
 def other_work(condition):
-    """What the condition's other processes do, ended with the block."""
+    """Runs the condition's other processes until the block ends."""
     count, code = OTHER_WORK.get(condition, (0, ""))
     processes = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(count)]
     try:
@@ -86,7 +85,7 @@ def other_work(condition):
 
 @contextlib.contextmanager
 def quota_group(condition, cores):
-    """The folder of a control group with so many processors' time, removed with the block; None without that condition."""
+    """Creates the folder of a control group with the time of `cores` processors until the block ends; None without that condition."""
     if condition != "quota":
         yield None
         return
@@ -105,7 +104,7 @@ def quota_group(condition, cores):
 
 
 class Game:
-    """Plays games of one scene; each returns the times of its frames in ns, and keeps what else the program wrote."""
+    """Plays games of one scene. Each returns its frame times in ns and keeps the program's other output."""
 
     def __init__(self, options, scene, objects, condition="quiet"):
         self.options, self.scene, self.objects, self.condition = options, scene, objects, condition
@@ -127,7 +126,7 @@ class Game:
                 raise Failure(f"sweepstake run ended with {done.returncode}: {done.stderr.strip()[:800]}")
             self.summary = json.loads(done.stdout)
             self.read(pathlib.Path(folder))
-        # A game of a few hundredths of a second may end before other work lets it play a frame.
+        # A game of a few hundredths of a second may end without a frame because of other load.
         if not self.frame_ns and seconds < LONGEST_AGAIN_S:
             return self.play(*words, seconds=2 * seconds)
         return self.frame_ns
@@ -148,10 +147,10 @@ class Game:
 
 
 def over_same_frames(summary, games):
-    """The summary of each game's frames that all have played."""
+    """Summarizes each game over the frames that all games played."""
     count = min(map(len, games.values()))
     if count == 0:
-        raise Failure("a game played no frame: give more --seconds")
+        raise Failure("a game played no frame: increase --seconds")
     return {name: summary(frames[:count]) for name, frames in games.items()}
 
 
@@ -160,7 +159,7 @@ def means(games):
 
 
 def at_equal_speed(frame_ns, rest_ns, other_rest_ns):
-    """The mean frame on a machine that is as fast as where the same frames' other work took other_rest_ns."""
+    """Returns the mean frame time at the machine speed at which the same frames' rest took other_rest_ns."""
     count = min(len(frame_ns), len(other_rest_ns))
     starts = range(0, count - BLOCK_FRAMES + 1, BLOCK_FRAMES) if count >= BLOCK_FRAMES else (0,)
     total = frames = 0
@@ -172,7 +171,7 @@ def at_equal_speed(frame_ns, rest_ns, other_rest_ns):
 
 
 def median_frames(game, options):
-    """The median frame of every arm ÷ the median of its other work, from one short game each."""
+    """Returns the median frame ÷ the median rest of every arm, from one short game each."""
     def play(arm):
         frame_ns = game.fixed(arm, "--shadow", "off", seconds=max(options.seconds / 10, 0.05))
         return [frame / rest for frame, rest in zip(frame_ns, game.rest_ns)]
@@ -180,13 +179,13 @@ def median_frames(game, options):
 
 
 def choice(arms, medians):
-    """What was lost by the choice of these frames' arms."""
+    """Returns the loss by the choice of these frames' arms."""
     return statistics.fmean(medians[arm] for arm in arms) / min(medians.values()) - 1
 
 
 def trials(arms, incumbent):
-    """The stretches, first frame and end, that begin on an arm which has run less than the incumbent so far, and are at most twice as long
-    as that; the frame that switches back is of it."""
+    """Returns the trials as (first frame, end). A trial begins on an arm that has run less than the incumbent so far, and is at most twice
+    as long as that; it includes the frame that switches back."""
     before = collections.Counter()
     frame = 0
     for is_own, stretch in itertools.groupby(arms, lambda arm: arm == incumbent):
@@ -198,14 +197,14 @@ def trials(arms, incumbent):
 
 
 def worst_ratio(stretch, frame_ns, rest_ns, other_frame_ns, other_rest_ns):
-    """The worst frame of the stretch ÷ the other game's, at the speed that the machine had there."""
+    """Returns the worst frame of the trial ÷ the other game's worst one, at equal machine speed."""
     frames = slice(*stretch)
     speed = statistics.median(other_rest_ns[frames]) / statistics.median(rest_ns[frames])
     return speed * max(frame_ns[frames]) / max(other_frame_ns[frames])
 
 
 def interval(values):
-    """Mean and half the width of its 95 % interval; the latter is absent for one value."""
+    """Returns the mean and half the width of its 95 % interval (None for one value)."""
     if len(values) < 2:
         return values[0], None
     quantile = STUDENT[len(values) - 2] if len(values) - 2 < len(STUDENT) else 1.96
@@ -217,7 +216,7 @@ def tail(frames):
 
 
 class Cell:
-    """A scene under a condition, and what its rounds measured."""
+    """A scene under a condition, and the measurements of its rounds."""
 
     def __init__(self, game, options):
         self.game, self.options = game, options
@@ -229,7 +228,7 @@ class Cell:
         self.trial_ratios, self.control_ratios = [], []
 
     def play_lane(self, arm, without):
-        """The pair of the game `without` the lane."""
+        """Plays the game with the lane that forms a pair with the game `without` it."""
         with_lane = self.game.fixed(arm, "--shadow", "on")
         mean = means({"on": with_lane, "off": without})
         count = min(len(with_lane), len(without))
@@ -238,7 +237,7 @@ class Cell:
         self.best_arms.append(arm)
 
     def compare_trials(self, arms, games, best, with_lane):
-        """Games: frame and rest times by name; those of the best arm are compared with its own with the lane."""
+        """Compares trials. `games` has frame and rest times by name; the control compares the best arm with its own game with the lane."""
         decided, without = games["AI Decides"], games[best]
         name = max(sorted(set(arms)), key=arms.count)
         incumbent = games.get(name, without)
@@ -298,7 +297,7 @@ def parse_scenes(words):
     for word in words.split(","):
         scene, _, objects = word.partition(":")
         if not scene or not objects.isdigit():
-            raise Failure(f"'{word}' is no SCENE:OBJECTS, as hurricane:2000")
+            raise Failure(f"'{word}' is not SCENE:OBJECTS, for example hurricane:2000")
         yield scene, int(objects)
 
 
@@ -334,7 +333,7 @@ def half(value):
 
 def text(document):
     rounds = min(row["rounds"] for row in document["rows"])
-    few = "" if rounds >= MIN_ROUNDS else f"\nRounds played: {rounds}. Fewer than {MIN_ROUNDS} tell too little for the goals.\n"
+    few = "" if rounds >= MIN_ROUNDS else f"\nRounds played: {rounds}. The goals need at least {MIN_ROUNDS}.\n"
     return table(("condition", "scene", "objects", "rounds", "best arm", "regret", "± 95 %", "choice", "lane", "raw regret", "± 95 %",
                   "lane mean", "lane p99.9", "± 95 %", "trials", "worst frame"), [
         (row["condition"], row["scene"], str(row["objects"]), str(row["rounds"]), row["best_arm"], or_dash(row["regret"], percent),
@@ -346,7 +345,7 @@ def text(document):
 
 
 def add_game_options(parser, seconds, rounds=None, near=None):
-    """What the commands that play live games have in common; rounds are for those that compare, near for those that ask which arms."""
+    """Adds the options of all commands that play live games; `rounds` for those that compare, `near` for those that select arms."""
     if rounds is not None:
         parser.add_argument("--policy", default="default", help="(default: %(default)s)")
         parser.add_argument("--rounds", type=int, default=rounds, help="(default: %(default)s)")
@@ -354,8 +353,8 @@ def add_game_options(parser, seconds, rounds=None, near=None):
         parser.add_argument("--near", type=float, default=near, metavar="RATIO",
                             help="a fixed arm takes part if a short game's median frame, without other work, is within this of the best "
                             "(default: %(default)s)")
-    parser.add_argument("--seconds", type=float, default=seconds, help="of a game (default: %(default)s)")
-    parser.add_argument("--time-scale", type=float, default=20, help="of the decider and the lane (default: %(default)s)")
+    parser.add_argument("--seconds", type=float, default=seconds, help="duration of a game (default: %(default)s)")
+    parser.add_argument("--time-scale", type=float, default=20, help="time scale of the decider and the lane (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
 
 
@@ -376,13 +375,13 @@ def parse(words):
         "  tests/bench/live.py --conditions quiet,one-cpu,neighbours --json | tests/bench/judge.py live\n"
         "  tests/bench/live.py --lane-only --conditions quiet,neighbours --json | tests/bench/judge.py live\n"
         "  tests/bench/live.py --minutes 30 --conditions quiet,neighbours --scenes hurricane:2000,suite-g:10000\n"
-        "All conditions with four scenes take some two hours; nothing else should run meanwhile.")
+        "All conditions with four scenes take about two hours; the machine should be otherwise idle.")
     parser.add_argument("--program", default=ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
     parser.add_argument("--conditions", default=DEFAULT_CONDITIONS, metavar="NAME,…", help="(default: %(default)s)")
     parser.add_argument("--minutes", type=float, default=0, help="end with the last round that fits (default: all rounds)")
-    parser.add_argument("--lane-only", action="store_true", help="only the games with the lane and without it")
-    parser.add_argument("--cpu-quota", type=float, default=1, metavar="CORES", help="of the condition quota (default: %(default)s)")
+    parser.add_argument("--lane-only", action="store_true", help="only the games with and without the lane")
+    parser.add_argument("--cpu-quota", type=float, default=1, metavar="CORES", help="quota of the condition quota (default: %(default)s)")
     add_game_options(parser, seconds=15, rounds=5, near=1.15)
     options = parser.parse_args(words)
     check_game_options(parser, options, [options.program])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""live.py with the real program and tiny games, and what judge.py says of its documents."""
+"""Tests live.py with the real program and tiny games, and how judge.py judges its documents."""
 
 import json
 import pathlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures the backends: see README.md beside this file, or --help.
+# Measures the backends: see README.md in this folder, or --help.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -11,16 +11,16 @@ usage() {
 Usage: tests/bench/run.sh [--quick] [--simd LIST] [--cold] [--program PATH] [--out FOLDER] [--json] [PART…]
 
 Runs the parts (all of them by default): ${parts[*]}.
-Each part's tables, with the goals of data/goals.toml, go to stdout and to FOLDER/PART.txt; with --json its document to
-FOLDER/PART.json instead. The page with charts of all its documents is FOLDER/PART.html.
-  --quick         a few frames of small scenes, to see that everything works
-  --simd LIST     instruction sets that each backend runs with, in turns: \`avx512,avx2,sse4\`, or \`all\` that the
+Each part's tables, with the goals of data/goals.toml, are written to stdout and to FOLDER/PART.txt; with --json its document is
+written to FOLDER/PART.json instead. The page with charts of all its documents is FOLDER/PART.html.
+  --quick         a few frames of small scenes, as a smoke test
+  --simd LIST     instruction sets of the backends, in turns: \`avx512,avx2,sse4\`, or \`all\` for all that the
                   machine has (default: the best one)
   --cold          evict the caches before each frame
   --program PATH  the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
   --out FOLDER    (default: build/bench)
-Ends with 1 when a backend or a peer found wrong pairs, or the frame path allocated or waited.
-Takes some 10 minutes on two cores, one minute with --quick; nothing else should run meanwhile.
+Exit code 1: a backend or a peer found wrong pairs, or the frame path allocated or blocked.
+Takes about 10 minutes on two cores, one minute with --quick; the machine should be otherwise idle.
 END
 }
 
@@ -28,20 +28,20 @@ quick=0
 json=0
 program=$root/build/release/bin/sweepstake-lab
 out=$root/build/bench
-passed=()  # to `sweepstake-lab bench`
+passed=()  # options for `sweepstake-lab bench`
 chosen=()
 while (($# > 0)); do
   case $1 in
     --quick) quick=1 ;;
     --json) json=1 ;;
-    --simd) passed+=(--simd "${2:?--simd takes a list, as avx512,avx2}"); shift ;;
+    --simd) passed+=(--simd "${2:?--simd needs a list, for example avx512,avx2}"); shift ;;
     --cold) passed+=(--cold) ;;
     --program) program=$2; shift ;;
     --out) out=$2; shift ;;
     -h | --help) usage; exit 0 ;;
     -*) usage >&2; exit 2 ;;
     *)
-      [[ " ${parts[*]} " == *" $1 "* ]] || { echo "There is no part '$1'; the parts are ${parts[*]}" >&2; exit 2; }
+      [[ " ${parts[*]} " == *" $1 "* ]] || { echo "Unknown part '$1'; the parts are ${parts[*]}" >&2; exit 2; }
       chosen+=("$1")
       ;;
   esac
@@ -51,7 +51,7 @@ done
 [[ -x $program ]] || { echo "No program at $program: build it (cmake --workflow --preset release), or give --program" >&2; exit 2; }
 mkdir -p "$out"
 
-# bench SCENES COUNTS FRAMES WARMUP CAP_S ARGUMENT…: appends a run of the current part to its file.
+# bench SCENES COUNTS FRAMES WARMUP CAP_S ARGUMENT…: runs a measurement of the current part and appends it to its file.
 bench() {
   local sized=(--scene "$1" --objects "$2" --frames "$3" --warmup "$4" --peer-cap "$5")
   ((quick == 0)) || sized=(--scene "$1" --objects 200,400 --frames 4 --warmup 1 --peer-cap 0.2)
@@ -63,8 +63,7 @@ bench() {
   return "$measured"
 }
 
-# Adds the goals. A goal that is missed shows in the table and fails nothing: another machine, or another program beside it,
-# has other ratios.
+# Adds the goals. A missed goal is shown in the table but is not an error, because ratios depend on the machine and on other programs.
 judge() {
   local judged=0 document=$documents/$part-${#pages[@]}.json
   "$here/judge.py" bench --json "$documents/measured.json" >"$document" || judged=$?
@@ -77,12 +76,12 @@ judge() {
   fi
 }
 
-# One page for all documents of the part. A program that was built without the page says so and loses nothing else.
+# Writes one page for all documents of the part. A program built without the page prints that and exits with 3.
 page() {
   ((${#pages[@]} == 0)) || "$program" report "${pages[@]}" --out "$out/$part.html" || (($? == 3))
 }
 
-# Brute force is quadratic: it is left out above 10,000 objects.
+# Without brute force, which is quadratic, for more than 10,000 objects.
 fast=Grid,SAP,AxisSweep,DBVT,Tracy,KDTree
 suite=suite-b,suite-g,suite-h
 shapes=sizes-1-to-1000,beams,clusters,planar,teleporting,one-huge

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Judges AI Decides on scenes that nobody has seen: a sealed list, for final figures only.
+"""Judges AI Decides on a sealed list of unseen scenes, for final figures only.
 
-data/sealed.toml holds a phrase that was drawn at random and the SHA-256 of every line of the list. Scenes, object counts and
-seeds follow from the phrase by a rule, so that anybody can judge, and nobody reads them by accident: the list stands nowhere,
-the traces lie in a temporary folder, and what is printed names the scenes by number. Whoever tunes a policy leaves it alone.
+data/sealed.toml contains a random phrase and the SHA-256 of every line of the list. A rule derives scenes, object counts and seeds from
+the phrase, so that everybody can judge but nobody reads the scenes by accident. The list is not stored, the traces are in a temporary
+folder, and the output identifies scenes by number. Do not use it while you tune a policy.
 
-Each call is a look, and a look costs: what was learnt from it can no longer be judged by the list. So every look is appended to
-data/sealed_looks.log, at its begin and with its figures at its end: date, commit, command, figures. Commit that file.
+Each run is a "look" and makes the list less independent, because its results may influence later changes. Therefore every look is
+appended to data/sealed_looks.log at its begin and at its end: date, commit, command, figures. Commit that file.
 """
 
 import argparse
@@ -32,15 +32,15 @@ ROWS = ("stationary", "flips")
 STATIONARY = ("brownian", "rotating-gravity", "hurricane", "suite-b", "suite-g", "suite-h", "few-moving", "nearly-resting",
               "teleporting", "spawning", "planar", "beams", "clusters", "sizes-1-to-1000")
 REGIMES = 8
-# Scenes with more objects have fewer frames: tracing takes its time.
+# Scenes with more objects have fewer frames, because tracing is slow.
 FULL_LENGTH_OBJECTS = 5_000
-HEAD = """# Scenes that nobody has seen, by the rule of tests/bench/sealed.py: of a phrase drawn at random, and the SHA-256 of each line. Do
-# not work out which they are; the looks stand in the log beside this file.
+HEAD = """# A sealed list of scenes, by the rule of tests/bench/sealed.py: a random phrase, and the SHA-256 of each line. Do not compute the
+# scenes. The log in this folder lists each use.
 """
 
 
 def draw(phrase, *words):
-    """A number of 256 bits that follows from the phrase and what it is for."""
+    """Returns a number of 256 bits, derived from the phrase and its purpose."""
     return int.from_bytes(hashlib.sha256("/".join((phrase, *words)).encode()).digest(), "big")
 
 
@@ -55,7 +55,7 @@ def scene_of(sealed, name, category, frames):
 
 
 def scenes_of(sealed, regime_frames):
-    """The list. Families come in the order of their draws, each at most once."""
+    """Returns the list. Families are in the order in which they were drawn, each at most once."""
     def drawn(names, count):
         return sorted(names, key=lambda name: draw(sealed["phrase"], name))[:count]
     scenes = [scene_of(sealed, name, "stationary", sealed["frames"]) for name in drawn(STATIONARY, sealed["stationary"])]
@@ -69,7 +69,7 @@ def commitment(scene):
 
 
 def read_sealed(path, regime_frames):
-    """The scenes of a sealed list, which have to be those that were sealed."""
+    """Returns the scenes of a sealed list, and checks them with their hashes."""
     with open(path, "rb") as file:
         sealed = tomllib.load(file)
     scenes = scenes_of(sealed, regime_frames)
@@ -79,7 +79,7 @@ def read_sealed(path, regime_frames):
 
 
 def seal(path, regime_frames, **sizes):
-    """Writes a new list of a phrase drawn at random."""
+    """Writes a new list with a random phrase."""
     sealed = {"phrase": secrets.token_hex(16), "stationary": 8, "changing": 4, "objects": [300, 12_000], "frames": 2000} | sizes
     lines = [f"{name} = {json.dumps(value)}" for name, value in sealed.items()]
     hashes = "".join(f'  "{commitment(scene)}",\n' for scene in scenes_of(sealed, regime_frames))
@@ -100,7 +100,7 @@ def append_look(path, commit_id, *words):
 
 
 def trace(scenes, folder, options, progress):
-    """The scenes' traces. What the program prints names the scene and is not shown."""
+    """Creates the scenes' traces. The output of the program is not shown, because it names the scenes."""
     for number, scene in enumerate(scenes, 1):
         progress(f"tracing scene {number} of {len(scenes)}")
         done = subprocess.run([options.program, "trace", "--scene", scene["scene"], "--objects", str(scene["objects"]), "--frames",
@@ -139,13 +139,13 @@ def parse(words):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="examples:\n"
-        "  tests/bench/sealed.py                       a look: once, when everything else is done\n"
-        "  tests/bench/sealed.py --seal /tmp/mine.toml a list of your own, to see how it works\n"
+        "  tests/bench/sealed.py                       a look: once, after all other work\n"
+        "  tests/bench/sealed.py --seal /tmp/mine.toml a list of your own, for a try\n"
         "  tests/bench/sealed.py --list /tmp/mine.toml\n"
-        "Ends with 0 when every goal is met, with 1 when one is missed, with 2 when it could not be run.")
+        "Exit code: 0 every goal is met, 1 a goal is missed, 2 the measurement failed.")
     parser.add_argument("--list", type=pathlib.Path, default=LIST, metavar="FILE.toml",
-                        help="its looks are logged beside it (default: %(default)s)")
-    parser.add_argument("--seal", type=pathlib.Path, metavar="FILE.toml", help="only write a new list, of a phrase drawn at random")
+                        help="the log of looks is in the same folder (default: %(default)s)")
+    parser.add_argument("--seal", type=pathlib.Path, metavar="FILE.toml", help="only write a new list with a random phrase")
     conditions.add_replay_options(parser)
     options = parser.parse_args(words)
     options.words = words

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Runs a daemon under load for a long time, and fails where it grows.
+"""Runs a daemon under load for a long time, and fails if it grows.
 
-Starts `sweepstaked` as daemon_load.py does and gives it what a day brings, again and again: `sweepstake-lab load` plays a round and
-says goodbye or, every second time, is killed in the midst of it; a watcher comes and goes; /metrics is scraped. Meanwhile it
-samples the daemon's resident memory, descriptors and threads. A straight line is fitted to each over the second half, when the
-tables have filled: where a line rises by more than --max-growth of its mean, the daemon leaks. Needs Linux and Python 3.11.
-Exit code: 0 flat, 1 grows, 2 could not be run.
+Starts `sweepstaked` like daemon_load.py and repeats typical events: `sweepstake-lab load` plays a round and says goodbye or, every
+second time, is killed during it; a watcher connects and leaves; /metrics is scraped. Meanwhile it samples the daemon's resident
+memory, descriptors and threads. It fits a straight line to each measure over the second half, when the tables have filled. If a
+line rises by more than --max-growth of its mean, the daemon leaks. Needs Linux and Python 3.11.
+Exit code: 0 flat, 1 grows, 2 the run failed.
 """
 
 import argparse
@@ -34,10 +34,10 @@ def sample(daemon, begin_s):
 
 
 def judge(samples, max_growth):
-    """Of each measure over the second half: its mean, what a line through it rises by, and whether that is flat."""
+    """Returns for each measure over the second half: its mean, the rise of a fitted line, and whether it is flat."""
     half = samples[len(samples) // 2:]
     if len(half) < 3:
-        raise Failure("too few samples: run for more --minutes, or sample more often")
+        raise Failure("too few samples: increase --minutes, or sample more often")
     times = [one["time_s"] for one in half]
     rows = {}
     for name in MEASURED:
@@ -50,7 +50,7 @@ def judge(samples, max_growth):
 
 
 class Round:
-    """A generator and a watcher, which end together: with a goodbye, or killed."""
+    """A generator and a watcher, which end together, with a goodbye or killed."""
 
     def __init__(self, daemon, options, number):
         self.ends_politely = number % 2 == 0
@@ -74,7 +74,7 @@ class Round:
 
 
 class Progress:
-    """A bar on a terminal; nothing elsewhere."""
+    """A progress bar, on a terminal only."""
 
     def __init__(self, total_s):
         self.total_s = total_s
@@ -100,7 +100,7 @@ def soak(daemon, options):
             if current is None:
                 current, rounds = Round(daemon, options, rounds), rounds + 1
             time.sleep(options.sample_seconds)
-            daemon.metric("sweepstake_open_streams")  # what Prometheus does
+            daemon.metric("sweepstake_open_streams")  # as Prometheus does
             samples.append(sample(daemon, begin_s))
             progress.show(samples[-1])
             if current.over():
@@ -131,13 +131,13 @@ def parse(words):
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="examples:\n  tests/bench/soak.py --minutes 480\n  tests/bench/soak.py --minutes 5 --streams 200 --json > soak.json")
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin", metavar="FOLDER",
-                        help="with sweepstaked and sweepstake (default: build/release/bin)")
+                        help="folder with sweepstaked and sweepstake (default: build/release/bin)")
     parser.add_argument("--minutes", type=float, default=60, help="how long (default: %(default)s)")
-    parser.add_argument("--streams", type=int, default=500, help="games at a time (default: %(default)s)")
-    parser.add_argument("--round-seconds", type=int, default=15, help="of each round of games (default: %(default)s)")
-    parser.add_argument("--sample-seconds", type=float, default=2, help="between two samples (default: %(default)s)")
+    parser.add_argument("--streams", type=int, default=500, help="concurrent games (default: %(default)s)")
+    parser.add_argument("--round-seconds", type=int, default=15, help="duration of each round of games (default: %(default)s)")
+    parser.add_argument("--sample-seconds", type=float, default=2, help="interval of samples (default: %(default)s)")
     parser.add_argument("--max-growth", type=float, default=0.05, metavar="RATIO",
-                        help="what a measure may grow by in the second half (default: %(default)s)")
+                        help="allowed growth of a measure in the second half (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout, with the samples")
     return parser.parse_args(words)
 
@@ -146,7 +146,7 @@ def main(words):
     options = parse(words)
     try:
         with tempfile.TemporaryDirectory(prefix="sweepstake-soak-") as data:
-            # Lost sessions stay in memory for ten minutes, or until there are this many.
+            # Lost sessions stay in memory for ten minutes, or until this limit is reached.
             daemon = Daemon(options.programs, data, max_sessions=2 * options.streams)
             try:
                 document = soak(daemon, options)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of how soak.py judges what it sampled."""
+"""Tests how soak.py judges its samples."""
 
 import unittest
 

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""What priors from the store do to a live game: right ones, wrong ones, none, through a daemon that ends and starts again.
+"""Measures the effect of stored priors on a live game: right, wrong and no priors, through a daemon that is restarted.
 
-For each scene a game without a shadow lane, which tries every arm, teaches a real `sweepstaked` with its SQLite store. Then the
-daemon ends. Each round starts daemons anew, on a copy of that store (right), on one that has imported its evidence with the
-arms' ranking reversed (wrong), and on an empty one (none), and lets AI Decides play the scene with each of them, and every
-fixed arm that comes near the best, in turns. Regret is the mean frame time ÷ that of the best fixed arm over the frames that
-all played, at equal speed and with what the lane took as live.py has it, minus 1. Needs Linux and Python 3.11; nothing else should
-run meanwhile.
+For each scene, a game without a shadow lane tries every arm, and a real `sweepstaked` with its SQLite store learns from it. Then the
+daemon ends. Each round starts daemons on a copy of that store (right), on a store with its evidence but reversed ranking of the arms
+(wrong), and on an empty store (none). AI Decides plays the scene with each of them, in turns with every fixed arm that is near the
+best. Regret is the mean frame time ÷ that of the best fixed arm, minus 1, over the frames that all played, at equal speed and with
+the time of the lane as in live.py. Needs Linux and Python 3.11; the machine should be otherwise idle.
 """
 
 import argparse
@@ -29,7 +28,7 @@ EVIDENCE = ("alpha_increment", "beta_increment", "window_count")
 
 
 class Store:
-    """A folder with a daemon's data, on which daemons start one after the other."""
+    """A folder with a daemon's data, which several daemons use one after the other."""
 
     def __init__(self, options, folder):
         self.options, self.folder = options, folder
@@ -44,7 +43,7 @@ class Store:
 
 
 def reversed_ranking(records):
-    """Evidence in which the best arm has that of the worst, and so on. One record per arm."""
+    """Returns evidence in which the best arm has the record of the worst, and so on. One record per arm."""
     def mean(record):
         return record["alpha_increment"] / (record["alpha_increment"] + record["beta_increment"])
     ranked = sorted(records, key=mean)
@@ -58,7 +57,7 @@ def transfer(daemon, command, *arguments):
 
 
 def teach(game, options, folder):
-    """The stores of the three kinds, with no daemon on them."""
+    """Returns the stores of the three kinds, without running daemons."""
     stores = {kind: Store(options, folder / kind) for kind in KINDS}
     file = folder / "priors.json"
     with stores["right"] as daemon:
@@ -74,7 +73,7 @@ def teach(game, options, folder):
 
 
 def play_with(game, store, kind, options, folder):
-    """The frames of a game whose daemon starts on a copy of the store: no game learns from another one's round."""
+    """Plays a game whose daemon starts on a copy of the store, so that games do not learn from each other; returns the frames."""
     copy = folder / "copy"
     shutil.copytree(store.folder, copy)
     try:
@@ -136,9 +135,9 @@ def parse(words):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="examples:\n  tests/bench/stored_priors.py\n  tests/bench/stored_priors.py --scenes hurricane:2000 --rounds 2 --json\n"
-        "Ends with 0 when every goal is met, with 1 when one is missed, with 2 when it could not be run.")
+        "Exit code: 0 every goal is met, 1 a goal is missed, 2 the measurement failed.")
     parser.add_argument("--programs", type=pathlib.Path, default=live.ROOT / "build/release/bin", metavar="FOLDER",
-                        help="with sweepstaked and sweepstake (default: %(default)s)")
+                        help="folder with sweepstaked and sweepstake (default: %(default)s)")
     parser.add_argument("--scenes", default=live.SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
     live.add_game_options(parser, seconds=15, rounds=5, near=1.15)
     options = parser.parse_args(words)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the cost traces of a list of scenes: see README.md beside this file, or --help.
+# Creates the cost traces of a list of scenes: see README.md in this folder, or --help.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -9,13 +9,13 @@ usage() {
   cat <<END
 Usage: tests/bench/traces.sh [--again] [--quick] [--repeats N] [--program PATH] LIST FOLDER
 
-Traces every scene of LIST (data/tuning_scenes.txt, data/held_out_scenes.txt or one of your own) into FOLDER/SCENE-OBJECTS-SEED.costs.
-A trace that is there already is kept, so that what was interrupted can go on.
-  --again         make it anew
-  --repeats N     runs of each scene; with 1 the traces hold every disturbed frame (default: that of \`sweepstake-lab trace\`)
-  --quick         120 frames of 300 objects at most, to see that everything works
+Traces every scene of LIST (data/tuning_scenes.txt, data/held_out_scenes.txt or your own) into FOLDER/SCENE-OBJECTS-SEED.costs.
+Existing traces are kept, so that an interrupted run can be continued.
+  --again         replace existing traces
+  --repeats N     runs of each scene; with 1 the traces contain every disturbed frame (default: that of \`sweepstake-lab trace\`)
+  --quick         at most 120 frames of 300 objects, as a smoke test
   --program PATH  the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
-Takes 5 to 20 minutes a list on two cores; nothing else should run meanwhile.
+Takes 5 to 20 minutes per list on two cores; the machine should be otherwise idle.
 END
 }
 
@@ -38,7 +38,7 @@ done
 ((${#places[@]} == 2)) || { usage >&2; exit 2; }
 list=${places[0]}
 folder=${places[1]}
-[[ -f $list ]] || { echo "There is no list $list" >&2; exit 2; }
+[[ -f $list ]] || { echo "The list $list does not exist" >&2; exit 2; }
 [[ -x $program ]] || { echo "No program at $program: build it (cmake --workflow --preset release), or give --program" >&2; exit 2; }
 mkdir -p "$folder"
 declare -A made
@@ -46,9 +46,9 @@ declare -A made
 while read -r scene objects frames seed pass category rest; do
   [[ -n $scene && $scene != \#* ]] || continue
   [[ $category =~ ^(stationary|changing|resonant)$ && -z $rest && -n $pass ]] ||
-    { echo "$list: '$scene $objects …' is no line of scene objects frames seed pass category" >&2; exit 2; }
+    { echo "$list: '$scene $objects …' must be a line of: scene objects frames seed pass category" >&2; exit 2; }
   file=$folder/$scene-$objects-$seed.costs
-  # Lines may share a trace and go through it at another pace.
+  # Lines may share a trace and replay it at different speeds.
   [[ -z ${made[$file]:-} ]] || continue
   made[$file]=1
   ((again)) || [[ ! -f $file ]] || continue

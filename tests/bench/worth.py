@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""What choosing is worth: the best arm against always KDTree, over many scenes and counts, and how much of it AI Decides gets.
+"""Measures the worth of choosing: the best arm compared with always KDTree, over many scenes and counts, and the share that AI Decides captures.
 
-For each scene and object count a short game of every arm shows which is the best one (the least of the times that count would be too
-low: it is the luckiest, too); then AI Decides, that arm and KDTree play the same frames in turns, with `sweepstake run --embedded`. The figures are detection times, which is what the arms differ in,
-over the frames that all played, at equal speed as live.py has it where the scene has enough other work to tell the speed, and with
-what the shadow lane cost: worth is KDTree's ÷ the best arm's. What was captured is ln(KDTree ÷ AI Decides), summed over all cells, ÷
-ln(KDTree ÷ best arm), summed; where KDTree is the best, AI Decides can only lose. Nothing else should run meanwhile.
+For each scene and object count a short game of every arm selects the best one. (A separate game is needed: the minimum of the measured
+times would be biased towards luck.) Then AI Decides, that arm and KDTree play the same frames in turns, with `sweepstake run --embedded`.
+The figures are detection times, in which the arms differ, over the frames that all played. They are at equal speed as in live.py if
+the scene has enough other work to measure the speed, and include the cost of the shadow lane. Worth is the time of KDTree ÷ the time
+of the best arm. The captured share is the sum of ln(KDTree ÷ AI Decides) over all cells ÷ the sum of ln(KDTree ÷ best arm). If KDTree is
+the best, AI Decides can only lose. The machine should be otherwise idle.
 """
 
 import argparse
@@ -21,12 +22,12 @@ SCENES = ("brownian,rotating-gravity,hurricane,free-fall,random-gravity,suite-b,
           "gather-and-scatter,day-and-night,arrivals,count-changing,spawning,nearly-resting,few-moving,falling,one-huge,"
           "teleporting,beams,clusters,planar,sizes-1-to-1000,mixture")
 ALWAYS = "KDTree"
-# The least share of other work in a frame that tells how fast the machine was.
+# Minimum share of other work in a frame for measuring the speed of the machine.
 LEAST_REST = 0.1
 
 
 def play(game, name):
-    """The detection and the other work of each frame, in ns."""
+    """Plays a game; returns the detection and the other work of each frame in ns."""
     if name == "AI Decides":
         game.decided()
     else:
@@ -35,8 +36,8 @@ def play(game, name):
 
 
 def mean_detections(games, lane_share):
-    """The mean detection time of each game over the frames that all played. lane_share is the part of AI Decides' frames that its
-    lane took."""
+    """Returns the mean detection time of each game over the frames that all played. lane_share is the share of the lane in AI Decides'
+    frames."""
     detection_ns = live.over_same_frames(list, {name: detection for name, (detection, _) in games.items()})
     rest_ns = live.over_same_frames(list, {name: rest for name, (_, rest) in games.items()})
     decided, rest = (sum(times["AI Decides"]) for times in (detection_ns, rest_ns))
@@ -96,7 +97,7 @@ def parse(words):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="examples:\n  tests/bench/worth.py\n  tests/bench/worth.py --scenes hurricane,nearly-resting --objects 3000 --rounds 3\n"
-        "Ends with 0 when every goal is met, with 1 when one is missed, with 2 when it could not be run.")
+        "Exit code: 0 every goal is met, 1 a goal is missed, 2 the measurement failed.")
     parser.add_argument("--program", default=live.ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=SCENES, metavar="SCENE,…", help="(default: %(default)s)")
     parser.add_argument("--objects", type=counts, default=counts("300,3000,20000"), metavar="N,…", help="(default: 300,3000,20000)")

@@ -1,4 +1,4 @@
-"""Backends against peers: the comparisons of `sweepstake-lab bench --json`, each with its goal."""
+"""Backends and peers: the comparisons of `sweepstake-lab bench --json`, each with its goal."""
 
 import csv
 import fnmatch
@@ -7,7 +7,7 @@ from judging.common import InputError, limits_of, meets, or_dash, table
 
 
 def read_published(path):
-    """Milliseconds by (peer, scene, objects), and the family that each peer without a package is compared with."""
+    """Returns milliseconds by (peer, scene, objects), and the family with which each peer without a package is compared."""
     figures, families = {}, {}
     with open(path, newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
@@ -26,7 +26,7 @@ def is_derived(ratio):
 
 
 def fits(goal, ratio, document):
-    """Whether an entry of the goals is for this comparison of the document."""
+    """Whether an entry of the goals applies to this comparison of the document."""
     simd = goal.get("simd", ratio["simd"])
     return (
         goal["compared"] == ratio["kind"]
@@ -43,9 +43,9 @@ def fits(goal, ratio, document):
 
 
 def bench_goal(goals, ratio, document):
-    """The number that a comparison is held against, or None, and whether it is reached.
+    """Returns the goal of a comparison, or None, and whether it is reached.
 
-    Of two limits `goal` is the upper one, and `goal_at_least` the other."""
+    With two limits `goal` is the upper one, and `goal_at_least` the lower one."""
     goal = next((each for each in goals["bench"] if fits(each, ratio, document)), None)
     if goal is None:
         return {"goal": None, "met": None}
@@ -59,7 +59,7 @@ class BenchJudge:
 
     def __init__(self, document, goals, published):
         if document.get("command") != "bench" or not document.get("rows"):
-            raise InputError("this is no document of `sweepstake-lab bench --json` with rows")
+            raise InputError("this is not a document of `sweepstake-lab bench --json` with rows")
         self.document, self.goals = document, goals
         self.figures, self.published_families, self.bridges = published
         self.speedups = {(cell_of(row), *arm_key(row), row["peer"]): row for row in document.get("speedups", [])}
@@ -99,8 +99,8 @@ class BenchJudge:
         return [ratio for ratio in (self.derived("family", row, peer) for peer in peers) if ratio]
 
     def published_overall(self, cell, simd):
-        """Our fastest arm with this instruction set against the best of all peers that are published, and against every
-        other one that a goal names."""
+        """Compares our fastest arm with this instruction set with the best of all published peers, and with every other
+        published peer in a goal."""
         arms = [row for row in self.document["rows"] if cell_of(row) == cell and row["kind"] == "arm"
                 and row["simd"] == simd and row["threads"] == 1 and counts(row)]
         if not arms:
@@ -114,8 +114,8 @@ class BenchJudge:
         return any("with" in goal and fits(goal, ratio, self.document) for goal in self.goals["bench"])
 
     def derived(self, kind, row, peer):
-        """What `peer` would take here: a bridge's time here × the quotient of their published figures of the cell. These were
-        measured with warm caches."""
+        """Derives the time of `peer` on this machine: the time of a bridge here × the quotient of their published figures for the
+        cell, which were measured with warm caches."""
         if self.document["cold"]:
             return None
         for bridge in self.bridges:
@@ -154,7 +154,7 @@ def ratio_row(row, kind, other, value, value_mean):
 
 
 def bench_json(document, ratios):
-    """The document with its goals: `goals` holds the comparisons measured here, `published` those with figures from elsewhere."""
+    """Returns the document with its goals: `goals` are the comparisons measured here, `published` those with published figures."""
     measured = [ratio for ratio in ratios if not is_derived(ratio) and ratio["goal"] is not None]
     derived = [ratio for ratio in ratios if is_derived(ratio)]
     return document | {"goals": measured, "published": derived}
@@ -169,7 +169,7 @@ def has_several_simd(document):
 
 
 def bench_rows_text(document):
-    """The columns that only peers or several instruction sets need are there only with them."""
+    """Columns for peers or for several instruction sets appear only if the document has these."""
     peers = any(row["kind"] == "peer" for row in document["rows"])
     several = has_several_simd(document)
     header = [*["family"] * peers, "arm", *["simd"] * several, "thr", *["frames"] * peers,
@@ -236,5 +236,5 @@ def bench_text(document, ratios):
 
 
 def judge(document, goals, published):
-    """The comparisons of a document of `sweepstake-lab bench`, in its order."""
+    """Returns the comparisons of a document of `sweepstake-lab bench`, in its order."""
     return BenchJudge(document, goals, published).ratios()

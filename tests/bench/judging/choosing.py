@@ -1,4 +1,4 @@
-"""How AI Decides chooses: the cells of `conditions.py`, `stored_priors.py` and `worth.py` against the goals of [[choosing]]."""
+"""The choices of AI Decides: compares cells of `conditions.py`, `stored_priors.py` and `worth.py` with the goals of [[choosing]]."""
 
 import json
 import math
@@ -9,9 +9,9 @@ from judging.common import InputError, limit_of, meets, or_dash, percent, read_g
 from judging.decisions import goals_text, limit_text
 
 GOALS = pathlib.Path(__file__).resolve().parents[1] / "data/goals.toml"
-# Of a goal's words, those that have to be in a cell, too.
+# Keys of a goal that a cell must match.
 SELECTING = ("condition", "category", "flip_s")
-# Columns of the cells' table: ratios as percent, others as they are.
+# Columns of the cells' table that are printed as percent.
 PERCENT = ("headroom", "captured", "regret", "excess", "half_width")
 
 
@@ -25,19 +25,19 @@ def weighted(goal, cells):
 
 
 def times(goal, cells):
-    """The mean of the peer's figure ÷ that of the own one; infinite where nothing is left of the own one."""
+    """Returns the mean of the peer's figure ÷ the mean of the policy's figure; infinite if the latter is 0."""
     own = mean(goal, cells)
     return statistics.fmean(cell[goal["peer"]] for cell in cells) / own if own > 0 else math.inf
 
 
 def share(goal, cells):
-    """The sum of the figure ÷ that of the weight."""
+    """Returns the sum of the figure ÷ the sum of the weight."""
     weight = sum(cell[goal["weight"]] for cell in cells)
     return sum(cell[goal["figure"]] for cell in cells) / weight if weight > 0 else None
 
 
 def worst_group(goal, cells):
-    """The worst of the means over the cells of a condition, at one pace of flips."""
+    """Returns the worst mean over the cells of one condition, category and interval of flips."""
     groups = {}
     for cell in cells:
         groups.setdefault((cell["condition"], cell["category"], cell["flip_s"]), []).append(cell)
@@ -50,12 +50,12 @@ def worst(goal, values):
 
 OVER = {"each": lambda goal, cells: worst(goal, [cell[goal["figure"]] for cell in cells]), "mean": mean, "weighted": weighted,
         "share": share, "times": times, "group": worst_group}
-# What a single cell reaches says nothing of these goals.
+# For these goals the value of a single cell has no meaning.
 WITHOUT_CELLS = ("share", "times")
 
 
 def cells_of(goal, cells):
-    """The cells that the goal judges. Those without the figure have nothing to judge, as no headroom."""
+    """Returns the cells that the goal judges. Cells with a null figure (for example without headroom) are skipped."""
     chosen = [cell for cell in cells if all(cell.get(word) == goal[word] for word in SELECTING if word in goal)]
     for cell in chosen:
         if goal["figure"] not in cell:
@@ -79,12 +79,12 @@ def judge_goal(goal, all_cells):
 
 
 def judge(document, goals):
-    """The document's row of [[choosing]], goal by goal."""
+    """Judges each goal of the document's row in [[choosing]]."""
     if not document.get("cells"):
-        raise InputError("there are no cells to judge")
+        raise InputError("the document has no cells")
     judged = [judge_goal(goal, document["cells"]) for goal in goals if goal["row"] == document["row"]]
     if not judged:
-        raise InputError(f"no goal is for the row {document['row']}")
+        raise InputError(f"the row {document['row']} has no goal")
     return judged
 
 
@@ -102,7 +102,7 @@ def cells_text(cells):
 
 
 def conclusion(document, goals):
-    """What is printed, as text and for --json, and whether a goal that has cells was missed."""
+    """Returns the output as text and for --json, and whether a goal with cells was missed."""
     judged = judge(document, goals)
     head = ", ".join(f"{name} {cell_text(name, value) if isinstance(value, float) else value}" for name, value in document.items()
                      if name not in ("command", "cells", "goals"))

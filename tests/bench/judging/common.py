@@ -1,4 +1,4 @@
-"""What both judgements share: text tables, limits of goals, and reading input."""
+"""Shared by all judgements: text tables, limits of goals, and reading input."""
 
 import json
 import math
@@ -9,7 +9,7 @@ LIMITS = ("at_least", "at_most", "below")
 
 
 class InputError(Exception):
-    """What a user gave cannot be judged; the message says why."""
+    """The input cannot be judged; the message says why."""
 
 
 def percent(ratio):
@@ -23,7 +23,7 @@ def is_number(cell):
 
 
 def table(header, rows):
-    """Aligned columns, numbers to the right; a row of one cell is a title. The layout of engine_client/cli/io/text_table.h."""
+    """Formats aligned columns with numbers on the right; a row of one cell is a title. Same layout as engine_client/cli/io/text_table.h."""
     body = [row for row in rows if len(row) == len(header)]
     widths = [max(len(row[i]) for row in [header, *body]) for i in range(len(header))]
     right = [len(rows) > 0 and all(is_number(row[i]) for row in body) for i in range(len(header))]
@@ -38,7 +38,7 @@ def table(header, rows):
 
 
 def nine_in_ten(values):
-    """The smallest of the values that nine in ten do not exceed."""
+    """Returns the smallest value that 90 % of the values do not exceed."""
     return sorted(values)[math.ceil(0.9 * len(values)) - 1]
 
 
@@ -47,15 +47,15 @@ def or_dash(value, text=str):
 
 
 def limits_of(goal):
-    """The words and the numbers of a goal's limits, in the order of LIMITS."""
+    """Returns the kinds and the numbers of a goal's limits, in the order of LIMITS."""
     given = [(word, goal[word]) for word in LIMITS if word in goal]
     if not given:
-        raise InputError(f"a goal has to have one of {', '.join(LIMITS)}: {goal}")
+        raise InputError(f"a goal must have one of {', '.join(LIMITS)}: {goal}")
     return given
 
 
 def limit_of(goal):
-    """The word and the number of the only limit that the goal may have."""
+    """Returns the kind and the number of the goal's only limit."""
     limits = limits_of(goal)
     if len(limits) != 1:
         raise InputError(f"a goal has more than one of {', '.join(LIMITS)}: {goal}")
@@ -87,5 +87,5 @@ def read_json(path):
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: {error}") from error
     if not isinstance(document, dict):
-        raise InputError(f"{path} holds no JSON object")
+        raise InputError(f"{path} does not contain a JSON object")
     return document

@@ -1,4 +1,4 @@
-"""What a daemon bears: the figures of `daemon_load.py --json`, each with its goal."""
+"""The capacity of a daemon: the figures of `daemon_load.py --json`, each with its goal."""
 
 from judging.common import InputError, limit_of, meets, or_dash, table
 
@@ -6,9 +6,9 @@ SIGNS = {"at_least": "≥", "at_most": "≤", "below": "<"}
 
 
 def judge(document, goals):
-    """One row per figure; it has a goal where as many streams and sources were measured as goals are meant for."""
+    """Returns one row per figure. It has a goal if the numbers of streams and sources are those of the goals."""
     if document.get("command") != "daemon_load" or not document.get("loads"):
-        raise InputError("this is no document of `daemon_load.py --json` with loads")
+        raise InputError("this is not a document of `daemon_load.py --json` with loads")
     by_figure = {(goal["load"], goal["figure"]): goal for goal in goals["goal"]} if is_whole(document, goals) else {}
     rows = []
     for load in document["loads"]:
@@ -25,9 +25,9 @@ def is_whole(document, goals):
 
 
 def require_all(document, goals):
-    """Fails unless every goal can be judged."""
+    """Fails if a goal cannot be judged."""
     if not is_whole(document, goals):
-        raise InputError(f"the goals are meant for {goals['streams']} streams and {goals['sources']} sources")
+        raise InputError(f"the goals require {goals['streams']} streams and {goals['sources']} sources")
     absent = {goal["load"] for goal in goals["goal"]} - {load["name"] for load in document["loads"]}
     if absent:
         raise InputError(f"the document has no load {', '.join(sorted(absent))}")

@@ -1,4 +1,4 @@
-"""The policy of AI Decides: rows of `sweepstake-lab replay --json` against its goals."""
+"""The policy of AI Decides: compares rows of `sweepstake-lab replay --json` with its goals."""
 
 import math
 import pathlib
@@ -14,30 +14,30 @@ def duration_ns(text):
     number = text.rstrip("hms")
     unit = UNIT_NS.get(text[len(number):])
     if unit is None:
-        raise InputError(f"'{text}' is no duration: give a number and ms, s, m or h")
+        raise InputError(f"'{text}' is not a duration: give a number and ms, s, m or h")
     return round(float(number) * unit)
 
 
 def read_scenes(path):
-    """The lines of a list: scene, objects, frames, seed, pass and category (data/tuning_scenes.txt), and the cell's name."""
+    """Reads a list: scene, objects, frames, seed, pass and category of each line (data/tuning_scenes.txt), and the cell's name."""
     scenes = []
     for number, line in enumerate(pathlib.Path(path).read_text(encoding="utf-8").splitlines(), 1):
         words = line.split("#")[0].split()
         if not words:
             continue
         if len(words) != 6 or words[5] not in CATEGORIES or not words[2].isdigit():
-            raise InputError(f"{path}: line {number} is no line of scene, objects, frames, seed, pass and "
+            raise InputError(f"{path}: line {number} must be scene, objects, frames, seed, pass and "
                              f"{', '.join(CATEGORIES)}")
         scene = pathlib.PurePath(words[0]).stem
         scenes.append({"cell": f"{scene}-{words[1]}-{words[3]}", "scene": scene, "frames": int(words[2]), "pass": words[4],
                        "category": words[5]})
     if not scenes:
-        raise InputError(f"{path}: there is no scene in the list")
+        raise InputError(f"{path}: the list has no scene")
     return scenes
 
 
 def read_cells(path):
-    """The cells of a list."""
+    """Returns the cells of a list."""
     return [{"cell": scene["cell"], "category": scene["category"], "pass": scene["pass"], "pass_ns": duration_ns(scene["pass"])}
             for scene in read_scenes(path)]
 
@@ -53,9 +53,9 @@ class Replays:
             elif document.get("command") == "replay" and "scenes" in document:
                 self.add(document)
             else:
-                raise InputError("a document is neither of `sweepstake-lab replay --json` nor of `decision_tick_bench --json`")
+                raise InputError("a document is neither from `sweepstake-lab replay --json` nor from `decision_tick_bench --json`")
         if not self.rows:
-            raise InputError("there is no document of `sweepstake-lab replay --json`")
+            raise InputError("a document of `sweepstake-lab replay --json` is missing")
 
     def add(self, document):
         self.seeds = document["seeds"]
@@ -69,19 +69,19 @@ class Replays:
     def row(self, cell, policy, priors):
         row = self.rows.get((cell["cell"], cell["pass_ns"], policy, priors))
         if row is None:
-            raise InputError(f"there is no row of policy {policy} with priors {priors} in {cell['cell']} "
+            raise InputError(f"a row is missing: policy {policy}, priors {priors}, {cell['cell']} "
                              f"at a pass of {cell['pass']}")
         return row
 
     def decision(self, policy, arms):
         rows = [row for row in self.decisions if (row["policy"], row["arms"]) == (policy, arms)]
         if not rows:
-            raise InputError(f"there is no time of a decision of {policy} with {arms} arms")
+            raise InputError(f"the time of a decision of {policy} with {arms} arms is missing")
         return rows[0]["p99_ms"]
 
 
 def figure_of(goal, cell, policy, replays, priors="priors"):
-    """What the policy reached in the cell; None: the goal does not judge it."""
+    """Returns the policy's figure in the cell; None if the goal does not judge the cell."""
     rows = [replays.row(cell, policy, each) for each in goal[priors]]
     if goal.get("category", cell["category"]) != cell["category"] or rows[0]["headroom"] < goal.get("min_headroom", -math.inf):
         return None
@@ -92,7 +92,7 @@ def figure_of(goal, cell, policy, replays, priors="priors"):
 
 
 def judged_cells(goal, cells, policy, replays):
-    """The cells behind a goal, the worst first."""
+    """Returns the cells of a goal, the worst first."""
     values = [(cell["cell"], figure_of(goal, cell, policy, replays)) for cell in cells]
     judged = [{"cell": name, "value": value, "met": meets(goal, value)} for name, value in values if value is not None]
     return sorted(judged, key=lambda each: each["value"], reverse="at_least" not in goal)
@@ -159,7 +159,7 @@ def cells_text(cells, policy, replays):
 
 
 def mean(values):
-    """The mean of the values there are; None where there is none."""
+    """Returns the mean of the values that are not None, or None."""
     known = [value for value in values if value is not None]
     return sum(known) / len(known) if known else None
 

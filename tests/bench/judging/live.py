@@ -1,27 +1,27 @@
-"""AI Decides in live games: the rows of `live.py --json` against its goals."""
+"""AI Decides in live games: compares the rows of `live.py --json` with its goals."""
 
 import statistics
 
 from judging.common import InputError, limit_of, meets, nine_in_ten, percent, table
 
-# Fewer tell too little.
+# Minimum numbers for a judgement; fewer are too noisy.
 MIN_ROUNDS = 5
 MIN_SCENES = 4
 MIN_TRIALS = 10
 
 
 def worst_of_trials(ratios, controls):
-    """The ratio that nine in ten trials do not exceed ÷ that of their controls."""
+    """Returns the 90th percentile of the trials' ratios ÷ that of their controls."""
     return nine_in_ten(ratios) / nine_in_ten(controls)
 
 
 def pooled_trials(rows):
-    """That of the trials of all scenes; None where they are too few."""
+    """Returns this quotient over the trials of all scenes; None if there are too few."""
     ratios, controls = ([ratio for row in rows for ratio in row[name]] for name in ("trial_ratios", "control_ratios"))
     return worst_of_trials(ratios, controls) if len(ratios) >= MIN_TRIALS else None
 
 
-# The column of a figure, and what becomes of the scenes' rows.
+# The column of each figure, and how the scenes' rows are combined.
 FIGURES = {
     "mean_regret": ("regret", lambda rows: statistics.fmean(row["regret"] for row in rows)),
     "largest_regret": ("regret", lambda rows: max(row["regret"] for row in rows)),
@@ -31,7 +31,7 @@ FIGURES = {
 
 
 def judge_goal(goal, played):
-    """Of the rows of the goal's condition; nothing is reached where too little has the figure."""
+    """Judges a goal by the rows of its condition; without enough data the reached value is None."""
     column, over = FIGURES[goal["figure"]]
     rows = [row for row in played if row[column] is not None]
     value = over(rows) if rows else None
@@ -50,12 +50,12 @@ def judge_goal(goal, played):
 
 
 def judge(document, goals):
-    """One row per goal; one whose condition or figure was not measured has no value."""
+    """Returns one row per goal, without a value if its condition or figure was not measured."""
     if document.get("command") != "live" or not isinstance(document.get("rows"), list):
-        raise InputError("this is no document of `live.py --json`")
+        raise InputError("this is not a document of `live.py --json`")
     judged = [judge_goal(goal, [row for row in document["rows"] if row["condition"] == goal["condition"]]) for goal in goals]
     if all(row["met"] is None for row in judged):
-        raise InputError("no goal has a condition of the document")
+        raise InputError("the goals have none of the document's conditions")
     return judged
 
 
@@ -73,5 +73,5 @@ def live_text(rows):
     text = table(("condition", "figure", "scenes", "rounds", "value", "at most", "worst", ""), [
         (row["condition"], row["figure"], str(row["scenes"]), str(row["rounds"]), number(row, row["value"]), number(row, row["goal"]),
          row["worst"], result(row)) for row in measured])
-    return text + (f"\nToo few trials, {MIN_TRIALS} are wanted: {few}.\n" if few else "") + (
+    return text + (f"\nToo few trials, at least {MIN_TRIALS} are needed: {few}.\n" if few else "") + (
         f"\nNot in this document: {missing}.\n" if missing else "")

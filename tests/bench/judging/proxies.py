@@ -1,4 +1,4 @@
-"""What proxies cost: the figures of `proxy_ratios_bench` or `proxy_steps_bench`, those that have one with their goals."""
+"""The cost of proxies: the figures of `proxy_ratios_bench` or `proxy_steps_bench`, with their goals if they have any."""
 
 from judging.common import InputError, limit_of, meets, or_dash, table
 
@@ -6,10 +6,10 @@ SIGNS = {"at_least": "≥", "at_most": "≤", "below": "<"}
 
 
 def judge(document, goals):
-    """One row per figure. Every goal of the program has to have its figure."""
+    """Returns one row per figure. Every goal of the program must have its figure."""
     by_figure = {goal["figure"]: goal for goal in goals if goal["by"] == document.get("command")}
     if not by_figure:
-        raise InputError("this is no document of `proxy_ratios_bench` or `proxy_steps_bench`")
+        raise InputError("this is not a document of `proxy_ratios_bench` or `proxy_steps_bench`")
     absent = by_figure.keys() - document.keys()
     if absent:
         raise InputError(f"{', '.join(sorted(absent))} was not measured")
