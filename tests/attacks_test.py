@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails where attacks.md names a test that does not exist, and where a clock is used that must not be.
+"""Fails if attacks.md names a test that does not exist, or if code uses a clock that is not allowed.
 
     attacks_test.py ROOT
 """
@@ -14,7 +14,7 @@ CLAIM = re.compile(r"^\| .* \|$", re.MULTILINE)
 MESSAGE = re.compile(r"^message (\w+) \{(.*?)^\}", re.MULTILINE | re.DOTALL)
 FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+", re.MULTILINE)
 TIME_OF_DAY = re.compile(r"(?:^|_)(?:unix|utc|wall|date)(?:_|$)")
-# Where decisions are made. The wall clock dates sessions, rows and events, for people.
+# Decisions must use a steady clock. The wall clock is only for the dates of sessions, rows and events.
 WALL_CLOCK = re.compile(r"system_clock|\btime\(|gettimeofday|CLOCK_REALTIME|unix_time\.h|UnixNow")
 STEADY_FOLDERS = ("engine_client/decider", "tests/laboratory/policies", "server/rpc/common", "server/rpc/services")
 
@@ -23,14 +23,14 @@ def table_errors(table, tests):
     for row in CLAIM.findall(table)[2:]:
         proof = row.split("|")[-2]
         if not NAMED.search(proof) and "attacks_test.py" not in proof:
-            yield f"no test proves: {row}"
+            yield f"the row names no test: {row}"
         for name in NAMED.findall(proof):
             if name not in tests and not name.endswith(".py"):
-                yield f"there is no test {name}"
+                yield f"the test {name} does not exist"
 
 
 def client_messages(protocol):
-    """The bodies of what a client's stream may hold, by name."""
+    """Returns the bodies of the messages in a client's stream, by name."""
     bodies, found, wanted = dict(MESSAGE.findall(protocol)), {}, ["StreamTelemetryRequest"]
     while wanted:
         name = wanted.pop()
@@ -43,11 +43,11 @@ def client_messages(protocol):
 def clock_errors(root):
     messages = client_messages((root / "proto/sweepstake/v1/telemetry.proto").read_text(encoding="utf-8"))
     if "FrameBatch" not in messages:
-        yield "the protocol's messages cannot be read"
+        yield "the messages of the protocol were not found"
     for name, body in messages.items():
         for _, field in FIELD.findall(body):
             if TIME_OF_DAY.search(field):
-                yield f"{name}.{field}: a client's clock may be wrong by years"
+                yield f"{name}.{field}: remove the time of day: a client's clock may be wrong by years"
     for folder in STEADY_FOLDERS:
         for source in sorted((root / folder).rglob("*.[ch]*")):
             if WALL_CLOCK.search(source.read_text(encoding="utf-8")):
@@ -59,7 +59,7 @@ def main(root):
              for file in (root / "tests" / folder).rglob("*.*") if file.suffix in (".cc", ".h")
              for suite, name in TEST.findall(file.read_text(encoding="utf-8"))}
     errors = [*table_errors((root / "tests/attacks.md").read_text(encoding="utf-8"), tests), *clock_errors(root)]
-    print("\n".join(errors) or f"the tests of attacks.md are among the {len(tests)} there are")
+    print("\n".join(errors) or f"all tests in attacks.md exist, among {len(tests)} tests")
     return 1 if errors else 0
 
 

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # Builds the portable parts for other platforms, runs their tests there, and checks that one seed gives the same boxes and
-# the same pairs on all of them. Exit status: 0 all is well, 1 something failed or differs, 2 bad usage.
+# pairs on all of them. Exit status: 0 all tests passed, 1 a test failed or results differ, 2 bad usage.
 #
 #   tests/cross.sh                  Linux aarch64 (run by qemu) and Windows x86-64 (run by wine)
 #   tests/cross.sh windows          only that one; the other name is aarch64
-#   tests/cross.sh --quick          without the exhaustive tests of the broad phases; of a program that qemu takes long for,
-#                                   the first of its shards; sources are compiled together, so that no missing include shows
-#   tests/cross.sh --jobs 4         so many compilers and tests at a time (default: one per processor)
+#   tests/cross.sh --quick          without the exhaustive tests of the broad phases; only the first shard of programs that are
+#                                   slow under qemu; sources are compiled together, which hides missing includes
+#   tests/cross.sh --jobs 4         number of parallel compilers and tests (default: one per processor)
 #
-# Installs what is missing (Debian 12, root or sudo) and keeps everything else under build/cross-*: the libraries of the
-# other platforms are unpacked there, so that the package manager of this machine knows nothing of them. CCACHE_PROGRAM
-# names another ccache. What is run, and what cannot be: tests/cross/README.md. A platform that passed, with a tree that is
-# committed, leaves the tree's hash in build/cross-PLATFORM/passed.
+# Installs missing packages (Debian 12, root or sudo) and keeps everything else under build/cross-*. The libraries of the
+# other platforms are unpacked there, without the package manager of this machine. CCACHE_PROGRAM selects another ccache.
+# tests/cross/README.md lists what is tested and what cannot be. If a platform passes with a committed tree, the tree's hash
+# is written to build/cross-PLATFORM/passed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=tests/passed.sh
@@ -19,7 +19,7 @@ source tests/passed.sh
 # shellcheck source=deploy/private_apt.sh
 source deploy/private_apt.sh
 readonly root=$PWD packages=$PWD/build/cross-packages
-# What is taken from the archive; another list than that of the last run is fetched anew.
+# The packages from the archive; if the list has changed since the last run, they are downloaded again.
 readonly libraries="libeigen3-dev nlohmann-json3-dev libprotozero-dev googletest"
 
 platforms=()
@@ -30,7 +30,7 @@ while (($# > 0)); do
     aarch64 | windows) platforms+=("$1") ;;
     --quick) quick=yes ;;
     --jobs)
-      [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || { echo "--jobs takes a number." >&2; exit 2; }
+      [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || { echo "--jobs needs a number." >&2; exit 2; }
       jobs=$2
       shift
       ;;
@@ -47,7 +47,7 @@ while (($# > 0)); do
 done
 ((${#platforms[@]} > 0)) || platforms=(aarch64 windows)
 
-# Its own world, and no windows.
+# A separate wine folder, and no graphical output.
 export WINEPREFIX=$root/build/cross-wine WINEARCH=win64 WINEDEBUG=-all
 unset DISPLAY
 trap 'if [[ -d $WINEPREFIX ]]; then wineserver -k || true; fi' EXIT
@@ -59,14 +59,14 @@ configuration=(-G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo
 
 say() { printf '== %s\n' "$*"; }
 
-# quietly LOG COMMAND...: keeps the output in LOG and shows its end should the command fail.
+# quietly LOG COMMAND...: writes the output to LOG and shows its end if the command fails.
 quietly() {
   local log=$1
   shift
   mkdir -p "$(dirname "$log")"
   "$@" >"$log" 2>&1 && return
   tail -n 40 "$log" >&2
-  echo "Failed: $* (all of it: $log)" >&2
+  echo "Failed: $* (complete output: $log)" >&2
   return 1
 }
 
@@ -96,7 +96,7 @@ download_libraries() {
   echo "$libraries" >"$packages/complete"
 }
 
-# build_library PLATFORM NAME SOURCE CMAKE_ARGUMENTS...: into the platform's tree of libraries.
+# build_library PLATFORM NAME SOURCE CMAKE_ARGUMENTS...: builds and installs into the platform's tree of libraries.
 build_library() {
   local tree=$packages/$1 name=$2 source=$3
   local build=$tree/build-$name
@@ -119,7 +119,7 @@ build_libraries() {
   touch "$tree/complete"
 }
 
-# configure_and_build NAME TARGETS CMAKE_ARGUMENTS...: build/cross-NAME.
+# configure_and_build NAME TARGETS CMAKE_ARGUMENTS...: builds in build/cross-NAME.
 configure_and_build() {
   local build=build/cross-$1 targets
   read -ra targets <<<"$2"
@@ -127,7 +127,7 @@ configure_and_build() {
     "${@:3}" || return
   grep '^-- Left out' "$build/configure.log" || true
   say "$1: compiles"
-  # All faults in one run.
+  # Show all errors in one run.
   quietly "$build/build.log" cmake --build "$build" -j "$jobs" --target "${targets[@]}" -- -k 0
 }
 
@@ -136,12 +136,12 @@ run_tests() {
   local selection=() left_out='^(broad_phase_conformance|instruction_sets)[.]'
   [[ $1 != aarch64 ]] || left_out+='|[.][1-9][0-9]*$'
   [[ -z $quick ]] || selection=(-E "$left_out")
-  # wine has ended a program before it began (0.03 s, no output; seen once). Of a test that fails first, the log has what it said.
+  # wine has once ended a program before it started (0.03 s, no output). The log contains the output of a failed first attempt.
   [[ $1 != windows ]] || selection+=(--repeat until-pass:2)
   ctest --test-dir "build/cross-$1" -j "$jobs" --output-on-failure --no-tests=error "${selection[@]}"
 }
 
-# on_platform PLATFORM PROGRAM...
+# on_platform PLATFORM PROGRAM...: runs the program, in an emulator if needed.
 on_platform() {
   case $1 in
     native) "${@:2}" ;;
@@ -150,7 +150,7 @@ on_platform() {
   esac
 }
 
-# same_fingerprint PLATFORM KIND: what KIND of its processors makes of the seed is what this machine makes of it.
+# same_fingerprint PLATFORM KIND: checks that this kind of processor gives the same boxes and pairs as this machine.
 same_fingerprint() {
   local build=build/cross-$1 program=fingerprint
   [[ $1 != windows ]] || program=fingerprint.exe
@@ -162,7 +162,7 @@ same_fingerprint() {
   say "$1, $2: the same boxes and pairs, $(wc -l <"$build/fingerprint-$2.txt") lines"
 }
 
-# NEON alone, then SVE2 with registers of 128, 256 and 512 bits (quick: of 512).
+# Only NEON, then SVE2 with registers of 128, 256 and 512 bits (with --quick only 512).
 compare_aarch64() {
   local failed=0 bytes widths=(16 32 64)
   [[ -z $quick ]] || widths=(64)
@@ -183,7 +183,7 @@ check_platform() {
   build_libraries "$platform" || return
   [[ $platform != windows ]] || quietly build/cross-wine.log wineboot -i || return
   local precompiled=ON
-  [[ $platform != aarch64 || -n $quick ]] || precompiled=OFF  # a missing include shows
+  [[ $platform != aarch64 || -n $quick ]] || precompiled=OFF  # missing includes are errors
   configure_and_build "$platform" all -DCMAKE_TOOLCHAIN_FILE="$root/tests/cross/$platform.cmake" \
     -DCROSS_ROOT="$packages/$platform" -DSWEEPSTAKE_PCH="$precompiled" || return
   local failed=0

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails when a C or C++ file is not formatted as .clang-format says; prints the files.
+# Fails if a C or C++ file is not formatted according to .clang-format; prints the files.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 find engine_client server tests -name node_modules -prune -o \

@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""Fails on a public header that a game could not include.
+"""Fails if a game could not include a public header.
 
     Each header compiles alone, without exceptions and RTTI; those of the C ABI as C11 and as C++20.
-    They compile behind the macros of X11 and of windows.h: those that clash with what people write, and the real headers
-    where they are installed.
-    They compile in Microsoft's dialect (clang for x86_64-pc-windows-msvc). Without a Windows SDK the standard library is
-    libc++ over glibc's headers: this shows the dialect, sizes of types (long has 32 bits) and what our headers say for
-    _WIN32 and _MSC_VER, and nothing about Microsoft's own library.
-    A 32-bit target is refused with words.
-    What a frame's code includes brings no <filesystem>, <iostream>, <mutex> or the like, and no header says throw, try or
-    catch. The C headers are ASCII, as a compiler in another code page reads them.
+    They compile after the macros of X11 and of windows.h: the macros that clash with common names, and the real headers if they are
+    installed.
+    They compile in Microsoft's dialect (clang for x86_64-pc-windows-msvc). Without a Windows SDK the standard library is libc++ over
+    glibc's headers. This tests the dialect, the sizes of types (long has 32 bits) and our code for _WIN32 and _MSC_VER, but not
+    Microsoft's own library.
+    A 32-bit target is refused with a message.
+    Headers of the frame path do not include <filesystem>, <iostream>, <mutex> or the like, and no header uses throw, try or catch. The C
+    headers are ASCII, so that a compiler with any code page can read them.
 
     headers_test.py INCLUDE            checks the headers of INCLUDE/sweepstake
     headers_test.py --self-test        shows that each rule can fail
 
-A compiler or library that is missing is named; its checks are left out.
+The checks of a missing compiler or library are skipped, and its name is printed.
 """
 
 import concurrent.futures
@@ -26,7 +26,7 @@ import subprocess
 import sys
 import tempfile
 
-# Needs Bullet's headers, and is compiled where they are.
+# Excluded, because it needs Bullet's headers; the Bullet adapter compiles it.
 OTHERS = {"bullet.h"}
 FRAME_PATH = ("adaptive_broad_phase.h", "broad_phase.h", "c_api.h", "hooks.h", "proxy_set.h")
 HEAVY = {"filesystem", "fstream", "future", "iostream", "mutex", "regex", "sstream", "thread", "condition_variable"}
@@ -48,7 +48,7 @@ STANDARD = ("algorithm", "atomic", "cmath", "compare", "cstddef", "cstdint", "cs
             "optional", "span", "string", "string_view", "utility", "variant", "vector")
 CXX = ["-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror"]
 NO_EXCEPTIONS = ["-fno-exceptions", "-fno-rtti"]
-# glibc takes 64-bit processors for ones with a 64-bit long, which Windows has not.
+# glibc assumes that long has 64 bits on 64-bit processors, but on Windows it has 32.
 WORD_SIZE = "#define __WORDSIZE 32\n#define __WORDSIZE32_SIZE_ULONG 0\n#define __WORDSIZE32_PTRDIFF_LONG 0\n"
 
 
@@ -61,7 +61,7 @@ def defines(macros):
 
 
 class Checks:
-    """The compilations, collected first, so that they run side by side."""
+    """The compilations. They are collected first, so that they can run in parallel."""
 
     def __init__(self, include, work):
         self.include = pathlib.Path(include)
@@ -97,7 +97,7 @@ class Checks:
         standard = "".join(f"#include <{name}>\n" for name in STANDARD)
         for owner, macros in (("X11", X11_MACROS), ("windows.h", WINDOWS_MACROS)):
             self.add(f"all behind the macros of {owner}", [cxx, *CXX], standard + defines(macros) + everything)
-        # What names/begin.h sets aside is there again.
+        # The macros that names/begin.h sets aside must be restored.
         status = "Status is_an_int = 0;\nint main() { return is_an_int; }\n"
         if pathlib.Path("/usr/include/X11/Xlib.h").exists():
             self.add("all behind X11/Xlib.h", [cxx, *CXX], "#include <X11/Xlib.h>\n" + everything + status)
@@ -110,7 +110,7 @@ class Checks:
             self.left_out.append("no windows.h of MinGW for clang-19")
 
     def foreign(self, clang, target):
-        """The command for a target whose standard library is not there."""
+        """Returns the command for a target whose standard library is not installed."""
         libcxx = sorted(pathlib.Path("/usr/lib").glob("llvm-*/include/c++/v1"))
         glibc = [path for path in ("/usr/include", f"/usr/include/{os.uname().machine}-linux-gnu")]
         if not clang or not libcxx:
@@ -138,7 +138,7 @@ class Checks:
                      including(["c_api.h"]), ".c", fails_with="needs a 64-bit target")
 
     def run(self, job):
-        """What is wrong with one compilation; nothing where it is as it should be."""
+        """Returns the error of one compilation, or None."""
         name, command, source, suffix, fails_with = job
         done = subprocess.run([*command, f"-I{self.include}", "-x", "c" if suffix == ".c" else "c++", "-"], input=source,
                               capture_output=True, text=True, check=False)
@@ -162,7 +162,7 @@ class Checks:
         for name in self.headers:
             text = self.text(name)
             if found := EXCEPTIONS.search(COMMENT.sub("", text)):
-                yield f"{name} says '{found.group()}', which a game without exceptions and RTTI cannot compile"
+                yield f"{name} contains '{found.group()}', which a game without exceptions and RTTI cannot compile"
             if name in self.c_headers and not text.isascii():
                 yield f"{name} is not ASCII"
 
@@ -184,16 +184,16 @@ def errors_of(include):
         return [error for error in results if error] + [*checks.heavy_errors(cxx), *checks.text_errors()]
 
 
-# What each rule must find, in trees whose mistakes do not hide one another.
+# Trees with errors, and the errors that the rules must find in them.
 AABB = 'static_assert(sizeof(void*) == 8, "needs a 64-bit target");'
 BROKEN = [
     ({"broad_phase.h": "inline std::string Name();", "c_api.h": "/* \u00b5 */", "hooks.h": "#include <mutex>"},
      ["broad_phase.h alone", "c_api.h is not ASCII", "hooks.h brings <mutex>"]),
     ({"broad_phase.h": "class Status {};", "c_api.h": "inline int F(int x = 1);"}, ["behind the macros of X11", "c_api.h alone in C11"]),
     ({"broad_phase.h": "inline int F() { return std::numeric_limits<int>::max(); }"}, ["behind the macros of windows.h"]),
-    ({"broad_phase.h": "inline void F() { throw static_cast<char>(1); }"}, ["says 'throw'", "broad_phase.h alone"]),
+    ({"broad_phase.h": "inline void F() { throw static_cast<char>(1); }"}, ["contains 'throw'", "broad_phase.h alone"]),
 ]
-# Where there is a clang for it.
+# Checked if a clang for the target is installed.
 BROKEN_FOREIGN = [
     ({"broad_phase.h": "static_assert(sizeof(long) == 8);"}, ["in Microsoft's dialect"]),
     ({"aabb.h": "struct Box {};"}, ["should fail with 'needs a 64-bit target'"]),

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Fails on an #include that runs against the direction of dependencies.
+"""Fails if an #include violates the direction of dependencies.
 
     text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet
     decider <- server/sessions <- server/storage, watch, rpc <- daemon <- main      storage <- auth <- rpc, daemon
     proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc      net, auth <- rpc, web <- daemon
 
-`a <- b`: b may include a. engine_client never includes server; of tests/laboratory everything may be included from there
-only. Within the decider: the decision core (decider, policy, session) and pooling <- audit, embedded.
+`a <- b`: b may include a. engine_client never includes server; headers of tests/laboratory may be included only from that
+folder. Within the decider: the decision core (decider, policy, session) and pooling <- audit, embedded.
 
-Besides: the decision core, pooling and the audit log include the standard library, Eigen and themselves (math and text without
-Eigen), and take no clock, thread, file, distribution or libm function whose last bit differs between platforms; headers of one
-operating system stay in telemetry, the server and the command line.
+In addition, the decision core, pooling and the audit log include only the standard library, Eigen and themselves (math and text also
+without Eigen). They use no clock, thread, file, distribution or libm function whose last bit differs between platforms. Headers
+of one operating system may be included in telemetry, the server and the command line only.
 
     include_direction_test.py ROOT          checks the tree at ROOT
     include_direction_test.py --self-test   shows that each rule can fail
@@ -94,7 +94,7 @@ PUBLIC_HEADERS = {
 }
 PUBLIC_FOLDER = "engine_client/include/sweepstake"
 
-# Of the rooms of a folder each includes itself and those before it; "" is the folder itself.
+# The order of the subfolders ("rooms") of a folder: each may include itself and those before it; "" is the folder itself.
 ROOM_ORDER = {
     "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
     "engine_client/cli": ("io", "game", "daemon", "priors", ""),
@@ -103,11 +103,11 @@ ROOM_ORDER = {
     "server/web": ("", "api"),
 }
 
-# Only these folders may know one operating system, and gRPC or protobuf.
+# Only these folders may use headers of one operating system, gRPC or protobuf.
 PLATFORM_FOLDERS = {
     "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/telemetry/tls", "engine_client/cli", "server",
     "server/auth", "server/net", "server/sessions", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web"}
-# What the system alone knows: names of threads, cores, the processor and the memory. Where it does not tell, these do nothing.
+# These files ask the system for names of threads, cores, processor and memory. If a system does not provide them, they do nothing.
 PLATFORM_FILES = {
     "engine_client/broad_phase/host/" + name
     for name in ("core_speed.cc", "machine_class.cc", "processor_name.cc", "threads.cc", "usable_cores.cc")}
@@ -116,7 +116,7 @@ PLATFORM_HEADER = re.compile(
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
-# These may know nothing but the standard library and Eigen.
+# These folders may use only the standard library and Eigen.
 PURE_FOLDERS = DECIDER | FOR_ALL
 DECISION_HEADERS = re.compile(
     r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
@@ -125,7 +125,7 @@ DECISION_HEADERS = re.compile(
 # sqrt, fabs, floor, ceil, trunc, ldexp, frexp and fmin/fmax are exact everywhere; these are not.
 INEXACT = r"(?:exp2?|expm1|log(?:2|10|1p)?|pow|sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|cbrt|hypot|[lt]gamma|erfc?)f?"
 INEXACT_CALL = re.compile(r"(?:\bstd::%s\b|(?<![\w:.>])%s\s*\(|\.%s\(\))" % (INEXACT, INEXACT, INEXACT))
-# Of the standard library: each has its own algorithm for them.
+# Implementations of the standard library use different algorithms for these.
 DISTRIBUTION = re.compile(r"\bstd::\w+_distribution\b|\b(?:mt19937\w*|random_device|random_shuffle)\b")
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
@@ -134,7 +134,7 @@ SOURCE_SUFFIXES = {".h", ".cc", ".c", ".inc"}
 
 
 def folder_of(path):
-    """The row of ALLOWED that a source file belongs to; None where it has none."""
+    """Returns the row of ALLOWED for a source file, or None."""
     if path.startswith(PUBLIC_FOLDER + "/"):
         return PUBLIC_HEADERS.get(path[len(PUBLIC_FOLDER) + 1:])
     parent = path.rpartition("/")[0]
@@ -146,7 +146,7 @@ def folder_of(path):
 
 
 def target_of(name):
-    """The folder an include names; None for headers of others."""
+    """Returns the folder of an included header; None for headers of other projects."""
     if name.startswith("sweepstake/v1/"):
         return "proto"
     if name.startswith("sweepstake/"):
@@ -184,7 +184,7 @@ def room_errors(path, name):
         if path.startswith(folder + "/") and name.startswith(folder + "/"):
             room, target = (file[len(folder) + 1:].rpartition("/")[0] for file in (path, name))
             if room not in order:
-                yield f"the room '{room}' of {folder} has no place in the order of tests/include_direction_test.py"
+                yield f"the room '{room}' of {folder} is missing in ROOM_ORDER of tests/include_direction_test.py"
             elif target not in order[:order.index(room) + 1]:
                 yield f'"{name}" must not be included from the room \'{room or folder}\''
 
@@ -192,9 +192,9 @@ def room_errors(path, name):
 def file_errors(path, text):
     folder = folder_of(path)
     if folder is None:
-        yield f"{path}: belongs to no folder of the table in tests/include_direction_test.py"
+        yield f"{path}: its folder is missing in the table ALLOWED of tests/include_direction_test.py"
         return
-    # Comments go, their line ends stay, so that line numbers hold.
+    # Remove comments but keep their line breaks, so that line numbers stay correct.
     code = COMMENT.sub(lambda match: "\n" * match.group().count("\n"), text)
     for match in INCLUDE.finditer(code):
         line = code.count("\n", 0, match.start(match.lastindex)) + 1
@@ -321,7 +321,7 @@ def main(arguments):
     errors, count = check(pathlib.Path(arguments[0]))
     if count == 0:
         errors.append(f"no source file under {arguments[0]}")
-    print("\n".join(errors) or f"{count} files keep the direction")
+    print("\n".join(errors) or f"{count} files follow the direction")
     return 1 if errors else 0
 
 

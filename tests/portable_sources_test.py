@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Fails on a source that a game links and that another standard library or a build without exceptions cannot compile.
+"""Fails if a source of the libraries for games does not compile with another standard library or without exceptions.
 
     portable_sources_test.py BUILD     BUILD/compile_commands.json lists the sources and their definitions
 
-Each is checked (not translated) by clang with libc++, without exceptions and RTTI, with all warnings; of the kernels one
-instruction set. tests/portable.sh calls it.
+clang checks the syntax of each source with libc++, without exceptions and RTTI, with all warnings, and for one instruction set of
+the kernels. tests/portable.sh calls this test.
 """
 
 import concurrent.futures
@@ -19,7 +19,7 @@ import sys
 
 LIBRARIES = re.compile(r"sweepstake_(?:adaptive|broad_phase|c_objects|decider|embedded|embedded_decider|math|scene|text)\.dir/")
 KEPT = re.compile(r"-(?:D|I|isystem$|std=|fexceptions$)")
-# clang reports libc++'s and Eigen's own use of what C++20 deprecates.
+# clang reports that libc++ and Eigen themselves use features that C++20 deprecates.
 FLAGS = ["-stdlib=libc++", "-fno-exceptions", "-fno-rtti", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wno-deprecated-declarations",
          "-Werror", "-fsyntax-only", "-DHWY_COMPILE_ONLY_STATIC"]
 
@@ -43,11 +43,11 @@ def error_of(command, folder):
 def main():
     clang = shutil.which("clang++")
     if not clang or not list(pathlib.Path("/usr").glob("lib/llvm-*/include/c++/v1")):
-        sys.exit("clang++ and libc++ (clang, libc++-dev) are not both here, so nothing was checked")
+        sys.exit("clang++ or libc++ is missing, so nothing was checked: install clang and libc++-dev")
     entries = json.loads((pathlib.Path(sys.argv[1]) / "compile_commands.json").read_text(encoding="utf-8"))
     entries = [entry for entry in entries if LIBRARIES.search(entry["command"])]
     if len(entries) < 80:
-        sys.exit(f"only {len(entries)} sources were found: the libraries have other names now")
+        sys.exit(f"only {len(entries)} sources were found: adapt LIBRARIES to the names of the libraries")
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         errors = list(filter(None, pool.map(lambda entry: error_of(command_of(clang, entry), entry["directory"]), entries)))
     print(f"{len(entries)} sources")

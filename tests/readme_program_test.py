@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The C program of engine_client/c_api/README.md is short, compiles without a warning, runs, and says what it found.
+"""Tests that the C program of engine_client/c_api/README.md is short, compiles without warnings, runs, and prints its result.
 
     readme_program_test.py README COMPILER HEADERS LIBRARY
 """

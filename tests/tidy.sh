@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs clang-tidy over all our sources with the compile commands of preset dev (configured before). Takes a while: not part
-# of the default suite.
+# Runs clang-tidy over all our sources with the compile commands of preset dev, which must be configured. It is slow and not
+# part of the default suite.
 #
 #   tests/tidy.sh                 everything
 #   tests/tidy.sh server/storage  one folder
