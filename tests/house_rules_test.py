@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Fails on a file that breaks a rule of CONTRIBUTING.md that a program can check.
+"""Fails if a file breaks a rule of CONTRIBUTING.md that a program can check.
 
-    A folder holds at most 30 files (data of tests is free: corpus/, golden/, logs/, results/).
-    A source file has at most 800 lines (generated code is free: Generated/).
-    In the command line only io/ knows the standard streams; a *_command.cc parses and connects.
-    A status that the daemon sends has a reason of errors.proto: the services make theirs with Refused.
-    A path that a document names, in backticks or as a link, exists.
+    A folder contains at most 30 files (except for test data: corpus/, golden/, logs/, results/).
+    A source file has at most 800 lines (except for generated code: Generated/).
+    In the command line only io/ uses the standard streams; a *_command.cc parses options and calls functions.
+    A status that the daemon sends has a reason of errors.proto: services create it with Refused.
+    Each path in a document, in backticks or as a link, exists.
     Comments and strings are in plain English: a few patterns that readers did not understand are rejected.
 
-Which folder may include which is for include_direction_test.py.
+include_direction_test.py checks which folder may include which.
 
-    house_rules_test.py ROOT          checks the files that git knows at ROOT
+    house_rules_test.py ROOT          checks the files in git at ROOT
     house_rules_test.py --self-test   shows that each rule can fail
 """
 
@@ -29,10 +29,10 @@ MAX_LINES = 800
 DATA_FOLDERS = {"corpus", "golden", "logs", "results", "Generated"}
 SOURCE_SUFFIXES = (".h", ".cc", ".c", ".cs", ".ts", ".tsx", ".js", ".mjs", ".css", ".py", ".sh", ".proto")
 
-# What a command hands to io/ instead: snprintf and the like write to memory, not to a stream.
+# Functions that write to a stream. snprintf and the like write to memory and are allowed.
 PRINTING = re.compile(r"\bstd::(?:cout|cerr|clog)\b|(?<![\w.])(?:std::)?(?:f?printf|f?puts|f?putc|putchar|perror|fwrite)\s*\(")
 PRINTING_COMMAND = re.compile(r"\bterminal\.(?:out|err)\s*<<")
-# A client that has gone is told nothing.
+# Cancelled is allowed: its client has gone and does not receive it.
 BARE_STATUS = re.compile(r"\babsl::(?!Cancelled)\w+Error\(|\bgrpc::StatusCode::")
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
@@ -41,7 +41,7 @@ QUOTED = re.compile(r"`([^`\n]+)`")
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 PATH = re.compile(r"^[\w.*@-]+(?:/[\w.*@-]+)*/?$")
 FILE_SUFFIX = re.compile(r"\.(?:h|cc|c|cs|ts|py|sh|proto|toml|cmake|md|txt|json)$")
-# Made by a build or a run, or of another program.
+# Paths that a build or a run creates, or that belong to another program.
 MADE = re.compile(r"^(?:build|node_modules|results|usr|etc|var)/|^(?:CMakeLists\.txt|compile_commands\.json|manifest\.json)$")
 
 
@@ -53,7 +53,7 @@ def folder_errors(files):
     counts = collections.Counter(posixpath.dirname(path) for path in files if not path.endswith(".meta"))
     for folder, count in sorted(counts.items()):
         if count > MAX_FOLDER_FILES and not is_data(folder + "/file"):
-            yield f"{folder or '.'}: {count} files; a folder holds at most {MAX_FOLDER_FILES}"
+            yield f"{folder or '.'}: {count} files; a folder contains at most {MAX_FOLDER_FILES}"
 
 
 def length_errors(path, text):
@@ -73,7 +73,7 @@ def printing_errors(path, text):
     for pattern in patterns:
         for match in pattern.finditer(code):
             line = code.count("\n", 0, match.start()) + 1
-            yield f"{path}:{line}: '{match.group()}' prints; that is for engine_client/cli/io"
+            yield f"{path}:{line}: '{match.group()}' prints; move it to engine_client/cli/io"
 
 
 def status_errors(path, text):
@@ -81,25 +81,26 @@ def status_errors(path, text):
         return
     for match in BARE_STATUS.finditer(text):
         line = text.count("\n", 0, match.start()) + 1
-        yield f"{path}:{line}: '{match.group()}' has no reason; say Refused (server/rpc/common/error_reasons.h)"
+        yield f"{path}:{line}: '{match.group()}' has no reason; use Refused (server/rpc/common/error_reasons.h)"
 
 
-# How a comment block or a string may not begin, and what no comment or string may contain.
+# Patterns that a comment block or a string may not begin with, and patterns that it may not contain.
 LANGUAGE_SUFFIXES = SOURCE_SUFFIXES + (".cmake", ".txt")
 ODD_BEGINNING = re.compile(r"(?:Of |Those of|That of|What is|What was|Who |Whom |Whose |Not where|Likewise)")
 ODD_WORDS = re.compile(
     r"so many,|of so many|at most so|\b(?:is|are|was) told|tells of|\banew\b|(?<!there )\bis no |\bit it\b|\bthat that\b|which it has|of it it")
 STRING = re.compile(r'"((?:[^"\\]|\\.)*)"')
-# `path` is justified by the reason beside it. At most ten.
+# Files that are not checked, each with the reason. At most ten.
 LANGUAGE_EXCEPTIONS = {
     "tests/house_rules_test.py": "it holds the patterns",
 }
 # Folders whose language has not been rewritten yet.
-LANGUAGE_PENDING = ("engine_client/cli", "engine_client/decider", "engine_client/math", "engine_client/telemetry", "engine_client/text", "server/", "tests/")
+LANGUAGE_PENDING = ("engine_client/cli", "engine_client/decider", "engine_client/math", "engine_client/telemetry", "engine_client/text", "server/", "tests/server/", "tests/laboratory/",
+                    "tests/engine_client/cli/", "tests/engine_client/decider/")
 
 
 def language_errors(path, text):
-    """Comment blocks and strings, line by line: a block begins where the line before is no comment."""
+    """Checks comment blocks and strings line by line. A block begins if the line before is not a comment."""
     if not path.endswith(LANGUAGE_SUFFIXES) or path in LANGUAGE_EXCEPTIONS or is_data(path) or path.startswith(LANGUAGE_PENDING):
         return
     marks = r"#+" if path.endswith((".py", ".sh", ".cmake", ".txt")) else r"(?://+|/?\*+)"
@@ -116,7 +117,7 @@ def language_errors(path, text):
 
 
 class Tree:
-    """What a document may name: files and folders that git knows."""
+    """The paths that a document may name: files and folders in git."""
 
     def __init__(self, files):
         self.paths = set(files)
@@ -133,9 +134,9 @@ class Tree:
         return path == "." or path in self.paths
 
     def misses(self, name, folder):
-        """Whether `name`, quoted in a document of `folder`, looks like a path of this tree and is none.
+        """Whether `name`, quoted in a document of `folder`, looks like a path of this tree but does not exist.
 
-        NAME stands for a name of the reader's choice, a lone `.cc` for the source beside a header."""
+        NAME stands for a name of the reader's choice, and `.cc` alone for the source of a header."""
         if not PATH.match(name) or MADE.match(name) or "NAME" in name or re.match(r"^\.\w+$", name):
             return False
         if "/" not in name.rstrip("/"):
@@ -157,7 +158,7 @@ def document_errors(path, text, tree):
     folder = posixpath.dirname(path)
     prose = CODE_BLOCK.sub(lambda match: "\n" * match.group().count("\n"), text)
     for match in QUOTED.finditer(prose):
-        # The first word of a command is a path as well.
+        # In a command, check the first word.
         name = match.group(1).split(" ")[0]
         if tree.misses(name, folder):
             yield f"{path}:{prose.count(chr(10), 0, match.start()) + 1}: `{name}` does not exist"
@@ -182,7 +183,7 @@ def check(root, files):
 def files_of(root):
     listed = subprocess.run(["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard"],
                             capture_output=True, text=True)
-    if listed.returncode != 0:  # an archive of the tree is no clone
+    if listed.returncode != 0:  # an archive of the tree is not a clone
         made = {"build", "node_modules"}
         paths = (path.relative_to(root) for path in root.rglob("*") if path.is_file())
         return sorted(path.as_posix() for path in paths if not made & set(path.parts))
@@ -200,7 +201,7 @@ GOOD = {
     "unity_client/Generated/Messages.cs": "x\n" * (MAX_LINES + 1),
     **{f"tests/server/golden/{index}.log": "\n" for index in range(MAX_FOLDER_FILES + 1)},
 }
-# Each is one error, of the file or the folder that stands before the colon.
+# Each causes one error, which begins with the file or folder given first.
 BAD = [
     ("server/rpc", "server/rpc/one_more.cc", "\n"),
     ("server/long.cc", "server/long.cc", "x\n" * (MAX_LINES + 1)),
@@ -229,7 +230,7 @@ def self_test():
         root = pathlib.Path(folder)
         for path, text in GOOD.items():
             write(root, path, text)
-        missed = ["a good tree was refused: " + error for error in check(root, sorted(GOOD))]
+        missed = ["a valid tree was refused: " + error for error in check(root, sorted(GOOD))]
         for where, path, text in BAD:
             write(root, path, text)
             errors = check(root, sorted({*GOOD, path}))

@@ -142,7 +142,7 @@ TEST_F(TlsProbeTest, ADaemonWhoseOwnCertificateHasExpiredIsToldSoWhereClientsNee
     const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(clients));
     const std::string probe = tls + "--listen " + daemon.address();
     if (clients == nullptr) {
-      EXPECT_EQ(Probe(probe), 0) << "the games are told, the daemon serves";
+      EXPECT_EQ(Probe(probe), 0) << "a draining daemon still serves";
     } else {
       EXPECT_THAT(Complaint(probe), HasSubstr("must not have expired"));
     }

@@ -32,7 +32,7 @@ PageTable Pages() {
   pages["/livez"] = [=](std::string_view query) { return HealthPage("livez", {well}, query); };
   pages["/readyz"] = [=](std::string_view query) { return HealthPage("readyz", {ill}, query); };
   pages["/metrics"] = [](std::string_view) {
-    return MetricsPage({CounterOf("count", "Of something.", 1)});
+    return MetricsPage({CounterOf("count", "Counts something.", 1)});
   };
   return pages;
 }

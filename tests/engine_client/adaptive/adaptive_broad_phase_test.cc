@@ -381,7 +381,7 @@ TEST_F(AdaptiveBroadPhaseTest, AddsUpTheSearchesOfAFrameAndCountsTheLatestOnesPa
   EXPECT_EQ(arms_[0]->build_count, 1);
   EXPECT_EQ(arms_[0]->update_count, 1);
   EXPECT_EQ(sink_.frames.size(), 1U);
-  EXPECT_EQ(Frame().detection_time_ns, 110U) << "the next frame begins anew";
+  EXPECT_EQ(Frame().detection_time_ns, 110U) << "the time starts at 0 in each frame";
 }
 
 TEST_F(AdaptiveBroadPhaseTest, ChargesASwitchWithItsRebuildAloneWhenFramesSearchTwice) {
