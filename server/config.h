@@ -37,9 +37,6 @@ struct Config {
   priors::AuditLimits audit;             // of the rows of priors.db
   size_t backup_count = 3;               // automatic backups that are kept; 0 makes none
   uint32_t backup_hours = 24;            // from one to the next
-  // Sessions that were last seen longer ago are folded together; 0 folds none. A year, so that what
-  // is exported has one year of play, and a store of 4 GiB holds 10,000 sessions a day.
-  uint32_t fold_days = 365;
   rpc::RpcOptions rpc;
 };
 

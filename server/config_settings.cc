@@ -221,10 +221,6 @@ std::vector<Setting> DaemonSettings() {
           "backup_hours", 1, 8'760, 1, [](Config & c) -> auto& { return c.backup_hours; },
           "time from one backup to the next")),
       Live(Whole(
-          "fold_days", 0, 36'500, 1, [](Config & c) -> auto& { return c.fold_days; },
-          "time after which the evidence of a session is folded into that of its month, which "
-          "exports leave out; 0 folds none")),
-      Live(Whole(
           "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.audit.bytes; },
           "text of the audit log; beyond it the oldest rows go; 0 keeps none but the "
           "administrators'")),

@@ -156,7 +156,6 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   }
   if (absl::Status status = OpenHttp(); !status.ok()) return status;
   StartBackups(config_);
-  StartFolding(config_);
   FollowTls();
   const std::optional<int> http_port = web_ ? std::optional(web_->port()) : std::nullopt;
   if (absl::Status status = port_file.Write(rpc_->port(), http_port); !status.ok()) return status;
@@ -216,20 +215,6 @@ void Daemon::StartBackups(const Config& config) {
               "look at the disk, and `sweepstaked restore` a backup, so that their scenes have "
               "priors again",
               made->damaged_row_count, directory_.database().string());
-      });
-}
-
-void Daemon::StartFolding(const Config& config) {
-  if (shared_) return;
-  storage::FoldPlan plan;
-  plan.days = config.fold_days;
-  folding_ = std::make_unique<storage::EvidenceFolding>(
-      *store_, plan, priors::UnixNowS, [this, days = plan.days](const storage::FoldRun& run) {
-        metrics_.OnFolded(run.source_count);
-        log_->info("folded the evidence of {} sessions of more than {} days ago, {} records",
-                   run.source_count, days, run.record_count);
-        if (!run.status.ok())
-          log_->error("not all could be folded: {}", std::string(run.status.message()));
       });
 }
 
@@ -387,10 +372,6 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
     backups_.reset();
     StartBackups(*config);
   }
-  if (config->fold_days != in_force_.fold_days) {
-    folding_.reset();
-    StartFolding(*config);
-  }
   in_force_ = *config;
   log_->set_level(LevelOf(config->log_level));
   log_->info("the configuration was read again; the log level is {}; in force from now on: {}",
@@ -418,7 +399,6 @@ void Daemon::LimitStore(const Config& config) {
 void Daemon::Drain(std::chrono::milliseconds patience) {
   if (draining_.exchange(true)) return;
   if (backups_ != nullptr) backups_->Stop();
-  if (folding_ != nullptr) folding_->Stop();
   if (rpc_ != nullptr) {
     log_->info("draining: clients are told to come back later");
     rpc_->Drain(patience);

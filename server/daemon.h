@@ -21,7 +21,6 @@
 #include "server/space_warning.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/data_directory.h"
-#include "server/storage/folding/evidence_folding.h"
 #include "server/storage/outbox/outbox.h"
 #include "server/storage/store_thread.h"
 #include "server/tls/files_watch.h"
@@ -69,7 +68,6 @@ class Daemon {
   absl::Status Open(rpc::Clock& clock);
   std::string StoreName() const;
   void StartBackups(const Config& config);
-  void StartFolding(const Config& config);
   void LimitStore(const Config& config);
   // These run on the store's thread. The last one copies a store that has lost its file, once;
   // where that fails it is tried again after a while, and without waiting at the last chance.
@@ -97,7 +95,7 @@ class Daemon {
 
   const Config config_;
   Config in_force_;    // as it was read last; of it, what is live
-  const bool shared_;  // the store is that of several daemons, who fold and back up elsewhere
+  const bool shared_;  // several daemons share the store, which is backed up elsewhere
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   DaemonMetrics metrics_;
@@ -118,8 +116,7 @@ class Daemon {
   std::unique_ptr<storage::Outbox> outbox_;  // null unless shared_; used on the store's thread
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
-  std::unique_ptr<tls::FilesWatch> tls_watch_;         // null without TLS
-  std::unique_ptr<storage::EvidenceFolding> folding_;  // after the store, which it uses
+  std::unique_ptr<tls::FilesWatch> tls_watch_;  // null without TLS
   std::unique_ptr<rpc::RpcServer> rpc_;
   rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it takes actions
   std::atomic<bool> draining_ = false;

@@ -166,12 +166,7 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
                                 "Size that the store's file may have.")),
       used_store_bytes_(AddGauge(registry_, "sweepstake_store_used_size_bytes",
                                  "Bytes of the store's file that are in use; the others of it are "
-                                 "used before it grows.")),
-      folded_sources_(prometheus::BuildCounter()
-                          .Name("sweepstake_store_folded_sources_total")
-                          .Help("Sessions whose evidence was folded into that of their month.")
-                          .Register(registry_)
-                          .Add({})) {
+                                 "used before it grows.")) {
   prometheus::BuildGauge()
       .Name("sweepstake_build_info")
       .Help("1, with the version of the daemon.")

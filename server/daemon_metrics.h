@@ -38,9 +38,6 @@ class DaemonMetrics {
 
   // What of the store was lost or damaged at the start: 1 if something, else 0.
   void SetDamaged(bool damaged) { damaged_.Set(damaged ? 1 : 0); }
-  void OnFolded(uint64_t source_count) {
-    folded_sources_.Increment(static_cast<double>(source_count));
-  }
   // The size that the store's file may have, and how much of it is in use.
   void SetMaxStoreBytes(uint64_t bytes) { max_store_bytes_.Set(static_cast<double>(bytes)); }
   void SetUsedStoreBytes(uint64_t bytes) { used_store_bytes_.Set(static_cast<double>(bytes)); }
@@ -67,7 +64,6 @@ class DaemonMetrics {
   prometheus::Gauge& damaged_;
   prometheus::Gauge& max_store_bytes_;
   prometheus::Gauge& used_store_bytes_;
-  prometheus::Counter& folded_sources_;
 };
 
 }  // namespace sweepstake::server

@@ -12,8 +12,8 @@ std::optional<std::string> SpaceWarning::Look(uint64_t used_bytes, uint64_t max_
   return absl::StrCat(
       used_bytes >> 20, " MiB of the ", max_bytes >> 20,
       " MiB that it may have (database_mb) are in use, and once it is full nothing more is "
-      "acknowledged: raise database_mb, keep less of the audit log (audit_mb), fold evidence "
-      "sooner (fold_days), or revoke the token of a client that begins sessions without end; "
+      "acknowledged: raise database_mb, keep less of the audit log (audit_mb), or revoke the token "
+      "of a client that begins sessions without end; "
       "`sweepstake sessions watch --json` shows from which address each one comes");
 }
 

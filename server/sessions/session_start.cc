@@ -339,7 +339,7 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
   StoredSession stored;
   if (start.source) {
     stored.progress = start.source->progress;
-    stored.has_evidence = start.source->is_counted;
+    stored.has_evidence = !start.source->evidence.empty();
   }
   stored.progress.source_id = identity.id;
   stored.progress.seed = identity.seed;

@@ -140,13 +140,6 @@ bool BarsUnknown(const priors::SourceFilter& filter) {
          filter == priors::SourceFilter{.id = filter.id};
 }
 
-bool IsFolded(const std::string& source) { return source.front() < ' '; }
-
-bool MeansABuild(const priors::SourceFilter& filter) {
-  return !filter.build.empty() && filter.id.empty() && filter.token_id == 0 &&
-         filter.from_unix_s == 0 && filter.until_unix_s == priors::SourceFilter().until_unix_s;
-}
-
 bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row) {
   return IsName(rows.project) && IsName(rows.scene) && rows.segment > 0 && row.number > 0 &&
          row.number <= kMaxCount && !row.text.empty() &&

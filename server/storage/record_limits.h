@@ -29,12 +29,6 @@ absl::Status QuarantineBound(uint64_t count, uint64_t max_records);
 // id alone. With more than that, the store may have it, of another project, build or time.
 bool BarsUnknown(const priors::SourceFilter& filter);
 
-// Returns whether the source has the folded evidence of others (FoldSources).
-bool IsFolded(const std::string& source);
-
-// Returns whether all sources of a build are meant, and with them what was folded of it.
-bool MeansABuild(const priors::SourceFilter& filter);
-
 // Returns whether one of the rows can be stored. If a name of theirs is invalid, none can be.
 bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row);
 

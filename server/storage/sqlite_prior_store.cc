@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/audit_log.h"
-#include "server/storage/folding/sqlite_folding.h"
 #include "server/storage/private_file.h"
 #include "server/storage/record_limits.h"
 #include "server/storage/sources/sqlite_sources.h"
@@ -87,7 +86,6 @@ class SqlitePriorStore final : public priors::PriorStore {
                                                         uint32_t limit) override {
     return reader_->ListBuilds(filter, after, limit);
   }
-  absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s, uint32_t row_count);
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -447,16 +445,6 @@ absl::Status SqlitePriorStore::ForgetBuilds(std::span<const priors::BuildPlace> 
   return InTransaction([&] { return storage::ForgetBuilds(statements_, builds); });
 }
 
-absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s,
-                                                uint32_t row_count) {
-  absl::StatusOr<FoldStep> step;
-  absl::Status status = InTransaction([&] {
-    step = FoldRows(statements_, after, last_unix_s, row_count);
-    return step.status();
-  });
-  return status.ok() ? step : status;
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
@@ -487,11 +475,6 @@ absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store) {
 absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,
                        const SqliteDatabase::Edit& edit) {
   return static_cast<SqlitePriorStore&>(store).CopyTo(file, edit);
-}
-
-absl::StatusOr<FoldStep> FoldSources(priors::PriorStore& store, const FoldPlace& after,
-                                     uint64_t last_unix_s, uint32_t row_count) {
-  return static_cast<SqlitePriorStore&>(store).Fold(after, last_unix_s, row_count);
 }
 
 }  // namespace sweepstake::storage

@@ -1,10 +1,8 @@
 // A database of any bytes: opened, read and written, or refused. The bytes are the file itself, or
-// changes to a valid one, since few others come past SQLite's own checks. Folding old evidence
-// changes no sums, whatever else is in the file.
+// changes to a valid one, since few others come past SQLite's own checks.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,15 +23,14 @@ using priors::PriorStore;
 using priors::SourceUpdate;
 
 constexpr uint32_t kPage = 100;
-constexpr uint64_t kLongAgoS = 1'600'000'000;
 constexpr uint64_t kNowS = 1'700'000'000;
 
-SourceUpdate Update(const std::string& source, uint64_t sequence, uint64_t unix_s = kNowS) {
+SourceUpdate Update(const std::string& source, uint64_t sequence) {
   SourceUpdate update;
   update.progress.source_id = source;
   update.progress.commit_sequence = sequence;
   update.progress.message_sequence = sequence;
-  update.unix_time_s = unix_s;
+  update.unix_time_s = kNowS;
   for (const char* arm : {"Grid", "KDTree", "SAP"}) {
     priors::KeyedEvidence increment{{"game", "harbour", "", arm, 1, "desktop", 1}, {}};
     increment.evidence = {1.5, 2.5, 3, 1};
@@ -54,30 +51,13 @@ void RemoveDatabase() {
   for (const auto& entry : fs::directory_iterator(Folder())) fs::remove(entry.path());
 }
 
-// Folds a few rows at a time what was last seen at `last_unix_s` or before.
-absl::Status Fold(PriorStore& store, uint64_t last_unix_s) {
-  FoldStep step;
-  while (!step.last) {
-    const auto next = FoldSources(store, step.next, last_unix_s, 2);
-    if (!next.ok()) return next.status();
-    step = *next;
-  }
-  return absl::OkStatus();
-}
-
 // The bytes of a database with something in every table.
 std::string ValidDatabase() {
   const fs::path path = Folder() / "priors.db";
   {
     auto store = OpenSqlitePriorStore(path);
     Require(store.ok(), "a store can be made");
-    Require((*store)
-                ->Commit(std::vector{Update("a", 1), Update("b", 1), Update("old", 1, kLongAgoS),
-                                     Update("older", 1, kLongAgoS - 1)})
-                .ok(),
-            "committed");
-    Require(Fold(**store, kLongAgoS).ok(), "folded");
-    Require((*store)->Commit(std::vector{Update("old", 2)}).ok(), "the old one goes on");
+    Require((*store)->Commit(std::vector{Update("a", 1), Update("b", 1)}).ok(), "committed");
     const PriorRecord imported{Update("", 1).increments[0].key, "c", 1, {1, 1, 1, 0}};
     Require((*store)->Import({&imported, 1}).ok(), "imported");
     Require((*store)->Revoke({.id = "b"}, false).ok(), "revoked");
@@ -121,30 +101,11 @@ void Read(PriorStore& store) {
   }
   (void)store.LoadSource("a");
   (void)store.LoadSource("c");
-  (void)store.LoadSource("old");
   (void)store.CountScenes("game");
   (void)store.CountProjects();
   if (const auto segments = store.ListAudit({}, 0, kPage); segments.ok()) {
     for (const auto& segment : *segments) (void)store.LoadAudit(segment.id, 1, kPage, 1 << 16);
   }
-}
-
-// The sums of all arms, or nothing if they cannot be read.
-std::optional<std::vector<priors::Evidence>> Sums(PriorStore& store) {
-  const auto scenes = store.List({}, std::nullopt, kPage);
-  if (!scenes.ok()) return std::nullopt;
-  std::vector<priors::Evidence> sums;
-  for (const auto& scene : *scenes) {
-    for (const auto& arm : scene.arms) sums.insert(sums.end(), {arm.live, arm.lane});
-  }
-  return sums;
-}
-
-void FoldAll(PriorStore& store) {
-  const auto before = Sums(store);
-  const absl::Status status = Fold(store, kNowS);
-  Require(Sums(store) == before, "folding leaves the sums as they are");
-  Require(status.ok() || !status.message().empty(), "a fold that fails says why");
 }
 
 void Write(PriorStore& store) {
@@ -168,9 +129,7 @@ void Run(Input input) {
   (void)VerifyStore(path);
   if (auto store = OpenSqlitePriorStore(path); store.ok()) {
     Read(**store);
-    FoldAll(**store);
     Write(**store);
-    FoldAll(**store);
     Read(**store);
   } else {
     Require(!store.status().message().empty(), "a refusal says why");

@@ -41,11 +41,10 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
                           : store.Export(filter, place.after, kRecordsPerMessage);
   if (!stored.ok()) return stored.status();
   const bool ends = stored->records.size() < kRecordsPerMessage;
-  const bool has_any = !stored->records.empty() || stored->folded_record_count > 0;
-  if (ends && !has_any && !place.in_quarantine)
+  if (ends && stored->records.empty() && !place.in_quarantine)
     return LoadRecords(store, filter, {.in_quarantine = true, .after = {}}, with_weights);
   ExportStream::Page page;
-  page.empty = !has_any;
+  page.empty = stored->records.empty();
   page.last = ends && place.in_quarantine;
   SourceWeights weights(store);
   for (const PriorRecord& record : stored->records) {
@@ -56,8 +55,6 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
     if (!weight.ok()) return weight.status();
     message.set_weight(*weight);
   }
-  page.response.set_folded_record_count(stored->folded_record_count);
-  page.response.set_folded_window_count(stored->folded_window_count);
   page.next = ends ? TransferPlace{.in_quarantine = true, .after = {}}
                    : TransferPlace{place.in_quarantine, stored->next};
   return page;

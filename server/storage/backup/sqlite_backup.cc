@@ -39,25 +39,15 @@ constexpr const char* kWrongCounts = R"sql(
     (SELECT scene_id, count(*) AS n FROM scene_source GROUP BY scene_id) ON scene_id = id
   WHERE source_count <> ifnull(n, 0))sql";
 
-// A scene has the sources of its evidence, and sessions whose evidence was folded. Names of those
-// that have folded evidence are before ' '.
 constexpr const char* kUncountedSources = R"sql(
   SELECT count(*) FROM
     (SELECT source_id, k.scene_id
-     FROM evidence JOIN evidence_key k ON k.id = key_id JOIN source s ON s.id = source_id
-     WHERE s.name >= ' '
+     FROM evidence JOIN evidence_key k ON k.id = key_id
      EXCEPT SELECT source_id, scene_id FROM scene_source))sql";
 
 constexpr const char* kSourcesOfNothing = R"sql(
-  SELECT m.source_id, m.scene_id FROM
-    (SELECT source_id, scene_id FROM scene_source
-     EXCEPT SELECT source_id, k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id) m
-    JOIN source s ON s.id = m.source_id
-  WHERE is_session = 0
-    OR m.scene_id NOT IN
-      (SELECT k.scene_id
-       FROM evidence JOIN evidence_key k ON k.id = key_id JOIN source f ON f.id = source_id
-       WHERE f.name < ' '))sql";
+  SELECT source_id, scene_id FROM scene_source
+  EXCEPT SELECT source_id, k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id)sql";
 
 // The names of sources, keys and scenes, and what evidence refers to, are in an index as well, and
 // so right where SQLite's own check finds no fault. What else a key or a scene has, follows from

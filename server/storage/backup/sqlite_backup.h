@@ -15,7 +15,7 @@ namespace sweepstake::storage {
 struct StoreContents {
   int64_t schema_version = 0;
   int64_t scene_count = 0;
-  int64_t source_count = 0;  // those with evidence, folded or not
+  int64_t source_count = 0;  // those with evidence
   int64_t record_count = 0;
   int64_t audit_row_count = 0;
   int64_t damaged_row_count = 0;  // of the database that this is a backup of

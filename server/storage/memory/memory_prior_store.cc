@@ -154,7 +154,6 @@ absl::StatusOr<std::optional<priors::SourceState>> MemoryPriorStore::LoadSource(
       state.evidence.push_back({key, entry->second.evidence});
     }
   }
-  state.is_counted = !state.evidence.empty();
   return state;
 }
 

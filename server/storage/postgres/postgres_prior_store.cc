@@ -424,7 +424,7 @@ absl::StatusOr<priors::PromoteResult> PostgresPriorStore::PromoteAll(
     const priors::SourceFilter& filter) {
   const auto matching = sources_.LockMatching(filter, /*quarantined=*/true);
   if (!matching.ok()) return matching.status();
-  const auto taken = quarantine_.TakeOut(matching->all, filter.project);
+  const auto taken = quarantine_.TakeOut(matching->ids, filter.project);
   if (!taken.ok()) return taken.status();
   const auto stored = evidence_.Load(PlacesOf(taken->rows));
   if (!stored.ok()) return stored.status();
@@ -448,7 +448,7 @@ absl::StatusOr<priors::RevokeResult> PostgresPriorStore::RevokeAll(
     const priors::SourceFilter& filter) {
   const auto matching = sources_.LockMatching(filter, /*quarantined=*/false);
   if (!matching.ok()) return matching.status();
-  if (matching->own_count == 0 && BarsUnknown(filter)) {
+  if (matching->count == 0 && BarsUnknown(filter)) {
     const std::vector<NewSource> unknown = {{filter.id}};
     const auto added = sources_.LockOrAdd(unknown);
     if (!added.ok()) return added.status();
@@ -457,12 +457,12 @@ absl::StatusOr<priors::RevokeResult> PostgresPriorStore::RevokeAll(
     if (absl::Status status = sources_.Bar(id); !status.ok()) return status;
     return priors::RevokeResult{};
   }
-  const auto removed = evidence_.Remove(matching->all, filter.project, MeansABuild(filter));
+  const auto removed = evidence_.Remove(matching->ids, filter.project);
   if (!removed.ok()) return removed.status();
-  const auto waited = quarantine_.TakeOut(matching->all, filter.project);
+  const auto waited = quarantine_.TakeOut(matching->ids, filter.project);
   if (!waited.ok()) return waited.status();
-  if (absl::Status status = sources_.Bar(matching->own); !status.ok()) return status;
-  return priors::RevokeResult{.source_count = matching->own_count,
+  if (absl::Status status = sources_.Bar(matching->ids); !status.ok()) return status;
+  return priors::RevokeResult{.source_count = matching->count,
                               .record_count = removed->record_count + waited->rows.size(),
                               .window_count = removed->window_count + waited->window_count};
 }

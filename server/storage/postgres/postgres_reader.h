@@ -76,7 +76,6 @@ class PostgresReader : public priors::PriorReader {
   absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
                                     const priors::EvidenceKey& first, int64_t first_reward_version,
                                     bool quarantined);
-  absl::Status CountFolded(const ExportKey& key, priors::ExportPage& page);
   // Appends the key's records up to `limit` of the page.
   absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
                               priors::ExportPage& page);

@@ -85,7 +85,6 @@ TEST_P(MisplacedStoreTest, TakesNothingMoreUntilItIsBack) {
   EXPECT_TRUE(absl::IsUnavailable(
       store_->Import(std::vector{Record("file", 1, Key("Grid"), 1.0)}).status()));
   EXPECT_TRUE(absl::IsUnavailable(store_->Revoke({.id = "a"}, false).status()));
-  EXPECT_TRUE(absl::IsUnavailable(FoldSources(*store_, {}, INT64_MAX, 200).status()));
   std::filesystem::rename(moved_, file_);
   EXPECT_TRUE(store_->CheckPlace().ok());
   EXPECT_TRUE(store_->Commit(update).ok());

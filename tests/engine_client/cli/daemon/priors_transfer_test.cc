@@ -118,15 +118,6 @@ TEST(PriorsCommand, SaysWhichRecordsAreKnownUnderAnotherScene) {
   EXPECT_THAT(run.out, HasSubstr("1 of these are not there under their project and scene"));
 }
 
-TEST(ImportPriors, CountsNothingAsAbsentWhereTheDaemonLeavesFoldedRecordsOut) {
-  FakeDaemonServices daemon;
-  daemon.priors.parts->resize(1);
-  const std::vector<PriorRecord> records = {SomeRecord(1), SomeRecord(2)};
-  EXPECT_EQ(ImportPriors({daemon.address()}, records)->absent_count, 2U);
-  daemon.priors.parts->at(0).set_folded_record_count(1);
-  EXPECT_EQ(ImportPriors({daemon.address()}, records)->absent_count, 0U);
-}
-
 TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
   FakeDaemonServices daemon;
   const TemporaryDirectory folder;
@@ -138,24 +129,6 @@ TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
   EXPECT_EQ(run.out, "");
   EXPECT_THAT(run.err, HasSubstr("the daemon has no such records"));
   EXPECT_EQ(FileText(file), "good");
-}
-
-TEST(PriorsCommand, AnExportSaysWhatTheDaemonLeftOut) {
-  FakeDaemonServices daemon;
-  daemon.priors.parts->resize(2);
-  for (const size_t i : {0U, 1U}) {
-    daemon.priors.parts->at(i).set_folded_record_count(7);
-    daemon.priors.parts->at(i).set_folded_window_count(30);
-  }
-  const TemporaryDirectory folder;
-  const std::string file = (folder.path() / "p.json").string();
-  const std::string command = "priors export --out " + file + " --daemon " + daemon.address();
-  EXPECT_EQ(RunCommand(command).out,
-            file +
-                ": 0 records\n14 more of old sessions, with 60 windows, were left out: the daemon "
-                "has folded them together (fold_days)\n");
-  EXPECT_THAT(RunCommand(command + " --json").out,
-              AllOf(HasSubstr("\"folded_records\": 14"), HasSubstr("\"folded_windows\": 60")));
 }
 
 TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {

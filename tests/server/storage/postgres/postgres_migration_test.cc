@@ -28,7 +28,7 @@ constexpr uint64_t kLongAgoUnixS = 1'700'000'000;
 fs::path DatabaseIn(const fs::path& directory) { return directory / DataDirectory::kDatabaseName; }
 
 // A directory whose store has some of all: sessions, imports that count and that wait, a revoked
-// source, folded evidence, and an audit log.
+// source, and an audit log.
 void Fill(const fs::path& directory) {
   const auto data = DataDirectory::Open(directory);
   ASSERT_TRUE(data.ok()) << data.status();
@@ -36,7 +36,6 @@ void Fill(const fs::path& directory) {
   ASSERT_TRUE(store.ok()) << store.status();
   SourceUpdate old = UpdateOf({"0.9", 3}, kLongAgoUnixS, "old", {Key("Grid"), Key("SAP")});
   ASSERT_TRUE((*store)->Commit(std::vector{old}).ok());
-  ASSERT_TRUE(FoldSources(**store, {}, kLongAgoUnixS).ok());
   std::vector<SourceUpdate> updates;
   for (int i = 1; i <= 7; ++i) {
     SourceUpdate update = UpdateOf({"1.0 \"é\"", i}, kLongAgoUnixS + 1000, "s" + std::to_string(i),
@@ -69,7 +68,6 @@ void Fill(const fs::path& directory) {
 struct Seen {
   std::vector<PriorRecord> records;
   std::vector<PriorRecord> waiting;
-  uint64_t folded_record_count = 0;
   std::vector<priors::AuditSegment> segments;
   std::vector<priors::AuditRow> rows;
   std::vector<priors::Evidence> sums;
@@ -83,7 +81,6 @@ Seen See(PriorStore& store) {
   const auto page = *store.Export({}, {}, 1000);
   Seen seen{.records = page.records,
             .waiting = store.ExportQuarantined({}, {}, 1000)->records,
-            .folded_record_count = page.folded_record_count,
             .segments = *store.ListAudit({}, 0, 100),
             .rows = {},
             .sums = {},
@@ -130,7 +127,6 @@ TEST_F(PostgresMigration, AStoreIsTheSameInPostgresAndBackAgain) {
   ASSERT_FALSE(before.records.empty());
   ASSERT_EQ(before.waiting.size(), 2u);
   ASSERT_EQ(before.builds.size(), 2u);
-  EXPECT_EQ(before.folded_record_count, 2u);
   Told told;
   const auto there = MigrateToPostgres(from_, url_, TellTo(told));
   ASSERT_TRUE(there.ok()) << there.status();
@@ -179,8 +175,7 @@ TEST_F(PostgresMigration, SessionsGoOnAndRevokedSourcesStayAway) {
   EXPECT_EQ(*store->LoadSource("s3"), std::nullopt);
   EXPECT_EQ(*store->LoadSource("barred"), std::nullopt);
   EXPECT_NE(*store->LoadSource("new"), std::nullopt);
-  EXPECT_EQ(store->Revoke({.build = "0.9"}, false)->record_count, 2u) << "what was folded of it";
-  EXPECT_EQ(store->Export({}, {}, 1)->folded_record_count, 0u);
+  EXPECT_EQ(store->Revoke({.build = "0.9"}, false)->record_count, 2u);
   EXPECT_EQ(store->Promote({}, false)->record_count, 2u);
 }
 

@@ -53,12 +53,10 @@ export interface Evidence {
   records: PriorRecord[];  // up to MAX_KEPT_RECORDS
   isCut: boolean;  // there was more than one of those holds
   recordCount: number;
-  foldedRecordCount: number;
-  foldedWindowCount: number;
 }
 
 export const noEvidence = (): Evidence => ({ sums: new Map(), sources: new Map(), builds: new Map(), waiting: new Map(), waitingCount: 0, records: [], isCut: false,
-  recordCount: 0, foldedRecordCount: 0, foldedWindowCount: 0 });
+  recordCount: 0 });
 
 const keyOf = (record: PriorRecord) => [record.project, record.scene, record.machineClass, record.rewardVersion, record.build, record.arm,
   record.backendVersion, record.measuredBy].join('\n');
@@ -122,7 +120,7 @@ function add(evidence: Evidence, record: PriorRecord): void {
   evidence.isCut ||= !sum || !source;
 }
 
-export function addPart(evidence: Evidence, { records, foldedRecordCount, foldedWindowCount }: ExportPriorsResponse): void {
+export function addPart(evidence: Evidence, { records }: ExportPriorsResponse): void {
   const waiting = records.filter(({ isQuarantined }) => isQuarantined);
   for (const record of records) (record.isQuarantined ? addWaiting : add)(evidence, record);
   const kept = records.slice(0, MAX_KEPT_RECORDS - evidence.records.length);
@@ -130,8 +128,6 @@ export function addPart(evidence: Evidence, { records, foldedRecordCount, folded
   evidence.isCut ||= kept.length < records.length;
   evidence.recordCount += records.length - waiting.length;
   evidence.waitingCount += waiting.length;
-  evidence.foldedRecordCount += Number(foldedRecordCount);
-  evidence.foldedWindowCount += Number(foldedWindowCount);
 }
 
 // Of a build that taught nothing it is not kept.

@@ -58,7 +58,6 @@ function Notes({ evidence, project }: { evidence: Evidence; project: string }) {
     <p class="soft small">
       {grouped(evidence.recordCount)} records of {grouped(evidence.sources.size)} sources
       {project && <> of <Name text={project} /></>}.
-      {evidence.foldedRecordCount > 0 && ` ${grouped(evidence.foldedRecordCount)} more, with ${grouped(evidence.foldedWindowCount)} windows, are of old sessions that the daemon has folded together.`}
       {evidence.isCut && ' Not all of them are in the tables and in the file; choose a project.'}
     </p>
   );

@@ -27,65 +27,63 @@ namespace Sweepstake.Protocol.V1 {
             "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MSJl",
             "ChNFeHBvcnRQcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
             "bmUYAiABKAkSGAoQcXVhcmFudGluZWRfb25seRgDIAEoCBIUCgx3aXRoX3dl",
-            "aWdodHMYBCABKAgifQoURXhwb3J0UHJpb3JzUmVzcG9uc2USKwoHcmVjb3Jk",
-            "cxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQSGwoTZm9sZGVk",
-            "X3JlY29yZF9jb3VudBgCIAEoBBIbChNmb2xkZWRfd2luZG93X2NvdW50GAMg",
-            "ASgEIlMKE0ltcG9ydFByaW9yc1JlcXVlc3QSKwoHcmVjb3JkcxgBIAMoCzIa",
-            "LnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQSDwoHcHJvbW90ZRgCIAEoCCJG",
-            "ChRJbXBvcnRQcmlvcnNSZXNwb25zZRIVCg1hcHBsaWVkX2NvdW50GAEgASgE",
-            "EhcKD3VuY2hhbmdlZF9jb3VudBgCIAEoBCJ+CgxTb3VyY2VGaWx0ZXISDwoH",
-            "cHJvamVjdBgBIAEoCRIRCglzb3VyY2VfaWQYAiABKAkSDQoFYnVpbGQYAyAB",
-            "KAkSEAoIdG9rZW5faWQYBCABKAMSEwoLdW5peF9mcm9tX3MYBSABKAMSFAoM",
-            "dW5peF91bnRpbF9zGAYgASgDInwKDExlYWRlckNoYW5nZRIPCgdwcm9qZWN0",
-            "GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkS",
-            "FgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SCwoDYXJtGAUgASgJEhAKCG5leHRf",
-            "YXJtGAYgASgJIlEKDUxlYWRlckNoYW5nZXMSKwoGc2NlbmVzGAEgAygLMhsu",
-            "c3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2USEwoLc2NlbmVfY291bnQYAiAB",
-            "KAQiVAoTUmV2b2tlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsu",
-            "c3dlZXBzdGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCKO",
-            "AQoUUmV2b2tlUHJpb3JzUmVzcG9uc2USFAoMc291cmNlX2NvdW50GAEgASgE",
-            "EhQKDHJlY29yZF9jb3VudBgCIAEoBBIUCgx3aW5kb3dfY291bnQYAyABKAQS",
-            "NAoObGVhZGVyX2NoYW5nZXMYBCABKAsyHC5zd2VlcHN0YWtlLnYxLkxlYWRl",
-            "ckNoYW5nZXMiVQoUUHJvbW90ZVByaW9yc1JlcXVlc3QSLAoHc291cmNlcxgB",
-            "IAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNlRmlsdGVyEg8KB3ByZXZpZXcY",
-            "AiABKAgipAEKFVByb21vdGVQcmlvcnNSZXNwb25zZRIUCgxzb3VyY2VfY291",
-            "bnQYASABKAQSFAoMcmVjb3JkX2NvdW50GAIgASgEEhQKDHdpbmRvd19jb3Vu",
-            "dBgDIAEoBBITCgtzY2VuZV9jb3VudBgEIAEoBBI0Cg5sZWFkZXJfY2hhbmdl",
-            "cxgFIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVhZGVyQ2hhbmdlcyJMCgVCdWls",
-            "ZBIPCgdwcm9qZWN0GAEgASgJEgwKBG5hbWUYAiABKAkSDwoHcGFyZW50cxgD",
-            "IAMoCRITCgt1bml4X21hZGVfcxgEIAEoAyJNChVEZXNjcmliZUJ1aWxkc1Jl",
-            "cXVlc3QSJAoGYnVpbGRzGAEgAygLMhQuc3dlZXBzdGFrZS52MS5CdWlsZBIO",
-            "CgZmb3JnZXQYAiABKAgiGAoWRGVzY3JpYmVCdWlsZHNSZXNwb25zZSIkChFM",
-            "aXN0QnVpbGRzUmVxdWVzdBIPCgdwcm9qZWN0GAEgASgJIjoKEkxpc3RCdWls",
-            "ZHNSZXNwb25zZRIkCgZidWlsZHMYASADKAsyFC5zd2VlcHN0YWtlLnYxLkJ1",
-            "aWxkIogDCgtQcmlvclJlY29yZBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5l",
-            "GAIgASgJEhMKC21lYXN1cmVkX2J5GAMgASgJEgsKA2FybRgEIAEoCRIXCg9i",
-            "YWNrZW5kX3ZlcnNpb24YBSABKA0SFQoNbWFjaGluZV9jbGFzcxgGIAEoCRIW",
-            "Cg5yZXdhcmRfdmVyc2lvbhgHIAEoDRIRCglzb3VyY2VfaWQYCCABKAkSFwoP",
-            "c291cmNlX3NlcXVlbmNlGAkgASgEEhcKD2FscGhhX2luY3JlbWVudBgKIAEo",
-            "ARIWCg5iZXRhX2luY3JlbWVudBgLIAEoARIUCgx3aW5kb3dfY291bnQYDCAB",
-            "KAQSFgoOYmFpbF9vdXRfY291bnQYDSABKAQSDQoFYnVpbGQYDiABKAkSGAoQ",
-            "dW5peF9sYXN0X3NlZW5fcxgPIAEoAxITCgtpc19pbXBvcnRlZBgQIAEoCBIW",
-            "Cg5pc19xdWFyYW50aW5lZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAEyrgQKDVBy",
-            "aW9yc1NlcnZpY2USWQoMRXhwb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5F",
-            "eHBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlv",
-            "cnNSZXNwb25zZTABElkKDEltcG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEu",
-            "SW1wb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJp",
-            "b3JzUmVzcG9uc2UoARJXCgxSZXZva2VQcmlvcnMSIi5zd2VlcHN0YWtlLnYx",
-            "LlJldm9rZVByaW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLlJldm9rZVBy",
-            "aW9yc1Jlc3BvbnNlEloKDVByb21vdGVQcmlvcnMSIy5zd2VlcHN0YWtlLnYx",
-            "LlByb21vdGVQcmlvcnNSZXF1ZXN0GiQuc3dlZXBzdGFrZS52MS5Qcm9tb3Rl",
-            "UHJpb3JzUmVzcG9uc2USXQoORGVzY3JpYmVCdWlsZHMSJC5zd2VlcHN0YWtl",
-            "LnYxLkRlc2NyaWJlQnVpbGRzUmVxdWVzdBolLnN3ZWVwc3Rha2UudjEuRGVz",
-            "Y3JpYmVCdWlsZHNSZXNwb25zZRJTCgpMaXN0QnVpbGRzEiAuc3dlZXBzdGFr",
-            "ZS52MS5MaXN0QnVpbGRzUmVxdWVzdBohLnN3ZWVwc3Rha2UudjEuTGlzdEJ1",
-            "aWxkc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnBy",
-            "b3RvMw=="));
+            "aWdodHMYBCABKAgiQwoURXhwb3J0UHJpb3JzUmVzcG9uc2USKwoHcmVjb3Jk",
+            "cxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQiUwoTSW1wb3J0",
+            "UHJpb3JzUmVxdWVzdBIrCgdyZWNvcmRzGAEgAygLMhouc3dlZXBzdGFrZS52",
+            "MS5QcmlvclJlY29yZBIPCgdwcm9tb3RlGAIgASgIIkYKFEltcG9ydFByaW9y",
+            "c1Jlc3BvbnNlEhUKDWFwcGxpZWRfY291bnQYASABKAQSFwoPdW5jaGFuZ2Vk",
+            "X2NvdW50GAIgASgEIn4KDFNvdXJjZUZpbHRlchIPCgdwcm9qZWN0GAEgASgJ",
+            "EhEKCXNvdXJjZV9pZBgCIAEoCRINCgVidWlsZBgDIAEoCRIQCgh0b2tlbl9p",
+            "ZBgEIAEoAxITCgt1bml4X2Zyb21fcxgFIAEoAxIUCgx1bml4X3VudGlsX3MY",
+            "BiABKAMifAoMTGVhZGVyQ2hhbmdlEg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
+            "bmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgDIAEoCRIWCg5yZXdhcmRfdmVy",
+            "c2lvbhgEIAEoDRILCgNhcm0YBSABKAkSEAoIbmV4dF9hcm0YBiABKAkiUQoN",
+            "TGVhZGVyQ2hhbmdlcxIrCgZzY2VuZXMYASADKAsyGy5zd2VlcHN0YWtlLnYx",
+            "LkxlYWRlckNoYW5nZRITCgtzY2VuZV9jb3VudBgCIAEoBCJUChNSZXZva2VQ",
+            "cmlvcnNSZXF1ZXN0EiwKB3NvdXJjZXMYASABKAsyGy5zd2VlcHN0YWtlLnYx",
+            "LlNvdXJjZUZpbHRlchIPCgdwcmV2aWV3GAIgASgIIo4BChRSZXZva2VQcmlv",
+            "cnNSZXNwb25zZRIUCgxzb3VyY2VfY291bnQYASABKAQSFAoMcmVjb3JkX2Nv",
+            "dW50GAIgASgEEhQKDHdpbmRvd19jb3VudBgDIAEoBBI0Cg5sZWFkZXJfY2hh",
+            "bmdlcxgEIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVhZGVyQ2hhbmdlcyJVChRQ",
+            "cm9tb3RlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsuc3dlZXBz",
+            "dGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCKkAQoVUHJv",
+            "bW90ZVByaW9yc1Jlc3BvbnNlEhQKDHNvdXJjZV9jb3VudBgBIAEoBBIUCgxy",
+            "ZWNvcmRfY291bnQYAiABKAQSFAoMd2luZG93X2NvdW50GAMgASgEEhMKC3Nj",
+            "ZW5lX2NvdW50GAQgASgEEjQKDmxlYWRlcl9jaGFuZ2VzGAUgASgLMhwuc3dl",
+            "ZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2VzIkwKBUJ1aWxkEg8KB3Byb2plY3QY",
+            "ASABKAkSDAoEbmFtZRgCIAEoCRIPCgdwYXJlbnRzGAMgAygJEhMKC3VuaXhf",
+            "bWFkZV9zGAQgASgDIk0KFURlc2NyaWJlQnVpbGRzUmVxdWVzdBIkCgZidWls",
+            "ZHMYASADKAsyFC5zd2VlcHN0YWtlLnYxLkJ1aWxkEg4KBmZvcmdldBgCIAEo",
+            "CCIYChZEZXNjcmliZUJ1aWxkc1Jlc3BvbnNlIiQKEUxpc3RCdWlsZHNSZXF1",
+            "ZXN0Eg8KB3Byb2plY3QYASABKAkiOgoSTGlzdEJ1aWxkc1Jlc3BvbnNlEiQK",
+            "BmJ1aWxkcxgBIAMoCzIULnN3ZWVwc3Rha2UudjEuQnVpbGQiiAMKC1ByaW9y",
+            "UmVjb3JkEg8KB3Byb2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSEwoLbWVh",
+            "c3VyZWRfYnkYAyABKAkSCwoDYXJtGAQgASgJEhcKD2JhY2tlbmRfdmVyc2lv",
+            "bhgFIAEoDRIVCg1tYWNoaW5lX2NsYXNzGAYgASgJEhYKDnJld2FyZF92ZXJz",
+            "aW9uGAcgASgNEhEKCXNvdXJjZV9pZBgIIAEoCRIXCg9zb3VyY2Vfc2VxdWVu",
+            "Y2UYCSABKAQSFwoPYWxwaGFfaW5jcmVtZW50GAogASgBEhYKDmJldGFfaW5j",
+            "cmVtZW50GAsgASgBEhQKDHdpbmRvd19jb3VudBgMIAEoBBIWCg5iYWlsX291",
+            "dF9jb3VudBgNIAEoBBINCgVidWlsZBgOIAEoCRIYChB1bml4X2xhc3Rfc2Vl",
+            "bl9zGA8gASgDEhMKC2lzX2ltcG9ydGVkGBAgASgIEhYKDmlzX3F1YXJhbnRp",
+            "bmVkGBEgASgIEg4KBndlaWdodBgSIAEoATKuBAoNUHJpb3JzU2VydmljZRJZ",
+            "CgxFeHBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jl",
+            "cXVlc3QaIy5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3BvbnNlMAES",
+            "WQoMSW1wb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNS",
+            "ZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNwb25zZSgB",
+            "ElcKDFJldm9rZVByaW9ycxIiLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3Jz",
+            "UmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVzcG9uc2US",
+            "WgoNUHJvbW90ZVByaW9ycxIjLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9y",
+            "c1JlcXVlc3QaJC5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXNwb25z",
+            "ZRJdCg5EZXNjcmliZUJ1aWxkcxIkLnN3ZWVwc3Rha2UudjEuRGVzY3JpYmVC",
+            "dWlsZHNSZXF1ZXN0GiUuc3dlZXBzdGFrZS52MS5EZXNjcmliZUJ1aWxkc1Jl",
+            "c3BvbnNlElMKCkxpc3RCdWlsZHMSIC5zd2VlcHN0YWtlLnYxLkxpc3RCdWls",
+            "ZHNSZXF1ZXN0GiEuc3dlZXBzdGFrZS52MS5MaXN0QnVpbGRzUmVzcG9uc2Uw",
+            "AUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsRequest), global::Sweepstake.Protocol.V1.ExportPriorsRequest.Parser, new[]{ "Project", "Scene", "QuarantinedOnly", "WithWeights" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records", "FoldedRecordCount", "FoldedWindowCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records", "Promote" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SourceFilter), global::Sweepstake.Protocol.V1.SourceFilter.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS" }, null, null, null, null),
@@ -470,8 +468,6 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public ExportPriorsResponse(ExportPriorsResponse other) : this() {
       records_ = other.records_.Clone();
-      foldedRecordCount_ = other.foldedRecordCount_;
-      foldedWindowCount_ = other.foldedWindowCount_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -495,37 +491,6 @@ namespace Sweepstake.Protocol.V1 {
       get { return records_; }
     }
 
-    /// <summary>Field number for the "folded_record_count" field.</summary>
-    public const int FoldedRecordCountFieldNumber = 2;
-    private ulong foldedRecordCount_;
-    /// <summary>
-    /// Records left out of this part. They belong to old sessions whose evidence the daemon has folded together. A daemon that
-    /// already has some of this evidence would count it twice. Absent: 0.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ulong FoldedRecordCount {
-      get { return foldedRecordCount_; }
-      set {
-        foldedRecordCount_ = value;
-      }
-    }
-
-    /// <summary>Field number for the "folded_window_count" field.</summary>
-    public const int FoldedWindowCountFieldNumber = 3;
-    private ulong foldedWindowCount_;
-    /// <summary>
-    /// Decision windows of these records. Absent: 0.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ulong FoldedWindowCount {
-      get { return foldedWindowCount_; }
-      set {
-        foldedWindowCount_ = value;
-      }
-    }
-
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -542,8 +507,6 @@ namespace Sweepstake.Protocol.V1 {
         return true;
       }
       if(!records_.Equals(other.records_)) return false;
-      if (FoldedRecordCount != other.FoldedRecordCount) return false;
-      if (FoldedWindowCount != other.FoldedWindowCount) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -552,8 +515,6 @@ namespace Sweepstake.Protocol.V1 {
     public override int GetHashCode() {
       int hash = 1;
       hash ^= records_.GetHashCode();
-      if (FoldedRecordCount != 0UL) hash ^= FoldedRecordCount.GetHashCode();
-      if (FoldedWindowCount != 0UL) hash ^= FoldedWindowCount.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -573,14 +534,6 @@ namespace Sweepstake.Protocol.V1 {
       output.WriteRawMessage(this);
     #else
       records_.WriteTo(output, _repeated_records_codec);
-      if (FoldedRecordCount != 0UL) {
-        output.WriteRawTag(16);
-        output.WriteUInt64(FoldedRecordCount);
-      }
-      if (FoldedWindowCount != 0UL) {
-        output.WriteRawTag(24);
-        output.WriteUInt64(FoldedWindowCount);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -592,14 +545,6 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
       records_.WriteTo(ref output, _repeated_records_codec);
-      if (FoldedRecordCount != 0UL) {
-        output.WriteRawTag(16);
-        output.WriteUInt64(FoldedRecordCount);
-      }
-      if (FoldedWindowCount != 0UL) {
-        output.WriteRawTag(24);
-        output.WriteUInt64(FoldedWindowCount);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -611,12 +556,6 @@ namespace Sweepstake.Protocol.V1 {
     public int CalculateSize() {
       int size = 0;
       size += records_.CalculateSize(_repeated_records_codec);
-      if (FoldedRecordCount != 0UL) {
-        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(FoldedRecordCount);
-      }
-      if (FoldedWindowCount != 0UL) {
-        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(FoldedWindowCount);
-      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -630,12 +569,6 @@ namespace Sweepstake.Protocol.V1 {
         return;
       }
       records_.Add(other.records_);
-      if (other.FoldedRecordCount != 0UL) {
-        FoldedRecordCount = other.FoldedRecordCount;
-      }
-      if (other.FoldedWindowCount != 0UL) {
-        FoldedWindowCount = other.FoldedWindowCount;
-      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -659,14 +592,6 @@ namespace Sweepstake.Protocol.V1 {
             records_.AddEntriesFrom(input, _repeated_records_codec);
             break;
           }
-          case 16: {
-            FoldedRecordCount = input.ReadUInt64();
-            break;
-          }
-          case 24: {
-            FoldedWindowCount = input.ReadUInt64();
-            break;
-          }
         }
       }
     #endif
@@ -688,14 +613,6 @@ namespace Sweepstake.Protocol.V1 {
             break;
           case 10: {
             records_.AddEntriesFrom(ref input, _repeated_records_codec);
-            break;
-          }
-          case 16: {
-            FoldedRecordCount = input.ReadUInt64();
-            break;
-          }
-          case 24: {
-            FoldedWindowCount = input.ReadUInt64();
             break;
           }
         }

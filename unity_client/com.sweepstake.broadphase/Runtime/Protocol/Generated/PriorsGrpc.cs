@@ -208,7 +208,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       /// <summary>
       /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
-      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// The audit log records it.
       /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
       /// names none).
       /// </summary>
@@ -224,7 +224,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       /// <summary>
       /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
-      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// The audit log records it.
       /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
       /// names none).
       /// </summary>
@@ -238,7 +238,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       /// <summary>
       /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
-      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// The audit log records it.
       /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
       /// names none).
       /// </summary>
@@ -254,7 +254,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       /// <summary>
       /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
-      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// The audit log records it.
       /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
       /// names none).
       /// </summary>
