@@ -359,7 +359,6 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       },
       [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
   AddSourceCommands(*priors, terminal, exit_code);
-  AddPriorsBuildsCommands(*priors, terminal, exit_code);
   AddPriorsFileCommands(*priors, terminal, exit_code);
 }
 

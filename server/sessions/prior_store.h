@@ -21,7 +21,6 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "engine_client/decider/pooling/build_lineage.h"
 #include "server/sessions/audit_rows.h"
 
 namespace sweepstake::priors {
@@ -334,16 +333,6 @@ class PriorReader {
                                                        const ExportPlace& after,
                                                        uint32_t limit) = 0;
 
-  // Returns what was told of these builds of the project, in any order; the others are missing.
-  virtual absl::StatusOr<std::vector<Build>> LoadBuilds(const std::string& project,
-                                                        std::span<const std::string> names) = 0;
-
-  // Returns up to `limit` builds behind `after` of the projects that the filter matches, whose
-  // scene is not looked at. REQUIRES: limit > 0.
-  virtual absl::StatusOr<std::vector<Build>> ListBuilds(const SceneFilter& filter,
-                                                        const BuildPlace& after,
-                                                        uint32_t limit) = 0;
-
   // Returns up to `limit` segments of the audit log with ids above `after`, ordered by id.
   virtual absl::StatusOr<std::vector<AuditSegment>> ListAudit(const AuditFilter& filter,
                                                               uint64_t after, uint32_t limit) = 0;
@@ -405,13 +394,6 @@ class PriorStore : public PriorReader {
   // Import had had them. With `preview` nothing changes.
   virtual absl::StatusOr<PromoteResult> Promote(const SourceFilter& filter,
                                                 const Preview& preview) = 0;
-
-  // Keeps what the builds were made from, in place of what was told of them before; all or none.
-  // Errors: INVALID_ARGUMENT (a name is none, or there are more than kMaxParents),
-  // RESOURCE_EXHAUSTED (a project would have more than kMaxBuilds).
-  virtual absl::Status DescribeBuilds(std::span<const Build> builds) = 0;
-  // Forgets what was told of these builds. What names them as a parent stays as it is.
-  virtual absl::Status ForgetBuilds(std::span<const BuildPlace> builds) = 0;
 
   // Removes exactly the evidence of the sources, in quarantine and out of it, and bars them from
   // later commits and imports. An unknown id is barred too, unless a project is named. The log of

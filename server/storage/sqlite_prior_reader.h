@@ -60,11 +60,6 @@ class SqlitePriorReader final : public priors::PriorReader {
   absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
                                                        const priors::ExportPlace& after,
                                                        uint32_t limit) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override;
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {

@@ -181,12 +181,6 @@ constexpr StatementText<PriorStatements> kStatements[] = {
         WHERE source_id = ?1 AND (?2 = '' OR project = ?2) AND q.hash = q.content_hash
         ORDER BY key_id)sql"},
     {&PriorStatements::count_quarantined, "SELECT count(*) FROM quarantined_evidence"},
-    {&PriorStatements::forget_build, "DELETE FROM build_parent WHERE project = ?1 AND build = ?2"},
-    {&PriorStatements::add_parent, R"sql(
-        INSERT INTO build_parent (project, build, parent, unix_made_s, hash)
-        VALUES (?1, ?2, ?3, ?4, row_hash(?1, ?2, ?3, ?4)))sql"},
-    {&PriorStatements::count_builds,
-     "SELECT count(DISTINCT build) FROM build_parent WHERE project = ?1"},
 };
 
 constexpr StatementText<PriorReadStatements> kReadStatements[] = {
@@ -304,19 +298,6 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         FROM quarantined_evidence q CROSS JOIN source s ON s.id = source_id
         WHERE key_id = ?1 AND source_id > ?2
         ORDER BY source_id LIMIT ?3)sql"},
-    {&PriorReadStatements::build, R"sql(
-        SELECT project, build, parent, unix_made_s FROM build_parent
-        WHERE project = ?1 AND build = ?2 AND hash = content_hash
-        ORDER BY parent)sql"},
-    {&PriorReadStatements::list_builds, R"sql(
-        SELECT project, build, parent, unix_made_s FROM build_parent
-        WHERE hash = content_hash
-          AND (project, build) IN (SELECT DISTINCT project, build FROM build_parent
-                                   WHERE (project, build) > (?2, ?3) AND (?1 = '' OR project = ?1)
-                                     AND hash = content_hash
-                                     AND (?4 = '' OR instr(?4, char(10) || project || char(10)))
-                                   ORDER BY 1, 2 LIMIT ?5)
-        ORDER BY 1, 2, 3)sql"},
 };
 
 template <typename Statements, size_t kCount>

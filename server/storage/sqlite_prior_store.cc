@@ -75,17 +75,6 @@ class SqlitePriorStore final : public priors::PriorStore {
                                                 const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
-  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
-  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override {
-    return reader_->LoadBuilds(project, names);
-  }
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override {
-    return reader_->ListBuilds(filter, after, limit);
-  }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -434,15 +423,6 @@ absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::Sour
     return result.ok() ? KeepUnless(preview) : result.status();
   });
   return status.ok() || (result.ok() && preview) ? result : status;
-}
-
-absl::Status SqlitePriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
-  if (absl::Status status = CheckBuilds(builds); !status.ok()) return status;
-  return InTransaction([&] { return storage::DescribeBuilds(statements_, builds); });
-}
-
-absl::Status SqlitePriorStore::ForgetBuilds(std::span<const priors::BuildPlace> builds) {
-  return InTransaction([&] { return storage::ForgetBuilds(statements_, builds); });
 }
 
 }  // namespace

@@ -19,9 +19,6 @@ namespace fs = std::filesystem;
 constexpr int64_t kFirstVersionWithSums = 3;
 // The version from which on there is a quarantine.
 constexpr int64_t kFirstVersionWithQuarantine = 10;
-// The version from which on builds are described.
-constexpr int64_t kFirstVersionWithBuilds = 11;
-
 // Sums are added in another order than here, and counts go up to their max only.
 constexpr const char* kWrongSums = R"sql(
   SELECT count(*) FROM evidence_key LEFT JOIN
@@ -72,12 +69,6 @@ constexpr const char* kDeleteDamagedQuarantine = R"sql(
   DELETE FROM quarantined_evidence
   WHERE hash <> content_hash
     OR source_id IN (SELECT id FROM source WHERE hash <> content_hash);)sql";
-
-// A row that is right of a build with a damaged one would tell half of what it was made from.
-constexpr const char* kDeleteDamagedBuilds = R"sql(
-  DELETE FROM build_parent
-  WHERE (project, build) IN
-    (SELECT project, build FROM build_parent WHERE hash <> content_hash);)sql";
 
 constexpr const char* kMakeSumsAnew = R"sql();
   UPDATE evidence_key
@@ -189,8 +180,6 @@ int64_t LeaveOutDamagedRows(SqliteDatabase& copy) {
   absl::Status status = transaction.begun();
   if (status.ok() && version >= kFirstVersionWithQuarantine)
     status = copy.Execute(kDeleteDamagedQuarantine);
-  if (status.ok() && version >= kFirstVersionWithBuilds)
-    status = copy.Execute(kDeleteDamagedBuilds);
   if (status.ok()) {
     status = copy.Execute(
         absl::StrCat(kMarkDamagedRows, kDeleteDamagedRows, kSourcesOfNothing, kMakeSumsAnew));

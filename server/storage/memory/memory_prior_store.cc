@@ -404,43 +404,4 @@ absl::StatusOr<std::vector<AuditRow>> MemoryPriorStore::LoadAudit(uint64_t segme
   return audit_.Load(segment_id, first_row, limit, max_bytes);
 }
 
-absl::Status MemoryPriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
-  absl::Status status = CheckBuilds(builds);
-  auto described = builds_;
-  std::map<std::string, uint64_t> counts;
-  for (const priors::Build& build : builds) described[{build.project, build.name}] = build;
-  for (const auto& [key, build] : described) ++counts[key.first];
-  for (const auto& [project, count] : counts) {
-    if (status.ok()) status = BuildBound(project, count);
-  }
-  if (status.ok()) builds_ = std::move(described);
-  return status;
-}
-
-absl::Status MemoryPriorStore::ForgetBuilds(std::span<const priors::BuildPlace> builds) {
-  for (const priors::BuildPlace& build : builds) builds_.erase({build.project, build.name});
-  return absl::OkStatus();
-}
-
-absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::LoadBuilds(
-    const std::string& project, std::span<const std::string> names) {
-  std::vector<priors::Build> builds;
-  for (const std::string& name : names) {
-    const auto found = builds_.find({project, name});
-    if (found != builds_.end()) builds.push_back(found->second);
-  }
-  return builds;
-}
-
-absl::StatusOr<std::vector<priors::Build>> MemoryPriorStore::ListBuilds(
-    const SceneFilter& filter, const priors::BuildPlace& after, uint32_t limit) {
-  std::vector<priors::Build> builds;
-  auto place = builds_.upper_bound({after.project, after.name});
-  for (; place != builds_.end() && builds.size() < limit; ++place) {
-    if (SceneFilter{filter.project, "", filter.projects}.Matches(place->first.first, ""))
-      builds.push_back(place->second);
-  }
-  return builds;
-}
-
 }  // namespace sweepstake::storage

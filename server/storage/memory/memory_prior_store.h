@@ -43,13 +43,6 @@ class MemoryPriorStore : public priors::PriorStore {
                                                 const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
-  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
-  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override;
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;
@@ -110,7 +103,6 @@ class MemoryPriorStore : public priors::PriorStore {
   std::map<std::string, Source> sources_;
   EntriesByKey evidence_;
   EntriesByKey quarantine_;
-  std::map<std::pair<std::string, std::string>, priors::Build> builds_;  // by project and name
   MemoryAuditLog audit_;
   uint64_t lost_audit_row_count_ = 0;
 };

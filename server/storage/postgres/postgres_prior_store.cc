@@ -12,7 +12,6 @@
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/audit_log.h"
 #include "server/storage/postgres/postgres_audit_log.h"
-#include "server/storage/postgres/postgres_builds.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/postgres/postgres_evidence.h"
 #include "server/storage/postgres/postgres_quarantine.h"
@@ -119,17 +118,6 @@ class PostgresPriorStore final : public priors::PriorStore {
                                                 const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
-  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
-  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override {
-    return reader_.LoadBuilds(project, names);
-  }
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override {
-    return reader_.ListBuilds(filter, after, limit);
-  }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -306,15 +294,6 @@ absl::Status PostgresPriorStore::AddIncrements(std::span<const SourceUpdate* con
     }
   }
   return evidence_.Apply(changes);
-}
-
-absl::Status PostgresPriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
-  if (absl::Status status = CheckBuilds(builds); !status.ok()) return status;
-  return InTransaction([&] { return storage::DescribeBuilds(connection_, builds); });
-}
-
-absl::Status PostgresPriorStore::ForgetBuilds(std::span<const priors::BuildPlace> builds) {
-  return InTransaction([&] { return storage::ForgetBuilds(connection_, builds); });
 }
 
 absl::StatusOr<priors::ImportResult> PostgresPriorStore::Import(

@@ -11,7 +11,6 @@
 
 #include "absl/status/statusor.h"
 #include "server/sessions/prior_store.h"
-#include "server/storage/postgres/postgres_builds.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/read_thread.h"
 
@@ -39,15 +38,6 @@ class PostgresReader : public priors::PriorReader {
   absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
                                                        const priors::ExportPlace& after,
                                                        uint32_t limit) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override {
-    return storage::LoadBuilds(connection_, project, names);
-  }
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override {
-    return storage::ListBuilds(connection_, filter, after, limit);
-  }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;

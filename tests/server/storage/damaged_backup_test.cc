@@ -107,22 +107,6 @@ TEST_F(DamagedBackupTest, WrongSumsAndCountsAreMadeAnewAndNothingIsLost) {
   EXPECT_EQ(store->Export({}, {}, 9)->records.size(), 4u);
 }
 
-TEST_F(DamagedBackupTest, OfABuildWithAWrongRowNothingIsKnown) {
-  std::vector<priors::Build> builds;
-  for (const char* name : {"1", "2", "3"})
-    builds.push_back(
-        {.project = "game", .name = name, .parents = {"0", "fix"}, .unix_made_s = 1'760'000'000});
-  ASSERT_TRUE(store_->DescribeBuilds(builds).ok());
-  Damage("build_parent SET unix_made_s = 7 WHERE build = '1' AND parent = 'fix'");
-  Damage("build_parent SET unix_made_s = 7 WHERE build = '2'");
-  const auto listed = store_->ListBuilds({}, {}, 2);
-  ASSERT_EQ(listed->size(), 2u) << "a page that is not full would be the last";
-  EXPECT_EQ(listed->back(), builds.back());
-  const auto store = RestoredBackup(3);
-  const std::vector<priors::Build> whole = {builds.back()};
-  EXPECT_EQ(*store->ListBuilds({}, {}, 9), whole);
-}
-
 TEST_F(DamagedBackupTest, TheDatabaseItselfStaysAsItIs) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
   RestoredBackup(1);

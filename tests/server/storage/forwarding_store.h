@@ -55,21 +55,6 @@ class ForwardingStore : public priors::PriorStore {
                                                        uint32_t limit) override {
     return store_->ExportQuarantined(filter, after, limit);
   }
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override {
-    return store_->LoadBuilds(project, names);
-  }
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override {
-    return store_->ListBuilds(filter, after, limit);
-  }
-  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override {
-    return store_->DescribeBuilds(builds);
-  }
-  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override {
-    return store_->ForgetBuilds(builds);
-  }
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override {
     return store_->Import(records);

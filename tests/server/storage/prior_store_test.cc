@@ -4,7 +4,6 @@
 #include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/audit_conformance.h"
-#include "tests/server/storage/build_conformance.h"
 #include "tests/server/storage/forwarding_store.h"
 #include "tests/server/storage/prior_store_conformance.h"
 #include "tests/server/storage/quarantine_conformance.h"
@@ -36,7 +35,6 @@ INSTANTIATE_TEST_SUITE_P(Stores, PriorStoreConformance, kStores, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, SourceConformance, kStores, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, QuarantineConformance, kStores, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, AuditConformance, kStores, NameOf);
-INSTANTIATE_TEST_SUITE_P(Stores, BuildConformance, kStores, NameOf);
 
 }  // namespace
 }  // namespace sweepstake::storage

@@ -1,6 +1,6 @@
 // What the daemon has learnt and from whom, for as long as its view is open. The records of an export are summed as they come, so that
 // many sources take little memory.
-import type { Build, ExportPriorsResponse, PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
+import type { ExportPriorsResponse, PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
 
 export const MAX_SOURCES = 20_000;
 const MAX_SUMS = 50_000;
@@ -41,7 +41,6 @@ export interface SourceSum extends Teacher {
 export interface BuildSum extends Teacher {
   key: string;
   sourceIds: Set<string>;
-  parents: readonly string[];  // builds that it was made from, as somebody has said
 }
 
 export interface Evidence {
@@ -87,7 +86,7 @@ function count(counts: Counts, { windowCount, bailOutCount }: PriorRecord): void
 }
 
 const buildKeyOf = ({ project, build }: PriorRecord) => `${project}\n${build}`;
-const buildSum = (key: string, record: PriorRecord): BuildSum => ({ key, sourceIds: new Set(), parents: [], ...teacher(record) });
+const buildSum = (key: string, record: PriorRecord): BuildSum => ({ key, sourceIds: new Set(), ...teacher(record) });
 
 function addWaiting(evidence: Evidence, record: PriorRecord): void {
   const key = buildKeyOf(record);
@@ -128,14 +127,6 @@ export function addPart(evidence: Evidence, { records }: ExportPriorsResponse): 
   evidence.isCut ||= kept.length < records.length;
   evidence.recordCount += records.length - waiting.length;
   evidence.waitingCount += waiting.length;
-}
-
-// Of a build that taught nothing it is not kept.
-export function describe(evidence: Evidence, { project, name, parents }: Build): void {
-  for (const builds of [evidence.builds, evidence.waiting]) {
-    const build = builds.get(`${project}\n${name}`);
-    if (build) build.parents = parents;
-  }
 }
 
 // The file that `sweepstake priors import` and a game read.

@@ -10,7 +10,7 @@ import { Choice, Filter } from '../parts/filter';
 import { Name } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
 import { fileName, visible } from '../parts/visible';
-import { addPart, describe, noEvidence, priorsFile, type Evidence } from '../state/evidence';
+import { addPart, noEvidence, priorsFile, type Evidence } from '../state/evidence';
 import { route } from '../state/route';
 import { scenes } from '../state/scenes';
 import { asApiError, stream, type ApiError } from '../transport/calls';
@@ -33,8 +33,7 @@ async function read(project: string, cancel: AbortSignal, show: (answer: Answer)
     for await (const part of stream(PriorsService.method.exportPriors, { project, withWeights: true }, cancel)) {
       addPart(evidence, part);
     }
-    isWhole = true; // without what builds were made from
-    for await (const { builds } of stream(PriorsService.method.listBuilds, { project }, cancel)) builds.forEach((build) => describe(evidence, build));
+    isWhole = true;
     show({ evidence, isWhole, atMs: Date.now() });
   } catch (error) {
     if (!cancel.aborted) show({ evidence, isWhole, atMs: Date.now(), error: asApiError(error) });
