@@ -123,8 +123,7 @@ struct SourceState {
   SourceProgress progress;
   std::vector<KeyedEvidence> evidence;  // ordered by key
   uint32_t audit_segment = 0;           // the last one stored, or 0
-  // The times of the source's first and last commit here. Those of a file from before they were
-  // kept are 0.
+  // Times of the source's first and last commit here.
   uint64_t created_unix_s = 0;
   uint64_t last_seen_unix_s = 0;
 };

@@ -411,7 +411,7 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
   const fs::path copy = workplace.path() / "copy.db";
   auto contents = BackUpStore(directory, copy);
   if (!contents.ok()) return contents;
-  auto file = OpenPriorDatabase(copy);  // which brings an older schema up to this one
+  auto file = OpenPriorDatabase(copy);
   if (!file.ok()) return file.status();
   PostgresConnection connection(url);
   absl::Status status = Prepare(connection);

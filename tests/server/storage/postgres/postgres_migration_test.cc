@@ -134,22 +134,6 @@ TEST_F(PostgresMigration, AStoreIsTheSameInPostgresAndBackAgain) {
   EXPECT_FALSE(fs::exists(to_.string() + ".migration"));
 }
 
-TEST_F(PostgresMigration, OfAnOlderFileNothingIsMissing) {
-  const fs::path older = directory_.path() / "older";
-  ASSERT_TRUE(DataDirectory::Open(older).ok());
-  {
-    auto database =
-        *SqliteDatabase::Open(DatabaseIn(older).string(), SqliteDatabase::OpenMode::kCreate);
-    for (int version = 1; version <= 6; ++version) {
-      const std::string sql = test_support::FileText(std::string(SWEEPSTAKE_SCHEMAS_DIR) + "/" +
-                                                     std::to_string(version) + ".sql");
-      ASSERT_TRUE(database.Execute(sql).ok());
-    }
-  }
-  ASSERT_TRUE(MigrateToPostgres(older, url_, kNobody).ok());
-  EXPECT_EQ(OpenStore(url_)->Export({}, {}, 1000)->records.size(), 6u);
-}
-
 TEST_F(PostgresMigration, SessionsGoOnAndRevokedSourcesStayAway) {
   ASSERT_TRUE(MigrateToPostgres(from_, url_, kNobody).ok());
   const auto store = OpenStore(url_);

@@ -138,13 +138,13 @@ TEST(PostgresWriters, AnotherDatabaseInItsPlaceIsNotWritten) {
     EXPECT_TRUE(absl::IsUnavailable(store->Commit(std::vector{Update("a", 2, {Key("Grid")})})));
 }
 
-TEST(PostgresWriters, TablesOfANewerDaemonAreRefused) {
+TEST(PostgresWriters, TablesOfAnotherSchemaVersionAreRefused) {
   const std::string url = Server().NewDatabase();
   OpenStore(url);
   RunSql(url, "INSERT INTO sweepstake.schema_version VALUES (99)");
   const auto store = OpenPostgresPriorStore(url);
   EXPECT_TRUE(absl::IsFailedPrecondition(store.status())) << store.status();
-  EXPECT_THAT(std::string(store.status().message()), ::testing::HasSubstr("schema 99"));
+  EXPECT_THAT(std::string(store.status().message()), ::testing::HasSubstr("schema version 99"));
 }
 
 TEST(PostgresWriters, AServerThatIsNotThereIsUnavailable) {
