@@ -32,7 +32,9 @@ class SqlitePriorStore final : public priors::PriorStore {
  public:
   explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
 
-  absl::Status Prepare(const std::filesystem::path& path, const priors::AuditLimits& audit_limits);
+  absl::Status Prepare(const priors::AuditLimits& audit_limits);
+  // Says which file the database is in. CheckPlace compares it from then on.
+  absl::Status SetPlace(const std::filesystem::path& path);
   absl::Status Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes);
   absl::StatusOr<uint64_t> UsedBytes() { return database_.UsedBytes(); }
 
@@ -127,11 +129,10 @@ class SqlitePriorStore final : public priors::PriorStore {
   // By project: those that have scenes and were asked for, so that a count visits the rows once.
   SceneCounts scene_counts_;
   SceneCounts added_counts_;  // by the transaction that runs
-  FilesInUse files_;          // the database and its log
+  FilesInUse files_;          // the database and its log; none in memory
 };
 
-absl::Status SqlitePriorStore::Prepare(const std::filesystem::path& path,
-                                       const priors::AuditLimits& audit_limits) {
+absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) {
   auto statements = PriorStatements::Prepare(database_);
   if (!statements.ok()) return statements.status();
   statements_ = *std::move(statements);
@@ -141,6 +142,10 @@ absl::Status SqlitePriorStore::Prepare(const std::filesystem::path& path,
   auto audit = SqliteAuditLog::Open(database_, audit_limits);
   if (!audit.ok()) return audit.status();
   audit_ = *std::move(audit);
+  return absl::OkStatus();
+}
+
+absl::Status SqlitePriorStore::SetPlace(const std::filesystem::path& path) {
   absl::Status status = files_.Add(path);
   return status.ok() ? files_.Add(path.string() + "-wal") : status;
 }
@@ -439,7 +444,18 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     if (absl::Status status = database->TimeSyncs(std::move(on_sync)); !status.ok()) return status;
   }
   auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
-  if (absl::Status status = store->Prepare(path, audit_limits); !status.ok()) return status;
+  absl::Status status = store->Prepare(audit_limits);
+  if (status.ok()) status = store->SetPlace(path);
+  if (!status.ok()) return status;
+  return store;
+}
+
+absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenMemoryPriorStore(
+    const priors::AuditLimits& audit_limits) {
+  auto database = OpenPriorDatabaseInMemory();
+  if (!database.ok()) return database.status();
+  auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
+  if (absl::Status status = store->Prepare(audit_limits); !status.ok()) return status;
   return store;
 }
 

@@ -29,6 +29,10 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {},
     uint64_t max_bytes = 0, std::function<void(std::chrono::nanoseconds)> on_sync = {});
 
+// Opens a new store in memory, which is lost when it is destroyed: for tests.
+absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenMemoryPriorStore(
+    const priors::AuditLimits& audit_limits = {});
+
 // Changes the limits of the audit log, whose rows beyond them are removed, and how large the file
 // may grow, at least to its present size. REQUIRES: `store` is of OpenSqlitePriorStore.
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,

@@ -333,6 +333,15 @@ absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const fs::path& path) {
   return database;
 }
 
+absl::StatusOr<SqliteDatabase> OpenPriorDatabaseInMemory() {
+  auto database = SqliteDatabase::Open(":memory:", SqliteDatabase::OpenMode::kCreate);
+  if (!database.ok()) return database.status();
+  absl::Status status = database->Configure();
+  if (status.ok()) status = CreateTables(*database);
+  if (!status.ok()) return status;
+  return database;
+}
+
 absl::StatusOr<SqliteDatabase> OpenPriorDatabaseToRead(const fs::path& path) {
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kReadOnly);
   if (!database.ok()) return Explain(path, database.status());

@@ -45,6 +45,9 @@ absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database);
 // or another database than at the last start; the message says what to do).
 absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const std::filesystem::path& path);
 
+// Returns a connection to a new database in memory, which ends with it.
+absl::StatusOr<SqliteDatabase> OpenPriorDatabaseInMemory();
+
 // Returns a second connection with the same pragmas, which only reads. REQUIRES: one of
 // OpenPriorDatabase is open, and closes later, because only that one can move the log into the
 // file.

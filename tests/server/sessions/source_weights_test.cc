@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine_client/decider/policy/log_cost.h"
-#include "server/storage/memory/memory_prior_store.h"
+#include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -35,7 +35,7 @@ class SourceWeightsTest : public ::testing::Test {
   void Import(const std::vector<PriorRecord>& records) { ASSERT_TRUE(store_.Import(records).ok()); }
   double WeightOf(const PriorRecord& record) { return *SourceWeights(store_).Of(record); }
 
-  storage::MemoryPriorStore store_;
+  storage::ForwardingStore store_;
 };
 
 TEST_F(SourceWeightsTest, TheBuildThatWasSeenLastCountsTwiceWhatOthersDo) {

@@ -1,7 +1,6 @@
 // Every store passes the conformance suite.
 #include <cstdlib>
 
-#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/audit_conformance.h"
 #include "tests/server/storage/forwarding_store.h"
@@ -21,11 +20,11 @@ class TemporarySqliteStore final : private test_support::TemporaryDirectory,
       : ForwardingStore(*OpenSqlitePriorStore(path() / "priors.db", kConformanceAuditLimits)) {}
 };
 
-const auto kStores = ::testing::Values(
-    std::pair<std::string, MakeStore>(
-        "Memory", [] { return std::make_unique<MemoryPriorStore>(kConformanceAuditLimits); }),
-    std::pair<std::string, MakeStore>("Sqlite",
-                                      [] { return std::make_unique<TemporarySqliteStore>(); }));
+const auto kStores =
+    ::testing::Values(std::pair<std::string, MakeStore>(
+                          "Memory", [] { return *OpenMemoryPriorStore(kConformanceAuditLimits); }),
+                      std::pair<std::string, MakeStore>(
+                          "File", [] { return std::make_unique<TemporarySqliteStore>(); }));
 
 std::string NameOf(const ::testing::TestParamInfo<std::pair<std::string, MakeStore>>& instance) {
   return instance.param.first;
