@@ -38,9 +38,6 @@ struct Config {
   priors::AuditLimits audit;             // limits of the audit log in priors.db
   size_t backup_count = 3;               // automatic backups that are kept; 0 makes none
   uint32_t backup_hours = 24;            // time between two backups
-  // The evidence of sessions last seen longer ago is folded together; 0 folds none. With a year,
-  // exports cover one year, and a store of 4 GiB holds 10,000 sessions a day.
-  uint32_t fold_days = 365;
   rpc::RpcOptions rpc;
 };
 

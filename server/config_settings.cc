@@ -173,9 +173,6 @@ void AddLive(Table& table, Config& config) {
   table.Whole("backup_count", config.backup_count, 0, 1'000,
               "backups that are kept next to priors.db; 0 makes none");
   table.Whole("backup_hours", config.backup_hours, 1, 8'760, "hours between two backups");
-  table.Whole("fold_days", config.fold_days, 0, 36'500,
-              "age in days at which a session's evidence is folded into that of its month, which "
-              "exports omit; 0 folds none");
   table.Whole("audit_mb", config.audit.bytes, 0, 1 << 20,
               "size of the audit log in MiB; older rows are deleted first; 0 keeps only the rows "
               "of administrators",

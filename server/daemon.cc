@@ -157,7 +157,6 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   }
   if (absl::Status status = OpenHttp(); !status.ok()) return status;
   StartBackups(config_);
-  StartFolding(config_);
   FollowTls();
   const std::optional<int> http_port = web_ ? std::optional(web_->port()) : std::nullopt;
   if (absl::Status status = port_file.Write(rpc_->port(), http_port); !status.ok()) return status;
@@ -216,20 +215,6 @@ void Daemon::StartBackups(const Config& config) {
               "{} damaged rows of {} are not in the backup; check the disk, and `sweepstaked "
               "restore` an earlier backup to get the priors of their scenes back",
               made->damaged_row_count, directory_.database().string());
-      });
-}
-
-void Daemon::StartFolding(const Config& config) {
-  if (shared_) return;
-  storage::FoldPlan plan;
-  plan.days = config.fold_days;
-  folding_ = std::make_unique<storage::EvidenceFolding>(
-      *store_, plan, priors::UnixNowS, [this, days = plan.days](const storage::FoldRun& run) {
-        metrics_.OnFolded(run.source_count);
-        log_->info("folded the evidence of {} sessions older than {} days, {} records",
-                   run.source_count, days, run.record_count);
-        if (!run.status.ok())
-          log_->error("folding stopped early: {}", std::string(run.status.message()));
       });
 }
 
@@ -388,10 +373,6 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
     backups_.reset();
     StartBackups(*config);
   }
-  if (config->fold_days != in_force_.fold_days) {
-    folding_.reset();
-    StartFolding(*config);
-  }
   in_force_ = *config;
   log_->set_level(LevelOf(config->log_level));
   log_->info("read the configuration again; the log level is {}; applied: {}", config->log_level,
@@ -419,7 +400,6 @@ void Daemon::LimitStore(const Config& config) {
 void Daemon::Drain(std::chrono::milliseconds patience) {
   if (draining_.exchange(true)) return;
   if (backups_ != nullptr) backups_->Stop();
-  if (folding_ != nullptr) folding_->Stop();
   if (rpc_ != nullptr) {
     log_->info("draining: asking clients to reconnect later");
     rpc_->Drain(patience);

@@ -21,7 +21,6 @@
 #include "server/sessions/decision_loop.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/data_directory.h"
-#include "server/storage/folding/evidence_folding.h"
 #include "server/storage/outbox/outbox.h"
 #include "server/storage/store_thread.h"
 #include "server/tls/files_watch.h"
@@ -70,7 +69,6 @@ class Daemon {
   absl::Status Open(rpc::Clock& clock);
   std::string StoreName() const;
   void StartBackups(const Config& config);
-  void StartFolding(const Config& config);
   void LimitStore(const Config& config);
   // These three run on the store's thread. SaveStore copies, once, a store whose file was removed.
   // After a failure it tries again after kSavePatience, or at once if `last` is set.
@@ -98,7 +96,7 @@ class Daemon {
 
   const Config config_;
   Config in_force_;    // as it was read last; only its live settings are applied
-  const bool shared_;  // several daemons share the store, and fold and back up elsewhere
+  const bool shared_;  // several daemons share the store, and back it up elsewhere
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   DaemonMetrics metrics_;
@@ -119,8 +117,7 @@ class Daemon {
   std::unique_ptr<storage::Outbox> outbox_;  // null unless shared_; used on the store's thread
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
-  std::unique_ptr<tls::FilesWatch> tls_watch_;         // null without TLS
-  std::unique_ptr<storage::EvidenceFolding> folding_;  // after the store, which it uses
+  std::unique_ptr<tls::FilesWatch> tls_watch_;  // null without TLS
   std::unique_ptr<rpc::RpcServer> rpc_;
   rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it records actions
   std::atomic<bool> draining_ = false;

@@ -160,8 +160,7 @@ int ReportContents(const std::string& file,
   if (!contents.ok()) return Fail(kCheckFailed, std::string(contents.status().message()));
   std::cout << file << ": whole; " << contents->record_count << " records of "
             << contents->source_count << " sources about " << contents->scene_count << " scenes, "
-            << contents->audit_row_count << " rows of the audit log, schema "
-            << contents->schema_version << '\n';
+            << contents->audit_row_count << " rows of the audit log\n";
   if (contents->damaged_row_count == 0) return kDone;
   return Fail(kCheckFailed, absl::StrCat(contents->damaged_row_count,
                                          " damaged rows of the database are not in ", file,

@@ -33,8 +33,6 @@ void AddAuditCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 // Adds what works on files to the subcommand `priors`.
 void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code);
-// Adds what says and shows of which builds builds were made to the subcommand `priors`.
-void AddPriorsBuildsCommands(CLI::App& priors, Terminal& terminal, int& exit_code);
 void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code);

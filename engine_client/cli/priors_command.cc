@@ -42,7 +42,7 @@ int RunList(const PriorsOptions& options, Terminal& terminal) {
   const auto waiting =
       ExportPriors(options.daemon, options.project, options.scene, Exported::kQuarantined);
   if (!waiting.ok()) return FailAnswer(terminal, waiting.status());
-  const PriorsGroups quarantined = GroupPriors(waiting->records);
+  const PriorsGroups quarantined = GroupPriors(*waiting);
   const Json document = {{"command", "priors list"},
                          {"daemon", options.daemon.address},
                          {"scenes", PosteriorsJson(*scenes)},
@@ -50,13 +50,6 @@ int RunList(const PriorsOptions& options, Terminal& terminal) {
   PrintResult(terminal, options.json, document,
               PosteriorsText(*scenes) + QuarantinedText(quarantined));
   return kDone;
-}
-
-std::string DescribeFolded(const FoldedCounts& folded) {
-  if (folded.records == 0) return "";
-  return std::to_string(folded.records) + " more of old sessions, with " +
-         std::to_string(folded.windows) +
-         " windows, were left out: the daemon has folded them together (fold_days)\n";
 }
 
 std::string DescribeWaiting(uint64_t count) {
@@ -68,29 +61,27 @@ std::string DescribeWaiting(uint64_t count) {
 // A file that is to be written.
 struct ExportText {
   std::string text = {};
-  uint64_t count = 0;  // of the records or sums in it
-  FoldedCounts folded = {};
+  uint64_t count = 0;          // of the records or sums in it
   uint64_t waiting_count = 0;  // of records that wait in quarantine and are left out
 };
 
 Result<ExportText> TextOfSums(const PriorsOptions& options) {
   SumsWriter sums;
   ExportText file;
-  const auto folded = StreamPriors(options.daemon, options.project, options.scene, Exported::kAll,
-                                   [&](PriorRecord record) {
-                                     if (record.is_quarantined) ++file.waiting_count;
-                                     sums.Add(std::move(record));
-                                   });
-  if (!folded.ok()) return folded.status();
-  file.folded = *folded;
+  const Status status = StreamPriors(options.daemon, options.project, options.scene, Exported::kAll,
+                                     [&](PriorRecord record) {
+                                       if (record.is_quarantined) ++file.waiting_count;
+                                       sums.Add(std::move(record));
+                                     });
+  if (!status.ok()) return status;
   file.text = sums.Finish(file.count);
   return file;
 }
 
 Result<ExportText> TextOfRecords(const PriorsOptions& options) {
-  const auto result = ExportPriors(options.daemon, options.project, options.scene);
-  if (!result.ok()) return result.status();
-  return ExportText{FormatPriors(result->records), result->records.size(), result->folded};
+  const auto records = ExportPriors(options.daemon, options.project, options.scene);
+  if (!records.ok()) return records.status();
+  return ExportText{FormatPriors(*records), records->size()};
 }
 
 int RunExport(const PriorsOptions& options, Terminal& terminal) {
@@ -115,13 +106,11 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
                          {"file", options.file},
                          {"records", file->count},
                          {"sums", options.sums},
-                         {"left_waiting", file->waiting_count},
-                         {"folded_records", file->folded.records},
-                         {"folded_windows", file->folded.windows}};
+                         {"left_waiting", file->waiting_count}};
   PrintResult(terminal, options.json, document,
               options.file + ": " + std::to_string(file->count) +
-                  (options.sums ? " sums of builds\n" : " records\n") +
-                  DescribeFolded(file->folded) + waiting + (waiting.empty() ? "" : "\n"));
+                  (options.sums ? " sums of builds\n" : " records\n") + waiting +
+                  (waiting.empty() ? "" : "\n"));
   return kDone;
 }
 
@@ -370,7 +359,6 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       },
       [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
   AddSourceCommands(*priors, terminal, exit_code);
-  AddPriorsBuildsCommands(*priors, terminal, exit_code);
   AddPriorsFileCommands(*priors, terminal, exit_code);
 }
 

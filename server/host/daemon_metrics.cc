@@ -167,12 +167,7 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
                                 "Maximum size of the store's file.")),
       used_store_bytes_(AddGauge(registry_, "sweepstake_store_used_size_bytes",
                                  "Bytes of the store's file that are in use; the file grows "
-                                 "only when all are.")),
-      folded_sources_(prometheus::BuildCounter()
-                          .Name("sweepstake_store_folded_sources_total")
-                          .Help("Sessions whose evidence was folded into that of their month.")
-                          .Register(registry_)
-                          .Add({})) {
+                                 "only when all are.")) {
   prometheus::BuildGauge()
       .Name("sweepstake_build_info")
       .Help("Always 1; the label is the version of the daemon.")

@@ -38,9 +38,6 @@ class DaemonMetrics {
 
   // Whether the store lost evidence or has damaged rows since its start.
   void SetDamaged(bool damaged) { damaged_.Set(damaged ? 1 : 0); }
-  void OnFolded(uint64_t source_count) {
-    folded_sources_.Increment(static_cast<double>(source_count));
-  }
   // The maximum size of the store's file, and how much of it is in use.
   void SetMaxStoreBytes(uint64_t bytes) { max_store_bytes_.Set(static_cast<double>(bytes)); }
   void SetUsedStoreBytes(uint64_t bytes) { used_store_bytes_.Set(static_cast<double>(bytes)); }
@@ -67,7 +64,6 @@ class DaemonMetrics {
   prometheus::Gauge& damaged_;
   prometheus::Gauge& max_store_bytes_;
   prometheus::Gauge& used_store_bytes_;
-  prometheus::Counter& folded_sources_;
 };
 
 }  // namespace sweepstake::server

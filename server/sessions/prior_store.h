@@ -21,7 +21,6 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "engine_client/decider/pooling/build_lineage.h"
 #include "server/sessions/audit_rows.h"
 
 namespace sweepstake::priors {
@@ -122,11 +121,9 @@ inline bool IsRefusal(const absl::Status& commit) {
 // The state of a source in a store.
 struct SourceState {
   SourceProgress progress;
-  std::vector<KeyedEvidence> evidence;  // ordered by key; without what was folded
-  bool is_counted = false;     // is one of a scene's sources; its evidence may have been folded
-  uint32_t audit_segment = 0;  // the last one stored, or 0
-  // The times of the source's first and last commit here. Those of a file from before they were
-  // kept are 0.
+  std::vector<KeyedEvidence> evidence;  // ordered by key
+  uint32_t audit_segment = 0;           // the last one stored, or 0
+  // Times of the source's first and last commit here.
   uint64_t created_unix_s = 0;
   uint64_t last_seen_unix_s = 0;
 };
@@ -180,7 +177,7 @@ inline constexpr uint32_t kSourcesOfAge = 8;
 
 // What one source taught about one scene on one class of machines.
 struct SceneSource {
-  std::string id;                 // of what was folded, that of the month
+  std::string id;
   std::string build;              // empty if unknown
   uint64_t last_seen_unix_s = 0;  // 0 if unknown
   SceneEvidence evidence;         // of the one source
@@ -230,10 +227,6 @@ struct ExportPlace {
 struct ExportPage {
   std::vector<PriorRecord> records;
   ExportPlace next;  // behind the last record
-  // What of the page's keys is left out, because it was folded together from the records of many
-  // sources: a store that has one of those records would count it twice.
-  uint64_t folded_record_count = 0;
-  uint64_t folded_window_count = 0;
 };
 
 struct ImportResult {
@@ -260,7 +253,7 @@ struct SourceFilter {
 
 struct RevokeResult {
   uint64_t source_count = 0;  // that were not revoked before
-  uint64_t record_count = 0;  // what folding has made of several counts once
+  uint64_t record_count = 0;
   uint64_t window_count = 0;  // visits of the lane count, too
 
   friend bool operator==(const RevokeResult&, const RevokeResult&) = default;
@@ -339,16 +332,6 @@ class PriorReader {
                                                        const ExportPlace& after,
                                                        uint32_t limit) = 0;
 
-  // Returns what was told of these builds of the project, in any order; the others are missing.
-  virtual absl::StatusOr<std::vector<Build>> LoadBuilds(const std::string& project,
-                                                        std::span<const std::string> names) = 0;
-
-  // Returns up to `limit` builds behind `after` of the projects that the filter matches, whose
-  // scene is not looked at. REQUIRES: limit > 0.
-  virtual absl::StatusOr<std::vector<Build>> ListBuilds(const SceneFilter& filter,
-                                                        const BuildPlace& after,
-                                                        uint32_t limit) = 0;
-
   // Returns up to `limit` segments of the audit log with ids above `after`, ordered by id.
   virtual absl::StatusOr<std::vector<AuditSegment>> ListAudit(const AuditFilter& filter,
                                                               uint64_t after, uint32_t limit) = 0;
@@ -411,18 +394,10 @@ class PriorStore : public PriorReader {
   virtual absl::StatusOr<PromoteResult> Promote(const SourceFilter& filter,
                                                 const Preview& preview) = 0;
 
-  // Keeps what the builds were made from, in place of what was told of them before; all or none.
-  // Errors: INVALID_ARGUMENT (a name is none, or there are more than kMaxParents),
-  // RESOURCE_EXHAUSTED (a project would have more than kMaxBuilds).
-  virtual absl::Status DescribeBuilds(std::span<const Build> builds) = 0;
-  // Forgets what was told of these builds. What names them as a parent stays as it is.
-  virtual absl::Status ForgetBuilds(std::span<const BuildPlace> builds) = 0;
-
   // Removes exactly the evidence of the sources, in quarantine and out of it, and bars them from
-  // later commits and imports; an unknown id is barred, too, unless a project is named. What was
-  // folded of their evidence stays, unless all sources of a build are meant. The log of
-  // administrators is no source. With `preview` nothing changes. REQUIRES: an id, a build, a token
-  // or a time.
+  // later commits and imports. An unknown id is barred too, unless a project is named. The log of
+  // administrators is not a source. With `preview` nothing changes. REQUIRES: an id, a build, a
+  // token or a time.
   virtual absl::StatusOr<RevokeResult> Revoke(const SourceFilter& filter,
                                               const Preview& preview) = 0;
 };

@@ -8,7 +8,6 @@
 #include <functional>
 #include <iterator>
 #include <map>
-#include <set>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -23,7 +22,6 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/sessions/scene_quota.h"
-#include "server/sessions/source_weights.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -99,16 +97,14 @@ std::vector<decision::EvidenceSum> OwnEvidence(const v1::Hello& hello,
   return PooledFor(hello, own);
 }
 
-decision::SourceRelation RelationOf(const v1::Hello& hello, const decision::BuildFamily& family,
-                                    const priors::SceneSource& source) {
-  return {.build_weight = family.WeightOf(source.build),
+decision::SourceRelation RelationOf(const v1::Hello& hello, const priors::SceneSource& source) {
+  return {.same_build = source.build == hello.build(),
           .same_machine_class = source.evidence.key.machine_class == hello.machine_class()};
 }
 
 decision::SourceEvidence SourceEvidenceFor(const v1::Hello& hello,
-                                           const decision::BuildFamily& family,
                                            const priors::SceneSource& source) {
-  const decision::SourceRelation relation = RelationOf(hello, family, source);
+  const decision::SourceRelation relation = RelationOf(hello, source);
   std::vector<Arm> arms;
   decision::SourceEvidence result;
   for (const v1::Arm& wanted : hello.arms()) {
@@ -123,13 +119,13 @@ decision::SourceEvidence SourceEvidenceFor(const v1::Hello& hello,
 }
 
 // Returns how many sources of each build and class of machines count how much, the heaviest first.
-std::vector<std::string> Describe(const v1::Hello& hello, const decision::BuildFamily& family,
+std::vector<std::string> Describe(const v1::Hello& hello,
                                   const std::vector<priors::SceneSource>& sources) {
   constexpr size_t kMaxLines = 8;
   using Group = std::tuple<double, std::string, std::string>;  // weight, build, class
   std::map<Group, size_t, std::greater<>> counts;
   for (const priors::SceneSource& source : sources) {
-    const double weight = decision::PowerPriorWeight(RelationOf(hello, family, source), true);
+    const double weight = decision::PowerPriorWeight(RelationOf(hello, source), true);
     ++counts[{weight, source.build, source.evidence.key.machine_class}];
   }
   std::vector<std::string> lines;
@@ -150,17 +146,13 @@ std::vector<std::string> Describe(const v1::Hello& hello, const decision::BuildF
 absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello, StoredStart& start) {
   const auto stored = store.LoadSources(FromProto(hello));
   if (!stored.ok()) return stored.status();
-  std::set<std::string> builds;
-  for (const priors::SceneSource& source : *stored) builds.insert(source.build);
-  const auto family = LoadFamily(store, hello.project(), hello.build(), std::move(builds));
-  if (!family.ok()) return family.status();
   std::vector<decision::SourceEvidence> sources;
   for (const priors::SceneSource& source : *stored) {
     if (source.id == hello.session_id() && start.source) continue;  // is the session's own
-    sources.push_back(SourceEvidenceFor(hello, *family, source));
+    sources.push_back(SourceEvidenceFor(hello, source));
   }
   start.prior_source_count = stored->size();
-  start.prior_sources = Describe(hello, *family, *stored);
+  start.prior_sources = Describe(hello, *stored);
   start.priors = decision::CombineSources(sources, start.priors);
   return absl::OkStatus();
 }
@@ -339,7 +331,7 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
   StoredSession stored;
   if (start.source) {
     stored.progress = start.source->progress;
-    stored.has_evidence = start.source->is_counted;
+    stored.has_evidence = !start.source->evidence.empty();
   }
   stored.progress.source_id = identity.id;
   stored.progress.seed = identity.seed;

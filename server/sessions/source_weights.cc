@@ -25,29 +25,6 @@ bool IsLooked(const priors::SceneSource& source, const priors::EvidenceKey& key)
 
 }  // namespace
 
-absl::StatusOr<decision::BuildFamily> LoadFamily(priors::PriorReader& store,
-                                                 const std::string& project,
-                                                 const std::string& build,
-                                                 std::set<std::string> others) {
-  std::vector<priors::Build> family;
-  std::set<std::string> names = std::move(others);
-  names.insert(build);
-  names.erase("");
-  std::vector<std::string> next(names.begin(), names.end());
-  for (int generation = 0; generation < kMaxGenerations && !next.empty(); ++generation) {
-    const auto builds = store.LoadBuilds(project, next);
-    if (!builds.ok()) return builds.status();
-    family.insert(family.end(), builds->begin(), builds->end());
-    next.clear();
-    for (const priors::Build& one : *builds) {
-      for (const std::string& parent : one.parents) {
-        if (names.size() < kMaxRelatives && names.insert(parent).second) next.push_back(parent);
-      }
-    }
-  }
-  return decision::BuildFamily(build, family);
-}
-
 absl::StatusOr<double> SourceWeights::Of(const priors::PriorRecord& record) {
   if (record.is_quarantined) return 0;
   const priors::EvidenceKey& key = record.key;
@@ -60,8 +37,7 @@ absl::StatusOr<double> SourceWeights::Of(const priors::PriorRecord& record) {
   const auto source = (*scene)->sources.find(record.source_id);
   if (source == (*scene)->sources.end() || !IsLooked(source->second, key)) return 0;
   return decision::PowerPriorWeight(
-      {.build_weight = (*scene)->family->WeightOf(source->second.build),
-       .same_machine_class = true},
+      {.same_build = source->second.build == (*scene)->newest_build, .same_machine_class = true},
       is_newest);
 }
 
@@ -72,23 +48,17 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
   auto sources = store_.LoadSources(key);
   if (!sources.ok()) return sources.status();
   uint64_t last_seen_unix_s = 0;
-  std::string newest_build;
-  std::set<std::string> builds;
   for (priors::SceneSource& source : *sources) {
     if (source.evidence.key != key) continue;  // of another class
     // Of several that were seen last, the one that came last.
-    if (source.last_seen_unix_s >= last_seen_unix_s) newest_build = source.build;
+    if (source.last_seen_unix_s >= last_seen_unix_s) scene.newest_build = source.build;
     last_seen_unix_s = std::max(last_seen_unix_s, source.last_seen_unix_s);
     for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {
       uint32_t& newest = scene.newest_versions[arm.name];
       newest = std::max(newest, arm.backend_version);
     }
-    builds.insert(source.build);
     scene.sources.emplace(source.id, std::move(source));
   }
-  auto family = LoadFamily(store_, key.project, newest_build, std::move(builds));
-  if (!family.ok()) return family.status();
-  scene.family = *std::move(family);
   return &scene;
 }
 

@@ -3,29 +3,12 @@
 #pragma once
 
 #include <map>
-#include <optional>
-#include <set>
 #include <string>
-#include <vector>
 
 #include "absl/status/statusor.h"
-#include "engine_client/decider/pooling/build_family.h"
 #include "server/sessions/prior_store.h"
 
 namespace sweepstake::rpc {
-
-// So far back the ancestors of builds are looked for: what is further apart counts no more than
-// what is not related.
-inline constexpr int kMaxGenerations = 6;
-// Of so many builds at most; the nearest generations come first.
-inline constexpr size_t kMaxRelatives = 256;
-
-// Returns how much what the `others` taught counts for the build, all of the project. A name may be
-// empty, of which nothing was told. Errors: those of PriorReader::LoadBuilds.
-absl::StatusOr<decision::BuildFamily> LoadFamily(priors::PriorReader& store,
-                                                 const std::string& project,
-                                                 const std::string& build,
-                                                 std::set<std::string> others);
 
 // For people who look at the sources; a scene is read once.
 class SourceWeights {
@@ -38,14 +21,14 @@ class SourceWeights {
   // that is known there. It is the weight that session_start.cc gives; 0 for what no such session
   // looks at: what waits in quarantine, or is not among the sources that LoadSources chooses of the
   // arm. Where rewards do not tell costs, the sums of all sources count, which is 1. Errors: those
-  // of PriorReader::LoadSources and LoadBuilds.
+  // of PriorReader::LoadSources.
   absl::StatusOr<double> Of(const priors::PriorRecord& record);
 
  private:
   struct Scene {
     std::map<std::string, priors::SceneSource> sources;  // those of its class, by id
     std::map<std::string, uint32_t> newest_versions;     // by arm
-    std::optional<decision::BuildFamily> family;         // of the newest build
+    std::string newest_build;                            // that of the source seen last
   };
 
   absl::StatusOr<const Scene*> Find(const priors::SceneKey& key);

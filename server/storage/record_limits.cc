@@ -73,21 +73,6 @@ absl::string_view WrongRecord(const priors::PriorRecord& record) {
   return wrong;
 }
 
-absl::string_view WrongBuild(const priors::Build& build) {
-  if (!IsName(build.project)) return "project must be a name of 1 to 128 bytes";
-  if (!IsName(build.name)) return "the build must be a name of 1 to 128 bytes";
-  if (build.parents.size() > priors::kMaxParents) return "a build has at most 8 parents";
-  for (size_t i = 0; i < build.parents.size(); ++i) {
-    const std::string& parent = build.parents[i];
-    if (!IsName(parent)) return "a parent must be a name of 1 to 128 bytes";
-    if (parent == build.name) return "a build is not its own parent";
-    if (i > 0 && !(build.parents[i - 1] < parent)) return "parents must ascend, each once";
-  }
-  if (build.unix_made_s > uint64_t{priors::kMaxUnixMadeS})
-    return "unix_made_s must be before the year 10000";
-  return {};
-}
-
 constexpr uint64_t kAuditChunks = 32;
 
 // 0 if the wall clock was set back.
@@ -113,21 +98,6 @@ absl::Status CheckRecords(std::span<const priors::PriorRecord> records) {
   return absl::OkStatus();
 }
 
-absl::Status CheckBuilds(std::span<const priors::Build> builds) {
-  for (size_t i = 0; i < builds.size(); ++i) {
-    const absl::string_view wrong = WrongBuild(builds[i]);
-    if (!wrong.empty()) return absl::InvalidArgumentError(absl::StrCat("build ", i, ": ", wrong));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status BuildBound(const std::string& project, uint64_t count) {
-  if (count <= priors::kMaxBuilds) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat("project ", project, " would have ", count,
-                                                   " builds, more than ", priors::kMaxBuilds,
-                                                   "; forget some that are not played any more"));
-}
-
 absl::Status QuarantineBound(uint64_t count, uint64_t max_records) {
   if (count <= max_records) return absl::OkStatus();
   return absl::ResourceExhaustedError(
@@ -138,13 +108,6 @@ absl::Status QuarantineBound(uint64_t count, uint64_t max_records) {
 bool BarsUnknown(const priors::SourceFilter& filter) {
   return !filter.id.empty() && filter.id != decision::kAdminSession &&
          filter == priors::SourceFilter{.id = filter.id};
-}
-
-bool IsFolded(const std::string& source) { return source.front() < ' '; }
-
-bool MeansABuild(const priors::SourceFilter& filter) {
-  return !filter.build.empty() && filter.id.empty() && filter.token_id == 0 &&
-         filter.from_unix_s == 0 && filter.until_unix_s == priors::SourceFilter().until_unix_s;
 }
 
 bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row) {

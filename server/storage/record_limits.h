@@ -13,14 +13,10 @@ inline constexpr double kMaxEvidence = 1e15;  // exclusive maximum of an increme
 // The maximum of sequences and counts, which must fit SQLite's integers.
 inline constexpr uint64_t kMaxCount = (1ull << 63) - 1;
 
-// These check all updates, records or builds. The error INVALID_ARGUMENT names the one (from 0) and
-// the field.
+// These check all updates or records. The error INVALID_ARGUMENT names the one (from 0) and the
+// field.
 absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates);
 absl::Status CheckRecords(std::span<const priors::PriorRecord> records);
-absl::Status CheckBuilds(std::span<const priors::Build> builds);
-
-// Error: RESOURCE_EXHAUSTED (a project has more builds than it may).
-absl::Status BuildBound(const std::string& project, uint64_t count);
 
 // Error: RESOURCE_EXHAUSTED (so many records in quarantine are more than may wait there).
 absl::Status QuarantineBound(uint64_t count, uint64_t max_records);
@@ -28,12 +24,6 @@ absl::Status QuarantineBound(uint64_t count, uint64_t max_records);
 // Returns whether a revocation bars a source that the store has nothing of: one that asks for its
 // id alone. With more than that, the store may have it, of another project, build or time.
 bool BarsUnknown(const priors::SourceFilter& filter);
-
-// Returns whether the source has the folded evidence of others (FoldSources).
-bool IsFolded(const std::string& source);
-
-// Returns whether all sources of a build are meant, and with them what was folded of it.
-bool MeansABuild(const priors::SourceFilter& filter);
 
 // Returns whether one of the rows can be stored. If a name of theirs is invalid, none can be.
 bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row);

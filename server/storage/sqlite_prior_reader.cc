@@ -168,7 +168,6 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorReader::LoadSource
         state.created_unix_s = row.Unsigned(7);
         state.last_seen_unix_s = row.Unsigned(8);
         whole = row.Integer(9) != 0;
-        state.is_counted = row.Integer(10) != 0;
       },
       source_id);
   if (!status.ok()) return status;
@@ -290,22 +289,9 @@ absl::StatusOr<SqlitePriorReader::ExportKey> SqlitePriorReader::NextKey(
   return next;
 }
 
-absl::Status SqlitePriorReader::CountFolded(const ExportKey& key, priors::ExportPage& page) {
-  return statements_.folded_evidence.ForEachRow(
-      [&](const SqliteRow& row) {
-        page.folded_record_count += row.Unsigned(0);
-        page.folded_window_count += row.Unsigned(1);
-      },
-      key.id);
-}
-
 absl::Status SqlitePriorReader::AppendEvidence(const ExportKey& key, uint32_t limit,
                                                bool quarantined, priors::ExportPage& page) {
   const uint64_t first = page.next.key == key.key ? page.next.source_number : 0;
-  if (first == 0 && !quarantined) {
-    absl::Status status = CountFolded(key, page);
-    if (!status.ok()) return status;
-  }
   bool damaged = key.damaged;
   SqliteStatement& statement =
       quarantined ? statements_.quarantined_evidence : statements_.key_evidence;

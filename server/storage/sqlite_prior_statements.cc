@@ -18,10 +18,6 @@ struct StatementText {
 // readers need not visit the sources. Counts are added by total() or up to their max, because an
 // overflow would make a scene unreadable after two imported records.
 //
-// Evidence that was folded belongs to a source per month and build, whose name begins with a
-// control character (FoldSources). No session and no record has such a name, and all of theirs sort
-// behind ' '.
-//
 // What waits in quarantine is in a table of its own, which only the statements that name it read.
 //
 // Whoever writes a row writes its hash (sqlite_schema.h): row_hash of the new values where the row
@@ -132,20 +128,17 @@ constexpr StatementText<PriorStatements> kStatements[] = {
                                         explored_arm_count, decision_count, frame_count, seed,
                                         created_unix_s, last_seen_unix_s, build, token_id))
         RETURNING id)sql"},
-    // Of sources whose names begin with a control character only where all of a build are meant.
     {&PriorStatements::matching_sources, R"sql(
         SELECT id, name FROM source
-        WHERE (revoked = 0 OR ?9) AND (?1 = '' OR name = ?1) AND (?2 = '' OR build = ?2)
-          AND (?3 = 0 OR token_id = ?3) AND created_unix_s BETWEEN ?4 AND ?5
-          AND (name >= ' ' OR ?6) AND name <> ?8
-          AND (?7 = '' OR name < ' '
+        WHERE (revoked = 0 OR ?8) AND (?1 = '' OR name = ?1) AND (?2 = '' OR build = ?2)
+          AND (?3 = 0 OR token_id = ?3) AND created_unix_s BETWEEN ?4 AND ?5 AND name <> ?7
+          AND (?6 = ''
                OR EXISTS (SELECT 1 FROM scene_source j JOIN scene s ON s.id = scene_id
-                          WHERE source_id = source.id AND project = ?7)
+                          WHERE source_id = source.id AND project = ?6)
                OR EXISTS (SELECT 1 FROM quarantined_evidence q JOIN evidence_key k ON k.id = key_id
-                          WHERE source_id = source.id AND project = ?7))
-          AND (NOT ?9
+                          WHERE source_id = source.id AND project = ?6))
+          AND (NOT ?8
                OR EXISTS (SELECT 1 FROM quarantined_evidence WHERE source_id = source.id)))sql"},
-    // A source whose evidence was folded stays counted where that is, unless that goes, too.
     {&PriorStatements::leave_scenes, R"sql(
         UPDATE scene
         SET source_count = source_count - 1,
@@ -153,63 +146,16 @@ constexpr StatementText<PriorStatements> kStatements[] = {
                              row_hash(project, scene, machine_class, reward_version,
                                       source_count - 1))
         WHERE (?2 = '' OR project = ?2)
-          AND id IN (SELECT scene_id FROM scene_source j
-                     WHERE source_id = ?1
-                       AND (?3 OR EXISTS (SELECT 1 FROM evidence_key k JOIN evidence e
-                                            ON e.key_id = k.id AND e.source_id = ?1
-                                          WHERE k.scene_id = j.scene_id))))sql"},
+          AND id IN (SELECT scene_id FROM scene_source WHERE source_id = ?1))sql"},
     {&PriorStatements::forget_scenes, R"sql(
-        DELETE FROM scene_source AS j
+        DELETE FROM scene_source
         WHERE source_id = ?1
-          AND (?2 = '' OR (SELECT project FROM scene WHERE id = scene_id) = ?2)
-          AND (?3 OR EXISTS (SELECT 1 FROM evidence_key k JOIN evidence e
-                               ON e.key_id = k.id AND e.source_id = ?1
-                             WHERE k.scene_id = j.scene_id)))sql"},
+          AND (?2 = '' OR (SELECT project FROM scene WHERE id = scene_id) = ?2))sql"},
     {&PriorStatements::delete_evidence, R"sql(
         DELETE FROM evidence
         WHERE source_id = ?1
           AND (?2 = '' OR (SELECT project FROM evidence_key WHERE id = key_id) = ?2)
         RETURNING key_id, window_count)sql"},
-    // The month is empty where the evidence is to stay as it is.
-    {&PriorStatements::next_evidence, R"sql(
-        SELECT e.source_id, e.key_id,
-               iif(is_session = 1 AND last_seen_unix_s BETWEEN 1 AND ?3 AND hash = content_hash,
-                   strftime('%Y-%m', last_seen_unix_s, 'unixepoch'), ''), build
-        FROM (SELECT source_id, key_id FROM evidence
-              WHERE source_id >= ?1 AND (source_id > ?1 OR key_id > ?2)
-              ORDER BY source_id, key_id LIMIT ?4) e
-             CROSS JOIN source ON id = e.source_id
-        ORDER BY 1, 2)sql"},
-    {&PriorStatements::add_folded_source, R"sql(
-        INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
-                            explored_arm_count, decision_count, frame_count, seed, build, hash)
-        VALUES (?1, 0, 0, 0, 0, 0, 0, 0, 0, ?2, row_hash(?1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ?2, 0))
-        ON CONFLICT (name) DO UPDATE SET name = name
-        RETURNING id)sql"},
-    // A folded row's sequence is the number of rows that were added to it. What is damaged stays
-    // where it is, and nothing is added to it; nor does a row grow beyond what it may hold.
-    {&PriorStatements::fold_evidence, R"sql(
-        INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count,
-                              bail_out_count, hash)
-        SELECT e.key_id, ?3, 1, e.alpha, e.beta, e.window_count, e.bail_out_count,
-               row_hash(e.key_id, ?3, 1, e.alpha, e.beta, e.window_count, e.bail_out_count)
-        FROM evidence e LEFT JOIN evidence f ON f.key_id = e.key_id AND f.source_id = ?3
-        WHERE e.key_id = ?1 AND e.source_id = ?2 AND e.hash = e.content_hash
-          AND (f.key_id IS NULL
-               OR (f.hash = f.content_hash AND e.alpha + f.alpha < 1e15 AND e.beta + f.beta < 1e15
-                   AND e.window_count <= 9223372036854775807 - f.window_count
-                   AND e.bail_out_count <= 9223372036854775807 - f.bail_out_count))
-        ON CONFLICT DO UPDATE
-          SET sequence = sequence + 1, alpha = alpha + excluded.alpha,
-              beta = beta + excluded.beta, window_count = window_count + excluded.window_count,
-              bail_out_count = bail_out_count + excluded.bail_out_count,
-              hash = next_hash(hash, content_hash,
-                               row_hash(key_id, source_id, sequence + 1, alpha + excluded.alpha,
-                                        beta + excluded.beta,
-                                        window_count + excluded.window_count,
-                                        bail_out_count + excluded.bail_out_count))
-        RETURNING sequence)sql"},
-    {&PriorStatements::delete_folded, "DELETE FROM evidence WHERE key_id = ?1 AND source_id = ?2"},
     {&PriorStatements::quarantine_evidence, R"sql(
         INSERT INTO quarantined_evidence (key_id, source_id, sequence, alpha, beta, window_count,
                                           bail_out_count, hash)
@@ -235,12 +181,6 @@ constexpr StatementText<PriorStatements> kStatements[] = {
         WHERE source_id = ?1 AND (?2 = '' OR project = ?2) AND q.hash = q.content_hash
         ORDER BY key_id)sql"},
     {&PriorStatements::count_quarantined, "SELECT count(*) FROM quarantined_evidence"},
-    {&PriorStatements::forget_build, "DELETE FROM build_parent WHERE project = ?1 AND build = ?2"},
-    {&PriorStatements::add_parent, R"sql(
-        INSERT INTO build_parent (project, build, parent, unix_made_s, hash)
-        VALUES (?1, ?2, ?3, ?4, row_hash(?1, ?2, ?3, ?4)))sql"},
-    {&PriorStatements::count_builds,
-     "SELECT count(DISTINCT build) FROM build_parent WHERE project = ?1"},
 };
 
 constexpr StatementText<PriorReadStatements> kReadStatements[] = {
@@ -266,8 +206,7 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
           AND backend_version = ?5 AND machine_class = ?6 AND reward_version = ?7)sql"},
     {&PriorReadStatements::load_source, R"sql(
         SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
-               frame_count, seed, created_unix_s, last_seen_unix_s, hash = content_hash,
-               EXISTS (SELECT 1 FROM scene_source WHERE source_id = id)
+               frame_count, seed, created_unix_s, last_seen_unix_s, hash = content_hash
         FROM source WHERE name = ?1 AND is_session = 1 AND revoked = 0)sql"},
     {&PriorReadStatements::source_evidence, R"sql(
         SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
@@ -340,12 +279,8 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
                e.hash = e.content_hash AND s.hash = s.content_hash, build, last_seen_unix_s,
                NOT is_session
         FROM evidence e CROSS JOIN source s ON s.id = source_id
-        WHERE key_id = ?1 AND source_id > ?2 AND name >= ' '
+        WHERE key_id = ?1 AND source_id > ?2
         ORDER BY source_id LIMIT ?3)sql"},
-    {&PriorReadStatements::folded_evidence, R"sql(
-        SELECT CAST(total(sequence) AS INTEGER), CAST(total(window_count) AS INTEGER)
-        FROM source s CROSS JOIN evidence e ON key_id = ?1 AND source_id = s.id
-        WHERE name < ' ')sql"},
     {&PriorReadStatements::next_quarantined_key, R"sql(
         SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
                id, hash = content_hash
@@ -363,19 +298,6 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         FROM quarantined_evidence q CROSS JOIN source s ON s.id = source_id
         WHERE key_id = ?1 AND source_id > ?2
         ORDER BY source_id LIMIT ?3)sql"},
-    {&PriorReadStatements::build, R"sql(
-        SELECT project, build, parent, unix_made_s FROM build_parent
-        WHERE project = ?1 AND build = ?2 AND hash = content_hash
-        ORDER BY parent)sql"},
-    {&PriorReadStatements::list_builds, R"sql(
-        SELECT project, build, parent, unix_made_s FROM build_parent
-        WHERE hash = content_hash
-          AND (project, build) IN (SELECT DISTINCT project, build FROM build_parent
-                                   WHERE (project, build) > (?2, ?3) AND (?1 = '' OR project = ?1)
-                                     AND hash = content_hash
-                                     AND (?4 = '' OR instr(?4, char(10) || project || char(10)))
-                                   ORDER BY 1, 2 LIMIT ?5)
-        ORDER BY 1, 2, 3)sql"},
 };
 
 template <typename Statements, size_t kCount>

@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/audit_log.h"
-#include "server/storage/folding/sqlite_folding.h"
 #include "server/storage/private_file.h"
 #include "server/storage/record_limits.h"
 #include "server/storage/sources/sqlite_sources.h"
@@ -33,7 +32,9 @@ class SqlitePriorStore final : public priors::PriorStore {
  public:
   explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
 
-  absl::Status Prepare(const std::filesystem::path& path, const priors::AuditLimits& audit_limits);
+  absl::Status Prepare(const priors::AuditLimits& audit_limits);
+  // Says which file the database is in. CheckPlace compares it from then on.
+  absl::Status SetPlace(const std::filesystem::path& path);
   absl::Status Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes);
   absl::StatusOr<uint64_t> UsedBytes() { return database_.UsedBytes(); }
 
@@ -76,18 +77,6 @@ class SqlitePriorStore final : public priors::PriorStore {
                                                 const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
-  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
-  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override {
-    return reader_->LoadBuilds(project, names);
-  }
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override {
-    return reader_->ListBuilds(filter, after, limit);
-  }
-  absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s, uint32_t row_count);
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -140,11 +129,10 @@ class SqlitePriorStore final : public priors::PriorStore {
   // By project: those that have scenes and were asked for, so that a count visits the rows once.
   SceneCounts scene_counts_;
   SceneCounts added_counts_;  // by the transaction that runs
-  FilesInUse files_;          // the database and its log
+  FilesInUse files_;          // the database and its log; none in memory
 };
 
-absl::Status SqlitePriorStore::Prepare(const std::filesystem::path& path,
-                                       const priors::AuditLimits& audit_limits) {
+absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) {
   auto statements = PriorStatements::Prepare(database_);
   if (!statements.ok()) return statements.status();
   statements_ = *std::move(statements);
@@ -154,6 +142,10 @@ absl::Status SqlitePriorStore::Prepare(const std::filesystem::path& path,
   auto audit = SqliteAuditLog::Open(database_, audit_limits);
   if (!audit.ok()) return audit.status();
   audit_ = *std::move(audit);
+  return absl::OkStatus();
+}
+
+absl::Status SqlitePriorStore::SetPlace(const std::filesystem::path& path) {
   absl::Status status = files_.Add(path);
   return status.ok() ? files_.Add(path.string() + "-wal") : status;
 }
@@ -438,25 +430,6 @@ absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::Sour
   return status.ok() || (result.ok() && preview) ? result : status;
 }
 
-absl::Status SqlitePriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
-  if (absl::Status status = CheckBuilds(builds); !status.ok()) return status;
-  return InTransaction([&] { return storage::DescribeBuilds(statements_, builds); });
-}
-
-absl::Status SqlitePriorStore::ForgetBuilds(std::span<const priors::BuildPlace> builds) {
-  return InTransaction([&] { return storage::ForgetBuilds(statements_, builds); });
-}
-
-absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s,
-                                                uint32_t row_count) {
-  absl::StatusOr<FoldStep> step;
-  absl::Status status = InTransaction([&] {
-    step = FoldRows(statements_, after, last_unix_s, row_count);
-    return step.status();
-  });
-  return status.ok() ? step : status;
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
@@ -471,7 +444,18 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     if (absl::Status status = database->TimeSyncs(std::move(on_sync)); !status.ok()) return status;
   }
   auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
-  if (absl::Status status = store->Prepare(path, audit_limits); !status.ok()) return status;
+  absl::Status status = store->Prepare(audit_limits);
+  if (status.ok()) status = store->SetPlace(path);
+  if (!status.ok()) return status;
+  return store;
+}
+
+absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenMemoryPriorStore(
+    const priors::AuditLimits& audit_limits) {
+  auto database = OpenPriorDatabaseInMemory();
+  if (!database.ok()) return database.status();
+  auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
+  if (absl::Status status = store->Prepare(audit_limits); !status.ok()) return status;
   return store;
 }
 
@@ -487,11 +471,6 @@ absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store) {
 absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,
                        const SqliteDatabase::Edit& edit) {
   return static_cast<SqlitePriorStore&>(store).CopyTo(file, edit);
-}
-
-absl::StatusOr<FoldStep> FoldSources(priors::PriorStore& store, const FoldPlace& after,
-                                     uint64_t last_unix_s, uint32_t row_count) {
-  return static_cast<SqlitePriorStore&>(store).Fold(after, last_unix_s, row_count);
 }
 
 }  // namespace sweepstake::storage

@@ -29,6 +29,10 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {},
     uint64_t max_bytes = 0, std::function<void(std::chrono::nanoseconds)> on_sync = {});
 
+// Opens a new store in memory, which is lost when it is destroyed: for tests.
+absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenMemoryPriorStore(
+    const priors::AuditLimits& audit_limits = {});
+
 // Changes the limits of the audit log, whose rows beyond them are removed, and how large the file
 // may grow, at least to its present size. REQUIRES: `store` is of OpenSqlitePriorStore.
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
@@ -44,33 +48,5 @@ absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store);
 // REQUIRES: `store` is of OpenSqlitePriorStore.
 absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,
                        const SqliteDatabase::Edit& edit);
-
-// A place in the evidence, which is ordered by source and key. By default before all.
-struct FoldPlace {
-  int64_t source = 0;
-  int64_t key = 0;
-};
-
-struct FoldStep {
-  FoldPlace next;
-  uint64_t source_count = 0;  // sources whose evidence was folded
-  uint64_t record_count = 0;  // rows of evidence that this took
-  bool last = false;          // there is no evidence behind `next`
-};
-
-// So many rows take as long as a group of commits.
-inline constexpr uint32_t kRowsPerFold = 200;
-
-// Looks at the next `row_count` rows of evidence, and folds those of sessions of this store that
-// were last seen at `last_unix_s` or before: the row is added to one for its key and the calendar
-// month (UTC) in which the session was last seen, and removed. Sums and numbers of sources stay as
-// they are, to the bit. The session stays with its progress, so that what is sent again is ignored,
-// and what is new of it is added. Its own part can no longer be exported or revoked. Rows that are
-// damaged, and those of sessions from before their times were kept, stay as they are.
-//
-// All of a step is done or nothing. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of
-// OpenSqlitePriorStore; row_count > 0.
-absl::StatusOr<FoldStep> FoldSources(priors::PriorStore& store, const FoldPlace& after,
-                                     uint64_t last_unix_s, uint32_t row_count = kRowsPerFold);
 
 }  // namespace sweepstake::storage

@@ -1,6 +1,5 @@
 #include "server/storage/sqlite_schema.h"
 
-#include <array>
 #include <fstream>
 #include <string>
 #include <system_error>
@@ -16,9 +15,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
-// sides, because `alpha >= 0` alone would accept +Inf.
-constexpr std::array<const char*, 11> kMigrations = {R"sql(
+constexpr int64_t kSchemaVersion = 1;
+
+// Every bound has two sides, because `alpha >= 0` alone would accept +Inf.
+//
+// evidence_key holds the sums of its rows of evidence, and scene the number of its sources, so that
+// readers need not visit the sources. A row of scene_source says that the source has evidence about
+// the scene.
+constexpr const char* kSchema = R"sql(
+  CREATE TABLE store (id TEXT NOT NULL CHECK (length(id) = 32)) STRICT;
+  INSERT INTO store VALUES (lower(hex(randomblob(16))));
+
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -29,54 +36,20 @@ constexpr std::array<const char*, 11> kMigrations = {R"sql(
     explored_arm_count INTEGER NOT NULL CHECK (explored_arm_count BETWEEN 0 AND 4294967295),
     decision_count INTEGER NOT NULL CHECK (decision_count BETWEEN 0 AND 9223372036854775807),
     frame_count INTEGER NOT NULL CHECK (frame_count BETWEEN 0 AND 9223372036854775807),
-    seed INTEGER NOT NULL
+    seed INTEGER NOT NULL,
+    created_unix_s INTEGER NOT NULL DEFAULT 0
+      CHECK (created_unix_s BETWEEN 0 AND 9223372036854775807),
+    last_seen_unix_s INTEGER NOT NULL DEFAULT 0
+      CHECK (last_seen_unix_s BETWEEN 0 AND 9223372036854775807),
+    build TEXT NOT NULL DEFAULT '' CHECK (length(CAST(build AS BLOB)) BETWEEN 0 AND 128),
+    token_id INTEGER NOT NULL DEFAULT 0 CHECK (token_id BETWEEN 0 AND 9223372036854775807),
+    hash INTEGER NOT NULL,
+    content_hash INTEGER GENERATED ALWAYS AS (
+      row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
+               decision_count, frame_count, seed, created_unix_s, last_seen_unix_s, build,
+               token_id)) VIRTUAL
   ) STRICT;
 
-  CREATE TABLE evidence_key (
-    id INTEGER PRIMARY KEY,
-    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
-    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
-    context_bucket TEXT NOT NULL CHECK (length(CAST(context_bucket AS BLOB)) BETWEEN 0 AND 128),
-    arm TEXT NOT NULL CHECK (length(CAST(arm AS BLOB)) BETWEEN 1 AND 128),
-    backend_version INTEGER NOT NULL CHECK (backend_version BETWEEN 1 AND 4294967295),
-    machine_class TEXT NOT NULL CHECK (length(CAST(machine_class AS BLOB)) BETWEEN 0 AND 128),
-    reward_version INTEGER NOT NULL CHECK (reward_version BETWEEN 1 AND 4294967295),
-    UNIQUE (project, scene, context_bucket, arm, backend_version, machine_class, reward_version)
-  ) STRICT;
-
-  CREATE TABLE evidence (
-    key_id INTEGER NOT NULL REFERENCES evidence_key (id),
-    source_id INTEGER NOT NULL REFERENCES source (id),
-    sequence INTEGER NOT NULL CHECK (sequence BETWEEN 1 AND 9223372036854775807),
-    alpha REAL NOT NULL CHECK (alpha >= 0 AND alpha < 1e15),
-    beta REAL NOT NULL CHECK (beta >= 0 AND beta < 1e15),
-    window_count INTEGER NOT NULL CHECK (window_count BETWEEN 0 AND 9223372036854775807),
-    bail_out_count INTEGER NOT NULL CHECK (bail_out_count BETWEEN 0 AND 9223372036854775807),
-    PRIMARY KEY (key_id, source_id)
-  ) STRICT, WITHOUT ROWID;
-
-  CREATE INDEX evidence_by_source ON evidence (source_id);
-)sql",
-                                                     R"sql(
-  CREATE TABLE audit_segment (
-    id INTEGER PRIMARY KEY,
-    session TEXT NOT NULL CHECK (length(CAST(session AS BLOB)) BETWEEN 1 AND 128),
-    segment INTEGER NOT NULL CHECK (segment BETWEEN 1 AND 4294967295),
-    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
-    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
-    unix_start_ms INTEGER NOT NULL,
-    row_count INTEGER NOT NULL CHECK (row_count BETWEEN 1 AND 9223372036854775807),
-    UNIQUE (session, segment)
-  ) STRICT;
-
-  CREATE TABLE audit_row (
-    segment_id INTEGER NOT NULL REFERENCES audit_segment (id),
-    number INTEGER NOT NULL CHECK (number BETWEEN 1 AND 9223372036854775807),
-    text TEXT NOT NULL CHECK (length(CAST(text AS BLOB)) BETWEEN 1 AND 65536),
-    UNIQUE (segment_id, number)
-  ) STRICT;
-)sql",
-                                                     R"sql(
   CREATE TABLE scene (
     id INTEGER PRIMARY KEY,
     project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
@@ -84,6 +57,9 @@ constexpr std::array<const char*, 11> kMigrations = {R"sql(
     machine_class TEXT NOT NULL CHECK (length(CAST(machine_class AS BLOB)) BETWEEN 0 AND 128),
     reward_version INTEGER NOT NULL CHECK (reward_version BETWEEN 1 AND 4294967295),
     source_count INTEGER NOT NULL CHECK (source_count BETWEEN 0 AND 9223372036854775807),
+    hash INTEGER NOT NULL,
+    content_hash INTEGER GENERATED ALWAYS AS (
+      row_hash(project, scene, machine_class, reward_version, source_count)) VIRTUAL,
     UNIQUE (project, scene, machine_class, reward_version)
   ) STRICT;
 
@@ -93,48 +69,70 @@ constexpr std::array<const char*, 11> kMigrations = {R"sql(
     PRIMARY KEY (source_id, scene_id)
   ) STRICT, WITHOUT ROWID;
 
-  ALTER TABLE evidence_key ADD COLUMN scene_id INTEGER REFERENCES scene (id);
-  ALTER TABLE evidence_key ADD COLUMN alpha_sum REAL NOT NULL DEFAULT 0
-    CHECK (alpha_sum >= 0 AND alpha_sum < 1e300);
-  ALTER TABLE evidence_key ADD COLUMN beta_sum REAL NOT NULL DEFAULT 0
-    CHECK (beta_sum >= 0 AND beta_sum < 1e300);
-  ALTER TABLE evidence_key ADD COLUMN window_sum INTEGER NOT NULL DEFAULT 0
-    CHECK (window_sum BETWEEN 0 AND 9223372036854775807);
-  ALTER TABLE evidence_key ADD COLUMN bail_out_sum INTEGER NOT NULL DEFAULT 0
-    CHECK (bail_out_sum BETWEEN 0 AND 9223372036854775807);
-  ALTER TABLE evidence_key ADD COLUMN source_count INTEGER NOT NULL DEFAULT 0
-    CHECK (source_count BETWEEN 0 AND 9223372036854775807);
-
-  INSERT INTO scene (project, scene, machine_class, reward_version, source_count)
-    SELECT DISTINCT project, scene, machine_class, reward_version, 0 FROM evidence_key;
-  UPDATE evidence_key AS k SET scene_id = s.id FROM scene s
-    WHERE (s.project, s.scene, s.machine_class, s.reward_version) =
-          (k.project, k.scene, k.machine_class, k.reward_version);
-  UPDATE evidence_key
-    SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count) =
-        (SELECT total(alpha), total(beta), CAST(total(window_count) AS INTEGER),
-                CAST(total(bail_out_count) AS INTEGER), count(*)
-         FROM evidence WHERE key_id = evidence_key.id);
-  INSERT INTO scene_source
-    SELECT DISTINCT source_id, scene_id FROM evidence JOIN evidence_key k ON k.id = key_id;
-  UPDATE scene SET source_count = n
-    FROM (SELECT scene_id, count(*) AS n FROM scene_source GROUP BY scene_id)
-    WHERE scene_id = scene.id;
+  CREATE TABLE evidence_key (
+    id INTEGER PRIMARY KEY,
+    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
+    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
+    measured_by TEXT NOT NULL CHECK (length(CAST(measured_by AS BLOB)) BETWEEN 0 AND 128),
+    arm TEXT NOT NULL CHECK (length(CAST(arm AS BLOB)) BETWEEN 1 AND 128),
+    backend_version INTEGER NOT NULL CHECK (backend_version BETWEEN 1 AND 4294967295),
+    machine_class TEXT NOT NULL CHECK (length(CAST(machine_class AS BLOB)) BETWEEN 0 AND 128),
+    reward_version INTEGER NOT NULL CHECK (reward_version BETWEEN 1 AND 4294967295),
+    scene_id INTEGER NOT NULL REFERENCES scene (id),
+    alpha_sum REAL NOT NULL DEFAULT 0 CHECK (alpha_sum >= 0 AND alpha_sum < 1e300),
+    beta_sum REAL NOT NULL DEFAULT 0 CHECK (beta_sum >= 0 AND beta_sum < 1e300),
+    window_sum INTEGER NOT NULL DEFAULT 0 CHECK (window_sum BETWEEN 0 AND 9223372036854775807),
+    bail_out_sum INTEGER NOT NULL DEFAULT 0
+      CHECK (bail_out_sum BETWEEN 0 AND 9223372036854775807),
+    source_count INTEGER NOT NULL DEFAULT 0
+      CHECK (source_count BETWEEN 0 AND 9223372036854775807),
+    hash INTEGER NOT NULL,
+    content_hash INTEGER GENERATED ALWAYS AS (
+      row_hash(project, scene, measured_by, arm, backend_version, machine_class, reward_version,
+               scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, source_count)) VIRTUAL,
+    UNIQUE (project, scene, measured_by, arm, backend_version, machine_class, reward_version)
+  ) STRICT;
   CREATE INDEX evidence_key_by_scene ON evidence_key (scene_id, arm, backend_version);
-)sql",
-                                                     R"sql(
-  ALTER TABLE source ADD COLUMN created_unix_s INTEGER NOT NULL DEFAULT 0
-    CHECK (created_unix_s BETWEEN 0 AND 9223372036854775807);
-  ALTER TABLE source ADD COLUMN last_seen_unix_s INTEGER NOT NULL DEFAULT 0
-    CHECK (last_seen_unix_s BETWEEN 0 AND 9223372036854775807);
-)sql",
-                                                     R"sql(
-  CREATE TABLE store (id TEXT NOT NULL CHECK (length(id) = 32)) STRICT;
-  INSERT INTO store VALUES (lower(hex(randomblob(16))));
-)sql",
-                                                     R"sql(
-  ALTER TABLE audit_segment DROP COLUMN row_count;
-  ALTER TABLE audit_row RENAME TO audit_row_5;
+
+  CREATE TABLE evidence (
+    key_id INTEGER NOT NULL REFERENCES evidence_key (id),
+    source_id INTEGER NOT NULL REFERENCES source (id),
+    sequence INTEGER NOT NULL CHECK (sequence BETWEEN 1 AND 9223372036854775807),
+    alpha REAL NOT NULL CHECK (alpha >= 0 AND alpha < 1e15),
+    beta REAL NOT NULL CHECK (beta >= 0 AND beta < 1e15),
+    window_count INTEGER NOT NULL CHECK (window_count BETWEEN 0 AND 9223372036854775807),
+    bail_out_count INTEGER NOT NULL CHECK (bail_out_count BETWEEN 0 AND 9223372036854775807),
+    hash INTEGER NOT NULL,
+    content_hash INTEGER GENERATED ALWAYS AS (
+      row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL,
+    PRIMARY KEY (key_id, source_id)
+  ) STRICT, WITHOUT ROWID;
+  CREATE INDEX evidence_by_source ON evidence (source_id);
+
+  CREATE TABLE quarantined_evidence (
+    key_id INTEGER NOT NULL REFERENCES evidence_key (id),
+    source_id INTEGER NOT NULL REFERENCES source (id),
+    sequence INTEGER NOT NULL CHECK (sequence BETWEEN 1 AND 9223372036854775807),
+    alpha REAL NOT NULL CHECK (alpha >= 0 AND alpha < 1e15),
+    beta REAL NOT NULL CHECK (beta >= 0 AND beta < 1e15),
+    window_count INTEGER NOT NULL CHECK (window_count BETWEEN 0 AND 9223372036854775807),
+    bail_out_count INTEGER NOT NULL CHECK (bail_out_count BETWEEN 0 AND 9223372036854775807),
+    hash INTEGER NOT NULL,
+    content_hash INTEGER GENERATED ALWAYS AS (
+      row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL,
+    PRIMARY KEY (key_id, source_id)
+  ) STRICT, WITHOUT ROWID;
+  CREATE INDEX quarantined_evidence_by_source ON quarantined_evidence (source_id);
+
+  CREATE TABLE audit_segment (
+    id INTEGER PRIMARY KEY,
+    session TEXT NOT NULL CHECK (length(CAST(session AS BLOB)) BETWEEN 1 AND 128),
+    segment INTEGER NOT NULL CHECK (segment BETWEEN 1 AND 4294967295),
+    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
+    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
+    unix_start_ms INTEGER NOT NULL,
+    UNIQUE (session, segment)
+  ) STRICT;
 
   CREATE TABLE audit_row (
     id INTEGER PRIMARY KEY,
@@ -149,86 +147,7 @@ constexpr std::array<const char*, 11> kMigrations = {R"sql(
     unix_start_s INTEGER NOT NULL CHECK (unix_start_s BETWEEN 0 AND 9223372036854775807),
     byte_count INTEGER NOT NULL CHECK (byte_count BETWEEN 0 AND 9223372036854775807)
   ) STRICT;
-
-  INSERT INTO audit_row SELECT rowid, segment_id, number, text FROM audit_row_5 ORDER BY rowid;
-  DROP TABLE audit_row_5;
-  INSERT INTO audit_chunk
-    SELECT min(r.id), max(0, max(s.unix_start_ms) / 1000), sum(length(CAST(text AS BLOB)))
-    FROM audit_row r JOIN audit_segment s ON s.id = segment_id
-    GROUP BY r.id / 5000;  -- some 5 MB each, to be removed one by one
-)sql",
-                                                     R"sql(
-  ALTER TABLE source ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
-  ALTER TABLE source ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
-    row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
-             decision_count, frame_count, seed, created_unix_s, last_seen_unix_s)) VIRTUAL;
-  UPDATE source SET hash = content_hash;
-
-  ALTER TABLE scene ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
-  ALTER TABLE scene ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
-    row_hash(project, scene, machine_class, reward_version, source_count)) VIRTUAL;
-  UPDATE scene SET hash = content_hash;
-
-  ALTER TABLE evidence_key ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
-  ALTER TABLE evidence_key ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
-    row_hash(project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-             scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, source_count)) VIRTUAL;
-  UPDATE evidence_key SET hash = content_hash;
-
-  ALTER TABLE evidence ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
-  ALTER TABLE evidence ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
-    row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL;
-  UPDATE evidence SET hash = content_hash;
-)sql",
-                                                     R"sql(
-  ALTER TABLE evidence_key RENAME COLUMN context_bucket TO measured_by;
-)sql",
-                                                     R"sql(
-  UPDATE source
-    SET hash = next_hash(hash, content_hash,
-                         row_hash(name, is_session, revoked, commit_sequence, message_sequence,
-                                  explored_arm_count, decision_count, frame_count, seed,
-                                  created_unix_s, last_seen_unix_s, '', 0));
-  ALTER TABLE source DROP COLUMN content_hash;
-  ALTER TABLE source ADD COLUMN build TEXT NOT NULL DEFAULT ''
-    CHECK (length(CAST(build AS BLOB)) BETWEEN 0 AND 128);
-  ALTER TABLE source ADD COLUMN token_id INTEGER NOT NULL DEFAULT 0
-    CHECK (token_id BETWEEN 0 AND 9223372036854775807);
-  ALTER TABLE source ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
-    row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
-             decision_count, frame_count, seed, created_unix_s, last_seen_unix_s, build,
-             token_id)) VIRTUAL;
-)sql",
-                                                     R"sql(
-  CREATE TABLE quarantined_evidence (
-    key_id INTEGER NOT NULL REFERENCES evidence_key (id),
-    source_id INTEGER NOT NULL REFERENCES source (id),
-    sequence INTEGER NOT NULL CHECK (sequence BETWEEN 1 AND 9223372036854775807),
-    alpha REAL NOT NULL CHECK (alpha >= 0 AND alpha < 1e15),
-    beta REAL NOT NULL CHECK (beta >= 0 AND beta < 1e15),
-    window_count INTEGER NOT NULL CHECK (window_count BETWEEN 0 AND 9223372036854775807),
-    bail_out_count INTEGER NOT NULL CHECK (bail_out_count BETWEEN 0 AND 9223372036854775807),
-    hash INTEGER NOT NULL,
-    content_hash INTEGER GENERATED ALWAYS AS (
-      row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL,
-    PRIMARY KEY (key_id, source_id)
-  ) STRICT, WITHOUT ROWID;
-
-  CREATE INDEX quarantined_evidence_by_source ON quarantined_evidence (source_id);
-)sql",
-                                                     R"sql(
-  CREATE TABLE build_parent (
-    id INTEGER PRIMARY KEY,
-    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
-    build TEXT NOT NULL CHECK (length(CAST(build AS BLOB)) BETWEEN 1 AND 128),
-    parent TEXT NOT NULL CHECK (length(CAST(parent AS BLOB)) BETWEEN 0 AND 128),
-    unix_made_s INTEGER NOT NULL CHECK (unix_made_s BETWEEN 0 AND 9223372036854775807),
-    hash INTEGER NOT NULL,
-    content_hash INTEGER GENERATED ALWAYS AS (
-      row_hash(project, build, parent, unix_made_s)) VIRTUAL,
-    UNIQUE (project, build, parent)
-  ) STRICT;
-)sql"};
+)sql";
 
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {
   auto mode = database.QueryText("PRAGMA journal_mode = WAL");
@@ -241,19 +160,7 @@ absl::Status UseWriteAheadLog(SqliteDatabase& database) {
   return absl::OkStatus();
 }
 
-absl::Status Migrate(SqliteDatabase& database, int64_t from) {
-  for (auto version = static_cast<size_t>(from); version < kMigrations.size(); ++version) {
-    SqliteTransaction transaction(database);
-    absl::Status status = transaction.begun();
-    if (status.ok()) status = database.Execute(kMigrations[version]);
-    if (status.ok()) status = database.Execute(absl::StrCat("PRAGMA user_version = ", version + 1));
-    if (status.ok()) status = transaction.Commit();
-    if (!status.ok()) return status;
-  }
-  return absl::OkStatus();
-}
-
-// Returns an empty text if there is no such file.
+// Returns an empty text if the file is missing.
 std::string ReadId(const fs::path& path) {
   std::string id;
   std::ifstream(StoreIdFile(path)) >> id;
@@ -282,6 +189,17 @@ absl::Status CheckId(SqliteDatabase& database, const fs::path& path) {
       " has another id); put that one back, or delete store-id to use this one"));
 }
 
+absl::Status CreateTables(SqliteDatabase& database) {
+  SqliteTransaction transaction(database);
+  absl::Status status = transaction.begun();
+  if (status.ok()) {
+    status =
+        database.Execute(absl::StrCat("PRAGMA application_id = ", kSqliteApplicationId,
+                                      "; PRAGMA user_version = ", kSchemaVersion, ";", kSchema));
+  }
+  return status.ok() ? transaction.Commit() : status;
+}
+
 absl::Status CreateFile(const fs::path& path) {
   if (!ReadId(path).empty()) {
     return absl::DataLossError(absl::StrCat(path.string(), " is missing but was here, as ",
@@ -299,9 +217,7 @@ absl::Status CreateFile(const fs::path& path) {
     auto database = SqliteDatabase::Open(unfinished.string(), SqliteDatabase::OpenMode::kCreate);
     if (!database.ok()) return Explain(unfinished, database.status());
     absl::Status status = database->Configure();
-    if (status.ok())
-      status = database->Execute(absl::StrCat("PRAGMA application_id = ", kSqliteApplicationId));
-    if (status.ok()) status = Migrate(*database, 0);
+    if (status.ok()) status = CreateTables(*database);
     if (!status.ok()) return Explain(unfinished, status);
   }
   return PublishFile(unfinished, path);
@@ -316,22 +232,19 @@ absl::Status CheckOwner(SqliteDatabase& database, const fs::path& path) {
   return absl::DataLossError(absl::StrCat(path.string(), " is not a Sweepstake database"));
 }
 
-absl::Status CheckVersion(int64_t version, const fs::path& path) {
-  if (version >= 1 && version <= SqliteSchemaVersion()) return absl::OkStatus();
-  if (version < 1) return absl::DataLossError(absl::StrCat(path.string(), " has no schema"));
-  return absl::FailedPreconditionError(absl::StrCat(
-      path.string(), " was written by a newer daemon (schema ", version, ", this one knows ",
-      SqliteSchemaVersion(), "); use that daemon, or another data directory"));
-}
-
 }  // namespace
 
-absl::StatusOr<int64_t> CheckPriorDatabase(SqliteDatabase& database, const fs::path& path) {
+absl::Status CheckPriorDatabase(SqliteDatabase& database, const fs::path& path) {
   if (absl::Status status = CheckOwner(database, path); !status.ok()) return status;
-  auto version = database.QueryInteger("PRAGMA user_version");
+  const auto version = database.QueryInteger("PRAGMA user_version");
   if (!version.ok()) return Explain(path, version.status());
-  if (absl::Status status = CheckVersion(*version, path); !status.ok()) return status;
-  return version;
+  if (*version == kSchemaVersion) return absl::OkStatus();
+  if (*version < 1) return absl::DataLossError(absl::StrCat(path.string(), " has no schema"));
+  return absl::FailedPreconditionError(
+      absl::StrCat(path.string(), " has schema version ", *version,
+                   ", and this daemon reads version ", kSchemaVersion,
+                   " alone; use the daemon that wrote it, or another data directory: "
+                   "`sweepstake priors export` and `import` carry the evidence over"));
 }
 
 namespace {
@@ -340,7 +253,7 @@ namespace {
 absl::Status Judge(const absl::StatusOr<std::string>& verdict, const fs::path& path) {
   if (!verdict.ok()) return Explain(path, verdict.status());
   if (*verdict == "ok") return absl::OkStatus();
-  // The check reports a page that it cannot read as if that were the page's fault.
+  // SQLite's check reports an unreadable page as if its content were wrong.
   if (absl::StrContains(*verdict, "unable to get the page") ||
       absl::StrContains(*verdict, "failed to get page")) {
     return absl::UnavailableError(
@@ -353,9 +266,8 @@ absl::Status Judge(const absl::StatusOr<std::string>& verdict, const fs::path& p
 
 absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
   absl::Status status = Judge(database.QueryText("PRAGMA quick_check(1)"), path);
-  // The quick check does not compare indices with their tables, and a scene that its index does not
-  // have would begin anew. The log of decisions, which is most of the file, has none to be found
-  // by.
+  // The quick check does not compare indices with their tables. A scene that is missing from its
+  // index would be created a second time. The audit log is most of the file, and has no such index.
   auto tables = database.QueryText(
       "SELECT group_concat(name) FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE "
       "'audit%'");
@@ -370,31 +282,23 @@ absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
 
 namespace {
 
-// An older file is copied before it is changed, so that the daemon that wrote it can be used again.
-absl::Status KeepOlder(SqliteDatabase& database, const fs::path& path, int64_t version) {
-  if (version == SqliteSchemaVersion()) return absl::OkStatus();
-  return database.CopyTo(absl::StrCat(path.string(), ".schema-", version));
-}
-
-// A file that was restored has no log; it gets one once it was found whole.
+// A restored file has no log before UseWriteAheadLog.
 absl::Status SyncLogIfAny(SqliteDatabase& database) {
   auto mode = database.QueryText("PRAGMA journal_mode");
   if (!mode.ok()) return mode.status();
   return *mode == "wal" ? database.SyncLog() : absl::OkStatus();
 }
 
-// What is read here decides what the daemon promises, and which file it uses: so it is made durable
-// before it is read.
+// The daemon's acknowledgements depend on what is read here, so the log is synced before it is
+// read.
 absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
-  auto version = CheckPriorDatabase(database, path);
-  if (!version.ok()) return version.status();
-  absl::Status status = database.Configure();
+  absl::Status status = CheckPriorDatabase(database, path);
+  if (!status.ok()) return status;
+  status = database.Configure();
   if (status.ok()) status = SyncLogIfAny(database);
   if (!status.ok()) return Explain(path, status);
   if (status = CheckPages(database, path); !status.ok()) return status;
   status = UseWriteAheadLog(database);
-  if (status.ok()) status = KeepOlder(database, path, *version);
-  if (status.ok()) status = Migrate(database, *version);
   if (status.ok()) status = database.EnableDefensive();
   return status.ok() ? status : Explain(path, status);
 }
@@ -403,16 +307,9 @@ absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
 
 fs::path StoreIdFile(const fs::path& path) { return path.parent_path() / "store-id"; }
 
-int64_t SqliteSchemaVersion() { return static_cast<int64_t>(kMigrations.size()); }
-
 absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database) {
   int64_t count = 0;
-  // A file of an older version has no quarantine.
-  auto tables = database.QueryText(
-      "SELECT group_concat(name) FROM sqlite_schema WHERE type = 'table' AND instr(sql, "
-      "'content_hash')");
-  if (!tables.ok()) return tables.status();
-  for (const absl::string_view table : absl::StrSplit(*tables, ',', absl::SkipEmpty())) {
+  for (const char* table : kHashedTables) {
     auto damaged = database.QueryInteger(
         absl::StrCat("SELECT count(*) FROM ", table, " WHERE hash <> content_hash"));
     if (!damaged.ok()) return damaged.status();
@@ -432,6 +329,15 @@ absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const fs::path& path) {
   if (!database.ok()) return Explain(path, database.status());
   absl::Status status = PrepareExisting(*database, path);
   if (status.ok()) status = CheckId(*database, path);
+  if (!status.ok()) return status;
+  return database;
+}
+
+absl::StatusOr<SqliteDatabase> OpenPriorDatabaseInMemory() {
+  auto database = SqliteDatabase::Open(":memory:", SqliteDatabase::OpenMode::kCreate);
+  if (!database.ok()) return database.status();
+  absl::Status status = database->Configure();
+  if (status.ok()) status = CreateTables(*database);
   if (!status.ok()) return status;
   return database;
 }

@@ -134,18 +134,7 @@ int RunShell(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-constexpr const char* kFolded = "sweepstake_store_folded_sources_total";
-
-// Adds the evidence of an old session to the store, which the next daemon folds.
-void AddOldSession(const TemporaryDirectory& data) {
-  priors::SourceUpdate update = storage::Update("old", 1, {storage::Key("Grid")});
-  update.unix_time_s = 1'000'000'000;  // the year 2001
-  const auto store = storage::OpenSqlitePriorStore(data.path() / "priors.db");
-  ASSERT_TRUE(store.ok()) << store.status();
-  ASSERT_TRUE((*store)->Commit({&update, 1}).ok());
-}
-
-// Returns the names of all metrics in the daemon's sources.
+// The names of all metrics that the daemon's sources have.
 std::set<std::string> NamesInSources() {
   static const std::regex kName("\"((sweepstake|process)_[a-z0-9_]+)\"");
   std::set<std::string> names;
@@ -170,8 +159,7 @@ std::set<std::string> NamesOn(const std::string& page) {
 TEST(MetricsTest, PromtoolFindsNothingToSayOfAnyThatThereIs) {
   const TemporaryDirectory data;
   const TemporaryDirectory folder;
-  AddOldSession(data);
-  // Some metrics exist only with TLS.
+  // Some are there with TLS only.
   const TestAuthority authority(folder.path() / "ca.pem");
   const CertificateFiles server{folder.path() / "server.pem", folder.path() / "server-key.pem"};
   authority.Issue("IP:127.0.0.1", server);
@@ -183,7 +171,6 @@ TEST(MetricsTest, PromtoolFindsNothingToSayOfAnyThatThereIs) {
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.command_count > 0; }));
   const std::string page = folder.path() / "metrics";
   const std::string said = folder.path() / "said";
-  EXPECT_TRUE(Eventually([&] { return Metric(daemon, kFolded) == 1; }));
   const std::string text = Get(daemon.http_port(), "/metrics").body;
   EXPECT_EQ(NamesOn(text), NamesInSources()) << "one that comes later would not be checked";
   std::ofstream(page) << text;
@@ -223,7 +210,6 @@ class Prometheus {
 TEST(MetricsTest, ARealPrometheusScrapesThem) {
   const TemporaryDirectory data;
   const TemporaryDirectory folder;
-  AddOldSession(data);
   const DaemonProcess daemon = StartWithHttp(data);
   const Prometheus prometheus(folder.path(), daemon.http_port());
   std::string samples;
@@ -234,10 +220,6 @@ TEST(MetricsTest, ARealPrometheusScrapesThem) {
   EXPECT_THAT(samples, HasSubstr("version="));
   EXPECT_THAT(prometheus.Samples("up"), HasSubstr("} 1 "));
   EXPECT_THAT(prometheus.Samples("sweepstake_store_healthy"), HasSubstr("} 1 "));
-  EXPECT_TRUE(Eventually([&] {
-    samples = prometheus.Samples(kFolded);
-    return samples.find("} 1 ") != std::string::npos;
-  })) << samples;
 }
 
 }  // namespace

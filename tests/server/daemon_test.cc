@@ -332,48 +332,6 @@ TEST_F(DaemonTest, ReloadAppliesTheLimitsOfTheAuditLog) {
   AwaitAudited(*daemon, 0);
 }
 
-// Reads what a watcher is told of the scene until that has so many windows.
-v1::ScenePosterior AwaitWindows(grpc::ClientReader<v1::WatchPosteriorsResponse>& watcher,
-                                uint64_t count) {
-  v1::WatchPosteriorsResponse event;
-  do {
-    EXPECT_TRUE(watcher.Read(&event));
-  } while (event.posterior().arms_size() == 0 || event.posterior().arms(0).window_count() < count);
-  return event.posterior();
-}
-
-TEST_F(DaemonTest, ASessionWhoseEvidenceWasFoldedGoesOnAndIsTheSameSource) {
-  const v1::Welcome first = RunSession(Start()->port());
-  {
-    const auto store = *storage::OpenSqlitePriorStore(config_.data / "priors.db");
-    ASSERT_EQ(storage::FoldSources(*store, {}, 1ull << 40)->source_count, 1u);
-  }
-  const auto daemon = Start();
-  const auto stub = v1::PosteriorsService::NewStub(ChannelTo(*daemon));
-  grpc::ClientContext context;
-  const auto watcher = stub->WatchPosteriors(&context, {});
-  RunSession(daemon->port());  // from now on the sums of the scene are kept
-  EXPECT_EQ(AwaitWindows(*watcher, 2).source_count(), 2u);
-  v1::StreamTelemetryRequest hello = Hello();
-  hello.mutable_hello()->set_session_id(first.session_id());
-  hello.mutable_hello()->set_resume_token(first.resume_token());
-  const v1::Welcome again = RunSession(daemon->port(), hello, 2);
-  EXPECT_TRUE(again.resumed());
-  EXPECT_EQ(again.acknowledged_sequence(), 1u);
-  EXPECT_NEAR(again.priors(0).alpha() + again.priors(0).beta(), 4, 1e-9);
-  EXPECT_EQ(AwaitWindows(*watcher, 3).source_count(), 2u);
-  context.TryCancel();
-  v1::GetPosteriorRequest request;
-  request.set_project("game");
-  request.set_scene("harbour");
-  request.set_reward_version(1);
-  v1::GetPosteriorResponse stored;
-  grpc::ClientContext get;
-  ASSERT_TRUE(stub->GetPosterior(&get, request, &stored).ok());
-  EXPECT_EQ(stored.scene().source_count(), 2u);
-  EXPECT_EQ(stored.scene().arms(0).window_count(), 3u);
-}
-
 class DaemonTokenTest : public DaemonTest {
  protected:
   DaemonTokenTest() {

@@ -23,8 +23,8 @@ uint64_t CountAbsent(const DaemonOptions& daemon, std::span<const PriorRecord> r
   std::set<Place> known;
   for (const auto& [project, scene] : scenes) {
     const auto theirs = ExportPriors(daemon, project, scene);
-    if (!theirs.ok() || theirs->folded.records > 0) return 0;
-    for (const PriorRecord& record : theirs->records)
+    if (!theirs.ok()) return 0;
+    for (const PriorRecord& record : *theirs)
       known.emplace(record.project, record.scene, record.source_id);
   }
   return static_cast<uint64_t>(
@@ -59,20 +59,20 @@ LeaderChanges LeadersOf(const v1::LeaderChanges& message) {
 
 }  // namespace
 
-Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string& project,
-                                  const std::string& scene, Exported what) {
-  ExportResult result;
-  const auto folded = StreamPriors(daemon, project, scene, what, [&](PriorRecord record) {
-    result.records.push_back(std::move(record));
+Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
+                                              const std::string& project, const std::string& scene,
+                                              Exported what) {
+  std::vector<PriorRecord> records;
+  const Status status = StreamPriors(daemon, project, scene, what, [&](PriorRecord record) {
+    records.push_back(std::move(record));
   });
-  if (!folded.ok()) return folded.status();
-  result.folded = *folded;
-  return result;
+  if (!status.ok()) return status;
+  return records;
 }
 
-Result<FoldedCounts> StreamPriors(const DaemonOptions& daemon, const std::string& project,
-                                  const std::string& scene, Exported what,
-                                  const std::function<void(PriorRecord)>& on_record) {
+Status StreamPriors(const DaemonOptions& daemon, const std::string& project,
+                    const std::string& scene, Exported what,
+                    const std::function<void(PriorRecord)>& on_record) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
@@ -83,16 +83,11 @@ Result<FoldedCounts> StreamPriors(const DaemonOptions& daemon, const std::string
   request.set_scene(scene);
   request.set_quarantined_only(what == Exported::kQuarantined);
   const auto reader = stub->ExportPriors(&context, request);
-  FoldedCounts folded;
   v1::ExportPriorsResponse part;
   while (reader->Read(&part)) {
     for (const v1::PriorRecord& message : part.records()) on_record(FromProto(message));
-    folded.records += part.folded_record_count();
-    folded.windows += part.folded_window_count();
   }
-  const Status status = ToStatus(reader->Finish(), daemon);
-  if (!status.ok()) return status;
-  return folded;
+  return ToStatus(reader->Finish(), daemon);
 }
 
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon,

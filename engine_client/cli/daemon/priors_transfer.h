@@ -12,24 +12,11 @@
 
 namespace sweepstake::cli {
 
-// Records of old sessions that the daemon has folded together and leaves out of an export, and the
-// decision windows behind them.
-struct FoldedCounts {
-  uint64_t records = 0;
-  uint64_t windows = 0;
-};
-
-struct ExportResult {
-  std::vector<PriorRecord> records;
-  FoldedCounts folded;
-};
-
 struct ImportResult {
   uint64_t applied_count = 0;
   uint64_t unchanged_count = 0;
   // Of these, those that the daemon does not have under their project and scene: it knows their
-  // sources under others, or has revoked them. 0 as well where the daemon does not let us look,
-  // or leaves some out because it has folded them.
+  // sources under others, or has revoked them. 0 as well where the daemon does not let us look.
   uint64_t absent_count = 0;
 };
 
@@ -37,13 +24,14 @@ struct ImportResult {
 enum class Exported : uint8_t { kAll, kQuarantined };
 
 // An empty `project` or `scene` selects all. Error: kUnavailable (no daemon answered).
-Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string& project,
-                                  const std::string& scene, Exported what = Exported::kAll);
+Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
+                                              const std::string& project, const std::string& scene,
+                                              Exported what = Exported::kAll);
 // Hands over the records one by one as they come: scene by scene, what waits behind all that
 // counts.
-Result<FoldedCounts> StreamPriors(const DaemonOptions& daemon, const std::string& project,
-                                  const std::string& scene, Exported what,
-                                  const std::function<void(PriorRecord)>& on_record);
+Status StreamPriors(const DaemonOptions& daemon, const std::string& project,
+                    const std::string& scene, Exported what,
+                    const std::function<void(PriorRecord)>& on_record);
 // Adds all records or, on an error, none: to the quarantine, or with `promote` so that they count.
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon, std::span<const PriorRecord> records,
                                   bool promote = false);

@@ -30,7 +30,7 @@ const char* WordOf(Fitness fitness) {
 // Of what this machine and build measure with the same arm.
 double WeightOf(const decision::SourceRelation& relation, bool same_arm_version) {
   return decision::PowerPriorWeight(relation, same_arm_version) /
-         decision::PowerPriorWeight({decision::kSameBuildWeight, true}, true);
+         decision::PowerPriorWeight({true, true}, true);
 }
 
 // Below 1 % with a decimal, since 0 % would be foreign.
@@ -61,7 +61,7 @@ size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, double o
 Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const PriorsPlace& here) {
   Diagnosed found{.key = key, .reasons = {}};
   const decision::SourceRelation relation{
-      .build_weight = decision::BuildFamily(here.build).WeightOf(key.build),
+      .same_build = key.build == here.build,
       .same_machine_class = key.machine_class == here.machine_class};
   if (!relation.same_machine_class)
     found.reasons.push_back("measured on " + OrUnknown(key.machine_class) + ", this is " +

@@ -70,7 +70,6 @@ EvidenceLedger::Scenes EvidenceLedger::ScenesOfProject() const {
 // Of an arm that a source knows in several versions, the session's counts, or else the latest.
 EvidenceLedger::Sources EvidenceLedger::SourcesOfScene() const {
   Sources sources;
-  const decision::BuildFamily family(key_.build);  // a file does not say what builds were made from
   for (const PriorRecord& record : records_) {
     if (record.project != key_.project || record.scene != key_.scene ||
         record.reward_version != key_.reward_version)
@@ -79,7 +78,7 @@ EvidenceLedger::Sources EvidenceLedger::SourcesOfScene() const {
     if (named == arms_.end()) continue;
     const auto arm = static_cast<size_t>(named - arms_.begin());
     Source& source = sources[{record.source_id, record.machine_class}];
-    source.relation = {.build_weight = family.WeightOf(record.build),
+    source.relation = {.same_build = record.build == key_.build,
                        .same_machine_class = record.machine_class == key_.machine_class};
     source.arms.resize(arms_.size());
     source.versions.resize(arms_.size());

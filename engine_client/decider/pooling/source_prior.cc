@@ -10,6 +10,8 @@
 namespace sweepstake::decision {
 namespace {
 
+constexpr double kSameBuildWeight = 0.5;
+constexpr double kOtherBuildWeight = 0.25;
 constexpr double kOtherMachineClassFactor = 0.2;
 constexpr double kOtherBackendVersionFactor = 0.04;
 
@@ -176,7 +178,8 @@ class MedianPolish {
 }  // namespace
 
 double PowerPriorWeight(const SourceRelation& relation, bool same_backend_version) {
-  return relation.build_weight * (relation.same_machine_class ? 1 : kOtherMachineClassFactor) *
+  return (relation.same_build ? kSameBuildWeight : kOtherBuildWeight) *
+         (relation.same_machine_class ? 1 : kOtherMachineClassFactor) *
          (same_backend_version ? 1 : kOtherBackendVersionFactor);
 }
 

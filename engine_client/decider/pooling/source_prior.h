@@ -13,14 +13,13 @@
 #include <span>
 #include <vector>
 
-#include "engine_client/decider/pooling/build_family.h"
 #include "engine_client/decider/pooling/scene_prior.h"
 
 namespace sweepstake::decision {
 
 // What a source and a session have in common.
 struct SourceRelation {
-  double build_weight = kOtherBuildWeight;  // BuildFamily::WeightOf
+  bool same_build = false;
   bool same_machine_class = false;
 };
 

@@ -40,7 +40,6 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_TOO_MANY_READS:
     case v1::ERROR_REASON_TOO_MANY_PROJECTS:
     case v1::ERROR_REASON_TOO_MANY_HELLOS:
-    case v1::ERROR_REASON_TOO_MANY_BUILDS:
       return absl::StatusCode::kResourceExhausted;
     case v1::ERROR_REASON_TOKEN_MISSING:
     case v1::ERROR_REASON_TOKEN_REFUSED:

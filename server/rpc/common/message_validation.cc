@@ -261,19 +261,4 @@ absl::Status CheckPriorRecord(const v1::PriorRecord& record) {
   return absl::OkStatus();
 }
 
-absl::Status CheckBuild(const v1::Build& build) {
-  if (!IsName(build.project())) return InvalidName("project");
-  if (!IsName(build.name())) return InvalidName("name");
-  if (build.parents_size() > static_cast<int>(priors::kMaxParents))
-    return Invalid(absl::StrCat("a build has at most ", priors::kMaxParents, " parents"));
-  for (const std::string& parent : build.parents()) {
-    if (!IsName(parent)) return InvalidName("parents");
-    if (parent == build.name()) return Invalid("a build is not its own parent");
-  }
-  if (build.unix_made_s() < 0) return Invalid("unix_made_s must not be negative");
-  if (build.unix_made_s() > priors::kMaxUnixMadeS)
-    return Invalid("unix_made_s, in seconds, must be before the year 10000");
-  return absl::OkStatus();
-}
-
 }  // namespace sweepstake::rpc

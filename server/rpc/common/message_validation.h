@@ -38,6 +38,5 @@ std::optional<RejectionReason> RejectionOf(const decision::Frame& frame);
 std::optional<RejectionReason> RejectionOf(const decision::ShadowSample& sample);
 
 absl::Status CheckPriorRecord(const v1::PriorRecord& record);
-absl::Status CheckBuild(const v1::Build& build);
 
 }  // namespace sweepstake::rpc

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "engine_client/decider/session/policy_registry.h"
@@ -253,13 +252,6 @@ void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
   message.set_is_quarantined(record.is_quarantined);
 }
 
-void ToProto(const priors::Build& build, v1::Build& message) {
-  message.set_project(build.project);
-  message.set_name(build.name);
-  message.mutable_parents()->Assign(build.parents.begin(), build.parents.end());
-  message.set_unix_made_s(static_cast<int64_t>(build.unix_made_s));
-}
-
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {
   message.set_session_id(segment.session_id);
   message.set_segment(segment.segment);
@@ -368,14 +360,6 @@ priors::PriorRecord FromProto(const v1::PriorRecord& message) {
                        .bail_out_count = message.bail_out_count()},
           .build = message.build(),
           .last_seen_unix_s = static_cast<uint64_t>(message.unix_last_seen_s())};
-}
-
-priors::Build FromProto(const v1::Build& message) {
-  const std::set<std::string> parents(message.parents().begin(), message.parents().end());
-  return {.project = message.project(),
-          .name = message.name(),
-          .parents = {parents.begin(), parents.end()},
-          .unix_made_s = static_cast<uint64_t>(message.unix_made_s())};
 }
 
 }  // namespace sweepstake::rpc

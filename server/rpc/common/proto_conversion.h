@@ -57,7 +57,6 @@ void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPost
              const RpcOptions& options, v1::Welcome& message);
 void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message);
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message);
-void ToProto(const priors::Build& build, v1::Build& message);
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 
 // Returns whether the client named the capability.
@@ -78,7 +77,5 @@ decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome);
 priors::SceneKey FromProto(const v1::Hello& message);
 priors::SceneKey FromProto(const v1::ScenePosterior& message);
 priors::PriorRecord FromProto(const v1::PriorRecord& message);
-// Each parent once.
-priors::Build FromProto(const v1::Build& message);
 
 }  // namespace sweepstake::rpc

@@ -31,8 +31,6 @@ inline constexpr std::array kRoleTable = {
     Rpc{"PriorsService/ImportPriors", auth::Role::kOperator},
     Rpc{"PriorsService/RevokePriors", auth::Role::kOperator},
     Rpc{"PriorsService/PromotePriors", auth::Role::kOperator},
-    Rpc{"PriorsService/DescribeBuilds", auth::Role::kOperator},
-    Rpc{"PriorsService/ListBuilds", auth::Role::kWatch},
 };
 
 consteval Rpc RpcOf(std::string_view name) {

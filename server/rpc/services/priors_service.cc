@@ -1,6 +1,5 @@
 #include "server/rpc/services/priors_service.h"
 
-#include <google/protobuf/util/json_util.h>
 #include <spdlog/logger.h>
 
 #include <string>
@@ -31,7 +30,6 @@ struct TransferPlace {
   priors::ExportPlace after;
 };
 using ExportStream = PageStream<v1::ExportPriorsResponse, TransferPlace>;
-using BuildStream = PageStream<v1::ListBuildsResponse, priors::BuildPlace>;
 
 absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
                                                const priors::SceneFilter& filter,
@@ -41,11 +39,10 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
                           : store.Export(filter, place.after, kRecordsPerMessage);
   if (!stored.ok()) return stored.status();
   const bool ends = stored->records.size() < kRecordsPerMessage;
-  const bool has_any = !stored->records.empty() || stored->folded_record_count > 0;
-  if (ends && !has_any && !place.in_quarantine)
+  if (ends && stored->records.empty() && !place.in_quarantine)
     return LoadRecords(store, filter, {.in_quarantine = true, .after = {}}, with_weights);
   ExportStream::Page page;
-  page.empty = !has_any;
+  page.empty = stored->records.empty();
   page.last = ends && place.in_quarantine;
   SourceWeights weights(store);
   for (const PriorRecord& record : stored->records) {
@@ -56,60 +53,9 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
     if (!weight.ok()) return weight.status();
     message.set_weight(*weight);
   }
-  page.response.set_folded_record_count(stored->folded_record_count);
-  page.response.set_folded_window_count(stored->folded_window_count);
   page.next = ends ? TransferPlace{.in_quarantine = true, .after = {}}
                    : TransferPlace{place.in_quarantine, stored->next};
   return page;
-}
-
-absl::StatusOr<BuildStream::Page> LoadBuilds(priors::PriorReader& store,
-                                             const priors::SceneFilter& filter,
-                                             const priors::BuildPlace& after) {
-  const auto builds = store.ListBuilds(filter, after, kRecordsPerMessage);
-  if (!builds.ok()) return builds.status();
-  BuildStream::Page page;
-  for (const priors::Build& build : *builds) ToProto(build, *page.response.add_builds());
-  page.empty = builds->empty();
-  page.last = builds->size() < kRecordsPerMessage;
-  if (!builds->empty()) page.next = {builds->back().project, builds->back().name};
-  return page;
-}
-
-// What a request says is one row of the audit log.
-constexpr int kMaxDescribedBuilds = 16;
-
-// Returns the builds of a request.
-absl::StatusOr<std::vector<priors::Build>> BuildsOf(const v1::DescribeBuildsRequest& request,
-                                                    const auth::Principal& caller) {
-  if (request.builds_size() > kMaxDescribedBuilds) {
-    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                   absl::StrCat("a request may hold ", kMaxDescribedBuilds, " builds"));
-  }
-  std::vector<priors::Build> builds;
-  for (const v1::Build& build : request.builds()) {
-    if (const absl::Status status = CheckBuild(build); !status.ok()) {
-      return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                     absl::StrCat("build ", builds.size() + 1, " of ", request.builds_size(), ": ",
-                                  status.message()));
-    }
-    if (absl::Status allowed = CheckProject(caller, build.project()); !allowed.ok()) return allowed;
-    builds.push_back(FromProto(build));
-  }
-  return builds;
-}
-
-std::vector<priors::BuildPlace> PlacesOf(const std::vector<priors::Build>& builds) {
-  std::vector<priors::BuildPlace> places;
-  for (const priors::Build& build : builds) places.push_back({build.project, build.name});
-  return places;
-}
-
-// As JSON no name in it looks like another field.
-std::string JsonOf(const v1::DescribeBuildsRequest& request) {
-  std::string text;
-  const auto status = google::protobuf::util::MessageToJsonString(request, &text);
-  return status.ok() ? text : std::string(status.message());
 }
 
 // The store was asked to let evidence count, and has said whether it does.
@@ -456,37 +402,6 @@ grpc::ServerUnaryReactor* PriorsService::PromotePriors(grpc::CallbackServerConte
     if (!submitted)
       end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
   });
-}
-
-grpc::ServerUnaryReactor* PriorsService::DescribeBuilds(grpc::CallbackServerContext* call,
-                                                        const v1::DescribeBuildsRequest* request,
-                                                        v1::DescribeBuildsResponse* /*response*/) {
-  constexpr Rpc kRpc = RpcOf("PriorsService/DescribeBuilds");
-  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
-    auto builds = BuildsOf(*request, caller);
-    if (!builds.ok()) return end(builds.status());
-    const bool submitted = context_.store.Submit(
-        [this, end, builds = *std::move(builds), forget = request->forget(),
-         said = JsonOf(*request), who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
-          const absl::Status status =
-              forget ? store.ForgetBuilds(PlacesOf(builds)) : store.DescribeBuilds(builds);
-          context_.loop.PostLater([this, end, status, said, who] {
-            if (absl::IsResourceExhausted(status))
-              return end(Refused(v1::ERROR_REASON_TOO_MANY_BUILDS, status.message()));
-            if (!status.ok()) return end(StoreFailed(status));
-            admin_.Record(absl::StrCat("action=describe-builds ", said), who);
-            end(absl::OkStatus());
-          });
-        });
-    if (!submitted)
-      end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
-  });
-}
-
-grpc::ServerWriteReactor<v1::ListBuildsResponse>* PriorsService::ListBuilds(
-    grpc::CallbackServerContext* call, const v1::ListBuildsRequest* request) {
-  return ServePages<BuildStream>(context_, *call, RpcOf("PriorsService/ListBuilds"),
-                                 {request->project(), ""}, LoadBuilds);
 }
 
 void PriorsService::OnChanged(const std::string& action, const std::string& what,

@@ -21,9 +21,7 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
                                 v1::PriorsService::WithRawCallbackMethod_ImportPriors<
                                     v1::PriorsService::WithCallbackMethod_RevokePriors<
                                         v1::PriorsService::WithCallbackMethod_PromotePriors<
-                                            v1::PriorsService::WithCallbackMethod_DescribeBuilds<
-                                                v1::PriorsService::WithCallbackMethod_ListBuilds<
-                                                    v1::PriorsService::Service>>>>>> {
+                                            v1::PriorsService::Service>>>> {
  public:
   PriorsService(ServiceContext& context, AdminLog& admin) : context_(context), admin_(admin) {}
 
@@ -37,12 +35,6 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
   grpc::ServerUnaryReactor* PromotePriors(grpc::CallbackServerContext* call,
                                           const v1::PromotePriorsRequest* request,
                                           v1::PromotePriorsResponse* response) override;
-
-  grpc::ServerUnaryReactor* DescribeBuilds(grpc::CallbackServerContext* call,
-                                           const v1::DescribeBuildsRequest* request,
-                                           v1::DescribeBuildsResponse* response) override;
-  grpc::ServerWriteReactor<v1::ListBuildsResponse>* ListBuilds(
-      grpc::CallbackServerContext* call, const v1::ListBuildsRequest* request) override;
 
  private:
   // Tells of a revocation or a promotion that was committed.

@@ -15,13 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The version from which on keys have sums and scenes have counts.
-constexpr int64_t kFirstVersionWithSums = 3;
-// The version from which on there is a quarantine.
-constexpr int64_t kFirstVersionWithQuarantine = 10;
-// The version from which on builds are described.
-constexpr int64_t kFirstVersionWithBuilds = 11;
-
 // Sums are added in another order than here, and counts go up to their max only.
 constexpr const char* kWrongSums = R"sql(
   SELECT count(*) FROM evidence_key LEFT JOIN
@@ -39,25 +32,15 @@ constexpr const char* kWrongCounts = R"sql(
     (SELECT scene_id, count(*) AS n FROM scene_source GROUP BY scene_id) ON scene_id = id
   WHERE source_count <> ifnull(n, 0))sql";
 
-// A scene has the sources of its evidence, and sessions whose evidence was folded. Names of those
-// that have folded evidence are before ' '.
 constexpr const char* kUncountedSources = R"sql(
   SELECT count(*) FROM
     (SELECT source_id, k.scene_id
-     FROM evidence JOIN evidence_key k ON k.id = key_id JOIN source s ON s.id = source_id
-     WHERE s.name >= ' '
+     FROM evidence JOIN evidence_key k ON k.id = key_id
      EXCEPT SELECT source_id, scene_id FROM scene_source))sql";
 
 constexpr const char* kSourcesOfNothing = R"sql(
-  SELECT m.source_id, m.scene_id FROM
-    (SELECT source_id, scene_id FROM scene_source
-     EXCEPT SELECT source_id, k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id) m
-    JOIN source s ON s.id = m.source_id
-  WHERE is_session = 0
-    OR m.scene_id NOT IN
-      (SELECT k.scene_id
-       FROM evidence JOIN evidence_key k ON k.id = key_id JOIN source f ON f.id = source_id
-       WHERE f.name < ' '))sql";
+  SELECT source_id, scene_id FROM scene_source
+  EXCEPT SELECT source_id, k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id)sql";
 
 // The names of sources, keys and scenes, and what evidence refers to, are in an index as well, and
 // so right where SQLite's own check finds no fault. What else a key or a scene has, follows from
@@ -72,22 +55,11 @@ constexpr const char* kMarkDamagedRows = R"sql(
     UNION SELECT key_id FROM wrong_evidence;)sql";
 
 constexpr const char* kDeleteDamagedRows = R"sql(
+  DELETE FROM quarantined_evidence WHERE hash <> content_hash OR source_id IN wrong_source;
   DELETE FROM evidence WHERE (key_id, source_id) IN wrong_evidence;
   DELETE FROM scene_source WHERE source_id IN wrong_source;
   DELETE FROM source WHERE id IN wrong_source;
   DELETE FROM scene_source WHERE (source_id, scene_id) IN ()sql";
-
-// Of a file that has a quarantine, before its sources go.
-constexpr const char* kDeleteDamagedQuarantine = R"sql(
-  DELETE FROM quarantined_evidence
-  WHERE hash <> content_hash
-    OR source_id IN (SELECT id FROM source WHERE hash <> content_hash);)sql";
-
-// A row that is right of a build with a damaged one would tell half of what it was made from.
-constexpr const char* kDeleteDamagedBuilds = R"sql(
-  DELETE FROM build_parent
-  WHERE (project, build) IN
-    (SELECT project, build FROM build_parent WHERE hash <> content_hash);)sql";
 
 constexpr const char* kMakeSumsAnew = R"sql();
   UPDATE evidence_key
@@ -115,19 +87,16 @@ absl::Status CheckNone(SqliteDatabase& database, std::string_view sql, const fs:
   return *count == 0 ? absl::OkStatus() : Corrupt(file, absl::StrCat(*count, " ", what));
 }
 
-absl::Status CheckRows(SqliteDatabase& database, const fs::path& file, int64_t version) {
+absl::Status CheckRows(SqliteDatabase& database, const fs::path& file) {
   auto verdict = database.QueryText("PRAGMA integrity_check(1)");
   if (!verdict.ok()) return Corrupt(file, verdict.status().message());
   if (*verdict != "ok") return Corrupt(file, *verdict);
   absl::Status status = CheckNone(database, "SELECT count(*) FROM pragma_foreign_key_check", file,
                                   "rows that refer to none");
-  if (!status.ok() || version < kFirstVersionWithSums) return status;
-  if (version >= kFirstVersionWithHashes) {
-    const auto damaged = CountDamagedRows(database);
-    if (!damaged.ok()) return Corrupt(file, damaged.status().message());
-    if (*damaged > 0)
-      return Corrupt(file, absl::StrCat(*damaged, " rows are not what was written"));
-  }
+  if (!status.ok()) return status;
+  const auto damaged = CountDamagedRows(database);
+  if (!damaged.ok()) return Corrupt(file, damaged.status().message());
+  if (*damaged > 0) return Corrupt(file, absl::StrCat(*damaged, " rows are not what was written"));
   status = CheckNone(database, kWrongSums, file, "sums that are not those of their rows");
   if (!status.ok()) return status;
   status = CheckNone(database, kWrongCounts, file, "scenes with a wrong number of sources");
@@ -138,17 +107,15 @@ absl::Status CheckRows(SqliteDatabase& database, const fs::path& file, int64_t v
                    "sources of scenes without their evidence");
 }
 
-absl::StatusOr<StoreContents> Count(SqliteDatabase& database, int64_t version) {
-  StoreContents contents{.schema_version = version};
+absl::StatusOr<StoreContents> Count(SqliteDatabase& database) {
+  StoreContents contents;
   const std::pair<int64_t*, const char*> queries[] = {
       {&contents.scene_count,
        "SELECT count(*) FROM (SELECT DISTINCT project, scene, machine_class, reward_version FROM "
        "evidence_key WHERE id IN (SELECT key_id FROM evidence))"},
-      {&contents.source_count, version < kFirstVersionWithSums
-                                   ? "SELECT count(DISTINCT source_id) FROM evidence"
-                                   : "SELECT count(DISTINCT source_id) FROM scene_source"},
+      {&contents.source_count, "SELECT count(DISTINCT source_id) FROM scene_source"},
       {&contents.record_count, "SELECT count(*) FROM evidence"},
-      {&contents.audit_row_count, version == 1 ? "SELECT 0" : "SELECT count(*) FROM audit_row"},
+      {&contents.audit_row_count, "SELECT count(*) FROM audit_row"},
   };
   for (const auto& [count, sql] : queries) {
     auto value = database.QueryInteger(sql);
@@ -183,10 +150,10 @@ absl::StatusOr<StoreContents> VerifyStore(const fs::path& file, const std::atomi
   auto database = OpenToRead(file);
   if (!database.ok()) return database.status();
   if (stop != nullptr) database->StopWhen(*stop);
-  auto version = CheckPriorDatabase(*database, file);
-  if (!version.ok()) return version.status();
-  if (absl::Status status = CheckRows(*database, file, *version); !status.ok()) return status;
-  return Count(*database, *version);
+  absl::Status status = CheckPriorDatabase(*database, file);
+  if (status.ok()) status = CheckRows(*database, file);
+  if (!status.ok()) return status;
+  return Count(*database);
 }
 
 int64_t LeaveOutDamagedRows(SqliteDatabase& copy) {
@@ -194,13 +161,8 @@ int64_t LeaveOutDamagedRows(SqliteDatabase& copy) {
   if (!count.ok() || *count == 0) return 0;
   const auto verdict = copy.QueryText("PRAGMA integrity_check(1)");
   if (!verdict.ok() || *verdict != "ok") return 0;
-  const int64_t version = copy.QueryInteger("PRAGMA user_version").value_or(0);
   SqliteTransaction transaction(copy);
   absl::Status status = transaction.begun();
-  if (status.ok() && version >= kFirstVersionWithQuarantine)
-    status = copy.Execute(kDeleteDamagedQuarantine);
-  if (status.ok() && version >= kFirstVersionWithBuilds)
-    status = copy.Execute(kDeleteDamagedBuilds);
   if (status.ok()) {
     status = copy.Execute(
         absl::StrCat(kMarkDamagedRows, kDeleteDamagedRows, kSourcesOfNothing, kMakeSumsAnew));
@@ -221,8 +183,7 @@ absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::p
   }
   auto database = OpenToRead(path);
   if (!database.ok()) return database.status();
-  auto version = CheckPriorDatabase(*database, path);
-  if (!version.ok()) return version.status();
+  if (status = CheckPriorDatabase(*database, path); !status.ok()) return status;
   if (stop != nullptr) database->StopWhen(*stop);
   int64_t damaged_row_count = 0;
   status = database->CopyTo(file.string(), [&](SqliteDatabase& copy) {

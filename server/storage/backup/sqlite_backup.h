@@ -13,9 +13,8 @@ namespace sweepstake::storage {
 
 // What a database has.
 struct StoreContents {
-  int64_t schema_version = 0;
   int64_t scene_count = 0;
-  int64_t source_count = 0;  // those with evidence, folded or not
+  int64_t source_count = 0;  // those with evidence
   int64_t record_count = 0;
   int64_t audit_row_count = 0;
   int64_t damaged_row_count = 0;  // of the database that this is a backup of
@@ -23,8 +22,8 @@ struct StoreContents {
 
 // Reads all of a database and changes nothing. Errors: NOT_FOUND (there is no such file),
 // UNAVAILABLE (cannot open it), DATA_LOSS (not a whole database of ours, its rows are not what was
-// written, or its sums are not those of its rows), FAILED_PRECONDITION (written by a newer
-// version).
+// written, or its sums are not those of its rows), FAILED_PRECONDITION (it has
+// another schema version).
 absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file,
                                           const std::atomic<bool>* stop = nullptr);
 

@@ -89,10 +89,6 @@ constexpr const char* kRemoveRows = R"sql(
 constexpr const char* kLeaveScenes = R"sql(
     DELETE FROM scene_source j USING scene s
     WHERE s.id = j.scene_id AND j.source_id = ANY($1::bigint[]) AND ($2 = '' OR s.project = $2)
-      AND ($3::boolean
-           OR EXISTS (SELECT 1 FROM evidence_key k JOIN evidence e
-                        ON e.key_id = k.id AND e.source_id = j.source_id
-                      WHERE k.scene_id = j.scene_id))
     RETURNING scene_id)sql";
 
 // The columns of keys.
@@ -289,12 +285,11 @@ absl::Status PostgresEvidence::AddToSums(const std::map<int64_t, KeyChange>& cha
 }
 
 absl::StatusOr<RemovedEvidence> PostgresEvidence::Remove(const PostgresArray& sources,
-                                                         const std::string& project, bool folded) {
+                                                         const std::string& project) {
   RemovedEvidence removed;
   SceneChanges scenes;
   absl::Status status = connection_.ForEachRow(
-      kLeaveScenes, [&](const PostgresRow& row) { --scenes[row.Integer(0)]; }, sources, project,
-      folded);
+      kLeaveScenes, [&](const PostgresRow& row) { --scenes[row.Integer(0)]; }, sources, project);
   if (!status.ok()) return status;
   std::map<int64_t, KeyChange> sums;
   status = connection_.ForEachRow(

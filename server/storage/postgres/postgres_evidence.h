@@ -69,11 +69,9 @@ class PostgresEvidence {
   absl::StatusOr<RowChanges> Load(const std::set<RowPlace>& places);
   // REQUIRES: the sources are locked.
   absl::Status Apply(const RowChanges& changes);
-  // Removes the evidence of the sources about a project, or all if that is empty. A source whose
-  // evidence was folded stays counted where that is, unless that goes, too (`folded`). REQUIRES: as
-  // above.
-  absl::StatusOr<RemovedEvidence> Remove(const PostgresArray& sources, const std::string& project,
-                                         bool folded);
+  // Removes the evidence of the sources about a project, or all if that is empty. REQUIRES: the
+  // sources are locked.
+  absl::StatusOr<RemovedEvidence> Remove(const PostgresArray& sources, const std::string& project);
   // Ends a transaction: the keys that it added are there, or are not.
   void OnEnd(bool committed);
   // The connection is another one, maybe to a server that has lost what it said last.

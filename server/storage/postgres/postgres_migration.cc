@@ -97,14 +97,6 @@ const std::vector<Table>& Tables() {
         {"window_count", Kind::kCount},
         {"bail_out_count", Kind::kCount}}},
       {"scene_source", 2, false, {{"source_id"}, {"scene_id"}}},
-      {"build_parent",
-       1,
-       true,
-       {{"id"},
-        {"project", Kind::kText},
-        {"build", Kind::kText},
-        {"parent", Kind::kText},
-        {"unix_made_s"}}},
       {"audit_segment",
        1,
        false,
@@ -139,7 +131,6 @@ constexpr const char* kSetNumbers = R"sql(
     SELECT setval('source_number', (SELECT max(id) FROM source)),
            setval(pg_get_serial_sequence('scene', 'id'), (SELECT max(id) FROM scene)),
            setval(pg_get_serial_sequence('evidence_key', 'id'), (SELECT max(id) FROM evidence_key)),
-           setval(pg_get_serial_sequence('build_parent', 'id'), (SELECT max(id) FROM build_parent)),
            setval(pg_get_serial_sequence('audit_segment', 'id'),
                   (SELECT max(id) FROM audit_segment)),
            setval(pg_get_serial_sequence('audit_row', 'id'), (SELECT max(id) FROM audit_row)))sql";
@@ -420,7 +411,7 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
   const fs::path copy = workplace.path() / "copy.db";
   auto contents = BackUpStore(directory, copy);
   if (!contents.ok()) return contents;
-  auto file = OpenPriorDatabase(copy);  // which brings an older schema up to this one
+  auto file = OpenPriorDatabase(copy);
   if (!file.ok()) return file.status();
   PostgresConnection connection(url);
   absl::Status status = Prepare(connection);

@@ -1,5 +1,5 @@
 // Copies all that a prior store has from a data directory to PostgreSQL, and back: sources with
-// what is known of them, revoked ones too, evidence, what was folded, and the audit log. Sums are
+// what is known of them, revoked ones too, evidence, and the audit log. Sums are
 // made anew from the rows, and are the same.
 //
 // Either all is there in the end, as the counts of rows on both sides say, or nothing; where it was

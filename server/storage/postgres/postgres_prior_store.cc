@@ -12,7 +12,6 @@
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/audit_log.h"
 #include "server/storage/postgres/postgres_audit_log.h"
-#include "server/storage/postgres/postgres_builds.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/postgres/postgres_evidence.h"
 #include "server/storage/postgres/postgres_quarantine.h"
@@ -119,17 +118,6 @@ class PostgresPriorStore final : public priors::PriorStore {
                                                 const priors::Preview& preview) override;
   absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
-  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override;
-  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override {
-    return reader_.LoadBuilds(project, names);
-  }
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override {
-    return reader_.ListBuilds(filter, after, limit);
-  }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -308,15 +296,6 @@ absl::Status PostgresPriorStore::AddIncrements(std::span<const SourceUpdate* con
   return evidence_.Apply(changes);
 }
 
-absl::Status PostgresPriorStore::DescribeBuilds(std::span<const priors::Build> builds) {
-  if (absl::Status status = CheckBuilds(builds); !status.ok()) return status;
-  return InTransaction([&] { return storage::DescribeBuilds(connection_, builds); });
-}
-
-absl::Status PostgresPriorStore::ForgetBuilds(std::span<const priors::BuildPlace> builds) {
-  return InTransaction([&] { return storage::ForgetBuilds(connection_, builds); });
-}
-
 absl::StatusOr<priors::ImportResult> PostgresPriorStore::Import(
     std::span<const PriorRecord> records) {
   if (absl::Status status = CheckRecords(records); !status.ok()) return status;
@@ -424,7 +403,7 @@ absl::StatusOr<priors::PromoteResult> PostgresPriorStore::PromoteAll(
     const priors::SourceFilter& filter) {
   const auto matching = sources_.LockMatching(filter, /*quarantined=*/true);
   if (!matching.ok()) return matching.status();
-  const auto taken = quarantine_.TakeOut(matching->all, filter.project);
+  const auto taken = quarantine_.TakeOut(matching->ids, filter.project);
   if (!taken.ok()) return taken.status();
   const auto stored = evidence_.Load(PlacesOf(taken->rows));
   if (!stored.ok()) return stored.status();
@@ -448,7 +427,7 @@ absl::StatusOr<priors::RevokeResult> PostgresPriorStore::RevokeAll(
     const priors::SourceFilter& filter) {
   const auto matching = sources_.LockMatching(filter, /*quarantined=*/false);
   if (!matching.ok()) return matching.status();
-  if (matching->own_count == 0 && BarsUnknown(filter)) {
+  if (matching->count == 0 && BarsUnknown(filter)) {
     const std::vector<NewSource> unknown = {{filter.id}};
     const auto added = sources_.LockOrAdd(unknown);
     if (!added.ok()) return added.status();
@@ -457,12 +436,12 @@ absl::StatusOr<priors::RevokeResult> PostgresPriorStore::RevokeAll(
     if (absl::Status status = sources_.Bar(id); !status.ok()) return status;
     return priors::RevokeResult{};
   }
-  const auto removed = evidence_.Remove(matching->all, filter.project, MeansABuild(filter));
+  const auto removed = evidence_.Remove(matching->ids, filter.project);
   if (!removed.ok()) return removed.status();
-  const auto waited = quarantine_.TakeOut(matching->all, filter.project);
+  const auto waited = quarantine_.TakeOut(matching->ids, filter.project);
   if (!waited.ok()) return waited.status();
-  if (absl::Status status = sources_.Bar(matching->own); !status.ok()) return status;
-  return priors::RevokeResult{.source_count = matching->own_count,
+  if (absl::Status status = sources_.Bar(matching->ids); !status.ok()) return status;
+  return priors::RevokeResult{.source_count = matching->count,
                               .record_count = removed->record_count + waited->rows.size(),
                               .window_count = removed->window_count + waited->window_count};
 }

@@ -36,7 +36,6 @@ constexpr const char* kEvidenceOfSources = R"sql(
 constexpr const char* kLoadSource = R"sql(
     SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
            frame_count, seed, created_unix_s, last_seen_unix_s,
-           EXISTS (SELECT 1 FROM scene_source WHERE source_id = id),
            (SELECT coalesce(max(segment), 0) FROM audit_segment WHERE session = name)
     FROM source WHERE name = $1 AND is_session AND NOT revoked)sql";
 constexpr const char* kSourceEvidence = R"sql(
@@ -88,7 +87,7 @@ constexpr const char* kKeyEvidence = R"sql(
     SELECT s.id, s.name, e.sequence, e.alpha, e.beta, e.window_count, e.bail_out_count, s.build,
            s.last_seen_unix_s, NOT s.is_session
     FROM evidence e JOIN source s ON s.id = e.source_id
-    WHERE e.key_id = $1::bigint AND e.source_id > $2::bigint AND s.name >= ' '
+    WHERE e.key_id = $1::bigint AND e.source_id > $2::bigint
     ORDER BY e.source_id LIMIT $3::bigint)sql";
 constexpr const char* kNextQuarantinedKey = R"sql(
     SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version, id
@@ -105,10 +104,6 @@ constexpr const char* kQuarantinedEvidence = R"sql(
     FROM quarantined_evidence q JOIN source s ON s.id = q.source_id
     WHERE q.key_id = $1::bigint AND q.source_id > $2::bigint
     ORDER BY q.source_id LIMIT $3::bigint)sql";
-constexpr const char* kFoldedEvidence = R"sql(
-    SELECT coalesce(sum(e.sequence), 0), coalesce(sum(e.window_count), 0)
-    FROM evidence e JOIN source s ON s.id = e.source_id
-    WHERE e.key_id = $1::bigint AND s.name < ' ')sql";
 constexpr const char* kListSegments = R"sql(
     SELECT id, session, segment, project, scene, unix_start_ms, first, last, count
     FROM audit_segment s
@@ -235,8 +230,7 @@ absl::StatusOr<std::optional<priors::SourceState>> PostgresReader::LoadSource(
                           .seed = row.Unsigned(6)};
         state.created_unix_s = row.Unsigned(7);
         state.last_seen_unix_s = row.Unsigned(8);
-        state.is_counted = row.Boolean(9);
-        state.audit_segment = static_cast<uint32_t>(row.Integer(10));
+        state.audit_segment = static_cast<uint32_t>(row.Integer(9));
       },
       source_id);
   if (!status.ok()) return status;
@@ -366,22 +360,9 @@ absl::StatusOr<PostgresReader::ExportKey> PostgresReader::NextKey(const SceneFil
   return next;
 }
 
-absl::Status PostgresReader::CountFolded(const ExportKey& key, priors::ExportPage& page) {
-  return connection_.ForEachRow(
-      kFoldedEvidence,
-      [&](const PostgresRow& row) {
-        page.folded_record_count += CountOf(row, 0);
-        page.folded_window_count += CountOf(row, 1);
-      },
-      key.id);
-}
-
 absl::Status PostgresReader::AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
                                             priors::ExportPage& page) {
   const uint64_t first = page.next.key == key.key ? page.next.source_number : 0;
-  if (first == 0 && !quarantined) {
-    if (absl::Status status = CountFolded(key, page); !status.ok()) return status;
-  }
   return connection_.ForEachRow(
       quarantined ? kQuarantinedEvidence : kKeyEvidence,
       [&](const PostgresRow& row) {

@@ -11,7 +11,6 @@
 
 #include "absl/status/statusor.h"
 #include "server/sessions/prior_store.h"
-#include "server/storage/postgres/postgres_builds.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/read_thread.h"
 
@@ -39,15 +38,6 @@ class PostgresReader : public priors::PriorReader {
   absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
                                                        const priors::ExportPlace& after,
                                                        uint32_t limit) override;
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override {
-    return storage::LoadBuilds(connection_, project, names);
-  }
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override {
-    return storage::ListBuilds(connection_, filter, after, limit);
-  }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;
@@ -76,7 +66,6 @@ class PostgresReader : public priors::PriorReader {
   absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
                                     const priors::EvidenceKey& first, int64_t first_reward_version,
                                     bool quarantined);
-  absl::Status CountFolded(const ExportKey& key, priors::ExportPage& page);
   // Appends the key's records up to `limit` of the page.
   absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
                               priors::ExportPage& page);

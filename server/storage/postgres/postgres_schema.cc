@@ -1,6 +1,5 @@
 #include "server/storage/postgres/postgres_schema.h"
 
-#include <array>
 #include <string>
 
 namespace sweepstake::storage {
@@ -9,8 +8,8 @@ namespace {
 // Keeps two daemons from making the tables at the same time; held until the transaction's end.
 constexpr const char* kLock = "SELECT pg_advisory_xact_lock(7743300015)";
 
-// Step i migrates from version i to i + 1. A released step is never changed.
-//
+constexpr int64_t kSchemaVersion = 1;
+
 // Names are compared byte by byte. Amounts of evidence are whole units of 2⁻²⁰, and all amounts and
 // counts of windows are numeric, whose sums are exact in every order. Their bounds have two sides,
 // because NaN is larger than every number here. A source's number is given by the store.
@@ -21,7 +20,7 @@ constexpr const char* kLock = "SELECT pg_advisory_xact_lock(7743300015)";
 //
 // A commit changes many rows of a page. Where the page is less than half full it has room for all
 // their new versions, and no index is written; the next commit takes the room of the old ones.
-constexpr std::array<const char*, 2> kSteps = {R"sql(
+constexpr const char* kSchema = R"sql(
   CREATE TABLE store (id text NOT NULL, resume_key bytea);
   INSERT INTO store VALUES (gen_random_uuid()::text);
   CREATE SEQUENCE source_number;
@@ -125,17 +124,7 @@ constexpr std::array<const char*, 2> kSteps = {R"sql(
     unix_start_s bigint NOT NULL,
     byte_count bigint NOT NULL
   );
-)sql",
-                                               R"sql(
-  CREATE TABLE build_parent (
-    id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
-    project text COLLATE "C" NOT NULL CHECK (octet_length(project) BETWEEN 1 AND 128),
-    build text COLLATE "C" NOT NULL CHECK (octet_length(build) BETWEEN 1 AND 128),
-    parent text COLLATE "C" NOT NULL CHECK (octet_length(parent) <= 128),
-    unix_made_s bigint NOT NULL CHECK (unix_made_s >= 0),
-    UNIQUE (project, build, parent)
-  );
-)sql"};
+)sql";
 
 absl::Status MakeTables(PostgresConnection& connection) {
   absl::Status status = connection.Execute("BEGIN");
@@ -149,14 +138,15 @@ absl::Status MakeTables(PostgresConnection& connection) {
     status =
         connection.ForEachRow("SELECT coalesce(max(version), 0) FROM sweepstake.schema_version",
                               [&](const PostgresRow& row) { version = row.Integer(0); });
-  if (status.ok() && version > static_cast<int64_t>(kSteps.size())) {
+  if (status.ok() && version == 0) {
+    status = connection.Execute(kSchema);
+    if (status.ok())
+      status = connection.Run("INSERT INTO schema_version VALUES ($1::bigint)", kSchemaVersion);
+  } else if (status.ok() && version != kSchemaVersion) {
     return absl::FailedPreconditionError(
-        absl::StrCat("the tables in PostgreSQL were made by a newer daemon (schema ", version,
-                     ", this one knows ", kSteps.size(), "); use that daemon"));
-  }
-  for (auto step = static_cast<size_t>(version); status.ok() && step < kSteps.size(); ++step) {
-    status = connection.Execute(kSteps[step]);
-    if (status.ok()) status = connection.Run("INSERT INTO schema_version VALUES ($1)", step + 1);
+        absl::StrCat("the tables in PostgreSQL have schema version ", version,
+                     ", and this daemon reads version ", kSchemaVersion,
+                     " alone; use the daemon that made them, or another database"));
   }
   return status.ok() ? connection.Execute("COMMIT") : status;
 }

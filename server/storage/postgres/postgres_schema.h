@@ -10,8 +10,9 @@ namespace sweepstake::storage {
 
 // Makes the tables if there are none, once where several daemons begin together, and returns the
 // random id that they got then, by which they can be told from those of another database. Errors:
-// those of the connection, FAILED_PRECONDITION (the tables are a newer daemon's, or the database
-// keeps text other than as UTF-8). REQUIRES: the connection is connected, and in no transaction.
+// those of the connection, FAILED_PRECONDITION (the tables have another schema version, or the
+// database keeps text other than as UTF-8). REQUIRES: the connection is connected, and in no
+// transaction.
 absl::StatusOr<std::string> PreparePostgresSchema(PostgresConnection& connection);
 
 // Returns that id. Errors: those of the connection (there are no tables: UNAVAILABLE).

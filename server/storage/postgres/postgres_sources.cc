@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/audit_log.h"
-#include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -39,20 +38,17 @@ constexpr const char* kUpdateSources = R"sql(
          AS g(id, commit_sequence, message_sequence, explored_arm_count, decision_count,
               frame_count, seed, last_seen_unix_s, writer, created_unix_s, build, token_id)
     WHERE s.id = g.id)sql";
-// Of sources that have the folded evidence of others (IsFolded) only where all of a build are
-// meant.
 constexpr const char* kLockMatching = R"sql(
-    SELECT id, name FROM source
-    WHERE (NOT revoked OR $9::boolean) AND ($1 = '' OR name = $1) AND ($2 = '' OR build = $2)
+    SELECT id FROM source
+    WHERE (NOT revoked OR $8::boolean) AND ($1 = '' OR name = $1) AND ($2 = '' OR build = $2)
       AND ($3::bigint = 0 OR token_id = $3::bigint)
       AND created_unix_s BETWEEN $4::bigint AND $5::bigint AND name <> $7
-      AND (name >= ' ' OR $8::boolean)
-      AND ($6 = '' OR name < ' '
+      AND ($6 = ''
            OR EXISTS (SELECT 1 FROM scene_source j JOIN scene s ON s.id = scene_id
                       WHERE source_id = source.id AND project = $6)
            OR EXISTS (SELECT 1 FROM quarantined_evidence q JOIN evidence_key k ON k.id = key_id
                       WHERE source_id = source.id AND project = $6))
-      AND (NOT $9::boolean
+      AND (NOT $8::boolean
            OR EXISTS (SELECT 1 FROM quarantined_evidence WHERE source_id = source.id))
     ORDER BY name FOR NO KEY UPDATE)sql";
 constexpr const char* kBar = "UPDATE source SET revoked = true WHERE id = ANY($1::bigint[])";
@@ -155,13 +151,11 @@ absl::StatusOr<MatchingSources> PostgresSources::LockMatching(const priors::Sour
   absl::Status status = connection_.ForEachRow(
       kLockMatching,
       [&](const PostgresRow& row) {
-        matching.all.Add(row.Integer(0));
-        if (IsFolded(row.Text(1))) return;
-        matching.own.Add(row.Integer(0));
-        ++matching.own_count;
+        matching.ids.Add(row.Integer(0));
+        ++matching.count;
       },
       filter.id, filter.build, filter.token_id, filter.from_unix_s, filter.until_unix_s,
-      filter.project, decision::kAdminSession, MeansABuild(filter), quarantined);
+      filter.project, decision::kAdminSession, quarantined);
   if (!status.ok()) return status;
   return matching;
 }

@@ -38,11 +38,10 @@ struct LockedSource {
 };
 using LockedSources = std::map<std::string, LockedSource>;  // by name
 
-// The ids of sources that a filter means.
+// The sources that match a filter.
 struct MatchingSources {
-  PostgresArray all;
-  PostgresArray own;  // without those that have the folded evidence of others
-  uint64_t own_count = 0;
+  PostgresArray ids;
+  uint64_t count = 0;
 };
 
 class PostgresSources {

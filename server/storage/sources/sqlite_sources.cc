@@ -10,9 +10,8 @@ namespace {
 absl::Status RemoveEvidence(PriorStatements& statements, int64_t source,
                             const priors::SourceFilter& filter, priors::RevokeResult& result,
                             KeyIds& changed) {
-  const uint32_t of_build = MeansABuild(filter) ? 1 : 0;
-  absl::Status status = statements.leave_scenes.Run(source, filter.project, of_build);
-  if (status.ok()) status = statements.forget_scenes.Run(source, filter.project, of_build);
+  absl::Status status = statements.leave_scenes.Run(source, filter.project);
+  if (status.ok()) status = statements.forget_scenes.Run(source, filter.project);
   if (!status.ok()) return status;
   status = statements.forget_quarantined.ForEachRow(
       [&](const SqliteRow& row) {
@@ -38,9 +37,8 @@ absl::StatusOr<std::map<int64_t, std::string>> MatchingSources(PriorStatements& 
   std::map<int64_t, std::string> sources;
   absl::Status status = statements.matching_sources.ForEachRow(
       [&](const SqliteRow& row) { sources.emplace(row.Integer(0), row.Text(1)); }, filter.id,
-      filter.build, filter.token_id, filter.from_unix_s, filter.until_unix_s,
-      uint32_t{MeansABuild(filter)}, filter.project, decision::kAdminSession,
-      uint32_t{quarantined});
+      filter.build, filter.token_id, filter.from_unix_s, filter.until_unix_s, filter.project,
+      decision::kAdminSession, uint32_t{quarantined});
   if (!status.ok()) return status;
   return sources;
 }
@@ -62,7 +60,6 @@ absl::StatusOr<priors::RevokeResult> RevokeSources(PriorStatements& statements,
   for (const auto& [id, name] : *sources) {
     absl::Status status = RemoveEvidence(statements, id, filter, result, changed);
     if (!status.ok()) return status;
-    if (IsFolded(name)) continue;
     result.source_count += id == 0 ? 0 : 1;
     status = statements.revoke_source.ForEachRow([](const SqliteRow&) {}, name);
     if (!status.ok()) return status;

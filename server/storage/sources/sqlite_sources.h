@@ -1,10 +1,9 @@
-// Which sources of the prior store on SQLite a filter means, how they are revoked, and what their
-// builds were made from. Each of these runs in the store's transaction.
+// Which sources of the prior store on SQLite a filter means, and how they are revoked. Each of
+// these runs in the store's transaction.
 #pragma once
 
 #include <cstdint>
 #include <map>
-#include <span>
 #include <string>
 #include <unordered_set>
 #include <vector>
@@ -50,9 +49,5 @@ absl::Status CheckQuarantineSize(PriorStatements& statements, uint64_t max_rows)
 absl::StatusOr<std::vector<QuarantinedRow>> QuarantinedOf(PriorStatements& statements,
                                                           int64_t source,
                                                           const std::string& project);
-
-// These do what PriorStore says of checked builds.
-absl::Status DescribeBuilds(PriorStatements& statements, std::span<const priors::Build> builds);
-absl::Status ForgetBuilds(PriorStatements& statements, std::span<const priors::BuildPlace> builds);
 
 }  // namespace sweepstake::storage

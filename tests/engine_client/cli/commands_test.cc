@@ -41,14 +41,12 @@ void ExpectBadUsage(const std::vector<BadUsage>& cases) {
 }
 
 TEST(Commands, HelpOfEveryCommandShowsExamplesOnStdout) {
-  for (const std::string command : {"run",           "watch",           "audit",
-                                    "audit list",    "audit export",    "priors",
-                                    "priors list",   "priors export",   "priors import",
-                                    "priors revoke", "priors promote",  "priors show",
-                                    "priors doctor", "priors diff",     "priors merge",
-                                    "priors arm",    "priors describe", "priors builds",
-                                    "sessions",      "sessions list",   "sessions watch",
-                                    "sessions kick"}) {
+  for (const std::string command :
+       {"run",           "watch",         "audit",          "audit list",
+        "audit export",  "priors",        "priors list",    "priors export",
+        "priors import", "priors revoke", "priors promote", "priors show",
+        "priors doctor", "priors diff",   "priors merge",   "priors arm",
+        "sessions",      "sessions list", "sessions watch", "sessions kick"}) {
     const CommandRun run = RunCommand(command + " --help");
     EXPECT_EQ(run.exit_code, kDone) << command;
     const size_t examples = run.out.find("Examples:\n");

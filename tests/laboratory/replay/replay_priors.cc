@@ -62,7 +62,7 @@ std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::
                                                   uint64_t seed, const Teach& teach) {
   const bool compares =
       decision::PolicyKindOf(policy, decision::StudyPolicies()).starts_from_priors;
-  const decision::SourceRelation own{.build_weight = decision::kSameBuildWeight,
+  const decision::SourceRelation own{.same_build = true,
                                      .same_machine_class = kind != ReplayPriors::kClass};
   Sums sums;
   switch (kind) {

@@ -110,13 +110,6 @@ TEST_F(DaemonMetricsTest, UsedAndMaximumSizeOfTheStoreAreShown) {
   EXPECT_EQ(Collect().at("sweepstake_store_used_size_bytes").gauge.value, 3'072);
 }
 
-TEST_F(DaemonMetricsTest, FoldedSessionsAreCounted) {
-  EXPECT_EQ(Collect().at("sweepstake_store_folded_sources_total").counter.value, 0);
-  metrics_.OnFolded(3);
-  metrics_.OnFolded(4);
-  EXPECT_EQ(Collect().at("sweepstake_store_folded_sources_total").counter.value, 7);
-}
-
 TEST_F(DaemonMetricsTest, TheBuildIsNamed) {
   const auto shown = Collect();
   const prometheus::ClientMetric& info = shown.at("sweepstake_build_info");

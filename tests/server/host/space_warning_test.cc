@@ -26,8 +26,7 @@ TEST(SpaceWarningTest, ComesAboveThreeQuartersWithAdvice) {
   EXPECT_EQ(warning.Look(kThreeQuarters, kMaxBytes, {}), std::nullopt);
   EXPECT_THAT(warning.Look(kThreeQuarters + 4'096, kMaxBytes, {}).value(),
               AllOf(HasSubstr("3072 MiB of the 4096 MiB"), HasSubstr("raise database_mb"),
-                    HasSubstr("fold_days"), HasSubstr("revoke the token"),
-                    HasSubstr("sweepstake sessions watch")));
+                    HasSubstr("revoke the token"), HasSubstr("sweepstake sessions watch")));
 }
 
 TEST(SpaceWarningTest, ComesOnceAnHour) {

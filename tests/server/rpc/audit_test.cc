@@ -322,7 +322,7 @@ TEST_F(AuditLossTest, OfRowsThatTheStoreCouldNotWriteIsCountedAndToldOnceAMinute
 
 class SmallAuditTest : public AuditTest {
  protected:
-  SmallAuditTest() : AuditTest(std::make_unique<storage::MemoryPriorStore>(kLimits)) {}
+  SmallAuditTest() : AuditTest(*storage::OpenMemoryPriorStore(kLimits)) {}
   static constexpr priors::AuditLimits kLimits{.bytes = 20'000};
 };
 

@@ -91,7 +91,7 @@ class OperatorOrderTest : public ::testing::Test {
   RpcOptions options_;
   ManualClock clock_;
   Counters counters_;
-  storage::StoreThread thread_{std::make_unique<storage::MemoryPriorStore>(), {}};
+  storage::StoreThread thread_{*storage::OpenMemoryPriorStore(), {}};
   DecisionLoop loop_{clock_};
   watch::WatchHub hub_{thread_, {.post = [](auto&&) {}, .post_after = [](int64_t, auto&&) {}}};
   SessionContext context_{options_, loop_, thread_, counters_, hub_};

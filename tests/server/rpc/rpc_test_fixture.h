@@ -19,7 +19,7 @@
 #include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/telemetry/error_reason.h"
 #include "server/rpc/rpc_server.h"
-#include "server/storage/memory/memory_prior_store.h"
+#include "server/storage/sqlite_prior_store.h"
 #include "server/storage/store_thread.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
@@ -187,9 +187,8 @@ class TelemetryClient {
 
 class RpcTest : public ::testing::Test {
  protected:
-  explicit RpcTest(
-      std::unique_ptr<priors::PriorStore> store = std::make_unique<storage::MemoryPriorStore>(),
-      std::unique_ptr<storage::ReadConnection> reads = nullptr)
+  explicit RpcTest(std::unique_ptr<priors::PriorStore> store = *storage::OpenMemoryPriorStore(),
+                   std::unique_ptr<storage::ReadConnection> reads = nullptr)
       : thread_(std::move(store), {.group_interval = std::chrono::milliseconds(0)},
                 std::move(reads)) {
     // Without exploration and settling, windows are learnt from the first tick on.

@@ -5,6 +5,7 @@
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/storage/forwarding_store.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::rpc {
@@ -96,12 +97,12 @@ priors::SourceUpdate OneWindowOf(const std::string& source) {
 }
 
 // A state of the store whose lists come when newer ones have long been told.
-class LateReader final : public storage::MemoryPriorStore {
+class LateReader final : public storage::ForwardingStore {
  public:
   absl::StatusOr<std::vector<priors::SceneEvidence>> List(
       const priors::SceneFilter& filter, const std::optional<priors::SceneKey>& after,
       uint32_t limit) override {
-    auto page = MemoryPriorStore::List(filter, after, limit);
+    auto page = ForwardingStore::List(filter, after, limit);
     asked.set_value();
     release.get_future().wait();
     return page;
@@ -133,8 +134,7 @@ template <typename Reader>
 class OtherReaderTest : public WithReader<Reader>, public RpcTest {
  protected:
   OtherReaderTest()
-      : RpcTest(std::make_unique<storage::MemoryPriorStore>(),
-                std::make_unique<LateReads>(this->reader_)) {}
+      : RpcTest(*storage::OpenMemoryPriorStore(), std::make_unique<LateReads>(this->reader_)) {}
 };
 
 using LatePageTest = OtherReaderTest<LateReader>;
@@ -171,7 +171,7 @@ TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
 
 // Has a page of records that is far larger than what gRPC takes for a client that does not read,
 // and comes to the next page when it is released.
-class LongExport final : public storage::MemoryPriorStore {
+class LongExport final : public storage::ForwardingStore {
  public:
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& /*filter*/,
                                             const priors::ExportPlace& after,

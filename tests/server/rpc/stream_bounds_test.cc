@@ -6,6 +6,7 @@
 #include "server/rpc/common/refusal_log.h"
 #include "server/rpc/open_connections.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -13,14 +14,14 @@ namespace {
 using ::testing::HasSubstr;
 
 // Counts what is read for Hellos.
-class CountingStore final : public storage::MemoryPriorStore {
+class CountingStore final : public storage::ForwardingStore {
  public:
   explicit CountingStore(std::atomic<uint64_t>& load_count) : load_count_(load_count) {}
 
   absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
       const priors::SceneKey& scene) override {
     ++load_count_;
-    return MemoryPriorStore::LoadSources(scene);
+    return ForwardingStore::LoadSources(scene);
   }
 
  private:

@@ -3,14 +3,15 @@
 #include "server/watch/watch_hub.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::rpc {
 namespace {
 
-class LosingStore final : public storage::MemoryPriorStore {
+class LosingStore final : public storage::ForwardingStore {
  public:
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override {
-    absl::Status status = storage::MemoryPriorStore::Commit(updates);
+    absl::Status status = ForwardingStore::Commit(updates);
     return status.ok() ? absl::UnavailableError("the answer was lost") : status;
   }
 };

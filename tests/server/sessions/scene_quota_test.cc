@@ -5,7 +5,6 @@
 #include "engine_client/telemetry/error_reason.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/sessions/session_start.h"
-#include "server/storage/memory/memory_prior_store.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/server/storage/forwarding_store.h"
@@ -176,7 +175,6 @@ TEST_F(SceneQuotaTest, AnImportBeyondTheQuotaImportsNothing) {
 // Counts how often it is asked to count.
 class CountedStore final : public storage::ForwardingStore {
  public:
-  CountedStore() : ForwardingStore(std::make_unique<storage::MemoryPriorStore>()) {}
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
     ++count_;
     return ForwardingStore::CountScenes(project);
@@ -202,8 +200,7 @@ TEST_F(SceneQuotaTest, ANewSceneIsCountedOnceWhereItsHelloIsReadExactlyAndNowher
 // Answers each question about a scene with an error.
 class UnreadableStore final : public storage::ForwardingStore {
  public:
-  explicit UnreadableStore(absl::Status error)
-      : ForwardingStore(std::make_unique<storage::MemoryPriorStore>()), error_(std::move(error)) {}
+  explicit UnreadableStore(absl::Status error) : error_(std::move(error)) {}
   absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
       const priors::SceneKey& /*key*/) override {
     return error_;

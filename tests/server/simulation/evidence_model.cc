@@ -95,15 +95,12 @@ std::map<SceneKey, EvidenceModel::Scene> EvidenceModel::Scenes(
   return scenes;
 }
 
-uint64_t EvidenceModel::Check(priors::PriorReader& store, const priors::ExportPage& exported,
-                              bool folds, const Complain& complain) const {
+void EvidenceModel::Check(priors::PriorReader& store, const priors::ExportPage& exported,
+                          const Complain& complain) const {
   const auto stored = store.List({}, {}, 1000);
-  if (!stored.ok()) {
-    complain("the scenes cannot be read: " + stored.status().ToString());
-    return 0;
-  }
+  if (!stored.ok()) return complain("the scenes cannot be read: " + stored.status().ToString());
   const auto scenes = Scenes(exported.records);
-  uint64_t windows = exported.folded_window_count;
+  uint64_t windows = 0;
   for (const PriorRecord& record : exported.records) windows += record.evidence.window_count;
   for (const priors::SceneEvidence& scene : *stored) {
     for (const auto& arm : scene.arms) windows -= arm.live.window_count + arm.lane.window_count;
@@ -112,32 +109,25 @@ uint64_t EvidenceModel::Check(priors::PriorReader& store, const priors::ExportPa
       complain("scene " + scene.key.scene + " has not what its sessions and files have");
   }
   if (stored->size() != scenes.size()) complain("a scene has got lost");
-  if (windows != 0) complain("records and folded evidence have not what the scenes have");
-  return CheckRecords(exported.records, folds, complain);
+  if (windows != 0) complain("the windows of the records differ from those of the scenes");
+  CheckRecords(exported.records, complain);
 }
 
-uint64_t EvidenceModel::CheckRecords(std::span<const PriorRecord> records, bool folds,
-                                     const Complain& complain) const {
-  uint64_t late = 0;
+void EvidenceModel::CheckRecords(std::span<const PriorRecord> records,
+                                 const Complain& complain) const {
   std::map<std::string, size_t> counts;
   for (const PriorRecord& record : records) {
     const auto session = sessions_.find(record.source_id);
     if (session == sessions_.end()) continue;
     ++counts[record.source_id];
     const auto mine = session->second.evidence.find(record.key);
-    const bool whole = mine != session->second.evidence.end() && mine->second == record.evidence;
-    const bool part = mine != session->second.evidence.end() &&
-                      mine->second.window_count >= record.evidence.window_count &&
-                      mine->second.bail_out_count >= record.evidence.bail_out_count;
-    if (!whole && !(folds && part))
+    if (mine == session->second.evidence.end() || mine->second != record.evidence)
       complain("a record of session " + record.source_id + " has other evidence than it made");
-    late += part && !whole;
   }
   for (const auto& [id, session] : sessions_) {
-    if (!folds && counts[id] != session.evidence.size())
+    if (counts[id] != session.evidence.size())
       complain("a record of session " + id + " has got lost");
   }
-  return late;
 }
 
 }  // namespace sweepstake::simulation

@@ -1,5 +1,5 @@
 // The evidence that a store must have, kept apart from it: what the commits that reached the disk
-// added, each once, whatever the store has folded together since.
+// added, each once.
 #pragma once
 
 #include <cstdint>
@@ -27,10 +27,9 @@ class EvidenceModel {
   void Settle(priors::PriorReader& store, const Complain& complain);
 
   // Compares all that the store has, given all records of its export; those of files are taken for
-  // right. A store that folds nothing has each session's evidence in records of its own. Returns
-  // how many records have the later part of evidence whose earlier part was folded.
-  uint64_t Check(priors::PriorReader& store, const priors::ExportPage& exported, bool folds,
-                 const Complain& complain) const;
+  // right.
+  void Check(priors::PriorReader& store, const priors::ExportPage& exported,
+             const Complain& complain) const;
   bool has_session(const std::string& id) const { return sessions_.contains(id); }
   priors::Evidence OfSession(const std::string& id) const;
 
@@ -54,8 +53,7 @@ class EvidenceModel {
   // Returns all scenes, those of files included.
   std::map<priors::SceneKey, Scene> Scenes(std::span<const priors::PriorRecord> exported) const;
   // Compares the records of sessions with what they had committed.
-  uint64_t CheckRecords(std::span<const priors::PriorRecord> records, bool folds,
-                        const Complain& complain) const;
+  void CheckRecords(std::span<const priors::PriorRecord> records, const Complain& complain) const;
 
   std::map<std::string, Session> sessions_;
 };

@@ -3,18 +3,15 @@
 #include <algorithm>
 #include <utility>
 
-#include "tests/server/simulation/troubled_store.h"
-
 namespace sweepstake::simulation {
 
 SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
                                  std::unique_ptr<priors::PriorStore> store,
                                  std::unique_ptr<storage::ReadConnection> reads,
-                                 watch::WatchListener& watcher, Folding folding)
+                                 watch::WatchListener& watcher)
     : world_(world),
       options_(options),
       log_("simulation"),
-      folding_(std::move(folding)),
       loop_(world, {}, rpc::DecisionLoop::Runner::kCaller),
       store_(std::move(store), {.own_thread = false}, std::move(reads)),
       access_(options_, world, log_),
@@ -31,7 +28,6 @@ SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
   watch_hub_.Add(watchers_);
   watch_hub_.Add(watcher);
   EndRefused();
-  BeginFold();
 }
 
 SimulatedDaemon::~SimulatedDaemon() {
@@ -59,30 +55,6 @@ void SimulatedDaemon::Import(std::vector<priors::PriorRecord> records,
 void SimulatedDaemon::EndRefused() {
   if (access_.asks_for_tokens()) streams_.EndRefused();
   loop_.PostAt(world_.NowNs() + kSecondNs, [this] { EndRefused(); });
-}
-
-void SimulatedDaemon::BeginFold() {
-  if (folding_.plan.days == 0) return;
-  StepFold(std::make_shared<storage::FoldWalk>(folding_.plan, folding_.unix_now_s()));
-}
-
-void SimulatedDaemon::StepFold(const std::shared_ptr<storage::FoldWalk>& walk) {
-  if (draining_) return;
-  store_.Submit([this, walk](priors::PriorStore& store) {
-    folding_.before_step();
-    walk->Step(static_cast<TroubledStore&>(store).behind());
-    if (walk->done()) folding_.on_done(walk->run());
-    loop_.Post([this, walk] { AfterFoldStep(walk); });
-  });
-}
-
-void SimulatedDaemon::AfterFoldStep(const std::shared_ptr<storage::FoldWalk>& walk) {
-  const std::chrono::nanoseconds delay =
-      walk->done() ? folding_.plan.interval : folding_.plan.pause;
-  loop_.PostAt(world_.NowNs() + delay.count(), [this, walk] {
-    if (walk->done()) return BeginFold();
-    StepFold(walk);
-  });
 }
 
 void SimulatedDaemon::Run() {

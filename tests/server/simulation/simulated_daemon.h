@@ -16,7 +16,6 @@
 #include "server/sessions/decision_loop.h"
 #include "server/sessions/prior_store.h"
 #include "server/sessions/session_table.h"
-#include "server/storage/folding/evidence_folding.h"
 #include "server/storage/store_thread.h"
 #include "server/watch/watch_hub.h"
 #include "tests/server/simulation/connection.h"
@@ -24,20 +23,11 @@
 
 namespace sweepstake::simulation {
 
-// How a daemon folds old evidence.
-struct Folding {
-  storage::FoldPlan plan;
-  std::function<uint64_t()> unix_now_s;
-  std::function<void()> before_step;
-  std::function<void(const storage::FoldRun&)> on_done;  // also of a run that the daemon's end cuts
-};
-
 class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemon> {
  public:
   SimulatedDaemon(World& world, const rpc::RpcOptions& options,
                   std::unique_ptr<priors::PriorStore> store,
-                  std::unique_ptr<storage::ReadConnection> reads, watch::WatchListener& watcher,
-                  Folding folding);
+                  std::unique_ptr<storage::ReadConnection> reads, watch::WatchListener& watcher);
   // The disk must be dead, or the daemon closed.
   ~SimulatedDaemon();
 
@@ -62,16 +52,11 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   void RunLater(bool& busy, bool (storage::StoreThread::*run_next)());
   // Ends the streams of tokens that are not valid any more, each second.
   void EndRefused();
-  // Folds as EvidenceFolding does, whose thread is the loop here.
-  void BeginFold();
-  void StepFold(const std::shared_ptr<storage::FoldWalk>& walk);
-  void AfterFoldStep(const std::shared_ptr<storage::FoldWalk>& walk);
 
   World& world_;
   const rpc::RpcOptions options_;
   rpc::Counters counters_;
   spdlog::logger log_;
-  const Folding folding_;
   bool draining_ = false;
   rpc::DecisionLoop loop_;
   storage::StoreThread store_;

@@ -61,13 +61,6 @@ Simulation::Simulation(uint64_t seed)
   if (world_.Happens(0.3)) options_.resume_window_ns = kSecondNs;
   if (world_.Happens(0.6)) options_.tokens = &tokens_;
   if (world_.Happens(0.3)) lost_answer_ratio_ = 0.1;
-  if (world_.Happens(0.5)) {
-    folds_ = true;
-    fold_plan_ = {.days = world_.Happens(0.5) ? 365u : 30u,
-                  .interval = std::chrono::milliseconds(world_.Draw(50, 1500)),
-                  .pause = std::chrono::milliseconds(world_.Draw(0, 100)),
-                  .rows_per_step = static_cast<uint32_t>(world_.Draw(1, 8))};
-  }
   for (const char* name : {"priors.db", "store-id"})
     std::filesystem::copy(NewDatabase() / name, directory_.path() / name);
 }
@@ -170,12 +163,12 @@ void Simulation::StartDaemon() {
   CheckStore(**store);
   if (!troubled_) CheckAudit(**store);
   if (ended_) {
-    FoldAll(**store);
+    CheckFile();
     CheckWatcher(**store);
   }
   watcher_.OnReset();
   daemon_ = std::make_shared<SimulatedDaemon>(world_, options_, WithTroubles(*std::move(store)),
-                                              *std::move(reads), watcher_, MakeFolding());
+                                              *std::move(reads), watcher_);
 }
 
 std::unique_ptr<priors::PriorStore> Simulation::WithTroubles(
@@ -193,22 +186,6 @@ std::unique_ptr<priors::PriorStore> Simulation::WithTroubles(
 
 uint64_t Simulation::UnixNowS() const {
   return static_cast<uint64_t>(unix_s_ + world_.NowNs() / kSecondNs);
-}
-
-Folding Simulation::MakeFolding() {
-  return {.plan = ended_ ? storage::FoldPlan{} : fold_plan_,
-          .unix_now_s = [this] { return UnixNowS(); },
-          .before_step =
-              [this] {
-                if (troubled_ && world_.Happens(0.02))
-                  disk_.KillAfter(static_cast<uint64_t>(world_.Draw(1, 20)));
-              },
-          .on_done =
-              [this](const storage::FoldRun& run) {
-                ++tally_.folds;
-                tally_.failed_folds += !run.status.ok();
-                tally_.folded_sessions += run.source_count;
-              }};
 }
 
 void Simulation::EndDaemon() {
@@ -298,7 +275,7 @@ void Simulation::ScheduleVisitor() {
 }
 
 void Simulation::LetVisitorCome() {
-  switch (world_.Draw(0, fold_plan_.days > 0 ? 7 : 4)) {
+  switch (world_.Draw(0, 4)) {
     case 0:
     case 1:
       return ImportFile();
@@ -306,10 +283,8 @@ void Simulation::LetVisitorCome() {
       return RevokeToken();
     case 3:
       return Steal();
-    case 4:
-      return JumpWallClock();
     default:
-      LetMonthsPass();
+      JumpWallClock();
   }
 }
 
@@ -349,13 +324,6 @@ void Simulation::JumpWallClock() {
   ++tally_.clock_jumps;
   constexpr int64_t kTenYearsS = 10 * 365 * 86'400;
   unix_s_ += world_.Happens(0.5) ? kTenYearsS : -kTenYearsS;
-}
-
-void Simulation::LetMonthsPass() {
-  const auto game = static_cast<size_t>(world_.Draw(0, static_cast<int64_t>(games_.size()) - 1));
-  games_[game]->BreakConnection();
-  ++tally_.clock_jumps;
-  unix_s_ += world_.Draw(10, 500) * 86'400;
 }
 
 void Simulation::Calm() {

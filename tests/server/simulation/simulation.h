@@ -1,8 +1,7 @@
 // A daemon on a disk that fails, with games on a network that breaks, in virtual time: one run for
 // each seed. Games have tokens, which are revoked; others try their sessions; somebody watches a
-// project; files of priors are imported; the wall clock jumps, and evidence that is old by then is
-// folded. What must hold is checked at every start of the daemon, and at the end before and after
-// all evidence is folded: nothing that was promised is missing, nothing is counted
+// project; files of priors are imported; the wall clock jumps. What must hold is checked at every
+// start of the daemon and at the end: nothing that was promised is missing, nothing is counted
 // twice, nobody is shown another project, a file is imported whole or not at all, the store opens,
 // every game comes to its end, and the log's decisions can be derived again.
 #pragma once
@@ -62,15 +61,11 @@ class Simulation {
   void RevokeToken();
   void Steal();
   void JumpWallClock();
-  // While a game is away.
-  void LetMonthsPass();
   void Calm();
 
   std::unique_ptr<priors::PriorStore> WithTroubles(std::unique_ptr<priors::PriorStore> store);
   uint64_t UnixNowS() const;
-  Folding MakeFolding();
-  // Folds the evidence of all sessions, and compares the store with the model before and after.
-  void FoldAll(priors::PriorStore& store);
+  void CheckFile();
   void CheckStore(priors::PriorStore& store);
   // Checks what a caller for one project gets, given all scenes.
   void CheckProject(priors::PriorStore& store, const std::vector<priors::SceneEvidence>& all);
@@ -91,8 +86,6 @@ class Simulation {
   std::vector<std::unique_ptr<Thief>> thieves_;
   PriorFiles files_;
   EvidenceModel model_;
-  storage::FoldPlan fold_plan_;
-  bool folds_ = false;  // old evidence is folded, or all was at the end
   SimulatedWatcher watcher_;
   double lost_answer_ratio_ = 0;
   int64_t unix_s_ = 1'800'000'000;           // the wall clock when the world began

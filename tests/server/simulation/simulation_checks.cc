@@ -19,22 +19,13 @@ void Simulation::CheckStore(priors::PriorStore& store) {
   if (!records.ok()) return Complain("the records cannot be read: " + records.status().ToString());
   const auto complain = [this](const std::string& what) { Complain(what); };
   files_.Check(records->records, complain);
-  tally_.late_records += model_.Check(store, *records, folds_, complain);
+  model_.Check(store, *records, complain);
   const auto scenes = store.List({}, {}, 1000);
   if (!scenes.ok()) return Complain("the scenes cannot be read: " + scenes.status().ToString());
   CheckProject(store, *scenes);
 }
 
-void Simulation::FoldAll(priors::PriorStore& store) {
-  folds_ = true;
-  storage::FoldWalk walk({.days = 1, .rows_per_step = 5}, uint64_t{1} << 40);
-  while (!walk.done()) walk.Step(store);
-  if (!walk.run().status.ok()) Complain("not folded: " + walk.run().status.ToString());
-  CheckStore(store);
-  const auto records = store.Export({}, {}, 100'000);
-  for (const priors::PriorRecord& record : records->records) {
-    if (model_.has_session(record.source_id)) Complain("a session's evidence was not folded");
-  }
+void Simulation::CheckFile() {
   const auto contents = storage::VerifyStore(directory_.path() / "priors.db");
   if (!contents.ok()) Complain("the file is not whole: " + contents.status().ToString());
 }

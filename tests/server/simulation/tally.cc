@@ -27,10 +27,6 @@ constexpr std::array kCounts = {
     std::pair{"sessions stolen at", &Tally::thefts},
     std::pair{"jumps of the wall clock", &Tally::clock_jumps},
     std::pair{"scenes watched to the end", &Tally::watched_scenes},
-    std::pair{"folds of old evidence", &Tally::folds},
-    std::pair{"folds cut short", &Tally::failed_folds},
-    std::pair{"sessions folded", &Tally::folded_sessions},
-    std::pair{"records of folded sessions that went on", &Tally::late_records},
     std::pair{"decisions", &Tally::decisions},
     std::pair{"derived again", &Tally::derived_decisions},
 };

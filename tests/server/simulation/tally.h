@@ -27,10 +27,6 @@ struct Tally {
   uint64_t thefts = 0;
   uint64_t clock_jumps = 0;
   uint64_t watched_scenes = 0;
-  uint64_t folds = 0;
-  uint64_t failed_folds = 0;
-  uint64_t folded_sessions = 0;
-  uint64_t late_records = 0;
 
   Tally& operator+=(const Tally& other);
   std::string Text() const;

@@ -73,7 +73,7 @@ TEST_F(DamagedBackupTest, WrongEvidenceIsLeftOutAndTheRestIsThere) {
   EXPECT_EQ(grid.source_count, 1u);
   EXPECT_EQ(SumOf(*store, Key("SAP")).source_count, 1u);
   EXPECT_EQ(SourceCountOf(*store, "harbour"), 2u) << "the session has taught another arm, too";
-  EXPECT_TRUE((*store->LoadSource("a"))->is_counted);
+  EXPECT_FALSE((*store->LoadSource("a"))->evidence.empty());
   EXPECT_TRUE(store->Commit(std::vector{Update("a", 2, {Key("Grid")})}).ok());
   EXPECT_EQ(SumOf(*store, Key("Grid")).source_count, 2u);
 }
@@ -82,7 +82,7 @@ TEST_F(DamagedBackupTest, ASceneThatASessionTaughtNothingElseHasOneSourceLess) {
   Damage("evidence SET hash = hash + 1 WHERE key_id = 3");
   const auto store = RestoredBackup(1);
   EXPECT_EQ(SumOf(*store, Key("Grid", "desert")).source_count, 0u);
-  EXPECT_TRUE((*store->LoadSource("b"))->is_counted);
+  EXPECT_FALSE((*store->LoadSource("b"))->evidence.empty());
   EXPECT_EQ(SourceCountOf(*store, "harbour"), 2u);
   EXPECT_EQ(BackUpStore(other_, directory_.path() / "next.db")->scene_count, 1);
 }
@@ -105,31 +105,6 @@ TEST_F(DamagedBackupTest, WrongSumsAndCountsAreMadeAnewAndNothingIsLost) {
   EXPECT_EQ(SumOf(*store, Key("Grid")).evidence.alpha, before.evidence.alpha);
   EXPECT_EQ(SourceCountOf(*store, "desert"), 1u);
   EXPECT_EQ(store->Export({}, {}, 9)->records.size(), 4u);
-}
-
-TEST_F(DamagedBackupTest, FoldedSessionsStayCounted) {
-  ASSERT_TRUE(FoldSources(*store_, {}, INT64_MAX, 200).ok());
-  ASSERT_TRUE(store_->Commit(std::vector{Update("c", 1, {Key("Grid")})}).ok());
-  Damage("evidence SET alpha = 1000 WHERE source_id = (SELECT id FROM source WHERE name = 'c')");
-  const auto store = RestoredBackup(1);
-  EXPECT_EQ(SumOf(*store, Key("Grid")).evidence.window_count, 2u);
-  EXPECT_TRUE((*store->LoadSource("a"))->is_counted);
-}
-
-TEST_F(DamagedBackupTest, OfABuildWithAWrongRowNothingIsKnown) {
-  std::vector<priors::Build> builds;
-  for (const char* name : {"1", "2", "3"})
-    builds.push_back(
-        {.project = "game", .name = name, .parents = {"0", "fix"}, .unix_made_s = 1'760'000'000});
-  ASSERT_TRUE(store_->DescribeBuilds(builds).ok());
-  Damage("build_parent SET unix_made_s = 7 WHERE build = '1' AND parent = 'fix'");
-  Damage("build_parent SET unix_made_s = 7 WHERE build = '2'");
-  const auto listed = store_->ListBuilds({}, {}, 2);
-  ASSERT_EQ(listed->size(), 2u) << "a page that is not full would be the last";
-  EXPECT_EQ(listed->back(), builds.back());
-  const auto store = RestoredBackup(3);
-  const std::vector<priors::Build> whole = {builds.back()};
-  EXPECT_EQ(*store->ListBuilds({}, {}, 9), whole);
 }
 
 TEST_F(DamagedBackupTest, TheDatabaseItselfStaysAsItIs) {

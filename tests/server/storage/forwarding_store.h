@@ -1,4 +1,4 @@
-// A store that hands everything on to another one, for tests that want a part of it otherwise.
+// A store that forwards every call to another one. Tests derive from it to change some calls.
 #pragma once
 
 #include <memory>
@@ -9,14 +9,18 @@
 #include <vector>
 
 #include "server/sessions/prior_store.h"
+#include "server/storage/sqlite_prior_store.h"
 
 namespace sweepstake::storage {
 
 class ForwardingStore : public priors::PriorStore {
  public:
-  explicit ForwardingStore(std::unique_ptr<priors::PriorStore> store) : store_(std::move(store)) {}
+  // Without another store it has one in memory.
+  explicit ForwardingStore(
+      std::unique_ptr<priors::PriorStore> store = *storage::OpenMemoryPriorStore())
+      : store_(std::move(store)) {}
 
-  // The store that it hands on to.
+  // The other store.
   priors::PriorStore& behind() { return *store_; }
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override {
@@ -54,21 +58,6 @@ class ForwardingStore : public priors::PriorStore {
                                                        const priors::ExportPlace& after,
                                                        uint32_t limit) override {
     return store_->ExportQuarantined(filter, after, limit);
-  }
-  absl::StatusOr<std::vector<priors::Build>> LoadBuilds(
-      const std::string& project, std::span<const std::string> names) override {
-    return store_->LoadBuilds(project, names);
-  }
-  absl::StatusOr<std::vector<priors::Build>> ListBuilds(const priors::SceneFilter& filter,
-                                                        const priors::BuildPlace& after,
-                                                        uint32_t limit) override {
-    return store_->ListBuilds(filter, after, limit);
-  }
-  absl::Status DescribeBuilds(std::span<const priors::Build> builds) override {
-    return store_->DescribeBuilds(builds);
-  }
-  absl::Status ForgetBuilds(std::span<const priors::BuildPlace> builds) override {
-    return store_->ForgetBuilds(builds);
   }
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override {

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <string>
 
-#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/outbox/update_text.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/server/storage/forwarding_store.h"
@@ -88,7 +87,6 @@ TEST_F(OutboxTest, OthersCannotReadIt) {
 // Knows that another daemon goes on with the session "two".
 class FencedStore final : public ForwardingStore {
  public:
-  using ForwardingStore::ForwardingStore;
   absl::Status Commit(std::span<const SourceUpdate> updates) override {
     if (updates[0].progress.source_id == "two")
       return absl::FailedPreconditionError("it has another writer");
@@ -97,7 +95,7 @@ class FencedStore final : public ForwardingStore {
 };
 
 TEST_F(OutboxTest, DeliversOnceWhateverTheStoreHasAlready) {
-  FencedStore store(std::make_unique<MemoryPriorStore>());
+  FencedStore store;
   const SourceUpdate first = Update("one", 1, {Key("Grid")});
   ASSERT_TRUE(store.Commit(std::vector{first}).ok()) << "the answer was lost";
   Outbox outbox = Open();
@@ -116,7 +114,6 @@ TEST_F(OutboxTest, DeliversOnceWhateverTheStoreHasAlready) {
 // Takes one commit, and is away then.
 class LeavingStore final : public ForwardingStore {
  public:
-  using ForwardingStore::ForwardingStore;
   absl::Status Commit(std::span<const SourceUpdate> updates) override {
     if (++commit_count_ > 1) return absl::UnavailableError("it is away");
     return ForwardingStore::Commit(updates);
@@ -127,7 +124,7 @@ class LeavingStore final : public ForwardingStore {
 };
 
 TEST_F(OutboxTest, KeepsAllUntilAllIsDelivered) {
-  LeavingStore store(std::make_unique<MemoryPriorStore>());
+  LeavingStore store;
   Outbox outbox = Open();
   const std::vector both = {Update("one", 1, {Key("Grid")}), Update("two", 1, {Key("Grid")})};
   ASSERT_TRUE(outbox.Replace(both).ok());
@@ -167,7 +164,7 @@ TEST_F(OutboxTest, WhatIsNoOutboxStaysAsItIs) {
     auto database = SqliteDatabase::Open(path().string(), SqliteDatabase::OpenMode::kExisting);
     ASSERT_TRUE(database->Execute("INSERT INTO waiting (body) VALUES ('{}')").ok());
   }
-  MemoryPriorStore store;
+  ForwardingStore store;
   const absl::Status damaged = Open().DeliverTo(store).status();
   EXPECT_TRUE(absl::IsDataLoss(damaged)) << damaged;
   EXPECT_THAT(std::string(damaged.message()), HasSubstr(path().string()));

@@ -1,10 +1,8 @@
 // Every store passes the conformance suite.
 #include <cstdlib>
 
-#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/audit_conformance.h"
-#include "tests/server/storage/build_conformance.h"
 #include "tests/server/storage/forwarding_store.h"
 #include "tests/server/storage/prior_store_conformance.h"
 #include "tests/server/storage/quarantine_conformance.h"
@@ -22,11 +20,11 @@ class TemporarySqliteStore final : private test_support::TemporaryDirectory,
       : ForwardingStore(*OpenSqlitePriorStore(path() / "priors.db", kConformanceAuditLimits)) {}
 };
 
-const auto kStores = ::testing::Values(
-    std::pair<std::string, MakeStore>(
-        "Memory", [] { return std::make_unique<MemoryPriorStore>(kConformanceAuditLimits); }),
-    std::pair<std::string, MakeStore>("Sqlite",
-                                      [] { return std::make_unique<TemporarySqliteStore>(); }));
+const auto kStores =
+    ::testing::Values(std::pair<std::string, MakeStore>(
+                          "Memory", [] { return *OpenMemoryPriorStore(kConformanceAuditLimits); }),
+                      std::pair<std::string, MakeStore>(
+                          "File", [] { return std::make_unique<TemporarySqliteStore>(); }));
 
 std::string NameOf(const ::testing::TestParamInfo<std::pair<std::string, MakeStore>>& instance) {
   return instance.param.first;
@@ -36,7 +34,6 @@ INSTANTIATE_TEST_SUITE_P(Stores, PriorStoreConformance, kStores, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, SourceConformance, kStores, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, QuarantineConformance, kStores, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, AuditConformance, kStores, NameOf);
-INSTANTIATE_TEST_SUITE_P(Stores, BuildConformance, kStores, NameOf);
 
 }  // namespace
 }  // namespace sweepstake::storage

@@ -85,7 +85,6 @@ TEST_P(MisplacedStoreTest, TakesNothingMoreUntilItIsBack) {
   EXPECT_TRUE(absl::IsUnavailable(
       store_->Import(std::vector{Record("file", 1, Key("Grid"), 1.0)}).status()));
   EXPECT_TRUE(absl::IsUnavailable(store_->Revoke({.id = "a"}, false).status()));
-  EXPECT_TRUE(absl::IsUnavailable(FoldSources(*store_, {}, INT64_MAX, 200).status()));
   std::filesystem::rename(moved_, file_);
   EXPECT_TRUE(store_->CheckPlace().ok());
   EXPECT_TRUE(store_->Commit(update).ok());
@@ -124,7 +123,7 @@ TEST_F(SqlitePriorStoreTest, AStoreWhoseDirectoryWasRemovedIsSavedInANewOne) {
 TEST_F(SqlitePriorStoreTest, ANewFileIsMarkedAsOurs) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   EXPECT_EQ(QueryInteger("PRAGMA application_id"), kSqliteApplicationId);
-  EXPECT_EQ(QueryInteger("PRAGMA user_version"), SqliteSchemaVersion());
+  EXPECT_EQ(QueryInteger("PRAGMA user_version"), 1);
 }
 
 TEST_F(SqlitePriorStoreTest, AnEmptyFileIsNeitherAdoptedNorChanged) {
@@ -145,11 +144,13 @@ TEST_F(SqlitePriorStoreTest, AnotherProgramsDatabaseIsRefused) {
   EXPECT_THAT(OpenError(), HasSubstr("is not a Sweepstake database"));
 }
 
-TEST_F(SqlitePriorStoreTest, AFileOfANewerDaemonIsRefused) {
+TEST_F(SqlitePriorStoreTest, AFileOfAnotherSchemaVersionIsRefusedAndLeftAsItIs) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
-  Execute("PRAGMA user_version = 1000");
+  Execute("PRAGMA user_version = 11");
   EXPECT_TRUE(absl::IsFailedPrecondition(OpenSqlitePriorStore(path_).status()));
-  EXPECT_THAT(OpenError(), HasSubstr("newer daemon (schema 1000"));
+  EXPECT_TRUE(absl::IsFailedPrecondition(VerifyStore(path_).status()));
+  EXPECT_THAT(OpenError(), HasSubstr("has schema version 11, and this daemon reads version 1"));
+  EXPECT_EQ(QueryInteger("PRAGMA user_version"), 11);
 }
 
 TEST_F(SqlitePriorStoreTest, ALogWithoutItsFileIsRefused) {

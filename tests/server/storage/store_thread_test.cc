@@ -7,8 +7,8 @@
 
 #include <future>
 
-#include "server/storage/memory/memory_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
+#include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 
 // Counts commits, and fails those the test wants to fail. On the store's thread, or before it
 // starts.
-class CountingStore final : public MemoryPriorStore {
+class CountingStore final : public ForwardingStore {
  public:
   explicit CountingStore(std::vector<size_t>& group_sizes, bool& failing, bool& misplaced)
       : group_sizes_(group_sizes), failing_(failing), misplaced_(misplaced) {}
@@ -25,7 +25,7 @@ class CountingStore final : public MemoryPriorStore {
   absl::Status Commit(std::span<const SourceUpdate> updates) override {
     if (failing_) return absl::UnavailableError("the disk is full");
     group_sizes_.push_back(updates.size());
-    return MemoryPriorStore::Commit(updates);
+    return ForwardingStore::Commit(updates);
   }
   absl::Status CheckPlace() override {
     return misplaced_ ? absl::NotFoundError("the file is gone") : absl::OkStatus();

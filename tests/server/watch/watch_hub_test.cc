@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "server/storage/memory/memory_prior_store.h"
 #include "sweepstake/v1/posteriors.pb.h"
+#include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::watch {
 namespace {
@@ -45,12 +45,12 @@ class ManualStore final : public priors::AsyncPriorStore {
 
  private:
   // Reads a scene only if the test lets it.
-  class Store final : public storage::MemoryPriorStore {
+  class Store final : public storage::ForwardingStore {
    public:
     explicit Store(const absl::Status& read_status) : read_status_(read_status) {}
     absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) override {
       if (!read_status_.ok()) return read_status_;
-      return storage::MemoryPriorStore::LoadScene(key);
+      return ForwardingStore::LoadScene(key);
     }
 
    private:

@@ -52,19 +52,6 @@ grpc::Status FakePriors::PromotePriors(grpc::ServerContext* context,
   return grpc::Status::OK;
 }
 
-grpc::Status FakePriors::DescribeBuilds(grpc::ServerContext*,
-                                        const v1::DescribeBuildsRequest* request,
-                                        v1::DescribeBuildsResponse*) {
-  describe_request = *request;
-  return describe_status.get();
-}
-
-grpc::Status FakePriors::ListBuilds(grpc::ServerContext*, const v1::ListBuildsRequest*,
-                                    grpc::ServerWriter<v1::ListBuildsResponse>* writer) {
-  for (const v1::ListBuildsResponse& part : builds.get()) writer->Write(part);
-  return grpc::Status::OK;
-}
-
 grpc::Status FakePriors::ImportPriors(grpc::ServerContext*,
                                       grpc::ServerReader<v1::ImportPriorsRequest>* reader,
                                       v1::ImportPriorsResponse* response) {

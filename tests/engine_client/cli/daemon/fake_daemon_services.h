@@ -77,9 +77,6 @@ class FakePriors final : public v1::PriorsService::Service {
   Guarded<v1::RevokePriorsResponse> revoke_response;
   Guarded<v1::PromotePriorsRequest> promote_request;
   Guarded<v1::PromotePriorsResponse> promote_response;
-  Guarded<std::vector<v1::ListBuildsResponse>> builds;
-  Guarded<v1::DescribeBuildsRequest> describe_request;
-  Guarded<grpc::Status> describe_status;
   std::atomic<int64_t> patience_s = 0;  // of the latest of both
   std::atomic<bool> promotes = false;   // as the latest message of an import says
 
@@ -90,10 +87,6 @@ class FakePriors final : public v1::PriorsService::Service {
                             v1::RevokePriorsResponse* response) override;
   grpc::Status ExportPriors(grpc::ServerContext*, const v1::ExportPriorsRequest* request,
                             grpc::ServerWriter<v1::ExportPriorsResponse>* writer) override;
-  grpc::Status DescribeBuilds(grpc::ServerContext*, const v1::DescribeBuildsRequest* request,
-                              v1::DescribeBuildsResponse* response) override;
-  grpc::Status ListBuilds(grpc::ServerContext*, const v1::ListBuildsRequest* request,
-                          grpc::ServerWriter<v1::ListBuildsResponse>* writer) override;
   grpc::Status ImportPriors(grpc::ServerContext*,
                             grpc::ServerReader<v1::ImportPriorsRequest>* reader,
                             v1::ImportPriorsResponse* response) override;

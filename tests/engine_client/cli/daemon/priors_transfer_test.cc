@@ -118,15 +118,6 @@ TEST(PriorsCommand, SaysWhichRecordsAreKnownUnderAnotherScene) {
   EXPECT_THAT(run.out, HasSubstr("1 of these are not there under their project and scene"));
 }
 
-TEST(ImportPriors, CountsNothingAsAbsentWhereTheDaemonLeavesFoldedRecordsOut) {
-  FakeDaemonServices daemon;
-  daemon.priors.parts->resize(1);
-  const std::vector<PriorRecord> records = {SomeRecord(1), SomeRecord(2)};
-  EXPECT_EQ(ImportPriors({daemon.address()}, records)->absent_count, 2U);
-  daemon.priors.parts->at(0).set_folded_record_count(1);
-  EXPECT_EQ(ImportPriors({daemon.address()}, records)->absent_count, 0U);
-}
-
 TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
   FakeDaemonServices daemon;
   const TemporaryDirectory folder;
@@ -138,24 +129,6 @@ TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
   EXPECT_EQ(run.out, "");
   EXPECT_THAT(run.err, HasSubstr("the daemon has no such records"));
   EXPECT_EQ(FileText(file), "good");
-}
-
-TEST(PriorsCommand, AnExportSaysWhatTheDaemonLeftOut) {
-  FakeDaemonServices daemon;
-  daemon.priors.parts->resize(2);
-  for (const size_t i : {0U, 1U}) {
-    daemon.priors.parts->at(i).set_folded_record_count(7);
-    daemon.priors.parts->at(i).set_folded_window_count(30);
-  }
-  const TemporaryDirectory folder;
-  const std::string file = (folder.path() / "p.json").string();
-  const std::string command = "priors export --out " + file + " --daemon " + daemon.address();
-  EXPECT_EQ(RunCommand(command).out,
-            file +
-                ": 0 records\n14 more of old sessions, with 60 windows, were left out: the daemon "
-                "has folded them together (fold_days)\n");
-  EXPECT_THAT(RunCommand(command + " --json").out,
-              AllOf(HasSubstr("\"folded_records\": 14"), HasSubstr("\"folded_windows\": 60")));
 }
 
 TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
@@ -251,25 +224,6 @@ TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
       << "they are in the file";
 }
 
-TEST(PriorsCommand, ABuildIsNotMadeFromWhatWasMadeFromIt) {
-  FakeDaemonServices daemon;
-  v1::ListBuildsResponse said;
-  for (const auto& [name, parent] : {std::pair{"1.1", "1.0"}, {"1.2", "1.1"}}) {
-    v1::Build& build = *said.add_builds();
-    build.set_project("p");
-    build.set_name(name);
-    build.add_parents(parent);
-  }
-  daemon.priors.builds = std::vector{said};
-  const std::string describe =
-      "priors describe --project p --daemon " + daemon.address() + " --build ";
-  const CommandRun cycle = RunCommand(describe + "1.0 --parent 0.9 --parent 1.2");
-  EXPECT_EQ(cycle.exit_code, 1);
-  EXPECT_THAT(cycle.err, HasSubstr("build 1.2 was made from 1.0 itself"));
-  EXPECT_THAT(RunCommand(describe + "1.0 --parent 1.0").err, HasSubstr("not its own parent"));
-  EXPECT_EQ(RunCommand(describe + "1.3 --parent 1.2").exit_code, 0);
-}
-
 TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {
   FakeDaemonServices daemon;
   daemon.priors.promote_response->set_source_count(2);
@@ -321,54 +275,6 @@ TEST(PriorsCommand, APreviewNamesTheScenesThatWouldHaveAnotherLeader) {
     EXPECT_EQ(told["scenes"][0]["scene"], "harbour");
     EXPECT_EQ(told["scenes"][0]["next_arm"], "SAP");
   }
-}
-
-TEST(PriorsCommand, SaysWhatABuildWasMadeFrom) {
-  FakeDaemonServices daemon;
-  const std::string command =
-      "priors describe --project p --build 1.3 --parent 1.2 --parent fix --made 70 --daemon " +
-      daemon.address();
-  EXPECT_EQ(RunCommand(command).out, "build 1.3 of p was made from 1.2, fix\n");
-  const v1::DescribeBuildsRequest asked = daemon.priors.describe_request.get();
-  ASSERT_EQ(asked.builds_size(), 1);
-  EXPECT_EQ(asked.builds(0).project(), "p");
-  EXPECT_EQ(asked.builds(0).name(), "1.3");
-  EXPECT_THAT(asked.builds(0).parents(), ::testing::ElementsAre("1.2", "fix"));
-  EXPECT_EQ(asked.builds(0).unix_made_s(), 70);
-  EXPECT_FALSE(asked.forget());
-  EXPECT_EQ(nlohmann::json::parse(RunCommand(command + " --json").out)["parents"][1], "fix");
-  daemon.priors.describe_status = grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "not you");
-  const CommandRun refused = RunCommand(command);
-  EXPECT_NE(refused.exit_code, 0);
-  EXPECT_THAT(refused.err, HasSubstr("not you"));
-}
-
-TEST(PriorsCommand, ForgetsWhatWasSaidOfABuild) {
-  FakeDaemonServices daemon;
-  const std::string command =
-      "priors describe --project p --build 1.O --forget --daemon " + daemon.address();
-  EXPECT_EQ(RunCommand(command).out, "build 1.O of p is forgotten\n");
-  EXPECT_TRUE(daemon.priors.describe_request.get().forget());
-  EXPECT_NE(RunCommand(command + " --parent 1").exit_code, 0);
-}
-
-TEST(PriorsCommand, ShowsWhatWasSaidOfBuilds) {
-  FakeDaemonServices daemon;
-  const std::string command = "priors builds --daemon " + daemon.address();
-  EXPECT_THAT(RunCommand(command).out, HasSubstr("Nothing was said of any build"));
-  v1::ListBuildsResponse part;
-  v1::Build& build = *part.add_builds();
-  build.set_project("p");
-  build.set_name("1.3");
-  build.add_parents("1.2");
-  build.add_parents("fix");
-  build.set_unix_made_s(86'400);
-  daemon.priors.builds = std::vector{part};
-  EXPECT_THAT(RunCommand(command).out, HasSubstr("1.2, fix"));
-  EXPECT_THAT(RunCommand(command).out, HasSubstr("1970-01-02"));
-  const auto told = nlohmann::json::parse(RunCommand(command + " --json").out)["builds"];
-  EXPECT_EQ(told[0]["build"], "1.3");
-  EXPECT_EQ(told[0]["unix_made_s"], 86'400);
 }
 
 TEST(PriorsCommand, AListHasWhatWaitsInQuarantineApart) {

@@ -64,7 +64,7 @@ TEST(DaemonProgram, BadUsageEndsWithTwo) {
       {"watch", "--daemon"},
       {"watch --daemon nowhere", "nowhere"},
       {"priors",
-       "the commands of priors are list, export, import, promote, revoke, describe, builds, show, "
+       "the commands of priors are list, export, import, promote, revoke, show, "
        "doctor, diff, merge, arm"},
       {"audit", "the commands of audit are list, export"},
       {"audit export --daemon 127.0.0.1:1", "--out"},

@@ -1,5 +1,6 @@
 // What the generator of load counts is what the daemon counts.
 #include "tests/laboratory/load/load_run.h"
+#include "server/storage/sqlite_prior_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +15,6 @@
 
 #include "engine_client/cli/daemon/sessions_transfer.h"
 #include "server/rpc/rpc_server.h"
-#include "server/storage/memory/memory_prior_store.h"
 #include "server/storage/store_thread.h"
 #include "tests/server/rpc/holding_store.h"
 
@@ -29,7 +29,7 @@ class LoadRunTest : public ::testing::Test {
   void TearDown() override { Stop(); }
 
   void Start(const std::string& listen) {
-    thread_ = std::make_unique<storage::StoreThread>(std::make_unique<storage::MemoryPriorStore>());
+    thread_ = std::make_unique<storage::StoreThread>(*storage::OpenMemoryPriorStore());
     store_ = std::make_unique<rpc::HoldingStore>(*thread_);
     auto server = RpcServer::Start(listen, {}, clock_, *store_, log_);
     ASSERT_TRUE(server.ok()) << server.status();

@@ -202,18 +202,6 @@ TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
           return priors->ExportPriors(context, request)->Finish();
         });
       },
-      [&] {
-        return ask(v1::ListBuildsRequest(), [&](auto* context, const auto& request) {
-          return priors->ListBuilds(context, request)->Finish();
-        });
-      },
-      [&] {
-        v1::DescribeBuildsRequest request;
-        request.add_builds()->set_project("theirs");
-        request.mutable_builds(0)->set_name("1.0");
-        v1::DescribeBuildsResponse response;
-        return priors->DescribeBuilds(Mine().get(), request, &response);
-      },
       [&] { return Import({"theirs"}); },
       [&] {
         v1::RevokePriorsRequest request;

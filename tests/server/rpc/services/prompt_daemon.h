@@ -5,7 +5,6 @@
 #include <spdlog/logger.h>
 
 #include <cstdlib>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,8 +15,8 @@
 #include "server/rpc/services/telemetry_stream.h"
 #include "server/rpc/services/watcher_set.h"
 #include "server/sessions/session_table.h"
-#include "server/storage/memory/memory_prior_store.h"
 #include "tests/server/rpc/manual_clock.h"
+#include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::rpc {
 
@@ -25,7 +24,9 @@ namespace sweepstake::rpc {
 class PromptStore final : public priors::AsyncPriorStore {
  public:
   void Commit(priors::SourceUpdate update, CommitCallback done) override {
-    done(store.Commit({&update, 1}));
+    const absl::Status status = store.Commit({&update, 1});
+    if (status.ok()) committed_.push_back(std::move(update));
+    done(status);
   }
   bool Submit(Job job) override {
     job(store);
@@ -35,24 +36,28 @@ class PromptStore final : public priors::AsyncPriorStore {
     if (!holds_reads_) {
       job(store);
     } else {
-      held_.emplace_back(store, std::move(job));
+      auto state = std::make_unique<storage::ForwardingStore>();
+      if (!state->Commit(committed_).ok()) std::abort();
+      held_.emplace_back(std::move(state), std::move(job));
     }
     return true;
   }
-  // Reads that begin until EndReads see the store as it is then, and are answered at EndReads.
+  // Reads that begin until EndReads see what was committed before them. They are answered at
+  // EndReads.
   void HoldReads() { holds_reads_ = true; }
   void EndReads() {
     holds_reads_ = false;
-    for (auto& [state, job] : std::exchange(held_, {})) job(state);
+    for (auto& [state, job] : std::exchange(held_, {})) job(*state);
   }
   bool healthy() const override { return true; }
   uint64_t lost_audit_row_count() const override { return store.lost_audit_row_count(); }
 
-  storage::MemoryPriorStore store;
+  storage::ForwardingStore store;
 
  private:
   bool holds_reads_ = false;
-  std::deque<std::pair<storage::MemoryPriorStore, ReadJob>> held_;
+  std::vector<priors::SourceUpdate> committed_;
+  std::vector<std::pair<std::unique_ptr<priors::PriorStore>, ReadJob>> held_;
 };
 
 struct PromptDaemon {

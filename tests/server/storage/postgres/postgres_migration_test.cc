@@ -28,7 +28,7 @@ constexpr uint64_t kLongAgoUnixS = 1'700'000'000;
 fs::path DatabaseIn(const fs::path& directory) { return directory / DataDirectory::kDatabaseName; }
 
 // A directory whose store has some of all: sessions, imports that count and that wait, a revoked
-// source, folded evidence, and an audit log.
+// source, and an audit log.
 void Fill(const fs::path& directory) {
   const auto data = DataDirectory::Open(directory);
   ASSERT_TRUE(data.ok()) << data.status();
@@ -36,7 +36,6 @@ void Fill(const fs::path& directory) {
   ASSERT_TRUE(store.ok()) << store.status();
   SourceUpdate old = UpdateOf({"0.9", 3}, kLongAgoUnixS, "old", {Key("Grid"), Key("SAP")});
   ASSERT_TRUE((*store)->Commit(std::vector{old}).ok());
-  ASSERT_TRUE(FoldSources(**store, {}, kLongAgoUnixS).ok());
   std::vector<SourceUpdate> updates;
   for (int i = 1; i <= 7; ++i) {
     SourceUpdate update = UpdateOf({"1.0 \"é\"", i}, kLongAgoUnixS + 1000, "s" + std::to_string(i),
@@ -56,11 +55,6 @@ void Fill(const fs::path& directory) {
                                            Record("waiting", 2, Key("SAP", "quay"), 2)},
                                10)
                   .ok());
-  ASSERT_TRUE((*store)
-                  ->DescribeBuilds(std::vector<priors::Build>{
-                      {.project = "game", .name = "1.0 \"é\"", .parents = {"0.9", "a \\"}},
-                      {.project = "game", .name = "0.9", .parents = {}, .unix_made_s = 5}})
-                  .ok());
   ASSERT_TRUE((*store)->Revoke({.id = "s3"}, false).ok());
   ASSERT_TRUE((*store)->Revoke({.id = "barred"}, false).ok());
 }
@@ -69,12 +63,10 @@ void Fill(const fs::path& directory) {
 struct Seen {
   std::vector<PriorRecord> records;
   std::vector<PriorRecord> waiting;
-  uint64_t folded_record_count = 0;
   std::vector<priors::AuditSegment> segments;
   std::vector<priors::AuditRow> rows;
   std::vector<priors::Evidence> sums;
   std::vector<uint64_t> source_counts;
-  std::vector<priors::Build> builds;
 
   friend bool operator==(const Seen&, const Seen&) = default;
 };
@@ -83,12 +75,10 @@ Seen See(PriorStore& store) {
   const auto page = *store.Export({}, {}, 1000);
   Seen seen{.records = page.records,
             .waiting = store.ExportQuarantined({}, {}, 1000)->records,
-            .folded_record_count = page.folded_record_count,
             .segments = *store.ListAudit({}, 0, 100),
             .rows = {},
             .sums = {},
-            .source_counts = {},
-            .builds = *store.ListBuilds({}, {}, 100)};
+            .source_counts = {}};
   for (const auto& segment : seen.segments) {
     const auto rows = *store.LoadAudit(segment.id, 1, 100, 1 << 20);
     seen.rows.insert(seen.rows.end(), rows.begin(), rows.end());
@@ -129,8 +119,6 @@ TEST_F(PostgresMigration, AStoreIsTheSameInPostgresAndBackAgain) {
   const Seen before = SeeIn(from_);
   ASSERT_FALSE(before.records.empty());
   ASSERT_EQ(before.waiting.size(), 2u);
-  ASSERT_EQ(before.builds.size(), 2u);
-  EXPECT_EQ(before.folded_record_count, 2u);
   Told told;
   const auto there = MigrateToPostgres(from_, url_, TellTo(told));
   ASSERT_TRUE(there.ok()) << there.status();
@@ -144,22 +132,6 @@ TEST_F(PostgresMigration, AStoreIsTheSameInPostgresAndBackAgain) {
   EXPECT_EQ(back->record_count, there->record_count);
   EXPECT_EQ(back->damaged_row_count, 0);
   EXPECT_FALSE(fs::exists(to_.string() + ".migration"));
-}
-
-TEST_F(PostgresMigration, OfAnOlderFileNothingIsMissing) {
-  const fs::path older = directory_.path() / "older";
-  ASSERT_TRUE(DataDirectory::Open(older).ok());
-  {
-    auto database =
-        *SqliteDatabase::Open(DatabaseIn(older).string(), SqliteDatabase::OpenMode::kCreate);
-    for (int version = 1; version <= 6; ++version) {
-      const std::string sql = test_support::FileText(std::string(SWEEPSTAKE_SCHEMAS_DIR) + "/" +
-                                                     std::to_string(version) + ".sql");
-      ASSERT_TRUE(database.Execute(sql).ok());
-    }
-  }
-  ASSERT_TRUE(MigrateToPostgres(older, url_, kNobody).ok());
-  EXPECT_EQ(OpenStore(url_)->Export({}, {}, 1000)->records.size(), 6u);
 }
 
 TEST_F(PostgresMigration, SessionsGoOnAndRevokedSourcesStayAway) {
@@ -179,8 +151,7 @@ TEST_F(PostgresMigration, SessionsGoOnAndRevokedSourcesStayAway) {
   EXPECT_EQ(*store->LoadSource("s3"), std::nullopt);
   EXPECT_EQ(*store->LoadSource("barred"), std::nullopt);
   EXPECT_NE(*store->LoadSource("new"), std::nullopt);
-  EXPECT_EQ(store->Revoke({.build = "0.9"}, false)->record_count, 2u) << "what was folded of it";
-  EXPECT_EQ(store->Export({}, {}, 1)->folded_record_count, 0u);
+  EXPECT_EQ(store->Revoke({.build = "0.9"}, false)->record_count, 2u);
   EXPECT_EQ(store->Promote({}, false)->record_count, 2u);
 }
 

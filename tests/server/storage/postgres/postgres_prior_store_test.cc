@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/server/storage/audit_conformance.h"
-#include "tests/server/storage/build_conformance.h"
 #include "tests/server/storage/postgres/temporary_postgres_store.h"
 #include "tests/server/storage/prior_store_conformance.h"
 #include "tests/server/storage/quarantine_conformance.h"
@@ -22,7 +21,6 @@ INSTANTIATE_TEST_SUITE_P(Stores, PriorStoreConformance, kPostgres, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, SourceConformance, kPostgres, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, QuarantineConformance, kPostgres, NameOf);
 INSTANTIATE_TEST_SUITE_P(Stores, AuditConformance, kPostgres, NameOf);
-INSTANTIATE_TEST_SUITE_P(Stores, BuildConformance, kPostgres, NameOf);
 
 }  // namespace
 }  // namespace sweepstake::storage

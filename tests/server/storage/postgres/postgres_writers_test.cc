@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/storage/memory/memory_prior_store.h"
+#include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/server/storage/postgres/temporary_postgres_store.h"
 
@@ -138,13 +138,13 @@ TEST(PostgresWriters, AnotherDatabaseInItsPlaceIsNotWritten) {
     EXPECT_TRUE(absl::IsUnavailable(store->Commit(std::vector{Update("a", 2, {Key("Grid")})})));
 }
 
-TEST(PostgresWriters, TablesOfANewerDaemonAreRefused) {
+TEST(PostgresWriters, TablesOfAnotherSchemaVersionAreRefused) {
   const std::string url = Server().NewDatabase();
   OpenStore(url);
   RunSql(url, "INSERT INTO sweepstake.schema_version VALUES (99)");
   const auto store = OpenPostgresPriorStore(url);
   EXPECT_TRUE(absl::IsFailedPrecondition(store.status())) << store.status();
-  EXPECT_THAT(std::string(store.status().message()), ::testing::HasSubstr("schema 99"));
+  EXPECT_THAT(std::string(store.status().message()), ::testing::HasSubstr("schema version 99"));
 }
 
 TEST(PostgresWriters, AServerThatIsNotThereIsUnavailable) {
@@ -183,11 +183,11 @@ TEST(PostgresWriters, SumsOfManyWritersAreThoseOfOneToTheBit) {
       writers.emplace_back([&url, &written, i] { Write(url, i + 1, written[i]); });
     for (int i = 0; i < 5; ++i) EndConnections(url);
   }
-  MemoryPriorStore memory;
-  for (const auto& updates : written) ASSERT_TRUE(memory.Commit(updates).ok());
+  const auto memory = *OpenMemoryPriorStore();
+  for (const auto& updates : written) ASSERT_TRUE(memory->Commit(updates).ok());
   const auto store = OpenStore(url);
   const auto summed = store->List({}, std::nullopt, 10)->at(0);
-  const auto expected = memory.List({}, std::nullopt, 10)->at(0);
+  const auto expected = memory->List({}, std::nullopt, 10)->at(0);
   EXPECT_EQ(summed.source_count, expected.source_count);
   ASSERT_EQ(summed.arms.size(), expected.arms.size());
   for (size_t i = 0; i < summed.arms.size(); ++i)

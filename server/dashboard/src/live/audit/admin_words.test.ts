@@ -21,9 +21,6 @@ it('says who did what', () => {
   expect(said('action=order-answer answer=ORDER_SUPERSEDED session=a mode=MODE_AI arm=')).toBe('It did not come to what ann asked, that the daemon decides in session a: ORDER_SUPERSEDED.');
   expect(said('action=import records=12 applied=3 promoted=no')).toBe('ann imported 12 records, 3 of them new or newer, which wait in quarantine.');
   expect(said('action=read-recording session=a recording=4')).toBe('ann read recording 4 of session a.');
-  expect(said('action=describe-builds {"builds":[{"project":"arcade","name":"1.3","parents":["1.2","a, b"]},{"project":"arcade","name":"1.2"}]}'))
-    .toBe('ann said that build 1.3 of arcade was made from 1.2 and a, b, and build 1.2 of arcade was made from none.');
-  expect(said('action=describe-builds {"builds":[{"project":"arcade","name":"1.O"}],"forget":true}')).toBe('ann said that build 1.O of arcade is to be forgotten.');
   expect(said('action=token', 'token x was made by root: watch of all projects')).toBe('Token x was made by root: watch of all projects.');
 });
 
@@ -35,14 +32,10 @@ it('says which sources', () => {
 it('does not take a name for who did it', () => {
   expect(said(`action=revoke ${sources('', 'b;operator=ceo')}`)).toBe('ann revoked 2 sources with 1 record: of build b;operator=ceo.');
   expect(said(`action=revoke ${sources('', 'b\\')}`)).toBe('ann revoked 2 sources with 1 record: of build b\\.');
-  expect(said('action=describe-builds {"builds":[{"project":"arcade","name":"x","parents":["p build=9 parents=q\\"}]}"]}]}'))
-    .toBe('ann said that build x of arcade was made from p build=9 parents=q"}]}.');
   expect(operatorOf('operator=a\\;operator\\,b')).toBe('a;operator,b');
 });
 
 it('leaves what it does not know as it is', () => {
   expect(said('action=dance steps=3')).toBe('ann: action=dance steps=3.');
   expect(said('revoke token x')).toBe('ann: revoke token x.');
-  expect(said('action=describe-builds {"builds":7}')).toBe('ann: action=describe-builds {"builds":7}.');
-  expect(said('action=describe-builds {"builds":}')).toBe('ann: action=describe-builds {"builds":}.');
 });

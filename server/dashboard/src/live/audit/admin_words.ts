@@ -19,12 +19,6 @@ function sourcesWords([, sources, records, project, source, build, token, from, 
   return `${counted(sources, 'source')} with ${counted(records, 'record')}: ${which.length > 0 ? `of ${which.join(', ')}` : 'all'}`;
 }
 
-/** What was said of builds is a DescribeBuildsRequest as JSON. */
-function buildsWords(text: string): string {
-  const { builds = [], forget } = JSON.parse(text) as { builds?: { project: string; name: string; parents?: string[] }[]; forget?: boolean };
-  return builds.map(({ project, name, parents = [] }) => `build ${name} of ${project} ${forget ? 'is to be forgotten' : `was made from ${parents.join(' and ') || 'none'}`}`).join(', and ');
-}
-
 const SOURCES = /^sources=(\d+) records=(\d+) project=(.*) source=(.*) build=(.*) token=(\d+) from=(\d+) until=(\d+)$/s;
 
 // By the action: what is behind it, and who did what. What is not written so stays as it is.
@@ -38,7 +32,6 @@ const SENTENCES: Readonly<Record<string, [pattern: RegExp, say: (match: RegExpEx
   'import': [/^records=(\d+) applied=(\d+) promoted=(yes|no)$/, ([, records, applied, promoted], who) =>
     `${who} imported ${counted(records, 'record')}, ${applied} of them new or newer, which ${promoted === 'yes' ? 'count at once' : 'wait in quarantine'}.`],
   'read-recording': [/^session=(\S+) recording=(\d+)$/, ([, session, recording], who) => `${who} read recording ${recording} of session ${session}.`],
-  'describe-builds': [/^(\{.*\})$/s, ([, builds], who) => `${who} said that ${buildsWords(builds!)}.`],
   'token': [/^$/, (_, who) => `${who.charAt(0).toUpperCase()}${who.slice(1)}.`], // who made it is part of that
 };
 
@@ -50,8 +43,6 @@ export function actionText(row: AuditRow): string {
   const [, action = '', rest = ''] = /^action=(\S+) ?(.*)$/s.exec(what) ?? [];
   const [pattern, say] = SENTENCES[action] ?? [];
   const match = pattern?.exec(rest);
-  try {
-    if (match) return say!(match, who);
-  } catch { /* it is not the JSON that it looks like */ }
+  if (match) return say!(match, who);
   return `${who}: ${what}.`;
 }

@@ -1,6 +1,6 @@
 // What the daemon has learnt and from whom, for as long as its view is open. The records of an export are summed as they come, so that
 // many sources take little memory.
-import type { Build, ExportPriorsResponse, PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
+import type { ExportPriorsResponse, PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
 
 export const MAX_SOURCES = 20_000;
 const MAX_SUMS = 50_000;
@@ -41,7 +41,6 @@ export interface SourceSum extends Teacher {
 export interface BuildSum extends Teacher {
   key: string;
   sourceIds: Set<string>;
-  parents: readonly string[];  // builds that it was made from, as somebody has said
 }
 
 export interface Evidence {
@@ -53,12 +52,10 @@ export interface Evidence {
   records: PriorRecord[];  // up to MAX_KEPT_RECORDS
   isCut: boolean;  // there was more than one of those holds
   recordCount: number;
-  foldedRecordCount: number;
-  foldedWindowCount: number;
 }
 
 export const noEvidence = (): Evidence => ({ sums: new Map(), sources: new Map(), builds: new Map(), waiting: new Map(), waitingCount: 0, records: [], isCut: false,
-  recordCount: 0, foldedRecordCount: 0, foldedWindowCount: 0 });
+  recordCount: 0 });
 
 const keyOf = (record: PriorRecord) => [record.project, record.scene, record.machineClass, record.rewardVersion, record.build, record.arm,
   record.backendVersion, record.measuredBy].join('\n');
@@ -89,7 +86,7 @@ function count(counts: Counts, { windowCount, bailOutCount }: PriorRecord): void
 }
 
 const buildKeyOf = ({ project, build }: PriorRecord) => `${project}\n${build}`;
-const buildSum = (key: string, record: PriorRecord): BuildSum => ({ key, sourceIds: new Set(), parents: [], ...teacher(record) });
+const buildSum = (key: string, record: PriorRecord): BuildSum => ({ key, sourceIds: new Set(), ...teacher(record) });
 
 function addWaiting(evidence: Evidence, record: PriorRecord): void {
   const key = buildKeyOf(record);
@@ -122,7 +119,7 @@ function add(evidence: Evidence, record: PriorRecord): void {
   evidence.isCut ||= !sum || !source;
 }
 
-export function addPart(evidence: Evidence, { records, foldedRecordCount, foldedWindowCount }: ExportPriorsResponse): void {
+export function addPart(evidence: Evidence, { records }: ExportPriorsResponse): void {
   const waiting = records.filter(({ isQuarantined }) => isQuarantined);
   for (const record of records) (record.isQuarantined ? addWaiting : add)(evidence, record);
   const kept = records.slice(0, MAX_KEPT_RECORDS - evidence.records.length);
@@ -130,16 +127,6 @@ export function addPart(evidence: Evidence, { records, foldedRecordCount, folded
   evidence.isCut ||= kept.length < records.length;
   evidence.recordCount += records.length - waiting.length;
   evidence.waitingCount += waiting.length;
-  evidence.foldedRecordCount += Number(foldedRecordCount);
-  evidence.foldedWindowCount += Number(foldedWindowCount);
-}
-
-// Of a build that taught nothing it is not kept.
-export function describe(evidence: Evidence, { project, name, parents }: Build): void {
-  for (const builds of [evidence.builds, evidence.waiting]) {
-    const build = builds.get(`${project}\n${name}`);
-    if (build) build.parents = parents;
-  }
 }
 
 // The file that `sweepstake priors import` and a game read.

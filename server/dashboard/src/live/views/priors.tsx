@@ -10,7 +10,7 @@ import { Choice, Filter } from '../parts/filter';
 import { Name } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
 import { fileName, visible } from '../parts/visible';
-import { addPart, describe, noEvidence, priorsFile, type Evidence } from '../state/evidence';
+import { addPart, noEvidence, priorsFile, type Evidence } from '../state/evidence';
 import { route } from '../state/route';
 import { scenes } from '../state/scenes';
 import { asApiError, stream, type ApiError } from '../transport/calls';
@@ -33,8 +33,7 @@ async function read(project: string, cancel: AbortSignal, show: (answer: Answer)
     for await (const part of stream(PriorsService.method.exportPriors, { project, withWeights: true }, cancel)) {
       addPart(evidence, part);
     }
-    isWhole = true; // without what builds were made from
-    for await (const { builds } of stream(PriorsService.method.listBuilds, { project }, cancel)) builds.forEach((build) => describe(evidence, build));
+    isWhole = true;
     show({ evidence, isWhole, atMs: Date.now() });
   } catch (error) {
     if (!cancel.aborted) show({ evidence, isWhole, atMs: Date.now(), error: asApiError(error) });
@@ -58,7 +57,6 @@ function Notes({ evidence, project }: { evidence: Evidence; project: string }) {
     <p class="soft small">
       {grouped(evidence.recordCount)} records of {grouped(evidence.sources.size)} sources
       {project && <> of <Name text={project} /></>}.
-      {evidence.foldedRecordCount > 0 && ` ${grouped(evidence.foldedRecordCount)} more, with ${grouped(evidence.foldedWindowCount)} windows, are of old sessions that the daemon has folded together.`}
       {evidence.isCut && ' Not all of them are in the tables and in the file; choose a project.'}
     </p>
   );

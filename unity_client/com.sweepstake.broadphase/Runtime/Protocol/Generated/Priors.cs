@@ -27,65 +27,53 @@ namespace Sweepstake.Protocol.V1 {
             "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MSJl",
             "ChNFeHBvcnRQcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
             "bmUYAiABKAkSGAoQcXVhcmFudGluZWRfb25seRgDIAEoCBIUCgx3aXRoX3dl",
-            "aWdodHMYBCABKAgifQoURXhwb3J0UHJpb3JzUmVzcG9uc2USKwoHcmVjb3Jk",
-            "cxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQSGwoTZm9sZGVk",
-            "X3JlY29yZF9jb3VudBgCIAEoBBIbChNmb2xkZWRfd2luZG93X2NvdW50GAMg",
-            "ASgEIlMKE0ltcG9ydFByaW9yc1JlcXVlc3QSKwoHcmVjb3JkcxgBIAMoCzIa",
-            "LnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQSDwoHcHJvbW90ZRgCIAEoCCJG",
-            "ChRJbXBvcnRQcmlvcnNSZXNwb25zZRIVCg1hcHBsaWVkX2NvdW50GAEgASgE",
-            "EhcKD3VuY2hhbmdlZF9jb3VudBgCIAEoBCJ+CgxTb3VyY2VGaWx0ZXISDwoH",
-            "cHJvamVjdBgBIAEoCRIRCglzb3VyY2VfaWQYAiABKAkSDQoFYnVpbGQYAyAB",
-            "KAkSEAoIdG9rZW5faWQYBCABKAMSEwoLdW5peF9mcm9tX3MYBSABKAMSFAoM",
-            "dW5peF91bnRpbF9zGAYgASgDInwKDExlYWRlckNoYW5nZRIPCgdwcm9qZWN0",
-            "GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkS",
-            "FgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SCwoDYXJtGAUgASgJEhAKCG5leHRf",
-            "YXJtGAYgASgJIlEKDUxlYWRlckNoYW5nZXMSKwoGc2NlbmVzGAEgAygLMhsu",
-            "c3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2USEwoLc2NlbmVfY291bnQYAiAB",
-            "KAQiVAoTUmV2b2tlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsu",
-            "c3dlZXBzdGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCKO",
-            "AQoUUmV2b2tlUHJpb3JzUmVzcG9uc2USFAoMc291cmNlX2NvdW50GAEgASgE",
-            "EhQKDHJlY29yZF9jb3VudBgCIAEoBBIUCgx3aW5kb3dfY291bnQYAyABKAQS",
-            "NAoObGVhZGVyX2NoYW5nZXMYBCABKAsyHC5zd2VlcHN0YWtlLnYxLkxlYWRl",
-            "ckNoYW5nZXMiVQoUUHJvbW90ZVByaW9yc1JlcXVlc3QSLAoHc291cmNlcxgB",
-            "IAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNlRmlsdGVyEg8KB3ByZXZpZXcY",
-            "AiABKAgipAEKFVByb21vdGVQcmlvcnNSZXNwb25zZRIUCgxzb3VyY2VfY291",
-            "bnQYASABKAQSFAoMcmVjb3JkX2NvdW50GAIgASgEEhQKDHdpbmRvd19jb3Vu",
-            "dBgDIAEoBBITCgtzY2VuZV9jb3VudBgEIAEoBBI0Cg5sZWFkZXJfY2hhbmdl",
-            "cxgFIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVhZGVyQ2hhbmdlcyJMCgVCdWls",
-            "ZBIPCgdwcm9qZWN0GAEgASgJEgwKBG5hbWUYAiABKAkSDwoHcGFyZW50cxgD",
-            "IAMoCRITCgt1bml4X21hZGVfcxgEIAEoAyJNChVEZXNjcmliZUJ1aWxkc1Jl",
-            "cXVlc3QSJAoGYnVpbGRzGAEgAygLMhQuc3dlZXBzdGFrZS52MS5CdWlsZBIO",
-            "CgZmb3JnZXQYAiABKAgiGAoWRGVzY3JpYmVCdWlsZHNSZXNwb25zZSIkChFM",
-            "aXN0QnVpbGRzUmVxdWVzdBIPCgdwcm9qZWN0GAEgASgJIjoKEkxpc3RCdWls",
-            "ZHNSZXNwb25zZRIkCgZidWlsZHMYASADKAsyFC5zd2VlcHN0YWtlLnYxLkJ1",
-            "aWxkIogDCgtQcmlvclJlY29yZBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5l",
-            "GAIgASgJEhMKC21lYXN1cmVkX2J5GAMgASgJEgsKA2FybRgEIAEoCRIXCg9i",
-            "YWNrZW5kX3ZlcnNpb24YBSABKA0SFQoNbWFjaGluZV9jbGFzcxgGIAEoCRIW",
-            "Cg5yZXdhcmRfdmVyc2lvbhgHIAEoDRIRCglzb3VyY2VfaWQYCCABKAkSFwoP",
-            "c291cmNlX3NlcXVlbmNlGAkgASgEEhcKD2FscGhhX2luY3JlbWVudBgKIAEo",
-            "ARIWCg5iZXRhX2luY3JlbWVudBgLIAEoARIUCgx3aW5kb3dfY291bnQYDCAB",
-            "KAQSFgoOYmFpbF9vdXRfY291bnQYDSABKAQSDQoFYnVpbGQYDiABKAkSGAoQ",
-            "dW5peF9sYXN0X3NlZW5fcxgPIAEoAxITCgtpc19pbXBvcnRlZBgQIAEoCBIW",
-            "Cg5pc19xdWFyYW50aW5lZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAEyrgQKDVBy",
-            "aW9yc1NlcnZpY2USWQoMRXhwb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5F",
-            "eHBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlv",
-            "cnNSZXNwb25zZTABElkKDEltcG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEu",
-            "SW1wb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJp",
-            "b3JzUmVzcG9uc2UoARJXCgxSZXZva2VQcmlvcnMSIi5zd2VlcHN0YWtlLnYx",
-            "LlJldm9rZVByaW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLlJldm9rZVBy",
-            "aW9yc1Jlc3BvbnNlEloKDVByb21vdGVQcmlvcnMSIy5zd2VlcHN0YWtlLnYx",
-            "LlByb21vdGVQcmlvcnNSZXF1ZXN0GiQuc3dlZXBzdGFrZS52MS5Qcm9tb3Rl",
-            "UHJpb3JzUmVzcG9uc2USXQoORGVzY3JpYmVCdWlsZHMSJC5zd2VlcHN0YWtl",
-            "LnYxLkRlc2NyaWJlQnVpbGRzUmVxdWVzdBolLnN3ZWVwc3Rha2UudjEuRGVz",
-            "Y3JpYmVCdWlsZHNSZXNwb25zZRJTCgpMaXN0QnVpbGRzEiAuc3dlZXBzdGFr",
-            "ZS52MS5MaXN0QnVpbGRzUmVxdWVzdBohLnN3ZWVwc3Rha2UudjEuTGlzdEJ1",
-            "aWxkc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnBy",
-            "b3RvMw=="));
+            "aWdodHMYBCABKAgiQwoURXhwb3J0UHJpb3JzUmVzcG9uc2USKwoHcmVjb3Jk",
+            "cxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQiUwoTSW1wb3J0",
+            "UHJpb3JzUmVxdWVzdBIrCgdyZWNvcmRzGAEgAygLMhouc3dlZXBzdGFrZS52",
+            "MS5QcmlvclJlY29yZBIPCgdwcm9tb3RlGAIgASgIIkYKFEltcG9ydFByaW9y",
+            "c1Jlc3BvbnNlEhUKDWFwcGxpZWRfY291bnQYASABKAQSFwoPdW5jaGFuZ2Vk",
+            "X2NvdW50GAIgASgEIn4KDFNvdXJjZUZpbHRlchIPCgdwcm9qZWN0GAEgASgJ",
+            "EhEKCXNvdXJjZV9pZBgCIAEoCRINCgVidWlsZBgDIAEoCRIQCgh0b2tlbl9p",
+            "ZBgEIAEoAxITCgt1bml4X2Zyb21fcxgFIAEoAxIUCgx1bml4X3VudGlsX3MY",
+            "BiABKAMifAoMTGVhZGVyQ2hhbmdlEg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
+            "bmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgDIAEoCRIWCg5yZXdhcmRfdmVy",
+            "c2lvbhgEIAEoDRILCgNhcm0YBSABKAkSEAoIbmV4dF9hcm0YBiABKAkiUQoN",
+            "TGVhZGVyQ2hhbmdlcxIrCgZzY2VuZXMYASADKAsyGy5zd2VlcHN0YWtlLnYx",
+            "LkxlYWRlckNoYW5nZRITCgtzY2VuZV9jb3VudBgCIAEoBCJUChNSZXZva2VQ",
+            "cmlvcnNSZXF1ZXN0EiwKB3NvdXJjZXMYASABKAsyGy5zd2VlcHN0YWtlLnYx",
+            "LlNvdXJjZUZpbHRlchIPCgdwcmV2aWV3GAIgASgIIo4BChRSZXZva2VQcmlv",
+            "cnNSZXNwb25zZRIUCgxzb3VyY2VfY291bnQYASABKAQSFAoMcmVjb3JkX2Nv",
+            "dW50GAIgASgEEhQKDHdpbmRvd19jb3VudBgDIAEoBBI0Cg5sZWFkZXJfY2hh",
+            "bmdlcxgEIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVhZGVyQ2hhbmdlcyJVChRQ",
+            "cm9tb3RlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsuc3dlZXBz",
+            "dGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCKkAQoVUHJv",
+            "bW90ZVByaW9yc1Jlc3BvbnNlEhQKDHNvdXJjZV9jb3VudBgBIAEoBBIUCgxy",
+            "ZWNvcmRfY291bnQYAiABKAQSFAoMd2luZG93X2NvdW50GAMgASgEEhMKC3Nj",
+            "ZW5lX2NvdW50GAQgASgEEjQKDmxlYWRlcl9jaGFuZ2VzGAUgASgLMhwuc3dl",
+            "ZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2VzIogDCgtQcmlvclJlY29yZBIPCgdw",
+            "cm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhMKC21lYXN1cmVkX2J5GAMg",
+            "ASgJEgsKA2FybRgEIAEoCRIXCg9iYWNrZW5kX3ZlcnNpb24YBSABKA0SFQoN",
+            "bWFjaGluZV9jbGFzcxgGIAEoCRIWCg5yZXdhcmRfdmVyc2lvbhgHIAEoDRIR",
+            "Cglzb3VyY2VfaWQYCCABKAkSFwoPc291cmNlX3NlcXVlbmNlGAkgASgEEhcK",
+            "D2FscGhhX2luY3JlbWVudBgKIAEoARIWCg5iZXRhX2luY3JlbWVudBgLIAEo",
+            "ARIUCgx3aW5kb3dfY291bnQYDCABKAQSFgoOYmFpbF9vdXRfY291bnQYDSAB",
+            "KAQSDQoFYnVpbGQYDiABKAkSGAoQdW5peF9sYXN0X3NlZW5fcxgPIAEoAxIT",
+            "Cgtpc19pbXBvcnRlZBgQIAEoCBIWCg5pc19xdWFyYW50aW5lZBgRIAEoCBIO",
+            "CgZ3ZWlnaHQYEiABKAEy+gIKDVByaW9yc1NlcnZpY2USWQoMRXhwb3J0UHJp",
+            "b3JzEiIuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dl",
+            "ZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXNwb25zZTABElkKDEltcG9ydFBy",
+            "aW9ycxIiLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVxdWVzdBojLnN3",
+            "ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVzcG9uc2UoARJXCgxSZXZva2VQ",
+            "cmlvcnMSIi5zd2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1JlcXVlc3QaIy5z",
+            "d2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1Jlc3BvbnNlEloKDVByb21vdGVQ",
+            "cmlvcnMSIy5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXF1ZXN0GiQu",
+            "c3dlZXBzdGFrZS52MS5Qcm9tb3RlUHJpb3JzUmVzcG9uc2VCGaoCFlN3ZWVw",
+            "c3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsRequest), global::Sweepstake.Protocol.V1.ExportPriorsRequest.Parser, new[]{ "Project", "Scene", "QuarantinedOnly", "WithWeights" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records", "FoldedRecordCount", "FoldedWindowCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records", "Promote" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SourceFilter), global::Sweepstake.Protocol.V1.SourceFilter.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS" }, null, null, null, null),
@@ -95,11 +83,6 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "LeaderChanges" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsRequest), global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsResponse), global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "SceneCount", "LeaderChanges" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Build), global::Sweepstake.Protocol.V1.Build.Parser, new[]{ "Project", "Name", "Parents", "UnixMadeS" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DescribeBuildsRequest), global::Sweepstake.Protocol.V1.DescribeBuildsRequest.Parser, new[]{ "Builds", "Forget" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DescribeBuildsResponse), global::Sweepstake.Protocol.V1.DescribeBuildsResponse.Parser, null, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListBuildsRequest), global::Sweepstake.Protocol.V1.ListBuildsRequest.Parser, new[]{ "Project" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListBuildsResponse), global::Sweepstake.Protocol.V1.ListBuildsResponse.Parser, new[]{ "Builds" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined", "Weight" }, null, null, null, null)
           }));
     }
@@ -470,8 +453,6 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public ExportPriorsResponse(ExportPriorsResponse other) : this() {
       records_ = other.records_.Clone();
-      foldedRecordCount_ = other.foldedRecordCount_;
-      foldedWindowCount_ = other.foldedWindowCount_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -495,37 +476,6 @@ namespace Sweepstake.Protocol.V1 {
       get { return records_; }
     }
 
-    /// <summary>Field number for the "folded_record_count" field.</summary>
-    public const int FoldedRecordCountFieldNumber = 2;
-    private ulong foldedRecordCount_;
-    /// <summary>
-    /// Records left out of this part. They belong to old sessions whose evidence the daemon has folded together. A daemon that
-    /// already has some of this evidence would count it twice. Absent: 0.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ulong FoldedRecordCount {
-      get { return foldedRecordCount_; }
-      set {
-        foldedRecordCount_ = value;
-      }
-    }
-
-    /// <summary>Field number for the "folded_window_count" field.</summary>
-    public const int FoldedWindowCountFieldNumber = 3;
-    private ulong foldedWindowCount_;
-    /// <summary>
-    /// Decision windows of these records. Absent: 0.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ulong FoldedWindowCount {
-      get { return foldedWindowCount_; }
-      set {
-        foldedWindowCount_ = value;
-      }
-    }
-
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -542,8 +492,6 @@ namespace Sweepstake.Protocol.V1 {
         return true;
       }
       if(!records_.Equals(other.records_)) return false;
-      if (FoldedRecordCount != other.FoldedRecordCount) return false;
-      if (FoldedWindowCount != other.FoldedWindowCount) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -552,8 +500,6 @@ namespace Sweepstake.Protocol.V1 {
     public override int GetHashCode() {
       int hash = 1;
       hash ^= records_.GetHashCode();
-      if (FoldedRecordCount != 0UL) hash ^= FoldedRecordCount.GetHashCode();
-      if (FoldedWindowCount != 0UL) hash ^= FoldedWindowCount.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -573,14 +519,6 @@ namespace Sweepstake.Protocol.V1 {
       output.WriteRawMessage(this);
     #else
       records_.WriteTo(output, _repeated_records_codec);
-      if (FoldedRecordCount != 0UL) {
-        output.WriteRawTag(16);
-        output.WriteUInt64(FoldedRecordCount);
-      }
-      if (FoldedWindowCount != 0UL) {
-        output.WriteRawTag(24);
-        output.WriteUInt64(FoldedWindowCount);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -592,14 +530,6 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
       records_.WriteTo(ref output, _repeated_records_codec);
-      if (FoldedRecordCount != 0UL) {
-        output.WriteRawTag(16);
-        output.WriteUInt64(FoldedRecordCount);
-      }
-      if (FoldedWindowCount != 0UL) {
-        output.WriteRawTag(24);
-        output.WriteUInt64(FoldedWindowCount);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -611,12 +541,6 @@ namespace Sweepstake.Protocol.V1 {
     public int CalculateSize() {
       int size = 0;
       size += records_.CalculateSize(_repeated_records_codec);
-      if (FoldedRecordCount != 0UL) {
-        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(FoldedRecordCount);
-      }
-      if (FoldedWindowCount != 0UL) {
-        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(FoldedWindowCount);
-      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -630,12 +554,6 @@ namespace Sweepstake.Protocol.V1 {
         return;
       }
       records_.Add(other.records_);
-      if (other.FoldedRecordCount != 0UL) {
-        FoldedRecordCount = other.FoldedRecordCount;
-      }
-      if (other.FoldedWindowCount != 0UL) {
-        FoldedWindowCount = other.FoldedWindowCount;
-      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -659,14 +577,6 @@ namespace Sweepstake.Protocol.V1 {
             records_.AddEntriesFrom(input, _repeated_records_codec);
             break;
           }
-          case 16: {
-            FoldedRecordCount = input.ReadUInt64();
-            break;
-          }
-          case 24: {
-            FoldedWindowCount = input.ReadUInt64();
-            break;
-          }
         }
       }
     #endif
@@ -688,14 +598,6 @@ namespace Sweepstake.Protocol.V1 {
             break;
           case 10: {
             records_.AddEntriesFrom(ref input, _repeated_records_codec);
-            break;
-          }
-          case 16: {
-            FoldedRecordCount = input.ReadUInt64();
-            break;
-          }
-          case 24: {
-            FoldedWindowCount = input.ReadUInt64();
             break;
           }
         }
@@ -3438,1113 +3340,6 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A build of a game, and the builds that it was made from.
-  /// </summary>
-  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
-  public sealed partial class Build : pb::IMessage<Build>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      , pb::IBufferMessage
-  #endif
-  {
-    private static readonly pb::MessageParser<Build> _parser = new pb::MessageParser<Build>(() => new Build());
-    private pb::UnknownFieldSet _unknownFields;
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pb::MessageParser<Build> Parser { get { return _parser; } }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[11]; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    pbr::MessageDescriptor pb::IMessage.Descriptor {
-      get { return Descriptor; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public Build() {
-      OnConstruction();
-    }
-
-    partial void OnConstruction();
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public Build(Build other) : this() {
-      project_ = other.project_;
-      name_ = other.name_;
-      parents_ = other.parents_.Clone();
-      unixMadeS_ = other.unixMadeS_;
-      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public Build Clone() {
-      return new Build(this);
-    }
-
-    /// <summary>Field number for the "project" field.</summary>
-    public const int ProjectFieldNumber = 1;
-    private string project_ = "";
-    /// <summary>
-    /// The project. Absent: an error.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public string Project {
-      get { return project_; }
-      set {
-        project_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
-      }
-    }
-
-    /// <summary>Field number for the "name" field.</summary>
-    public const int NameFieldNumber = 2;
-    private string name_ = "";
-    /// <summary>
-    /// The build's name, as its games send it in Hello. Absent: an error.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public string Name {
-      get { return name_; }
-      set {
-        name_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
-      }
-    }
-
-    /// <summary>Field number for the "parents" field.</summary>
-    public const int ParentsFieldNumber = 3;
-    private static readonly pb::FieldCodec<string> _repeated_parents_codec
-        = pb::FieldCodec.ForString(26);
-    private readonly pbc::RepeatedField<string> parents_ = new pbc::RepeatedField<string>();
-    /// <summary>
-    /// Up to 8 builds of the project, such as the previous build and one that was merged into it. Absent: none.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public pbc::RepeatedField<string> Parents {
-      get { return parents_; }
-    }
-
-    /// <summary>Field number for the "unix_made_s" field.</summary>
-    public const int UnixMadeSFieldNumber = 4;
-    private long unixMadeS_;
-    /// <summary>
-    /// When it was made, since 1970, before the year 10000. Absent: unknown.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public long UnixMadeS {
-      get { return unixMadeS_; }
-      set {
-        unixMadeS_ = value;
-      }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override bool Equals(object other) {
-      return Equals(other as Build);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool Equals(Build other) {
-      if (ReferenceEquals(other, null)) {
-        return false;
-      }
-      if (ReferenceEquals(other, this)) {
-        return true;
-      }
-      if (Project != other.Project) return false;
-      if (Name != other.Name) return false;
-      if(!parents_.Equals(other.parents_)) return false;
-      if (UnixMadeS != other.UnixMadeS) return false;
-      return Equals(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override int GetHashCode() {
-      int hash = 1;
-      if (Project.Length != 0) hash ^= Project.GetHashCode();
-      if (Name.Length != 0) hash ^= Name.GetHashCode();
-      hash ^= parents_.GetHashCode();
-      if (UnixMadeS != 0L) hash ^= UnixMadeS.GetHashCode();
-      if (_unknownFields != null) {
-        hash ^= _unknownFields.GetHashCode();
-      }
-      return hash;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override string ToString() {
-      return pb::JsonFormatter.ToDiagnosticString(this);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      output.WriteRawMessage(this);
-    #else
-      if (Project.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Project);
-      }
-      if (Name.Length != 0) {
-        output.WriteRawTag(18);
-        output.WriteString(Name);
-      }
-      parents_.WriteTo(output, _repeated_parents_codec);
-      if (UnixMadeS != 0L) {
-        output.WriteRawTag(32);
-        output.WriteInt64(UnixMadeS);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
-      if (Project.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Project);
-      }
-      if (Name.Length != 0) {
-        output.WriteRawTag(18);
-        output.WriteString(Name);
-      }
-      parents_.WriteTo(ref output, _repeated_parents_codec);
-      if (UnixMadeS != 0L) {
-        output.WriteRawTag(32);
-        output.WriteInt64(UnixMadeS);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(ref output);
-      }
-    }
-    #endif
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public int CalculateSize() {
-      int size = 0;
-      if (Project.Length != 0) {
-        size += 1 + pb::CodedOutputStream.ComputeStringSize(Project);
-      }
-      if (Name.Length != 0) {
-        size += 1 + pb::CodedOutputStream.ComputeStringSize(Name);
-      }
-      size += parents_.CalculateSize(_repeated_parents_codec);
-      if (UnixMadeS != 0L) {
-        size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixMadeS);
-      }
-      if (_unknownFields != null) {
-        size += _unknownFields.CalculateSize();
-      }
-      return size;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(Build other) {
-      if (other == null) {
-        return;
-      }
-      if (other.Project.Length != 0) {
-        Project = other.Project;
-      }
-      if (other.Name.Length != 0) {
-        Name = other.Name;
-      }
-      parents_.Add(other.parents_);
-      if (other.UnixMadeS != 0L) {
-        UnixMadeS = other.UnixMadeS;
-      }
-      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            Project = input.ReadString();
-            break;
-          }
-          case 18: {
-            Name = input.ReadString();
-            break;
-          }
-          case 26: {
-            parents_.AddEntriesFrom(input, _repeated_parents_codec);
-            break;
-          }
-          case 32: {
-            UnixMadeS = input.ReadInt64();
-            break;
-          }
-        }
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
-            break;
-          case 10: {
-            Project = input.ReadString();
-            break;
-          }
-          case 18: {
-            Name = input.ReadString();
-            break;
-          }
-          case 26: {
-            parents_.AddEntriesFrom(ref input, _repeated_parents_codec);
-            break;
-          }
-          case 32: {
-            UnixMadeS = input.ReadInt64();
-            break;
-          }
-        }
-      }
-    }
-    #endif
-
-  }
-
-  /// <summary>
-  /// Descriptions of builds.
-  /// </summary>
-  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
-  public sealed partial class DescribeBuildsRequest : pb::IMessage<DescribeBuildsRequest>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      , pb::IBufferMessage
-  #endif
-  {
-    private static readonly pb::MessageParser<DescribeBuildsRequest> _parser = new pb::MessageParser<DescribeBuildsRequest>(() => new DescribeBuildsRequest());
-    private pb::UnknownFieldSet _unknownFields;
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pb::MessageParser<DescribeBuildsRequest> Parser { get { return _parser; } }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[12]; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    pbr::MessageDescriptor pb::IMessage.Descriptor {
-      get { return Descriptor; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public DescribeBuildsRequest() {
-      OnConstruction();
-    }
-
-    partial void OnConstruction();
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public DescribeBuildsRequest(DescribeBuildsRequest other) : this() {
-      builds_ = other.builds_.Clone();
-      forget_ = other.forget_;
-      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public DescribeBuildsRequest Clone() {
-      return new DescribeBuildsRequest(this);
-    }
-
-    /// <summary>Field number for the "builds" field.</summary>
-    public const int BuildsFieldNumber = 1;
-    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.Build> _repeated_builds_codec
-        = pb::FieldCodec.ForMessage(10, global::Sweepstake.Protocol.V1.Build.Parser);
-    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build> builds_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build>();
-    /// <summary>
-    /// Up to 16. Absent: none.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build> Builds {
-      get { return builds_; }
-    }
-
-    /// <summary>Field number for the "forget" field.</summary>
-    public const int ForgetFieldNumber = 2;
-    private bool forget_;
-    /// <summary>
-    /// True: the descriptions of these builds are deleted; only project and name are used. Absent: the descriptions are stored.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool Forget {
-      get { return forget_; }
-      set {
-        forget_ = value;
-      }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override bool Equals(object other) {
-      return Equals(other as DescribeBuildsRequest);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool Equals(DescribeBuildsRequest other) {
-      if (ReferenceEquals(other, null)) {
-        return false;
-      }
-      if (ReferenceEquals(other, this)) {
-        return true;
-      }
-      if(!builds_.Equals(other.builds_)) return false;
-      if (Forget != other.Forget) return false;
-      return Equals(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override int GetHashCode() {
-      int hash = 1;
-      hash ^= builds_.GetHashCode();
-      if (Forget != false) hash ^= Forget.GetHashCode();
-      if (_unknownFields != null) {
-        hash ^= _unknownFields.GetHashCode();
-      }
-      return hash;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override string ToString() {
-      return pb::JsonFormatter.ToDiagnosticString(this);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      output.WriteRawMessage(this);
-    #else
-      builds_.WriteTo(output, _repeated_builds_codec);
-      if (Forget != false) {
-        output.WriteRawTag(16);
-        output.WriteBool(Forget);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
-      builds_.WriteTo(ref output, _repeated_builds_codec);
-      if (Forget != false) {
-        output.WriteRawTag(16);
-        output.WriteBool(Forget);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(ref output);
-      }
-    }
-    #endif
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public int CalculateSize() {
-      int size = 0;
-      size += builds_.CalculateSize(_repeated_builds_codec);
-      if (Forget != false) {
-        size += 1 + 1;
-      }
-      if (_unknownFields != null) {
-        size += _unknownFields.CalculateSize();
-      }
-      return size;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(DescribeBuildsRequest other) {
-      if (other == null) {
-        return;
-      }
-      builds_.Add(other.builds_);
-      if (other.Forget != false) {
-        Forget = other.Forget;
-      }
-      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            builds_.AddEntriesFrom(input, _repeated_builds_codec);
-            break;
-          }
-          case 16: {
-            Forget = input.ReadBool();
-            break;
-          }
-        }
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
-            break;
-          case 10: {
-            builds_.AddEntriesFrom(ref input, _repeated_builds_codec);
-            break;
-          }
-          case 16: {
-            Forget = input.ReadBool();
-            break;
-          }
-        }
-      }
-    }
-    #endif
-
-  }
-
-  /// <summary>
-  /// The descriptions are on disk.
-  /// </summary>
-  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
-  public sealed partial class DescribeBuildsResponse : pb::IMessage<DescribeBuildsResponse>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      , pb::IBufferMessage
-  #endif
-  {
-    private static readonly pb::MessageParser<DescribeBuildsResponse> _parser = new pb::MessageParser<DescribeBuildsResponse>(() => new DescribeBuildsResponse());
-    private pb::UnknownFieldSet _unknownFields;
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pb::MessageParser<DescribeBuildsResponse> Parser { get { return _parser; } }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[13]; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    pbr::MessageDescriptor pb::IMessage.Descriptor {
-      get { return Descriptor; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public DescribeBuildsResponse() {
-      OnConstruction();
-    }
-
-    partial void OnConstruction();
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public DescribeBuildsResponse(DescribeBuildsResponse other) : this() {
-      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public DescribeBuildsResponse Clone() {
-      return new DescribeBuildsResponse(this);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override bool Equals(object other) {
-      return Equals(other as DescribeBuildsResponse);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool Equals(DescribeBuildsResponse other) {
-      if (ReferenceEquals(other, null)) {
-        return false;
-      }
-      if (ReferenceEquals(other, this)) {
-        return true;
-      }
-      return Equals(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override int GetHashCode() {
-      int hash = 1;
-      if (_unknownFields != null) {
-        hash ^= _unknownFields.GetHashCode();
-      }
-      return hash;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override string ToString() {
-      return pb::JsonFormatter.ToDiagnosticString(this);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      output.WriteRawMessage(this);
-    #else
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(ref output);
-      }
-    }
-    #endif
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public int CalculateSize() {
-      int size = 0;
-      if (_unknownFields != null) {
-        size += _unknownFields.CalculateSize();
-      }
-      return size;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(DescribeBuildsResponse other) {
-      if (other == null) {
-        return;
-      }
-      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-        }
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
-            break;
-        }
-      }
-    }
-    #endif
-
-  }
-
-  /// <summary>
-  /// Selects builds.
-  /// </summary>
-  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
-  public sealed partial class ListBuildsRequest : pb::IMessage<ListBuildsRequest>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      , pb::IBufferMessage
-  #endif
-  {
-    private static readonly pb::MessageParser<ListBuildsRequest> _parser = new pb::MessageParser<ListBuildsRequest>(() => new ListBuildsRequest());
-    private pb::UnknownFieldSet _unknownFields;
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pb::MessageParser<ListBuildsRequest> Parser { get { return _parser; } }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[14]; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    pbr::MessageDescriptor pb::IMessage.Descriptor {
-      get { return Descriptor; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ListBuildsRequest() {
-      OnConstruction();
-    }
-
-    partial void OnConstruction();
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ListBuildsRequest(ListBuildsRequest other) : this() {
-      project_ = other.project_;
-      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ListBuildsRequest Clone() {
-      return new ListBuildsRequest(this);
-    }
-
-    /// <summary>Field number for the "project" field.</summary>
-    public const int ProjectFieldNumber = 1;
-    private string project_ = "";
-    /// <summary>
-    /// Only builds of this project. Absent: all.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public string Project {
-      get { return project_; }
-      set {
-        project_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
-      }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override bool Equals(object other) {
-      return Equals(other as ListBuildsRequest);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool Equals(ListBuildsRequest other) {
-      if (ReferenceEquals(other, null)) {
-        return false;
-      }
-      if (ReferenceEquals(other, this)) {
-        return true;
-      }
-      if (Project != other.Project) return false;
-      return Equals(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override int GetHashCode() {
-      int hash = 1;
-      if (Project.Length != 0) hash ^= Project.GetHashCode();
-      if (_unknownFields != null) {
-        hash ^= _unknownFields.GetHashCode();
-      }
-      return hash;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override string ToString() {
-      return pb::JsonFormatter.ToDiagnosticString(this);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      output.WriteRawMessage(this);
-    #else
-      if (Project.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Project);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
-      if (Project.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Project);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(ref output);
-      }
-    }
-    #endif
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public int CalculateSize() {
-      int size = 0;
-      if (Project.Length != 0) {
-        size += 1 + pb::CodedOutputStream.ComputeStringSize(Project);
-      }
-      if (_unknownFields != null) {
-        size += _unknownFields.CalculateSize();
-      }
-      return size;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(ListBuildsRequest other) {
-      if (other == null) {
-        return;
-      }
-      if (other.Project.Length != 0) {
-        Project = other.Project;
-      }
-      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            Project = input.ReadString();
-            break;
-          }
-        }
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
-            break;
-          case 10: {
-            Project = input.ReadString();
-            break;
-          }
-        }
-      }
-    }
-    #endif
-
-  }
-
-  /// <summary>
-  /// A part of the builds.
-  /// </summary>
-  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
-  public sealed partial class ListBuildsResponse : pb::IMessage<ListBuildsResponse>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      , pb::IBufferMessage
-  #endif
-  {
-    private static readonly pb::MessageParser<ListBuildsResponse> _parser = new pb::MessageParser<ListBuildsResponse>(() => new ListBuildsResponse());
-    private pb::UnknownFieldSet _unknownFields;
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pb::MessageParser<ListBuildsResponse> Parser { get { return _parser; } }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[15]; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    pbr::MessageDescriptor pb::IMessage.Descriptor {
-      get { return Descriptor; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ListBuildsResponse() {
-      OnConstruction();
-    }
-
-    partial void OnConstruction();
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ListBuildsResponse(ListBuildsResponse other) : this() {
-      builds_ = other.builds_.Clone();
-      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public ListBuildsResponse Clone() {
-      return new ListBuildsResponse(this);
-    }
-
-    /// <summary>Field number for the "builds" field.</summary>
-    public const int BuildsFieldNumber = 1;
-    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.Build> _repeated_builds_codec
-        = pb::FieldCodec.ForMessage(10, global::Sweepstake.Protocol.V1.Build.Parser);
-    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build> builds_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build>();
-    /// <summary>
-    /// Up to 200. Absent: none.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.Build> Builds {
-      get { return builds_; }
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override bool Equals(object other) {
-      return Equals(other as ListBuildsResponse);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool Equals(ListBuildsResponse other) {
-      if (ReferenceEquals(other, null)) {
-        return false;
-      }
-      if (ReferenceEquals(other, this)) {
-        return true;
-      }
-      if(!builds_.Equals(other.builds_)) return false;
-      return Equals(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override int GetHashCode() {
-      int hash = 1;
-      hash ^= builds_.GetHashCode();
-      if (_unknownFields != null) {
-        hash ^= _unknownFields.GetHashCode();
-      }
-      return hash;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public override string ToString() {
-      return pb::JsonFormatter.ToDiagnosticString(this);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      output.WriteRawMessage(this);
-    #else
-      builds_.WriteTo(output, _repeated_builds_codec);
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
-      builds_.WriteTo(ref output, _repeated_builds_codec);
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(ref output);
-      }
-    }
-    #endif
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public int CalculateSize() {
-      int size = 0;
-      size += builds_.CalculateSize(_repeated_builds_codec);
-      if (_unknownFields != null) {
-        size += _unknownFields.CalculateSize();
-      }
-      return size;
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(ListBuildsResponse other) {
-      if (other == null) {
-        return;
-      }
-      builds_.Add(other.builds_);
-      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
-    }
-
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-      input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            builds_.AddEntriesFrom(input, _repeated_builds_codec);
-            break;
-          }
-        }
-      }
-    #endif
-    }
-
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
-            break;
-          case 10: {
-            builds_.AddEntriesFrom(ref input, _repeated_builds_codec);
-            break;
-          }
-        }
-      }
-    }
-    #endif
-
-  }
-
-  /// <summary>
   /// The evidence of one source (a session) about one arm.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
@@ -4562,7 +3357,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[16]; }
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[11]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -4870,8 +3665,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>
     /// In exports that request it: its weight in a new session of its scene and class of machines. That session plays the source's
     /// build that was seen there last, and has the newest known version of the arm. For reward version 3 it is the weight of the
-    /// power prior, from 0 to 0.5, which depends on the descriptions of builds; otherwise 1. Ignored in imports. Absent: 0, such a
-    /// session does not use the record.
+    /// power prior, from 0 to 0.5; otherwise 1. Ignored in imports. Absent: 0, such a session does not use the record.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

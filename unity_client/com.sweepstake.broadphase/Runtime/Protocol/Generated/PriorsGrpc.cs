@@ -64,14 +64,6 @@ namespace Sweepstake.Protocol.V1 {
     static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.PromotePriorsRequest> __Marshaller_sweepstake_v1_PromotePriorsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser));
     [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
     static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.PromotePriorsResponse> __Marshaller_sweepstake_v1_PromotePriorsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser));
-    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.DescribeBuildsRequest> __Marshaller_sweepstake_v1_DescribeBuildsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.DescribeBuildsRequest.Parser));
-    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.DescribeBuildsResponse> __Marshaller_sweepstake_v1_DescribeBuildsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.DescribeBuildsResponse.Parser));
-    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.ListBuildsRequest> __Marshaller_sweepstake_v1_ListBuildsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.ListBuildsRequest.Parser));
-    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.ListBuildsResponse> __Marshaller_sweepstake_v1_ListBuildsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.ListBuildsResponse.Parser));
 
     [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
     static readonly grpc::Method<global::Sweepstake.Protocol.V1.ExportPriorsRequest, global::Sweepstake.Protocol.V1.ExportPriorsResponse> __Method_ExportPriors = new grpc::Method<global::Sweepstake.Protocol.V1.ExportPriorsRequest, global::Sweepstake.Protocol.V1.ExportPriorsResponse>(
@@ -104,22 +96,6 @@ namespace Sweepstake.Protocol.V1 {
         "PromotePriors",
         __Marshaller_sweepstake_v1_PromotePriorsRequest,
         __Marshaller_sweepstake_v1_PromotePriorsResponse);
-
-    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-    static readonly grpc::Method<global::Sweepstake.Protocol.V1.DescribeBuildsRequest, global::Sweepstake.Protocol.V1.DescribeBuildsResponse> __Method_DescribeBuilds = new grpc::Method<global::Sweepstake.Protocol.V1.DescribeBuildsRequest, global::Sweepstake.Protocol.V1.DescribeBuildsResponse>(
-        grpc::MethodType.Unary,
-        __ServiceName,
-        "DescribeBuilds",
-        __Marshaller_sweepstake_v1_DescribeBuildsRequest,
-        __Marshaller_sweepstake_v1_DescribeBuildsResponse);
-
-    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-    static readonly grpc::Method<global::Sweepstake.Protocol.V1.ListBuildsRequest, global::Sweepstake.Protocol.V1.ListBuildsResponse> __Method_ListBuilds = new grpc::Method<global::Sweepstake.Protocol.V1.ListBuildsRequest, global::Sweepstake.Protocol.V1.ListBuildsResponse>(
-        grpc::MethodType.ServerStreaming,
-        __ServiceName,
-        "ListBuilds",
-        __Marshaller_sweepstake_v1_ListBuildsRequest,
-        __Marshaller_sweepstake_v1_ListBuildsResponse);
 
     /// <summary>Service descriptor</summary>
     public static global::Google.Protobuf.Reflection.ServiceDescriptor Descriptor
@@ -208,7 +184,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       /// <summary>
       /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
-      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// The audit log records it.
       /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
       /// names none).
       /// </summary>
@@ -224,7 +200,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       /// <summary>
       /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
-      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// The audit log records it.
       /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
       /// names none).
       /// </summary>
@@ -238,7 +214,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       /// <summary>
       /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
-      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// The audit log records it.
       /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
       /// names none).
       /// </summary>
@@ -254,7 +230,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       /// <summary>
       /// Removes the evidence of sources from the store exactly, and blocks the sources: their later commits and imports do not count.
-      /// The evidence of sources that were folded together stays, unless all sources of a build are revoked. The audit log records it.
+      /// The audit log records it.
       /// Errors: INVALID_ARGUMENT (no sources are named), PERMISSION_DENIED (the token is limited to some projects, and the request
       /// names none).
       /// </summary>
@@ -321,90 +297,6 @@ namespace Sweepstake.Protocol.V1 {
       public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.PromotePriorsResponse> PromotePriorsAsync(global::Sweepstake.Protocol.V1.PromotePriorsRequest request, grpc::CallOptions options)
       {
         return CallInvoker.AsyncUnaryCall(__Method_PromotePriors, null, options, request);
-      }
-      /// <summary>
-      /// Stores the parents of builds, replacing earlier descriptions of the same builds. Sessions that begin later weigh the evidence
-      /// of related builds by the number of steps between them. Stores all of the request or, on any error, nothing. The audit log
-      /// records it. Errors: INVALID_ARGUMENT (an invalid name, or too many), RESOURCE_EXHAUSTED (a project would have more than
-      /// 10,000 builds).
-      /// </summary>
-      /// <param name="request">The request to send to the server.</param>
-      /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
-      /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
-      /// <param name="cancellationToken">An optional token for canceling the call.</param>
-      /// <returns>The response received from the server.</returns>
-      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-      public virtual global::Sweepstake.Protocol.V1.DescribeBuildsResponse DescribeBuilds(global::Sweepstake.Protocol.V1.DescribeBuildsRequest request, grpc::Metadata headers = null, global::System.DateTime? deadline = null, global::System.Threading.CancellationToken cancellationToken = default(global::System.Threading.CancellationToken))
-      {
-        return DescribeBuilds(request, new grpc::CallOptions(headers, deadline, cancellationToken));
-      }
-      /// <summary>
-      /// Stores the parents of builds, replacing earlier descriptions of the same builds. Sessions that begin later weigh the evidence
-      /// of related builds by the number of steps between them. Stores all of the request or, on any error, nothing. The audit log
-      /// records it. Errors: INVALID_ARGUMENT (an invalid name, or too many), RESOURCE_EXHAUSTED (a project would have more than
-      /// 10,000 builds).
-      /// </summary>
-      /// <param name="request">The request to send to the server.</param>
-      /// <param name="options">The options for the call.</param>
-      /// <returns>The response received from the server.</returns>
-      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-      public virtual global::Sweepstake.Protocol.V1.DescribeBuildsResponse DescribeBuilds(global::Sweepstake.Protocol.V1.DescribeBuildsRequest request, grpc::CallOptions options)
-      {
-        return CallInvoker.BlockingUnaryCall(__Method_DescribeBuilds, null, options, request);
-      }
-      /// <summary>
-      /// Stores the parents of builds, replacing earlier descriptions of the same builds. Sessions that begin later weigh the evidence
-      /// of related builds by the number of steps between them. Stores all of the request or, on any error, nothing. The audit log
-      /// records it. Errors: INVALID_ARGUMENT (an invalid name, or too many), RESOURCE_EXHAUSTED (a project would have more than
-      /// 10,000 builds).
-      /// </summary>
-      /// <param name="request">The request to send to the server.</param>
-      /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
-      /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
-      /// <param name="cancellationToken">An optional token for canceling the call.</param>
-      /// <returns>The call object.</returns>
-      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-      public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.DescribeBuildsResponse> DescribeBuildsAsync(global::Sweepstake.Protocol.V1.DescribeBuildsRequest request, grpc::Metadata headers = null, global::System.DateTime? deadline = null, global::System.Threading.CancellationToken cancellationToken = default(global::System.Threading.CancellationToken))
-      {
-        return DescribeBuildsAsync(request, new grpc::CallOptions(headers, deadline, cancellationToken));
-      }
-      /// <summary>
-      /// Stores the parents of builds, replacing earlier descriptions of the same builds. Sessions that begin later weigh the evidence
-      /// of related builds by the number of steps between them. Stores all of the request or, on any error, nothing. The audit log
-      /// records it. Errors: INVALID_ARGUMENT (an invalid name, or too many), RESOURCE_EXHAUSTED (a project would have more than
-      /// 10,000 builds).
-      /// </summary>
-      /// <param name="request">The request to send to the server.</param>
-      /// <param name="options">The options for the call.</param>
-      /// <returns>The call object.</returns>
-      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-      public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.DescribeBuildsResponse> DescribeBuildsAsync(global::Sweepstake.Protocol.V1.DescribeBuildsRequest request, grpc::CallOptions options)
-      {
-        return CallInvoker.AsyncUnaryCall(__Method_DescribeBuilds, null, options, request);
-      }
-      /// <summary>
-      /// The stored descriptions of builds, ordered by project and name.
-      /// </summary>
-      /// <param name="request">The request to send to the server.</param>
-      /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
-      /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
-      /// <param name="cancellationToken">An optional token for canceling the call.</param>
-      /// <returns>The call object.</returns>
-      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-      public virtual grpc::AsyncServerStreamingCall<global::Sweepstake.Protocol.V1.ListBuildsResponse> ListBuilds(global::Sweepstake.Protocol.V1.ListBuildsRequest request, grpc::Metadata headers = null, global::System.DateTime? deadline = null, global::System.Threading.CancellationToken cancellationToken = default(global::System.Threading.CancellationToken))
-      {
-        return ListBuilds(request, new grpc::CallOptions(headers, deadline, cancellationToken));
-      }
-      /// <summary>
-      /// The stored descriptions of builds, ordered by project and name.
-      /// </summary>
-      /// <param name="request">The request to send to the server.</param>
-      /// <param name="options">The options for the call.</param>
-      /// <returns>The call object.</returns>
-      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
-      public virtual grpc::AsyncServerStreamingCall<global::Sweepstake.Protocol.V1.ListBuildsResponse> ListBuilds(global::Sweepstake.Protocol.V1.ListBuildsRequest request, grpc::CallOptions options)
-      {
-        return CallInvoker.AsyncServerStreamingCall(__Method_ListBuilds, null, options, request);
       }
       /// <summary>Creates a new instance of client from given <c>ClientBaseConfiguration</c>.</summary>
       [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]

@@ -26,14 +26,10 @@ const TAUGHT: readonly Column<Teacher>[] = [
   { id: 'project', title: 'Project', isText: true, sort: (row) => row.project, cell: (row) => <Name text={row.project} /> },
 ];
 
-const MADE_FROM: Column<BuildSum> = { id: 'parents', title: 'Made from', isText: true, hint: 'As `sweepstake priors describe` has said: what related builds taught counts more',
-  sort: ({ parents }) => parents.join(', '), cell: ({ parents }) => <Name text={parents.join(', ') || '–'} /> };
-
 const BUILDS: readonly Column<BuildSum>[] = [
   { id: 'build', title: 'Build', sort: ({ build }) => build, cell: ({ build }) => <Name text={build} /> },
   { id: 'revoke', title: 'Revoke', isText: true, cell: ({ project, build }) => build && <RevokeButton scope={{ project, build }} of={`build ${build}`} /> },
   { id: 'sources', title: 'Sources', hint: 'Sessions and imported sources', sort: ({ sourceIds }) => sourceIds.size, cell: ({ sourceIds }) => grouped(sourceIds.size) },
-  MADE_FROM,
   ...TAUGHT,
 ];
 
@@ -41,7 +37,6 @@ const WAITING: readonly Column<BuildSum>[] = [
   { id: 'build', title: 'Build', sort: ({ build }) => build, cell: ({ build }) => <Name text={build} /> },
   { id: 'promote', title: 'Promote', isText: true, cell: ({ project, build }) => build && <PromoteButton scope={{ project, build }} of={`build ${build}`} /> },
   { id: 'sources', title: 'Sources', hint: 'Imported sources', sort: ({ sourceIds }) => sourceIds.size, cell: ({ sourceIds }) => grouped(sourceIds.size) },
-  MADE_FROM,
   ...TAUGHT,
 ];
 

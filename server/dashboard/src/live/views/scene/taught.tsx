@@ -90,7 +90,6 @@ export function Taught({ name }: { name: SceneName }) {
   return (
     <>
       <div class="beside"><ByMeasure evidence={evidence} name={name} /><ByBuild evidence={evidence} name={name} /></div>
-      {evidence.foldedRecordCount > 0 && <p class="soft">{evidence.foldedRecordCount} records of old sessions, which the daemon has folded together, are left out.</p>}
     </>
   );
 }
