@@ -10,7 +10,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/daemon.h"
-#include "server/daemon_files.h"
 #include "server/dashboard/dashboard_assets.h"
 #include "server/descriptor_limit.h"
 #include "server/rpc/common/role_table.h"
@@ -45,20 +44,6 @@ web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   // As gRPC does: where it has TLS, plain text over a network is for /metrics and the like alone.
   options.takes_tokens_from_afar = config.rpc.tls.cert.empty();
   return options;
-}
-
-void KeepLogins(const std::filesystem::path& path, const std::shared_ptr<spdlog::logger>& log,
-                web::ApiOptions& api) {
-  auto logins = ReadLogins(path);
-  if (logins.ok()) {
-    api.logins = *std::move(logins);
-  } else {
-    log->warn("{}", std::string(logins.status().message()));
-  }
-  api.keep_logins = [path, log](const std::vector<web::Login>& all) {
-    if (const absl::Status kept = WriteLogins(path, all); !kept.ok())
-      log->warn("logins to the page end with this daemon: {}", std::string(kept.message()));
-  };
 }
 
 web::MakeHandler MakeSite(web::ApiOptions api, std::set<std::string, std::less<>> hosts,

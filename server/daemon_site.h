@@ -1,11 +1,7 @@
-// What a daemon has at its HTTP address, wired to its services. What daemon.h says of its health is
-// defined beside it.
+// Connects the pages at a daemon's HTTP address to its services. The source file also defines the
+// health checks that daemon.h declares.
 #pragma once
 
-#include <spdlog/logger.h>
-
-#include <filesystem>
-#include <memory>
 #include <set>
 #include <string>
 
@@ -20,10 +16,6 @@ namespace sweepstake::server {
 // Returns what the API of these services is made from. They must outlive it. REQUIRES: the
 // configuration is valid.
 web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc);
-
-// Lets logins go on from the run of the daemon before, and into the next one, by this file.
-void KeepLogins(const std::filesystem::path& path, const std::shared_ptr<spdlog::logger>& log,
-                web::ApiOptions& api);
 
 // Returns the dashboard, that API and the pages. `hosts` as in Site::Options.
 web::MakeHandler MakeSite(web::ApiOptions api, std::set<std::string, std::less<>> hosts,
