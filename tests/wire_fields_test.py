@@ -25,6 +25,7 @@ OTHERS = {
     "BoxView.stride": "the dashboard shows boxes",
     "WatchBoxesRequest.session_id": "the dashboard watches boxes",
     "WatchBoxesResponse.view": "the dashboard watches boxes",
+    "ArmPosterior.is_outdated": "the dashboard marks old versions",
     "PriorRecord.is_imported": "the dashboard tells imports from sessions",
     "PriorRecord.weight": "the dashboard shows what a source weighs",
     "ExportDecisionsRequest.after_segment": "the dashboard reads what is new of a log",
