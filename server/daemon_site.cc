@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "engine_client/decider/policy/diagnosis.h"
 #include "server/daemon.h"
 #include "server/dashboard/dashboard_assets.h"
 #include "server/descriptor_limit.h"
@@ -41,6 +42,8 @@ web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   };
   options.asks_for_tokens = [&rpc] { return rpc.asks_over_http(); };
   options.version = SWEEPSTAKE_VERSION;
+  options.stable_probability = decision::kStableProbability;
+  options.tie_loss_ratio = decision::kTieLossRatio;
   // As gRPC does: where it has TLS, plain text over a network is for /metrics and the like alone.
   options.takes_tokens_from_afar = config.rpc.tls.cert.empty();
   return options;

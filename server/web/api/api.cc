@@ -9,7 +9,6 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "engine_client/decider/policy/diagnosis.h"
 #include "server/net/peer_address.h"
 #include "server/web/api/line_answer.h"
 #include "server/web/error_page.h"
@@ -205,8 +204,8 @@ Page Api::WhoAmI(const Request& request) {
   answer["loggedIn"] = asks && holder.ok();
   answer["name"] = holder.ok() ? holder->name : "";
   answer["role"] = holder.ok() ? std::string(auth::NameOf(holder->role)) : "";
-  answer["stableProbability"] = decision::kStableProbability;
-  answer["tieLossRatio"] = decision::kTieLossRatio;
+  answer["stableProbability"] = options_.stable_probability;
+  answer["tieLossRatio"] = options_.tie_loss_ratio;
   answer["projects"] = holder.ok() ? holder->projects : std::vector<std::string>();
   return JsonPage(answer.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }

@@ -37,6 +37,9 @@ struct ApiOptions {
       identify;
   std::function<bool()> asks_for_tokens;
   std::string version;  // of the daemon
+  // The thresholds of verdicts, which charts draw.
+  double stable_probability = 0;
+  double tie_loss_ratio = 0;
   // Whether tokens are taken from other machines, though this is plain text.
   bool takes_tokens_from_afar = false;
   EventLimits events = {};
