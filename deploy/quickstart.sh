@@ -96,13 +96,8 @@ if [ -z "$stay" ]; then
 fi
 
 trap 'exit 0' INT TERM
-# Recordings for download in the dashboard: the five seconds before a frame over 25 ms.
-flights=$data/flights
-mkdir -p "$flights"
-rm -f "$flights"/*.aabbs
 while read -r project scene objects build machines; do
-  play "$project" "$scene" "$objects" --scene-name "$scene" --build "$build" --machine-class "$machines" --fps 60 --duration 720h --allow-orders --allow-box-view \
-    --flight-recorder 16 --frame-budget 25 --flight-folder "$flights" --allow-recording-download >>"$data/games.log" 2>&1 &
+  play "$project" "$scene" "$objects" --scene-name "$scene" --build "$build" --machine-class "$machines" --fps 60 --duration 720h --allow-orders --allow-box-view >>"$data/games.log" 2>&1 &
   games+=($!)
 done <<'SCENES'
 arena storms 1200 1.4 demo

@@ -341,7 +341,6 @@ absl::Status Daemon::OpenHttp() {
   if (config_.http.empty()) return absl::OkStatus();
   web::ApiOptions api = ApiOf(config_, *rpc_);
   api.event_counters = events_;
-  KeepLogins(directory_.logins(), log_, api);
   const bool takes_tokens = api.takes_tokens_from_afar;
   auto server = web::HttpServer::Start(config_.http,
                                        MakeSite(std::move(api), HttpHosts(config_), HttpPages()));

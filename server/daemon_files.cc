@@ -4,13 +4,10 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "server/storage/private_file.h"
 
@@ -52,47 +49,6 @@ absl::StatusOr<std::string> ReadResumeKey(const fs::path& path) {
   if (key.size() == std::tuple_size_v<ResumeKey>) return key;
   return absl::DataLossError(absl::StrCat(
       path.string(), " cannot be read or is damaged; if you remove it, games start new sessions"));
-}
-
-absl::StatusOr<std::vector<web::Login>> ReadLogins(const fs::path& path) {
-  std::ifstream file(path);
-  if (!file) return std::vector<web::Login>();
-  const auto damaged = absl::DataLossError(
-      absl::StrCat(path.string(), " is damaged; users of the dashboard must log in again"));
-  const auto json = nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_array()) return damaged;
-  std::vector<web::Login> logins;
-  for (const nlohmann::json& item : json) {
-    try {
-      web::Login& login = logins.emplace_back();
-      login.cookie_digest = item.at("cookie_sha256");
-      login.token_digest = item.at("token_sha256");
-      if (!absl::Base64Unescape(item.at("sealed_token").get<std::string>(), &login.sealed_token))
-        return damaged;
-      login.used_unix_s = item.at("used_unix_s");
-    } catch (const nlohmann::json::exception&) {
-      return damaged;
-    }
-  }
-  return logins;
-}
-
-absl::Status WriteLogins(const fs::path& path, const std::vector<web::Login>& logins) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const web::Login& login : logins) {
-    json.push_back({{"cookie_sha256", login.cookie_digest},
-                    {"token_sha256", login.token_digest},
-                    {"sealed_token", absl::Base64Escape(login.sealed_token)},
-                    {"used_unix_s", login.used_unix_s}});
-  }
-  const fs::path unfinished = path.string() + ".new";
-  if (absl::Status status = storage::CreatePrivateFile(unfinished); !status.ok()) return status;
-  std::ofstream file(unfinished);
-  file << json.dump(1) << '\n';
-  file.close();
-  if (file && std::rename(unfinished.c_str(), path.c_str()) == 0) return absl::OkStatus();
-  return absl::UnavailableError(
-      absl::StrCat(path.string(), ": ", std::generic_category().message(errno)));
 }
 
 absl::Status PortFile::Remove() const {

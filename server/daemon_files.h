@@ -1,28 +1,19 @@
-// The small files of a daemon: the secret of its sessions, the logins to its dashboard, and its
-// ports. Not thread-safe.
+// The small files of a daemon: the secret of its sessions, and its ports. Not thread-safe.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/web/api/logins.h"
 
 namespace sweepstake::server {
 
 // Returns the secret of the data directory's sessions; creates it at the first start. Errors:
 // UNAVAILABLE (cannot be created), DATA_LOSS (cannot be read, or is damaged).
 absl::StatusOr<std::string> ReadResumeKey(const std::filesystem::path& path);
-
-// Returns the stored logins; none if there is no file. Error: DATA_LOSS (the file is damaged).
-absl::StatusOr<std::vector<web::Login>> ReadLogins(const std::filesystem::path& path);
-// Replaces the stored logins. The file is complete whenever the process ends; a power failure may
-// destroy it. Error: UNAVAILABLE.
-absl::Status WriteLogins(const std::filesystem::path& path, const std::vector<web::Login>& logins);
 
 // The file of Config::port_file; if the path is empty, both functions do nothing. Errors:
 // UNAVAILABLE.

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "engine_client/decider/policy/diagnosis.h"
 #include "server/daemon.h"
-#include "server/daemon_files.h"
 #include "server/dashboard/dashboard_assets.h"
 #include "server/host/descriptor_limit.h"
 #include "server/rpc/common/role_table.h"
@@ -43,23 +43,11 @@ web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   };
   options.asks_for_tokens = [&rpc] { return rpc.asks_over_http(); };
   options.version = SWEEPSTAKE_VERSION;
+  options.stable_probability = decision::kStableProbability;
+  options.tie_loss_ratio = decision::kTieLossRatio;
   // With TLS for gRPC, clients must not send tokens over plain HTTP.
   options.takes_tokens_from_afar = config.rpc.tls.cert.empty();
   return options;
-}
-
-void KeepLogins(const std::filesystem::path& path, const std::shared_ptr<spdlog::logger>& log,
-                web::ApiOptions& api) {
-  auto logins = ReadLogins(path);
-  if (logins.ok()) {
-    api.logins = *std::move(logins);
-  } else {
-    log->warn("{}", std::string(logins.status().message()));
-  }
-  api.keep_logins = [path, log](const std::vector<web::Login>& all) {
-    if (const absl::Status kept = WriteLogins(path, all); !kept.ok())
-      log->warn("logins to the dashboard end with this daemon: {}", std::string(kept.message()));
-  };
 }
 
 web::MakeHandler MakeSite(web::ApiOptions api, std::set<std::string, std::less<>> hosts,

@@ -2,10 +2,6 @@
 // of daemon.h.
 #pragma once
 
-#include <spdlog/logger.h>
-
-#include <filesystem>
-#include <memory>
 #include <set>
 #include <string>
 
@@ -20,10 +16,6 @@ namespace sweepstake::server {
 // Returns the options of the API to `rpc`, which must outlive the API. REQUIRES: the configuration
 // is valid.
 web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc);
-
-// Keeps logins in this file, so that they survive a restart of the daemon.
-void KeepLogins(const std::filesystem::path& path, const std::shared_ptr<spdlog::logger>& log,
-                web::ApiOptions& api);
 
 // Returns a handler for the dashboard, the API and the pages. `hosts` as in Site::Options.
 web::MakeHandler MakeSite(web::ApiOptions api, std::set<std::string, std::less<>> hosts,

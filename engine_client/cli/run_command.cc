@@ -47,7 +47,6 @@ struct RunOptions {
   bool allow_orders = false;
   bool allow_box_view = false;
   FlightRecorderOptions flight_recorder{.directory = "."};
-  bool allow_recording_download = false;
   std::string shadow = "auto";
   std::string csv;
   bool json = false;
@@ -75,7 +74,6 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   session.allow_operator_orders = options.allow_orders;
   session.allow_box_view = options.allow_box_view;
   session.flight_recorder = options.flight_recorder;
-  session.allow_recording_download = options.allow_recording_download;
   session.tls = options.daemon.tls;
   session.token = options.daemon.token;
   if (!options.embedded)
@@ -288,14 +286,6 @@ Status CheckRun(const RunOptions& options) {
     return {StatusCode::kInvalidArgument,
             "--allow-box-view goes with --daemon: its operators look at the boxes"};
   }
-  if (options.allow_recording_download && options.embedded) {
-    return {StatusCode::kInvalidArgument,
-            "--allow-recording-download goes with --daemon: its operators ask for recordings"};
-  }
-  if (options.allow_recording_download && options.flight_recorder.memory_mb == 0) {
-    return {StatusCode::kInvalidArgument,
-            "--allow-recording-download needs --flight-recorder MB, which makes the recordings"};
-  }
   return {};
 }
 
@@ -397,9 +387,6 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_flag("--allow-box-view", options.allow_box_view,
                    "Show the objects' boxes to operators who look at the session in the dashboard");
   DeclareFlightRecorder(command, options.flight_recorder);
-  command.add_flag("--allow-recording-download", options.allow_recording_download,
-                   "Give what the flight recorder has written to operators who ask for it in the "
-                   "dashboard");
   command
       .add_option("--shadow", options.shadow,
                   "Shadow lane: auto: in mode ai, where a core is to spare; on: in mode manual too")

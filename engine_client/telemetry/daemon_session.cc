@@ -58,8 +58,7 @@ class DaemonSession final : public SessionBase {
 };
 
 Status DaemonSession::Prepare(AdaptiveBroadPhase& adaptive) {
-  link_.emplace(options_, "the daemon at " + address_, JitterSeed(), queue(), adaptive,
-                flight_recorder());
+  link_.emplace(options_, "the daemon at " + address_, JitterSeed(), queue(), adaptive);
   return {};
 }
 

@@ -75,8 +75,7 @@ GameSession::GameSession(SessionContext& context, SessionIdentity identity,
       acknowledged_sequence_(stored.progress.message_sequence),
       switch_epoch_(setup.switch_epoch),
       has_stored_evidence_(stored.has_evidence),
-      boxes_(context.loop, context.watch_hub),
-      recordings_(context.loop) {
+      boxes_(context.loop, context.watch_hub) {
   ++context_.counters.session_count;
 }
 
@@ -112,7 +111,6 @@ void GameSession::Attach(SessionLink& link) {
   }
   LoseOrder();
   boxes_.Disconnect();
-  recordings_.Disconnect();
   link_ = &link;
   // The welcome message acknowledges this number.
   acknowledged_sequence_ = durable_sequence();
@@ -122,7 +120,6 @@ void GameSession::Attach(SessionLink& link) {
 void GameSession::Start(const v1::Hello& hello) {
   takes_orders_ = Has(hello, v1::CAPABILITY_OPERATOR_ORDERS);
   boxes_.Connect(*link_, Has(hello, v1::CAPABILITY_BOX_VIEW));
-  recordings_.Connect(*link_, Has(hello, v1::CAPABILITY_RECORDINGS));
   const auto mode = FromProto(hello.mode());
   const int64_t now_ns = context_.loop.clock().NowNs();
   if (mode != decisions_.mode()) {
@@ -140,7 +137,6 @@ void GameSession::Detach(SessionLink& link) {
   link_ = nullptr;
   ++timer_generation_;
   boxes_.Disconnect();
-  recordings_.Disconnect();
   LoseOrder();
 }
 
@@ -376,7 +372,6 @@ void GameSession::CloseLink(const absl::Status& commit) {
   if (link_ == nullptr) return;
   LoseOrder();
   boxes_.Disconnect();
-  recordings_.Disconnect();
   SessionLink* link = std::exchange(link_, nullptr);
   if (!ended())
     return link->Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
@@ -397,7 +392,6 @@ void GameSession::Kick(bool may_return) {
   if (link_ == nullptr) return;
   LoseOrder();
   boxes_.Disconnect();
-  recordings_.Disconnect();
   SessionLink* link = std::exchange(link_, nullptr);
   link->Close(may_return ? Refused(v1::ERROR_REASON_CONNECTION_KICKED,
                                    "an operator ended the connection; connect again")

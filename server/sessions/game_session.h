@@ -26,7 +26,6 @@
 #include "server/sessions/decision_loop.h"
 #include "server/sessions/new_scenes.h"
 #include "server/sessions/prior_store.h"
-#include "server/sessions/recording_reads.h"
 #include "server/sessions/session_identity.h"
 #include "server/sessions/session_ledger.h"
 #include "server/watch/log_histogram.h"
@@ -53,9 +52,6 @@ class SessionLink {
   virtual void SendOrder(uint64_t order_id, const decision::OrderReport& order) = 0;
   // Asks for boxes (v1::BoxRequest); all 0: for none any more.
   virtual void SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, uint32_t until_ms) = 0;
-  // Asks for at most kMaxRecordingPartBytes of a flight recording, or which ones there are.
-  virtual void SendRecordingRequest(uint64_t request_id, uint64_t recording_id,
-                                    uint64_t offset) = 0;
   // Counts a bail-out of the client's token and address. Returns whether it is evidence.
   virtual bool SpendBailOut() = 0;
   // Ends the stream after all messages are written. The session has released the link before.
@@ -142,8 +138,6 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
   // The boxes of its objects, for those who look at them.
   BoxViews& boxes() { return boxes_; }
-  // Its game's flight recordings.
-  RecordingReads& recordings() { return recordings_; }
 
   const SessionIdentity& identity() const { return identity_; }
   const decision::DecisionSession& decisions() const { return decisions_; }
@@ -209,7 +203,6 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   decision::Verdict sent_verdict_ = decision::Verdict::kUnknown;  // sent to the client
   bool takes_orders_ = false;                                     // says the latest Hello
   BoxViews boxes_;
-  RecordingReads recordings_;
   uint64_t order_id_ = 0;          // of the latest order
   OrderAnswer order_answer_;       // empty if the game has answered it
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored

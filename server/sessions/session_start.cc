@@ -378,7 +378,6 @@ v1::Welcome WelcomeOf(const GameSession& session, const v1::Hello& hello, bool r
   if (Has(hello, v1::CAPABILITY_OPERATOR_ORDERS))
     welcome.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   if (Has(hello, v1::CAPABILITY_BOX_VIEW)) welcome.add_capabilities(v1::CAPABILITY_BOX_VIEW);
-  if (Has(hello, v1::CAPABILITY_RECORDINGS)) welcome.add_capabilities(v1::CAPABILITY_RECORDINGS);
   ToProto(session.identity(), session.decisions().posteriors(), options, welcome);
   welcome.set_batch_interval_ms(BatchIntervalMs(welcome.decision_interval_ms(), stream_count));
   welcome.set_resume_token(

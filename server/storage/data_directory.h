@@ -28,7 +28,6 @@ class DataDirectory {
   bool open_to_others() const { return open_to_others_; }
   std::filesystem::path database() const { return path_ / kDatabaseName; }
   std::filesystem::path resume_key() const { return path_ / "resume-key"; }
-  std::filesystem::path logins() const { return path_ / "logins"; }
   std::filesystem::path outbox() const { return path_ / kOutboxName; }
   std::filesystem::path tokens() const { return path_ / kTokensName; }
 

@@ -55,8 +55,6 @@ def play(script, bin_folder, data):
         until("each scene is learnt", lambda: sum(map(is_learnt, called(origin, "PosteriorsService/ListPosteriors").get("scenes", []))) == SCENES)
         builds = {session["build"] for session in called(origin, "SessionsService/ListSessions")["sessions"]}
         assert builds == {"1.4", "1.5"}, builds
-        session = called(origin, "SessionsService/ListSessions")["sessions"][0]["sessionId"]
-        called(origin, "SessionsService/ReadRecording", {"sessionId": session})  # its recordings so far
         children = children_of(demo.pid)
         assert len(children) == 1 + GAMES, children
     finally:

@@ -30,7 +30,6 @@ SessionOptions Options() {
   options.unacknowledged_messages = 8;
   options.allow_operator_orders = true;
   options.allow_box_view = true;
-  options.allow_recording_download = true;
   return options;
 }
 

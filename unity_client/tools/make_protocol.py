@@ -18,7 +18,7 @@ import tempfile
 PROJECT = "unity_client/dotnet/protocol/Sweepstake.Protocol.csproj"
 OUTPUT = "unity_client/com.sweepstake.broadphase/Runtime/Protocol/Generated"
 # A game uses telemetry and its imports; the editor reads posteriors and transfers priors.
-FILES = ["events", "recordings", "telemetry", "posteriors", "priors"]
+FILES = ["events", "telemetry", "posteriors", "priors"]
 
 
 def packages_folder():

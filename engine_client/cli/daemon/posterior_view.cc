@@ -12,9 +12,7 @@
 #include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/decider/audit/cell_text.h"
-#include "engine_client/decider/embedded/decision_conversion.h"
-#include "engine_client/decider/policy/diagnosis.h"
-#include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/types.h"
 #include "engine_client/telemetry/proto_conversion.h"
 
 namespace sweepstake::cli {
@@ -40,81 +38,16 @@ std::string Words(std::span<const std::string_view> names, Enum value) {
   return name;
 }
 
-// The values computed for an arm from the posteriors that the daemon sent.
-struct ArmView {
-  decision::CredibleInterval interval;
-  // Absent if nothing is known of the arm or its backend has a newer version.
-  std::optional<double> best_probability;
-  std::optional<CostRatio> cost_ratio;  // absent as well where rewards do not tell costs
-};
-
-struct SceneView {
-  std::vector<ArmView> arms;  // in the order of the scene's arms
-  decision::Diagnosis diagnosis;
-  std::string leader;
-};
-
-bool IsNewest(const v1::ScenePosterior& scene, const v1::ArmPosterior& arm) {
-  return std::none_of(scene.arms().begin(), scene.arms().end(), [&](const v1::ArmPosterior& other) {
-    return other.arm() == arm.arm() && other.backend_version() > arm.backend_version();
+std::string VerdictText(const v1::ScenePosterior& scene) {
+  const std::string name = decision::NameOf(decision::kVerdictNames, scene.verdict());
+  const auto leader = std::find_if(scene.arms().begin(), scene.arms().end(), [&](const auto& arm) {
+    return arm.arm() == scene.leader_arm() && arm.has_best_probability();
   });
-}
-
-decision::Diagnosis DiagnoseCosts(std::span<const decision::BetaPosterior> posteriors) {
-  const bool nothing_learnt =
-      std::all_of(posteriors.begin(), posteriors.end(),
-                  [](const auto& posterior) { return posterior == decision::BetaPosterior{}; });
-  if (nothing_learnt) return {};
-  std::vector<double> means, variances;
-  for (const decision::BetaPosterior& posterior : posteriors) {
-    const decision::NormalBelief belief = decision::BeliefOf(posterior);
-    means.push_back(belief.mean);
-    variances.push_back(belief.variance);
-  }
-  return decision::DiagnoseLogCosts(means, variances);
-}
-
-SceneView ViewOf(const v1::ScenePosterior& scene) {
-  SceneView view;
-  std::vector<decision::BetaPosterior> contenders;
-  std::vector<size_t> places;
-  for (const v1::ArmPosterior& arm : scene.arms()) {
-    ArmView& shown = view.arms.emplace_back();
-    const auto belief = FromProto(arm.posterior(), arm.arm());
-    if (!belief) continue;
-    const decision::BetaPosterior posterior = ToDecision(*belief);
-    shown.interval = decision::CentralInterval(posterior, 0.95);
-    if (!IsNewest(scene, arm)) continue;
-    contenders.push_back(posterior);
-    places.push_back(view.arms.size() - 1);
-  }
-  // The only arm that is known of is no better than others.
-  if (contenders.size() < 2) return view;
-  const bool tells_costs = scene.reward_version() == decision::kLogCostRewardVersion;
-  view.diagnosis = tells_costs ? DiagnoseCosts(contenders) : decision::Diagnose(contenders);
-  if (view.diagnosis.best_probability.empty()) return view;
-  const uint32_t leader = view.diagnosis.leader;
-  view.leader = scene.arms(static_cast<int>(places[leader])).arm();
-  for (size_t i = 0; i < contenders.size(); ++i) {
-    ArmView& shown = view.arms[places[i]];
-    shown.best_probability = view.diagnosis.best_probability[i];
-    if (!tells_costs) continue;
-    const decision::CostRatio ratio =
-        i == leader ? decision::CostRatio{}
-                    : decision::CostRatioOf(contenders[i], contenders[leader]);
-    shown.cost_ratio = CostRatio{.median = ratio.median, .low = ratio.low, .high = ratio.high};
-  }
-  return view;
-}
-
-std::string VerdictText(const SceneView& view) {
-  const decision::Diagnosis& diagnosis = view.diagnosis;
-  const std::string name = decision::NameOf(decision::kVerdictNames, diagnosis.verdict);
-  if (view.leader.empty()) return name;
-  return name + ": " + view.leader + " is the best with probability " +
-         Fixed(diagnosis.best_probability[diagnosis.leader], 3) + ", choosing it loses " +
-         Percent(diagnosis.expected_loss_ratio, 2) + ", knowing all would gain " +
-         Percent(diagnosis.value_remaining_ratio, 2);
+  if (leader == scene.arms().end()) return name;
+  return name + ": " + leader->arm() + " is the best with probability " +
+         Fixed(leader->best_probability(), 3) + ", choosing it loses " +
+         Percent(scene.expected_loss_ratio(), 2) + ", knowing all would gain " +
+         Percent(scene.value_remaining_ratio(), 2);
 }
 
 // Returns, for example, "16.6/17.2/31.1 ms".
@@ -151,23 +84,24 @@ std::string IntervalBar(double mean, decision::CredibleInterval interval, int wi
 }
 
 std::string PosteriorText(const v1::ScenePosterior& scene) {
-  const SceneView view = ViewOf(scene);
   std::ostringstream text;
   text << scene.project() << " / " << scene.scene();
   if (!scene.machine_class().empty()) text << " on " << scene.machine_class();
   text << ", reward version " << scene.reward_version() << ": " << scene.active_session_count()
        << (scene.active_session_count() == 1 ? " session" : " sessions") << " now, evidence of "
        << scene.source_count() << " in all\n"
-       << "verdict " << VerdictText(view) << '\n';
+       << "verdict " << VerdictText(scene) << '\n';
   TextTable table({"arm", "0" + std::string(kBarWidth - 2, ' ') + "1", "mean", "95_low", "95_high",
                    "cost", "95_low", "95_high", "best", "n", "windows", "visits", "bail-outs"});
-  for (int i = 0; i < scene.arms_size(); ++i) {
-    const v1::ArmPosterior& arm = scene.arms(i);
-    const auto& [interval, best, ratio] = view.arms[static_cast<size_t>(i)];
+  for (const v1::ArmPosterior& arm : scene.arms()) {
+    const decision::CredibleInterval interval = {arm.reward_low_95(), arm.reward_high_95()};
+    const bool has_ratio = arm.has_cost_ratio();
     table.AddRow({arm.arm(), IntervalBar(Mean(arm), interval, kBarWidth), Fixed(Mean(arm), 3),
                   Fixed(interval.low, 3), Fixed(interval.high, 3),
-                  ratio ? RatioText(ratio->median) : "-", ratio ? RatioText(ratio->low) : "-",
-                  ratio ? RatioText(ratio->high) : "-", best ? Fixed(*best, 3) : "-",
+                  has_ratio ? RatioText(arm.cost_ratio().median()) : "-",
+                  has_ratio ? RatioText(arm.cost_ratio().low()) : "-",
+                  has_ratio ? RatioText(arm.cost_ratio().high()) : "-",
+                  arm.has_best_probability() ? Fixed(arm.best_probability(), 3) : "-",
                   Fixed(arm.effective_window_count(), 1), std::to_string(arm.window_count()),
                   std::to_string(arm.visit_count()), std::to_string(arm.bail_out_count())});
   }
@@ -175,33 +109,32 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
 }
 
 Json PosteriorJson(const v1::ScenePosterior& scene) {
-  const SceneView view = ViewOf(scene);
   Json document = {{"project", scene.project()},
                    {"scene", scene.scene()},
                    {"machine_class", scene.machine_class()},
                    {"reward_version", scene.reward_version()},
                    {"active_sessions", scene.active_session_count()},
                    {"sources", scene.source_count()},
-                   {"verdict", decision::NameOf(decision::kVerdictNames, view.diagnosis.verdict)},
-                   {"leader_arm", view.leader},
-                   {"expected_loss_ratio", view.diagnosis.expected_loss_ratio},
-                   {"value_remaining_ratio", view.diagnosis.value_remaining_ratio},
+                   {"verdict", decision::NameOf(decision::kVerdictNames, scene.verdict())},
+                   {"leader_arm", scene.leader_arm()},
+                   {"expected_loss_ratio", scene.expected_loss_ratio()},
+                   {"value_remaining_ratio", scene.value_remaining_ratio()},
                    {"arms", Json::array()}};
-  for (int i = 0; i < scene.arms_size(); ++i) {
-    const v1::ArmPosterior& arm = scene.arms(i);
+  for (const v1::ArmPosterior& arm : scene.arms()) {
     const v1::BetaPosterior& posterior = arm.posterior();
-    const auto& [interval, best, ratio] = view.arms[static_cast<size_t>(i)];
+    const v1::CostRatio& ratio = arm.cost_ratio();
     document["arms"].push_back(
         {{"arm", arm.arm()},
          {"backend_version", arm.backend_version()},
          {"alpha", posterior.alpha()},
          {"beta", posterior.beta()},
          {"mean", Mean(arm)},
-         {"low_95", interval.low},
-         {"high_95", interval.high},
-         {"best_probability", OrNull(best)},
-         {"cost_ratio", ratio ? Json(ratio->median) : Json()},
-         {"cost_ratio_95", ratio ? IntervalJson({ratio->low, ratio->high}) : Json()},
+         {"low_95", arm.reward_low_95()},
+         {"high_95", arm.reward_high_95()},
+         {"best_probability", arm.has_best_probability() ? Json(arm.best_probability()) : Json()},
+         {"cost_ratio", arm.has_cost_ratio() ? Json(ratio.median()) : Json()},
+         {"cost_ratio_95",
+          arm.has_cost_ratio() ? IntervalJson({ratio.low(), ratio.high()}) : Json()},
          {"windows", arm.window_count()},
          {"lane_visits", arm.visit_count()},
          {"n", arm.effective_window_count()},

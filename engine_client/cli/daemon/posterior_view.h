@@ -17,9 +17,8 @@ std::string IntervalBar(double mean, decision::CredibleInterval interval, int wi
 
 // Returns a heading and a table with a line per arm: the mean, the central 95 % of the posterior,
 // the cost against the leader's where the rewards tell it, the probability of being the best arm,
-// and the windows and visits of all sessions. The verdict is computed from the evidence of all
-// sessions together (engine_client/decider/policy/diagnosis.h), as if their windows were
-// independent, and compares only the newest version of each arm's backend.
+// and the windows and visits of all sessions. The daemon has computed all of it
+// (engine_client/decider/policy/scene_diagnosis.h).
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 

@@ -33,10 +33,8 @@ enum class ConnectionState : uint32_t {
 
 // A file written by the flight recorder.
 struct FlightRecording {
-  uint64_t recording_id = 0;  // counts the session's recordings from 1
-  std::string path;           // UTF-8
+  std::string path;  // UTF-8
   int64_t recorded_unix_ms = 0;
-  uint64_t recorded_ns = 0;  // the same time by SteadyClock()
   uint64_t bytes = 0;
   uint64_t worst_frame_ns = 0;  // the longest frame in it
 };
@@ -129,9 +127,6 @@ struct SessionOptions {
   // Leave it off in a game that is shipped to players.
   bool allow_box_view = false;
   FlightRecorderOptions flight_recorder;
-  // Lets operators of the daemon download the flight recorder's files. Nothing is sent unless they
-  // request it. Unused with an embedded decider. Leave it off in a game that is shipped to players.
-  bool allow_recording_download = false;
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
   // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <system_error>
@@ -169,10 +168,8 @@ Status FlightRecorder::Write(const AdaptiveBroadPhase& adaptive) {
   const fs::path path = FreePath(*folder, now);
   const size_t worst = WorstOf(frames);
   const std::string notes = FlightNotes(options_, adaptive, frames, worst, decisions_, now.count());
-  FlightRecording recording{.recording_id = ++written_count_,
-                            .path = Utf8Of(path),
+  FlightRecording recording{.path = Utf8Of(path),
                             .recorded_unix_ms = now.count(),
-                            .recorded_ns = SteadyClock().NowNs(),
                             .bytes = 0,
                             .worst_frame_ns = frames[worst].sample.frame_time_ns};
   if (Status status = RecordScene(scene, scene.frame_count() - 1, recording.path, notes);
@@ -199,19 +196,6 @@ Status FlightRecorder::Keep(FlightRecording recording) {
 std::vector<FlightRecording> FlightRecorder::recordings() const {
   const std::lock_guard lock(mutex_);
   return recordings_;
-}
-
-std::string FlightRecorder::Read(uint64_t recording_id, uint64_t offset, uint32_t max_bytes) const {
-  for (const FlightRecording& recording : recordings()) {
-    if (recording.recording_id != recording_id || offset >= recording.bytes) continue;
-    std::ifstream file(*PathOfUtf8(recording.path), std::ios::binary);
-    file.seekg(static_cast<std::streamoff>(offset));
-    std::string bytes(std::min<uint64_t>(max_bytes, recording.bytes - offset), '\0');
-    file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    bytes.resize(static_cast<size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-    return bytes;
-  }
-  return "";
 }
 
 std::string FlightRecorder::error() const {

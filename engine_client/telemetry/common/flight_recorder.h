@@ -6,7 +6,7 @@
 // and never another file.
 //
 // Thread safety: Step on the sender thread, the ring's OnBoxes and OnFrame on the frame thread,
-// recordings(), Read and error() on any thread. Memory: that of the ring; during a write also one
+// recordings() and error() on any thread. Memory: that of the ring; during a write also one
 // frame and the notes, at most about 400 kB.
 #pragma once
 
@@ -41,9 +41,6 @@ class FlightRecorder {
   void Step(const AdaptiveBroadPhase& adaptive);
   // Returns the files that were written and still exist, the oldest first.
   std::vector<FlightRecording> recordings() const;
-  // Returns at most `max_bytes` bytes of a recording's file from `offset` on. Empty: the file ends
-  // there, cannot be read, or does not exist. Any thread; it reads the file.
-  std::string Read(uint64_t recording_id, uint64_t offset, uint32_t max_bytes) const;
   // Returns why the latest recording could not be written; empty if it was written.
   std::string error() const;
 
@@ -58,7 +55,6 @@ class FlightRecorder {
 
   mutable std::mutex mutex_;
   std::vector<FlightRecording> recordings_;  // guarded by mutex_
-  uint64_t written_count_ = 0;               // used by the sender thread
   std::string error_;                        // guarded by mutex_
 };
 

@@ -87,7 +87,6 @@ class SessionBase : public Session {
   }
   void Wake() { thread_.Wake(); }
   SampleQueue& queue() { return queue_; }
-  const FlightRecorder* flight_recorder() const { return flight_.get(); }  // null: off
 
  private:
   std::unique_ptr<FlightRecorder> flight_;  // null: off

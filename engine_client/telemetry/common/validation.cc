@@ -126,9 +126,6 @@ Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& nam
     return Invalid("backoff_min_ms and backoff_max_ms", "1 <= min <= max <= 3600000");
   }
   if (Status status = ValidateFlightRecorder(options.flight_recorder); !status.ok()) return status;
-  if (options.allow_recording_download && options.flight_recorder.memory_mb == 0) {
-    return Invalid("allow_recording_download", "set together with flight_recorder.memory_mb");
-  }
   return options.tls ? ValidateTlsOptions(*options.tls, names) : Status();
 }
 

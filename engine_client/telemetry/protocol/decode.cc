@@ -22,8 +22,7 @@ enum class StreamTelemetryResponseTag : Number {
   kPosteriorSnapshot = 4,
   kReconnect = 5,
   kOperatorOrder = 6,
-  kBoxRequest = 7,
-  kRecordingRequest = 8
+  kBoxRequest = 7
 };
 enum class WelcomeTag : Number {
   kSessionId = 1,
@@ -71,12 +70,6 @@ enum class CostRatioTag : Number { kMedian = 1, kLow = 2, kHigh = 3 };
 enum class ReconnectTag : Number { kDelayMs = 2 };
 enum class OperatorOrderTag : Number { kOrderId = 1, kMode = 2, kArm = 3 };
 enum class BoxRequestTag : Number { kIntervalMs = 1, kMaxBytes = 2, kUntilMs = 3 };
-enum class RecordingRequestTag : Number {
-  kRequestId = 1,
-  kRecordingId = 2,
-  kOffset = 3,
-  kMaxBytes = 4
-};
 
 enum class StatusDetailsTag : Number { kDetails = 3 };
 enum class AnyTag : Number { kTypeUrl = 1, kValue = 2 };
@@ -349,23 +342,6 @@ void Read(std::string_view bytes, BoxRequest& request) {
   });
 }
 
-void Read(std::string_view bytes, RecordingRequest& request) {
-  ReadFields<RecordingRequestTag>(bytes, [&](auto& in) {
-    switch (in.tag()) {
-      case RecordingRequestTag::kRequestId:
-        return in.TakeNumber(request.request_id);
-      case RecordingRequestTag::kRecordingId:
-        return in.TakeNumber(request.recording_id);
-      case RecordingRequestTag::kOffset:
-        return in.TakeNumber(request.offset);
-      case RecordingRequestTag::kMaxBytes:
-        return in.TakeNumber(request.max_bytes);
-      default:
-        in.Skip();
-    }
-  });
-}
-
 // Reads into the part, which begins as `absent` where the response has none yet.
 template <typename Part>
 void TakePart(Reader<StreamTelemetryResponseTag>& in, std::optional<Part>& part, Part absent = {}) {
@@ -393,8 +369,6 @@ Response ReadResponse(std::string_view bytes) {
         return TakePart(in, response.operator_order, {.mode = Mode{}, .arm = {}});
       case StreamTelemetryResponseTag::kBoxRequest:
         return TakePart(in, response.box_request);
-      case StreamTelemetryResponseTag::kRecordingRequest:
-        return TakePart(in, response.recording_request);
       default:
         in.Skip();
     }

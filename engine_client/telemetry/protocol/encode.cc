@@ -22,8 +22,7 @@ enum class StreamTelemetryRequestTag : Number {
   kModeChange = 6,
   kGoodbye = 7,
   kOrderRefusal = 8,
-  kBoxView = 9,
-  kRecordingPart = 10
+  kBoxView = 9
 };
 enum class ArmTag : Number { kName = 1, kBackendVersion = 2 };
 enum class HelloTag : Number {
@@ -107,13 +106,6 @@ enum class BoxViewTag : Number {
   kBoxes = 5,
   kPairs = 6
 };
-enum class RecordingTag : Number {
-  kRecordingId = 1,
-  kAgeMs = 2,
-  kSizeBytes = 3,
-  kWorstFrameNs = 4
-};
-enum class RecordingPartTag : Number { kRequestId = 1, kRecordings = 2, kData = 3 };
 
 // Collects the fields of one message. A field that has its default value is left out, as proto3 has
 // it; a message within is there even if it is empty.
@@ -297,21 +289,6 @@ std::string Encode(const BoxView& view) {
   out.PutText(BoxViewTag::kBoxes, view.boxes);
   out.PutText(BoxViewTag::kPairs, view.pairs);
   return Request(StreamTelemetryRequestTag::kBoxView, out.Take());
-}
-
-std::string Encode(const RecordingPart& part) {
-  Writer<RecordingPartTag> out;
-  out.PutNumber(RecordingPartTag::kRequestId, part.request_id);
-  for (const Recording& recording : part.recordings) {
-    Writer<RecordingTag> item;
-    item.PutNumber(RecordingTag::kRecordingId, recording.recording_id);
-    item.PutNumber(RecordingTag::kAgeMs, recording.age_ms);
-    item.PutNumber(RecordingTag::kSizeBytes, recording.size_bytes);
-    item.PutNumber(RecordingTag::kWorstFrameNs, recording.worst_frame_ns);
-    out.PutMessage(RecordingPartTag::kRecordings, item.Take());
-  }
-  out.PutText(RecordingPartTag::kData, part.data);
-  return Request(StreamTelemetryRequestTag::kRecordingPart, out.Take());
 }
 
 std::string Numbered(uint64_t sequence, std::string_view encoded) {

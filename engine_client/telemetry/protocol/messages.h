@@ -15,7 +15,7 @@
 
 namespace sweepstake::protocol {
 
-enum class Capability : uint32_t { kOperatorOrders = 1, kBoxView = 2, kRecordings = 3 };
+enum class Capability : uint32_t { kOperatorOrders = 1, kBoxView = 2 };
 
 enum class OrderRefusalReason : uint32_t { kNotAllowed = 1, kUnknown = 2 };
 
@@ -74,20 +74,6 @@ struct BoxView {
   std::string pairs;
 };
 
-struct Recording {
-  uint64_t recording_id = 0;
-  uint64_t age_ms = 0;
-  uint64_t size_bytes = 0;
-  uint64_t worst_frame_ns = 0;
-};
-
-// The recordings that there are, or a part of one.
-struct RecordingPart {
-  uint64_t request_id = 0;
-  std::vector<Recording> recordings;
-  std::string data;
-};
-
 struct BetaPosterior {
   double alpha = 0;
   double beta = 0;
@@ -135,13 +121,6 @@ struct BoxRequest {
   uint32_t until_ms = 0;
 };
 
-struct RecordingRequest {
-  uint64_t request_id = 0;
-  uint64_t recording_id = 0;
-  uint64_t offset = 0;
-  uint32_t max_bytes = 0;
-};
-
 // Whatever has changed since the daemon's last response.
 struct Response {
   std::optional<Welcome> welcome;
@@ -151,7 +130,6 @@ struct Response {
   std::optional<Reconnect> reconnect;
   std::optional<OperatorOrder> operator_order;
   std::optional<BoxRequest> box_request;
-  std::optional<RecordingRequest> recording_request;
   bool has_unknown = false;  // it has a field that only a newer protocol knows
 };
 

@@ -46,7 +46,6 @@ protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhas
   using protocol::Capability;
   if (options.allow_operator_orders) hello.capabilities.push_back(Capability::kOperatorOrders);
   if (options.allow_box_view) hello.capabilities.push_back(Capability::kBoxView);
-  if (options.allow_recording_download) hello.capabilities.push_back(Capability::kRecordings);
   hello.project = options.project;
   hello.scene = options.scene;
   hello.build = options.build;
@@ -163,15 +162,13 @@ bool IsStanding(const ArmStanding& standing) {
 }  // namespace
 
 SessionLink::SessionLink(const SessionOptions& options, std::string daemon, uint64_t jitter_seed,
-                         SampleQueue& queue, AdaptiveBroadPhase& adaptive,
-                         const FlightRecorder* recorder)
+                         SampleQueue& queue, AdaptiveBroadPhase& adaptive)
     : options_(options),
       daemon_(std::move(daemon)),
       adaptive_(adaptive),
       state_(MakeHello(options, adaptive), options.unacknowledged_messages),
       intake_(queue, state_, LimitsOf(options)),
       boxes_(adaptive.view_tap()),
-      recordings_(recorder),
       backoff_(options.backoff_min_ms, options.backoff_max_ms, jitter_seed) {}
 
 void SessionLink::Connected(uint64_t now_ns) {
@@ -182,10 +179,7 @@ void SessionLink::Connected(uint64_t now_ns) {
 
 LinkAction SessionLink::Advance(uint64_t now_ns) {
   const bool queue_empty = taken_all_ || intake_.Pump(now_ns);
-  if (goodbye_deadline_ns_ || !state_.online()) {
-    boxes_.Stop();
-    recordings_.Stop();
-  }
+  if (goodbye_deadline_ns_ || !state_.online()) boxes_.Stop();
   next_is_view_ = boxes_.Advance(now_ns);
   next_ = stream_ ? NextStep(queue_empty, now_ns) : LinkAction::kNone;
   if (next_ == LinkAction::kSend) next_message_ = NextMessage();
@@ -203,9 +197,7 @@ LinkAction SessionLink::NextStep(bool queue_empty, uint64_t now_ns) {
   if (goodbye_is_due && !std::exchange(taken_all_, true)) intake_.Flush();
   const bool has_evidence = state_.Next() != nullptr;
   next_is_view_ = next_is_view_ && !has_evidence;
-  next_is_part_ = !next_is_view_ && !has_evidence && recordings_.has_message();
-  const bool has_asked = next_is_view_ || next_is_part_;
-  return goodbye_is_due || has_evidence || has_asked ? LinkAction::kSend : LinkAction::kNone;
+  return goodbye_is_due || has_evidence || next_is_view_ ? LinkAction::kSend : LinkAction::kNone;
 }
 
 bool SessionLink::Overdue(uint64_t now_ns) {
@@ -223,7 +215,6 @@ std::string SessionLink::NextMessage() {
                                             .mode = adaptive_.mode()}));
   }
   if (next_is_view_) return std::string(boxes_.message());
-  if (next_is_part_) return std::string(recordings_.message());
   const ResendBuffer::Entry* next = state_.Next();
   return next != nullptr ? protocol::Numbered(next->sequence, next->evidence.message)
                          : protocol::Encode(protocol::Goodbye{});
@@ -240,8 +231,6 @@ std::string SessionLink::Take(uint64_t now_ns) {
     stream_->hello_sent = true;
   } else if (next_is_view_) {
     boxes_.MarkSent();
-  } else if (next_is_part_) {
-    recordings_.MarkSent();
   } else if (state_.Next() != nullptr) {
     state_.MarkSent();
   } else {
@@ -273,8 +262,6 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
   if (response->reconnect) stream_->reconnect_delay_ms = response->reconnect->delay_ms;
   if (response->operator_order) OnOrder(*response->operator_order);
   if (response->box_request && shows_boxes_) boxes_.OnRequest(*response->box_request, now_ns);
-  if (response->recording_request && gives_recordings_)
-    recordings_.OnRequest(*response->recording_request, now_ns);
   if (response->has_unknown) ++unknown_message_count_;
   return {};
 }
@@ -294,8 +281,6 @@ void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
   takes_orders_ =
       options_.allow_operator_orders && Has(welcome, protocol::Capability::kOperatorOrders);
   shows_boxes_ = options_.allow_box_view && Has(welcome, protocol::Capability::kBoxView);
-  gives_recordings_ =
-      options_.allow_recording_download && Has(welcome, protocol::Capability::kRecordings);
   welcome_ = welcome;
   intake_.SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors);

@@ -26,7 +26,6 @@
 #include "engine_client/telemetry/protocol/box_viewer.h"
 #include "engine_client/telemetry/protocol/evidence_intake.h"
 #include "engine_client/telemetry/protocol/messages.h"
-#include "engine_client/telemetry/protocol/recording_parts.h"
 #include "engine_client/telemetry/protocol/session_state.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/session.h"
@@ -70,11 +69,9 @@ class SessionLink {
  public:
   // `daemon` is what messages call the other side, as "the daemon at 127.0.0.1:7433". The same seed
   // gives the same delays; sessions of many games should have different ones. The queue and the
-  // broad phase are borrowed, as is the flight recorder, whose files operators may ask for; null:
-  // none. REQUIRES: options are valid (ValidateSessionOptions).
+  // broad phase are borrowed. REQUIRES: options are valid (ValidateSessionOptions).
   SessionLink(const SessionOptions& options, std::string daemon, uint64_t jitter_seed,
-              SampleQueue& queue, AdaptiveBroadPhase& adaptive,
-              const FlightRecorder* recorder = nullptr);
+              SampleQueue& queue, AdaptiveBroadPhase& adaptive);
 
   // Returns whether there is a stream: between Connected and Disconnected.
   bool connected() const { return stream_.has_value(); }
@@ -133,13 +130,11 @@ class SessionLink {
   SessionState state_;
   EvidenceIntake intake_;
   BoxViewer boxes_;
-  RecordingParts recordings_;
   Backoff backoff_;
   std::optional<LinkStream> stream_;
   LinkAction next_ = LinkAction::kNone;  // what Advance returned
   std::string next_message_;             // the one to send, if that is kSend
   bool next_is_view_ = false;            // that message is of boxes_
-  bool next_is_part_ = false;            // that message is of recordings_
   std::optional<uint64_t> goodbye_deadline_ns_;
   bool taken_all_ = false;  // the queue was empty after Goodbye; later frames are not sent
 
@@ -150,10 +145,9 @@ class SessionLink {
   LastDecision last_decision_;
   uint64_t command_count_ = 0;
   uint64_t unknown_message_count_ = 0;
-  protocol::Welcome welcome_;      // the latest one, with the batch interval of now
-  bool takes_orders_ = false;      // from this daemon
-  bool shows_boxes_ = false;       // to this daemon
-  bool gives_recordings_ = false;  // to this daemon
+  protocol::Welcome welcome_;  // the latest one, with the batch interval of now
+  bool takes_orders_ = false;  // from this daemon
+  bool shows_boxes_ = false;   // to this daemon
 };
 
 }  // namespace sweepstake

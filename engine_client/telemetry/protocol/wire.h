@@ -13,8 +13,8 @@
 
 namespace sweepstake::protocol {
 
-// Returns a StreamTelemetryRequest without its sequence number: whole for Hello, Goodbye,
-// BoxView and RecordingPart, for the others what Numbered makes a whole message of.
+// Returns a StreamTelemetryRequest without its sequence number. It is complete for Hello, Goodbye
+// and BoxView; Numbered completes the others.
 std::string Encode(const Hello& hello);
 std::string Encode(const FrameBatch& batch);
 std::string Encode(const SwitchOutcome& outcome);
@@ -23,7 +23,6 @@ std::string Encode(const ModeChange& change);
 std::string Encode(const Goodbye& goodbye);
 std::string Encode(const OrderRefusal& refusal);
 std::string Encode(const BoxView& view);
-std::string Encode(const RecordingPart& part);
 
 // Returns the message with its sequence number. Evidence is kept without it, so that it can get
 // another number without being encoded again. REQUIRES: sequence > 0.

@@ -21,7 +21,6 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_PROTOCOL_VERSION:
     case v1::ERROR_REASON_ORDER_REFUSED:
     case v1::ERROR_REASON_BOXES_NOT_SHOWN:
-    case v1::ERROR_REASON_RECORDINGS_NOT_SHOWN:
       return absl::StatusCode::kFailedPrecondition;
     case v1::ERROR_REASON_HELLO_OVERDUE:
     case v1::ERROR_REASON_CALL_STALLED:

@@ -159,25 +159,10 @@ absl::Status CheckBoxView(const v1::BoxView& view) {
   return has_bounds ? absl::OkStatus() : Invalid("a box view has boxes without finite bounds");
 }
 
-absl::Status CheckRecordingPart(const v1::RecordingPart& part) {
-  if (part.data().size() > kMaxRecordingPartBytes || part.recordings_size() > kMaxRecordings)
-    return Invalid("a recording part has too many bytes or recordings");
-  uint64_t id = 0;
-  for (const v1::Recording& recording : part.recordings()) {
-    if (recording.recording_id() <= id)
-      return Invalid("a recording part's ids do not ascend from 1");
-    id = recording.recording_id();
-  }
-  return absl::OkStatus();
-}
-
 absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
-  if (request.has_goodbye() || request.has_box_view() || request.has_recording_part())
-    return absl::OkStatus();
+  if (request.has_goodbye() || request.has_box_view()) return absl::OkStatus();
   if (request.sequence() >= 1 && request.sequence() <= kMaxSequence) return absl::OkStatus();
-  return Invalid(
-      "sequence must be 1 to 2^63 - 1 in every message but Hello, Goodbye, BoxView and "
-      "RecordingPart");
+  return Invalid("sequence must be 1 to 2^63 - 1 in every message but Hello, Goodbye and BoxView");
 }
 
 std::optional<RejectionReason> RejectionOfCounts(uint64_t check_count, uint64_t native_bytes) {
@@ -215,8 +200,6 @@ absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t ar
       return CheckModeChange(request.mode_change(), arm_count);
     case v1::StreamTelemetryRequest::kBoxView:
       return CheckBoxView(request.box_view());
-    case v1::StreamTelemetryRequest::kRecordingPart:
-      return CheckRecordingPart(request.recording_part());
     default:
       return absl::OkStatus();
   }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "engine_client/decider/policy/scene_diagnosis.h"
 #include "engine_client/decider/session/policy_registry.h"
 
 namespace sweepstake::rpc {
@@ -88,16 +89,23 @@ void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& messag
   message.set_beta(posterior.beta);
 }
 
+namespace {
+
+void ToProto(const decision::CostRatio& ratio, v1::CostRatio& message) {
+  message.set_median(ratio.median);
+  message.set_low(ratio.low);
+  message.set_high(ratio.high);
+}
+
+}  // namespace
+
 void ToProto(const decision::DecisionRecord& record, uint32_t arm, v1::ArmStanding& message) {
   const decision::ArmStanding& standing = record.standings[arm];
   message.set_best_probability(record.diagnosis.best_probability[arm]);
   message.set_live_window_count(standing.live_window_count);
   message.set_lane_visit_count(standing.lane_visit_count);
   message.set_effective_window_count(standing.effective_window_count);
-  if (!standing.cost_ratio) return;
-  message.mutable_cost_ratio()->set_median(standing.cost_ratio->median);
-  message.mutable_cost_ratio()->set_low(standing.cost_ratio->low);
-  message.mutable_cost_ratio()->set_high(standing.cost_ratio->high);
+  if (standing.cost_ratio) ToProto(*standing.cost_ratio, *message.mutable_cost_ratio());
 }
 
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message) {
@@ -159,6 +167,23 @@ double WindowEvidence(std::span<const priors::SceneEvidence::Arm> arms) {
   return window_count > 0 ? evidence / window_count : 0;
 }
 
+void SetDiagnosis(std::span<const decision::SceneArm> arms, v1::ScenePosterior& message) {
+  const decision::SceneDiagnosis scene = decision::DiagnoseScene(arms, message.reward_version());
+  message.set_verdict(static_cast<v1::Verdict>(scene.verdict));
+  message.set_expected_loss_ratio(scene.expected_loss_ratio);
+  message.set_value_remaining_ratio(scene.value_remaining_ratio);
+  if (scene.leader) message.set_leader_arm(std::string(arms[*scene.leader].name));
+  for (size_t i = 0; i < arms.size(); ++i) {
+    const decision::ArmDiagnosis& arm = scene.arms[i];
+    v1::ArmPosterior& filled = *message.mutable_arms(static_cast<int>(i));
+    filled.set_reward_low_95(arm.reward_95.low);
+    filled.set_reward_high_95(arm.reward_95.high);
+    filled.set_is_outdated(arm.is_outdated);
+    if (arm.best_probability) filled.set_best_probability(*arm.best_probability);
+    if (arm.cost_ratio) ToProto(*arm.cost_ratio, *filled.mutable_cost_ratio());
+  }
+}
+
 }  // namespace
 
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
@@ -166,12 +191,14 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   message.set_source_count(scene.source_count);
   const double window_evidence = WindowEvidence(scene.arms);
   const std::vector<decision::EvidenceSum> pooled = PoolVersions(scene.arms);
+  std::vector<decision::SceneArm> arms;
   for (size_t i = 0; i < scene.arms.size(); ++i) {
     const priors::SceneEvidence::Arm& arm = scene.arms[i];
     v1::ArmPosterior& filled = *message.add_arms();
     filled.set_arm(arm.name);
     filled.set_backend_version(arm.backend_version);
-    ToProto({1 + pooled[i].alpha, 1 + pooled[i].beta}, *filled.mutable_posterior());
+    arms.push_back({arm.name, arm.backend_version, {1 + pooled[i].alpha, 1 + pooled[i].beta}});
+    ToProto(arms.back().posterior, *filled.mutable_posterior());
     filled.set_window_count(arm.live.window_count);
     filled.set_visit_count(arm.lane.window_count);
     filled.set_bail_out_count(arm.live.bail_out_count);
@@ -179,6 +206,7 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
     if (window_evidence > 0)
       filled.set_effective_window_count(pooled[i].evidence() / window_evidence);
   }
+  SetDiagnosis(arms, message);
 }
 
 void ToProto(const decision::DecisionRecord& record, const SessionIdentity& identity,

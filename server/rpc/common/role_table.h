@@ -24,7 +24,6 @@ inline constexpr std::array kRoleTable = {
     Rpc{"SessionsService/KickSession", auth::Role::kOperator},
     Rpc{"SessionsService/OrderSession", auth::Role::kOperator},
     Rpc{"SessionsService/WatchBoxes", auth::Role::kOperator},
-    Rpc{"SessionsService/ReadRecording", auth::Role::kOperator},
     Rpc{"AuditService/ListAuditSegments", auth::Role::kWatch},
     Rpc{"AuditService/ExportDecisions", auth::Role::kWatch},
     Rpc{"PriorsService/ExportPriors", auth::Role::kWatch},

@@ -155,35 +155,6 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
   });
 }
 
-grpc::ServerUnaryReactor* SessionsService::ReadRecording(grpc::CallbackServerContext* call,
-                                                         const v1::ReadRecordingRequest* request,
-                                                         v1::ReadRecordingResponse* response) {
-  constexpr Rpc kRpc = RpcOf("SessionsService/ReadRecording");
-  return ServeUnary(context_, *call, kRpc, [&](auth::Principal caller, EndCall end) {
-    std::string who = NameAndAddress(caller, *call);
-    context_.loop.Post([this, request, response, caller = std::move(caller), who = std::move(who),
-                        end = std::move(end)] {
-      const std::shared_ptr<GameSession> session = FindFor(caller, request->session_id());
-      if (session == nullptr) return end(UnknownSession());
-      const uint64_t recording = request->recording_id();
-      RecordingReads& recordings = session->recordings();
-      // A file is read part by part; that somebody reads it is told once.
-      if (recording != 0 && recordings.Begins(who, recording, request->offset())) {
-        admin_.Record(absl::StrCat("action=read-recording session=", session->identity().id,
-                                   " recording=", recording),
-                      who);
-      }
-      recordings.Read(recording, request->offset(),
-                      [response, end](absl::StatusOr<v1::RecordingPart> part) {
-                        if (!part.ok()) return end(part.status());
-                        *response->mutable_recordings() = part->recordings();
-                        response->set_data(std::move(*part->mutable_data()));
-                        end(absl::OkStatus());
-                      });
-    });
-  });
-}
-
 void SessionsService::LogOrder(const v1::OrderSessionRequest& order, const std::string& id,
                                const std::string& who) {
   context_.log.info("{} ordered session {}: {}{}", who, id, v1::Mode_Name(order.mode()),

@@ -1,4 +1,4 @@
-// sweepstake.v1.SessionsService: shows and ends the sessions in memory. Thread-safe.
+// sweepstake.v1.SessionsService: shows, orders and ends the sessions in memory. Thread-safe.
 #pragma once
 
 #include <memory>
@@ -16,15 +16,13 @@ class BoxWatcher;
 class SessionWatcher;
 struct SessionTick;
 
-class SessionsService final
-    : public v1::SessionsService::WithCallbackMethod_ListSessions<
-          v1::SessionsService::WithRawCallbackMethod_WatchSessions<
-              v1::SessionsService::WithCallbackMethod_KickSession<
-                  v1::SessionsService::WithCallbackMethod_OrderSession<
-                      v1::SessionsService::WithCallbackMethod_ReadRecording<
-                          v1::SessionsService::WithRawCallbackMethod_WatchBoxes<
-                              v1::SessionsService::Service>>>>>>,
-      public watch::SessionListener {
+class SessionsService final : public v1::SessionsService::WithCallbackMethod_ListSessions<
+                                  v1::SessionsService::WithRawCallbackMethod_WatchSessions<
+                                      v1::SessionsService::WithCallbackMethod_KickSession<
+                                          v1::SessionsService::WithCallbackMethod_OrderSession<
+                                              v1::SessionsService::WithRawCallbackMethod_WatchBoxes<
+                                                  v1::SessionsService::Service>>>>>,
+                              public watch::SessionListener {
  public:
   SessionsService(ServiceContext& context, AdminLog& admin)
       : context_(context), admin_(admin), watchers_(context), box_watchers_(context) {}
@@ -42,9 +40,6 @@ class SessionsService final
                                          v1::OrderSessionResponse* response) override;
   grpc::ServerWriteReactor<grpc::ByteBuffer>* WatchBoxes(grpc::CallbackServerContext* call,
                                                          const grpc::ByteBuffer* request) override;
-  grpc::ServerUnaryReactor* ReadRecording(grpc::CallbackServerContext* call,
-                                          const v1::ReadRecordingRequest* request,
-                                          v1::ReadRecordingResponse* response) override;
 
   // The rest is called on the loop.
   bool WatchesSessions() const override { return !watchers_.empty(); }

@@ -96,8 +96,6 @@ void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
 bool TelemetryStream::SaidGoodbye() const { return session_ && session_->ended(); }
 
 absl::Status TelemetryStream::CountMessage(const v1::StreamTelemetryRequest& request) {
-  // What the daemon asks for comes as fast as it asks.
-  if (session_ && session_->recordings().Awaits(request.recording_part())) return absl::OkStatus();
   const uint32_t per_s = context_.options.max_messages_per_s;
   if (messages_.Take(per_s * time_scale_, context_.loop.clock().NowNs())) {
     return request.has_hello()
@@ -127,8 +125,6 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
     session->End();
   } else if (request.has_box_view()) {
     session->boxes().OnView(request.box_view());
-  } else if (request.has_recording_part()) {
-    session->recordings().OnPart(request.recording_part());
   } else {
     session->Apply(request);
   }
@@ -349,16 +345,6 @@ void TelemetryStream::SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, u
   message.set_interval_ms(interval_ms);
   message.set_max_bytes(max_bytes);
   message.set_until_ms(until_ms);
-  WriteNext();
-}
-
-void TelemetryStream::SendRecordingRequest(uint64_t request_id, uint64_t recording_id,
-                                           uint64_t offset) {
-  v1::RecordingRequest& message = *Outbox().mutable_recording_request();
-  message.set_request_id(request_id);
-  message.set_recording_id(recording_id);
-  message.set_offset(offset);
-  message.set_max_bytes(kMaxRecordingPartBytes);
   WriteNext();
 }
 

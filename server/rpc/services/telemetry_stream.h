@@ -99,7 +99,6 @@ class TelemetryStream final : public SessionLink,
   void Flush() override { WriteNext(); }
   void SendReconnect(uint32_t delay_ms) override;
   void SendOrder(uint64_t order_id, const decision::OrderReport& order) override;
-  void SendRecordingRequest(uint64_t request_id, uint64_t recording_id, uint64_t offset) override;
   void SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, uint32_t until_ms) override;
   bool SpendBailOut() override;
   void Close(const absl::Status& status) override;

@@ -94,21 +94,10 @@ absl::Status UnknownMethod() {
 Api::Api(ApiOptions options, boost::asio::io_context& io)
     : options_(std::move(options)),
       methods_(options_.methods),
-      logins_(options_.logins),
       upstream_(options_.channel, options_.caller_key, io),
       topics_(io, upstream_, options_.events, *options_.event_counters) {}
 
-// Keeps the times of the last uses, too.
-Api::~Api() {
-  if (logins_.size() > 0) options_.keep_logins(logins_.All());
-}
-
 void Api::Handle(const std::shared_ptr<Exchange>& exchange) {
-  Route(exchange);
-  if (logins_.TakeChanged(UnixNowS())) options_.keep_logins(logins_.All());
-}
-
-void Api::Route(const std::shared_ptr<Exchange>& exchange) {
   const Request& request = exchange->request();
   const std::string_view path = request.path();
   const bool is_get = request.message.method() == boost::beast::http::verb::get;
@@ -202,7 +191,7 @@ Page Api::WhoAmI(const Request& request) {
   const bool asks = options_.asks_for_tokens();
   const auto token = TokenOf(request);
   if (!token.ok()) return ErrorPage(token.status());
-  // Who brings none does not guess.
+  // A request without a token does not count as a failed login.
   const bool identifies = !asks || token->has_value();
   const auto holder = identifies ? options_.identify(request.peer, *token)
                                  : absl::StatusOr<auth::Principal>(absl::UnauthenticatedError(""));
@@ -215,6 +204,8 @@ Page Api::WhoAmI(const Request& request) {
   answer["loggedIn"] = asks && holder.ok();
   answer["name"] = holder.ok() ? holder->name : "";
   answer["role"] = holder.ok() ? std::string(auth::NameOf(holder->role)) : "";
+  answer["stableProbability"] = options_.stable_probability;
+  answer["tieLossRatio"] = options_.tie_loss_ratio;
   answer["projects"] = holder.ok() ? holder->projects : std::vector<std::string>();
   return JsonPage(answer.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }

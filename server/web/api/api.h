@@ -1,13 +1,13 @@
-// What the dashboard speaks: the methods of the daemon's own services as JSON over HTTP, their
-// events as server-sent events, and who somebody is. A gateway: every call goes on to the services,
-// which alone say who may do what.
+// The HTTP interface of the dashboard: the methods of the daemon's own services as JSON over HTTP,
+// their events as server-sent events, and logins. It forwards every call to the services, which
+// alone decide whether the caller may make it.
 //
-//   POST /api/sweepstake.v1.SERVICE/METHOD   the request as JSON; a stream of responses is one a
-//   line GET  /events/sweepstake.v1.SERVICE/METHOD?request=JSON GET  /api/whoami,  POST /login
-//   {"token":"…"},  POST /logout
+//   POST /api/sweepstake.v1.SERVICE/METHOD   the request as JSON; a stream has one response per
+//   line GET /events/sweepstake.v1.SERVICE/METHOD?request=JSON GET /api/whoami POST /login
+//   {"token":"…"} POST /logout
 //
-// A request brings its token as `Authorization: Bearer TOKEN`, or as the cookie that /login gave
-// for it. Used on the server's thread only.
+// A request carries its token as `Authorization: Bearer TOKEN`, or as the cookie that /login
+// returned for it. Used on the server's thread only.
 #pragma once
 
 #include <functional>
@@ -37,12 +37,11 @@ struct ApiOptions {
       identify;
   std::function<bool()> asks_for_tokens;
   std::string version;  // of the daemon
+  // The thresholds of verdicts, which charts draw.
+  double stable_probability = 0;
+  double tie_loss_ratio = 0;
   // Whether tokens are taken from other machines, though this is plain text.
   bool takes_tokens_from_afar = false;
-  // Logins that go on from an earlier run of the daemon, and what is told all of them when they
-  // change, and at the end.
-  std::vector<Login> logins = {};
-  std::function<void(const std::vector<Login>& logins)> keep_logins = [](const auto&) {};
   EventLimits events = {};
   std::shared_ptr<EventCounters> event_counters = std::make_shared<EventCounters>();
 };
@@ -50,7 +49,6 @@ struct ApiOptions {
 class Api {
  public:
   Api(ApiOptions options, boost::asio::io_context& io);
-  ~Api();
 
   // Answers a request that Site::Options::api gets.
   void Handle(const std::shared_ptr<Exchange>& exchange);
@@ -58,7 +56,6 @@ class Api {
  private:
   using Token = std::optional<std::string>;
 
-  void Route(const std::shared_ptr<Exchange>& exchange);
   void Call(const std::shared_ptr<Exchange>& exchange, std::string_view name);
   void Watch(const std::shared_ptr<Exchange>& exchange, std::string_view name);
   Page LogIn(const Request& request);

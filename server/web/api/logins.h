@@ -1,5 +1,5 @@
-// The logins of browsers: each has a random cookie, which opens the token that was logged in with.
-// Neither the cookies nor the tokens can be told from what is kept of them. Not thread-safe.
+// The logins of browsers: each has a random cookie, which stands for the token that was sent with
+// the login. They are in memory only and end with the process. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -9,56 +9,41 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <vector>
 
 namespace sweepstake::web {
 
-// What is kept of a login.
-struct Login {
-  std::string cookie_digest;  // hexadecimal, as auth::DigestOf
-  std::string token_digest;   // likewise
-  std::string sealed_token;   // SealToken with the cookie
-  int64_t used_unix_s = 0;    // last time
-};
-
 class Logins {
  public:
-  // At either bound the login ends that has not been used for the longest time, of those of the
-  // token at its own.
+  // At kMaxLogins the login that was unused for the longest time ends. At kMaxOfToken the same
+  // holds among the logins of that token.
   static constexpr size_t kMaxLogins = 10'000;
   static constexpr size_t kMaxOfToken = 100;
-  // A login that has not been used for so long ends.
+  // A login ends when it was not used for this time.
   static constexpr int64_t kPatienceS = 7 * 86'400;
-  // Uses alone count as a change after so long a time.
-  static constexpr int64_t kTellUsesS = 86'400;
-
-  // Begins with those that another object had, in its order.
-  explicit Logins(std::vector<Login> kept = {});
 
   // Returns the cookie, 64 hexadecimal digits.
   std::string Begin(const std::string& token, int64_t unix_now_s);
-  // Returns the token, or nothing if there is no such login. It counts as a use.
+  // Returns the token, or nothing if there is no such login. This counts as a use.
   std::optional<std::string> Find(std::string_view cookie, int64_t unix_now_s);
   void End(std::string_view cookie);
 
-  // Returns whether there is something to keep that was not there at its last true.
-  bool TakeChanged(int64_t unix_now_s);
-  // The one used last at the end.
-  std::vector<Login> All() const { return {logins_.begin(), logins_.end()}; }
   size_t size() const { return logins_.size(); }
 
  private:
+  struct Login {
+    std::string cookie_digest;  // auth::DigestOf
+    std::string token;
+    int64_t used_unix_s = 0;
+  };
   using Place = std::list<Login>::iterator;
 
-  void Add(Login login);
   void Remove(Place login);
-  void MakeRoom(const std::string& token_digest, int64_t unix_now_s);
+  void MakeRoom(const std::string& token, int64_t unix_now_s);
 
-  std::list<Login> logins_;  // the one that was used last at the end
+  std::list<Login> logins_;  // ordered by the last use; the newest use is at the end
+  // By digest, so that the time of a lookup reveals nothing about the cookies.
   std::unordered_map<std::string, Place> by_cookie_digest_;
-  std::unordered_map<std::string, size_t> counts_;  // by the token's digest
-  bool has_changed_ = false;
-  int64_t taken_unix_s_ = 0;
+  std::unordered_map<std::string, size_t> counts_;  // by token
 };
 
 }  // namespace sweepstake::web

@@ -143,10 +143,6 @@ TEST(Commands, ARunNeedsExactlyOneDecider) {
       {"run --scene suite-b --embedded --duration soon", "give a number and ms, s, m or h"},
       {"run --scene suite-b --embedded --allow-orders", "--allow-orders goes with --daemon"},
       {"run --scene suite-b --embedded --allow-box-view", "--allow-box-view goes with --daemon"},
-      {"run --scene suite-b --embedded --flight-recorder 1 --allow-recording-download",
-       "--allow-recording-download goes with --daemon"},
-      {"run --scene suite-b --daemon localhost:1 --allow-recording-download",
-       "--allow-recording-download needs --flight-recorder MB"},
       {"run --scene suite-b --daemon nowhere", "nowhere"},
   });
 }

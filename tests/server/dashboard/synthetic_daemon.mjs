@@ -59,10 +59,13 @@ export class SyntheticDaemon {
     const best = 0.7 + 0.1 * this.random();
     const evidence = 10 ** (1 + 5 * this.random());
     return { project: `project-${i % 7}`, scene: `scene-${i}`, machineClass: 'desktop', rewardVersion: 3, sourceCount: String(1 + i % 40),
+      verdict: 'VERDICT_AMBIGUOUS', leaderArm: ARMS[0], expectedLossRatio: 0.01, valueRemainingRatio: 0.008,
       arms: ARMS.map((arm, j) => {
         const mean = best - 0.004 * this.random() * j;
+        const reach = 2 * Math.sqrt(mean * (1 - mean) / evidence);
         return { arm, backendVersion: 1, posterior: { alpha: mean * evidence, beta: (1 - mean) * evidence }, windowCount: String(Math.floor(evidence / 9)), visitCount: String(j * 3),
-          effectiveWindowCount: evidence / 9 };
+          effectiveWindowCount: evidence / 9, rewardLow95: mean - reach, rewardHigh95: mean + reach, bestProbability: j === 0 ? 0.4 : 0.6 / (ARMS.length - 1),
+          costRatio: { median: 1 + 0.1 * j, low: 1, high: 1 + 0.2 * j } };
       }) };
   }
 
@@ -107,6 +110,8 @@ export class SyntheticDaemon {
         arm.posterior.beta += count * 0.3 * this.random();
         arm.windowCount = String(Number(arm.windowCount) + count);
       }
+      const leaderProbability = 0.3 + 0.5 * this.random();
+      for (const [j, arm] of scene.arms.entries()) arm.bestProbability = j === 0 ? leaderProbability : (1 - leaderProbability) / (ARMS.length - 1);
       if (count > 0) this.publish('WatchPosteriors', { posterior: scene, decisions: decisions.slice(-100), stamp: this.stamp() });
     }
     this.publish('WatchSessions', { sessions: this.sessions.slice(0, 5), stamp: this.stamp() });
@@ -169,7 +174,7 @@ export class SyntheticDaemon {
     const method = pathname.split('/').at(-1);
     const send = (type, body) => response.writeHead(200, { 'Content-Type': type }).end(body);
     if (pathname.startsWith('/events/')) return this.watch(method, response);
-    if (method === 'whoami') return send('application/json', '{"version":"0","asksForTokens":false,"loggedIn":false,"name":"","role":"admin","projects":[]}');
+    if (method === 'whoami') return send('application/json', '{"version":"0","asksForTokens":false,"loggedIn":false,"name":"","role":"admin","stableProbability":0.8,"tieLossRatio":0.005,"projects":[]}');
     if (method === 'ExportPriors') return send('application/x-ndjson', `${JSON.stringify({ records: this.records() })}\n`);
     if (method === 'ExportDecisions') return send('application/x-ndjson', this.log(JSON.parse((await request.toArray()).join(''))));
     if (pathname.startsWith('/api/')) return send('application/x-ndjson', '{}\n');

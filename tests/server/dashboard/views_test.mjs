@@ -2,15 +2,13 @@
 //
 //   node views_test.mjs SWEEPSTAKED SWEEPSTAKE
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
-import { dirname, join } from 'node:path';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 
-import { assertAccessible, assertNoTrouble, expecting, judge, openPage, refusalOf, refused, rowsOf, runInBrowser } from './browser.mjs';
+import { assertAccessible, assertNoTrouble, expecting, judge, openPage, refusalOf, rowsOf, runInBrowser } from './browser.mjs';
 import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake] = process.argv.slice(2);
-const laboratory = join(dirname(sweepstake), 'sweepstake-lab');
 const SCENE = '/scenes/arcade/arena?class=test&reward=3';
 
 const ALPHA = 31; // the column of the audit log; the cells of ticks have no commas
@@ -301,41 +299,6 @@ async function checkBoxes(page, daemon, { sessionId }) {
   assert.equal(await page.locator('.boxes').count(), 0);
 }
 
-// Nothing is asked of the game unless somebody wants it; what is downloaded is what the game has written, byte by byte.
-async function checkRecordings(page, daemon, { sessionId }, folder) {
-  const asked = [];
-  page.on('request', (request) => request.url().includes('ReadRecording') && asked.push(request.url()));
-  await page.goto(`${daemon.origin}/sessions/${sessionId}`);
-  const ask = page.getByRole('button', { name: 'Ask for recordings' });
-  await until('the session is there', () => ask.isEnabled());
-  assert.deepEqual(asked, [], 'nothing unasked');
-  const answers = [
-    ['No frame was over the budget yet.', { body: '{}' }],
-    ['the game is not connected', { status: 503, body: '{"error":{"code":"UNAVAILABLE","reason":"GAME_AWAY","message":"the game is not connected"}}' }],
-  ];
-  for (const [text, answer] of answers) {
-    await page.route('**/ReadRecording', (route) => route.fulfill({ contentType: 'application/json', ...answer }), { times: 1 });
-    await expecting(page, refused(503), async () => {
-      await ask.click();
-      await page.getByText(text).waitFor();
-    });
-    await assertAccessible(page, `recordings: ${text}`);
-  }
-  const files = () => readdirSync(folder).filter((name) => name.endsWith('.aabbs'));
-  await until('a frame was over the budget', () => files().length > 0);
-  await until('its recording is listed', async () => { await ask.click(); return page.getByRole('button', { name: /^Download the recording/ }).count(); });
-  await assertAccessible(page, 'recordings');
-  await isNarrow(page, 'recordings');
-  const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: /^Download the recording/ }).first().click()]);
-  assert.match(file.suggestedFilename(), /\.aabbs$/);
-  const bytes = readFileSync(await file.path());
-  assert.ok(files().some((name) => bytes.equals(readFileSync(join(folder, name)))), 'the file is the game’s');
-  const saved = join(folder, '..', file.suggestedFilename());
-  await file.saveAs(saved);
-  const replayed = JSON.parse(execFileSync(laboratory, ['replay', '--recording', saved, '--json'], { encoding: 'utf8' }));
-  assert.ok(replayed.frames > 0 && replayed.arms.length > 0, 'and one command replays it');
-}
-
 async function order(page, button, confirm) {
   await page.getByRole('button', { name: button, exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: confirm, exact: true }).click();
@@ -423,9 +386,8 @@ async function checkRoles(context, folder) {
   assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0);
   await page.getByText('To look at boxes needs the role operator; yours is watch.').waitFor();
   assert.ok(await page.getByRole('button', { name: 'Show boxes' }).isDisabled());
-  assert.ok(await page.getByRole('button', { name: 'Ask for recordings' }).isDisabled());
   const sessionId = new URL(page.url()).pathname.split('/').at(-1);
-  for (const [method, request] of [['OrderSession', { mode: 'MODE_AI' }], ['KickSession', { mayReturn: true }], ['KickSession', {}], ['WatchBoxes', {}], ['ReadRecording', {}]]) {
+  for (const [method, request] of [['OrderSession', { mode: 'MODE_AI' }], ['KickSession', { mayReturn: true }], ['KickSession', {}], ['WatchBoxes', {}]]) {
     assert.equal(await refusalOf(page, `SessionsService/${method}`, { sessionId, ...request }), 403, `the daemon refuses ${method}, which the page does not offer`);
   }
   assertNoTrouble(page, 'a reader');
@@ -446,12 +408,9 @@ async function checkAll(browser, folder) {
   const page = await openPage(context, daemon.origin);
   const passed = (check) => console.log(`${check.name}: passed`);
   for (const check of [checkNumbers, checkNeverRan, checkFiles]) passed((await check(page, daemon), check));
-  const flights = join(folder, 'flights');
-  mkdirSync(flights);
-  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view',
-    '--flight-recorder', '8', '--frame-budget', '0.001', '--flight-folder', flights, '--allow-recording-download'] });
+  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view'] });
   const session = await liveSession(daemon);
-  for (const check of [checkTime, checkWhy, checkLog, checkLogAway, checkCosts, checkCompare, checkUnknown, checkBoxes, checkRecordings, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session, flights), check));
+  for (const check of [checkTime, checkWhy, checkLog, checkLogAway, checkCosts, checkCompare, checkUnknown, checkBoxes, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session), check));
   await assertAccessible(page, 'decisions');
   assertNoTrouble(page, 'the views');
   await page.close();

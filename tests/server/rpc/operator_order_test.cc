@@ -20,8 +20,6 @@ class RecordingLink final : public SessionLink {
   void SendReconnect(uint32_t /*delay_ms*/) override {}
   void SendBoxRequest(uint32_t /*interval_ms*/, uint32_t /*max_bytes*/,
                       uint32_t /*until_ms*/) override {}
-  void SendRecordingRequest(uint64_t /*request_id*/, uint64_t /*recording_id*/,
-                            uint64_t /*offset*/) override {}
   void SendOrder(uint64_t order_id, const decision::OrderReport& order) override {
     order_ids.push_back(order_id);
     orders.push_back(order);

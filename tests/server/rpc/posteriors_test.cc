@@ -196,6 +196,46 @@ TEST_F(PosteriorsTest, AnUnknownSceneIsNotFoundAndAnEmptyNameInvalid) {
             v1::ERROR_REASON_UNKNOWN_SCENE);
 }
 
+TEST_F(PosteriorsTest, TheFiguresOfASceneAreThoseOfTheDeciderBitForBit) {
+  for (const uint32_t reward_version : {1u, decision::kLogCostRewardVersion}) {
+    SCOPED_TRACE(reward_version);
+    priors::SceneEvidence evidence;
+    evidence.key = {"game", "harbour", "desktop", reward_version};
+    evidence.ArmOf("Grid", 1).live = {.alpha = 12.25, .beta = 7.5, .window_count = 20};
+    evidence.ArmOf("Grid", 2).live = {.alpha = 31.5, .beta = 20.125, .window_count = 60};
+    evidence.ArmOf("SAP", 1).live = {.alpha = 30.75, .beta = 21.5, .window_count = 50};
+    v1::ScenePosterior scene;
+    ToProto(evidence, scene);
+    ASSERT_EQ(scene.arms_size(), 3);
+    std::vector<decision::SceneArm> arms;
+    for (const v1::ArmPosterior& arm : scene.arms()) {
+      arms.push_back(
+          {arm.arm(), arm.backend_version(), {arm.posterior().alpha(), arm.posterior().beta()}});
+    }
+    const decision::SceneDiagnosis expected = decision::DiagnoseScene(arms, reward_version);
+    ASSERT_TRUE(expected.leader);
+    EXPECT_EQ(scene.leader_arm(), arms[*expected.leader].name);
+    EXPECT_EQ(scene.verdict(), static_cast<v1::Verdict>(expected.verdict));
+    EXPECT_EQ(scene.expected_loss_ratio(), expected.expected_loss_ratio);
+    EXPECT_EQ(scene.value_remaining_ratio(), expected.value_remaining_ratio);
+    for (int i = 0; i < scene.arms_size(); ++i) {
+      SCOPED_TRACE(i);
+      const v1::ArmPosterior& arm = scene.arms(i);
+      const decision::ArmDiagnosis& wanted = expected.arms[static_cast<size_t>(i)];
+      EXPECT_EQ(arm.reward_low_95(), wanted.reward_95.low);
+      EXPECT_EQ(arm.reward_high_95(), wanted.reward_95.high);
+      EXPECT_EQ(arm.is_outdated(), i == 0);
+      ASSERT_EQ(arm.has_best_probability(), wanted.best_probability.has_value());
+      EXPECT_EQ(arm.best_probability(), wanted.best_probability.value_or(0));
+      ASSERT_EQ(arm.has_cost_ratio(), wanted.cost_ratio.has_value());
+      const decision::CostRatio ratio = wanted.cost_ratio.value_or(decision::CostRatio{0, 0, 0});
+      EXPECT_EQ(arm.cost_ratio().median(), ratio.median);
+      EXPECT_EQ(arm.cost_ratio().low(), ratio.low);
+      EXPECT_EQ(arm.cost_ratio().high(), ratio.high);
+    }
+  }
+}
+
 TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
   Store(Evidence("a", "harbour", "SAP"));
   Store(Evidence("b", "desert"));

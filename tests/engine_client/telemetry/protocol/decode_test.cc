@@ -75,13 +75,6 @@ void Write(const OperatorOrder& order, v1::OperatorOrder& message) {
   if (order.arm) message.set_arm(*order.arm);
 }
 
-void Write(const RecordingRequest& request, v1::RecordingRequest& message) {
-  message.set_request_id(request.request_id);
-  message.set_recording_id(request.recording_id);
-  message.set_offset(request.offset);
-  message.set_max_bytes(request.max_bytes);
-}
-
 void Write(const BoxRequest& request, v1::BoxRequest& message) {
   message.set_interval_ms(request.interval_ms);
   message.set_max_bytes(request.max_bytes);
@@ -102,8 +95,6 @@ v1::StreamTelemetryResponse MessageOf(const Response& response) {
   if (response.reconnect) message.mutable_reconnect()->set_delay_ms(response.reconnect->delay_ms);
   if (response.operator_order) Write(*response.operator_order, *message.mutable_operator_order());
   if (response.box_request) Write(*response.box_request, *message.mutable_box_request());
-  if (response.recording_request)
-    Write(*response.recording_request, *message.mutable_recording_request());
   return message;
 }
 

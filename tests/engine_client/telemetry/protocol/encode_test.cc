@@ -118,16 +118,6 @@ BoxView PlainOf(const v1::BoxView& message) {
           .pairs = message.pairs()};
 }
 
-RecordingPart PlainOf(const v1::RecordingPart& message) {
-  RecordingPart part{.request_id = message.request_id(), .recordings = {}, .data = message.data()};
-  for (const v1::Recording& recording : message.recordings())
-    part.recordings.push_back({.recording_id = recording.recording_id(),
-                               .age_ms = recording.age_ms(),
-                               .size_bytes = recording.size_bytes(),
-                               .worst_frame_ns = recording.worst_frame_ns()});
-  return part;
-}
-
 std::string EncodeAs(const v1::StreamTelemetryRequest& message) {
   switch (message.message_case()) {
     case v1::StreamTelemetryRequest::kHello:
@@ -146,8 +136,6 @@ std::string EncodeAs(const v1::StreamTelemetryRequest& message) {
       return Encode(PlainOf(message.order_refusal()));
     case v1::StreamTelemetryRequest::kBoxView:
       return Encode(PlainOf(message.box_view()));
-    case v1::StreamTelemetryRequest::kRecordingPart:
-      return Encode(PlainOf(message.recording_part()));
     case v1::StreamTelemetryRequest::MESSAGE_NOT_SET:
       break;
   }

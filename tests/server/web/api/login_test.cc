@@ -22,7 +22,7 @@ constexpr char kList[] = "PosteriorsService/ListPosteriors";
 TEST_F(ApiTest, WithoutTokensEverybodyIsAdminAndNobodyLogsIn) {
   EXPECT_EQ(Get("/api/whoami").body,
             R"({"version":"0.1.0","asksForTokens":false,"loggedIn":false,"name":"",)"
-            R"("role":"admin","projects":[]})");
+            R"("role":"admin","stableProbability":0.8,"tieLossRatio":0.005,"projects":[]})");
   EXPECT_EQ(Post("/login", R"({"token":"x"})").status, 400);
 }
 
@@ -37,12 +37,13 @@ TEST_F(ApiTokensTest, ALoginGivesACookieThatStandsForTheToken) {
   const std::string cookie = LogIn("mine-token");
   EXPECT_EQ(Call(kList, "{}", cookie).status, 200);
   EXPECT_EQ(Call(kList, R"({"project":"theirs"})", cookie).status, 403);
-  EXPECT_EQ(Get("/api/whoami", cookie).body,
-            R"({"version":"0.1.0","asksForTokens":true,"loggedIn":true,"name":"mine",)"
-            R"("role":"operator","projects":["game","mine"]})");
+  EXPECT_EQ(
+      Get("/api/whoami", cookie).body,
+      R"({"version":"0.1.0","asksForTokens":true,"loggedIn":true,"name":"mine",)"
+      R"("role":"operator","stableProbability":0.8,"tieLossRatio":0.005,"projects":["game","mine"]})");
   EXPECT_EQ(Get("/api/whoami", Bearer("ann-token")).body,
             R"({"version":"0.1.0","asksForTokens":true,"loggedIn":true,"name":"ann",)"
-            R"("role":"watch","projects":[]})");
+            R"("role":"watch","stableProbability":0.8,"tieLossRatio":0.005,"projects":[]})");
 }
 
 // Browsers keep one jar for all ports of a host.
@@ -88,7 +89,7 @@ TEST_F(ApiTokensTest, ARevokedTokensLoginIsNobodys) {
   EXPECT_EQ(Call(kList, "{}", cookie).status, 401);
   EXPECT_EQ(Get("/api/whoami", cookie).body,
             R"({"version":"0.1.0","asksForTokens":true,"loggedIn":false,"name":"",)"
-            R"("role":"","projects":[]})");
+            R"("role":"","stableProbability":0.8,"tieLossRatio":0.005,"projects":[]})");
   for (int i = 0; i < 20; ++i)
     EXPECT_EQ(Get("/api/whoami", cookie).status, 200) << "the login has ended, and guesses nothing";
 }

@@ -20,7 +20,6 @@ it('says who did what', () => {
   expect(said('action=order-answer answer=OK session=a mode=MODE_MANUAL arm=')).toBe('The game did what ann asked, that session a keeps to its arm.');
   expect(said('action=order-answer answer=ORDER_SUPERSEDED session=a mode=MODE_AI arm=')).toBe('It did not come to what ann asked, that the daemon decides in session a: ORDER_SUPERSEDED.');
   expect(said('action=import records=12 applied=3 promoted=no')).toBe('ann imported 12 records, 3 of them new or newer, which wait in quarantine.');
-  expect(said('action=read-recording session=a recording=4')).toBe('ann read recording 4 of session a.');
   expect(said('action=token', 'token x was made by root: watch of all projects')).toBe('Token x was made by root: watch of all projects.');
 });
 

@@ -32,10 +32,10 @@ describe('why this arm', () => {
   });
 
   it('does not contradict itself where the verdict waits for more decisions', () => {
-    expect(explained(told).at(-1)).toContain('3.0 % on average: ambiguous.');
+    expect(explained(told).at(-1)).toContain('3.0 % on average. The scene is called ambiguous: ');
     const later = explained({ ...told, leaderProbability: 0.9999, expectedLossRatio: 1e-6 }).at(-1);
-    expect(later).toMatch(/over 99\.9 %.* that is stable\. The scene is still called ambiguous/);
-    expect(explained({ ...told, verdict: Verdict.DEGRADED, leaderProbability: 0.9 }).at(-1)).toContain(': degraded.');
+    expect(later).toMatch(/over 99\.9 %.* The scene is called ambiguous: .* when three decisions in a row agree/);
+    expect(explained({ ...told, verdict: Verdict.DEGRADED, leaderProbability: 0.9 }).at(-1)).toContain('The scene is called degraded: ');
   });
 
   it('has a sentence for every outcome', () => {

@@ -2,7 +2,6 @@
 import { actionText, operatorOf } from './admin_words';
 import type { AuditRow, Setup } from './rows';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../numbers/log_cost';
-import { verdictOfLeader } from '../numbers/verdict';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { significant } from '../../format';
@@ -111,16 +110,11 @@ function whatWeighed({ candidate, activeArm, gate, outcome }: Told): string | un
     + `and the change itself counts as ${worth(gate.costS)}. That ${pays ? pay : 'does not pay'}.`;
 }
 
-// What these say does not follow from the leader's figures.
-const HELD_BY_OTHERS: readonly Verdict[] = [Verdict.DEGRADED, Verdict.UNSPECIFIED];
-
 function whatIsBelieved({ leader, leaderProbability, expectedLossRatio, verdict }: Told): string | undefined {
   if (!leader) return undefined;
   const believed = `After this decision ${leader} is the best arm with a probability of ${leaderProbability > 0.999 ? 'over 99.9 %' : percent(leaderProbability)}, `
-    + `and choosing it loses ${percent(expectedLossRatio)} on average: `;
-  const next = verdictOfLeader(leaderProbability, expectedLossRatio);
-  if (verdict === next || HELD_BY_OTHERS.includes(verdict)) return `${believed}${verdictWord(verdict).name}. ${verdictWord(verdict).meaning}`;
-  return `${believed}that is ${verdictWord(next).name}. The scene is still called ${verdictWord(verdict).name}: the word changes when three decisions after one another agree.`;
+    + `and choosing it loses ${percent(expectedLossRatio)} on average.`;
+  return `${believed} The scene is called ${verdictWord(verdict).name}: ${verdictWord(verdict).meaning} The word changes when three decisions in a row agree.`;
 }
 
 function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | undefined {

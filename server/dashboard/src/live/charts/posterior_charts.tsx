@@ -4,7 +4,7 @@ import { share, significant } from '../../format';
 import type { CsvValue } from '../numbers/csv';
 import { costNsOf, LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
 import type { Belief, SeriesRow } from '../numbers/series';
-import { STABLE_PROBABILITY, TIE_LOSS_RATIO } from '../numbers/verdict';
+import { thresholds } from '../state/account';
 import { armStyle } from './arm_style';
 import { hatched } from './colours';
 import { ChartFrame, type ChartTable } from './frame';
@@ -109,10 +109,10 @@ export function BestChart({ arms, rows, names, moments, domain, notYet = NOT_YET
   const { lines, bands } = useMemo(() => stackLines(arms, rows), [arms, rows]);
   const title = 'Probability of each arm to be the best';
   return (
-    <ChartFrame id="best" title={title} names={names} note={`From ${STABLE_PROBABILITY} on the scene is stable.`} empty={rows.length < 2 && notYet}
+    <ChartFrame id="best" title={title} names={names} note={`From ${thresholds.value.stableProbability} on the scene is stable.`} empty={rows.length < 2 && notYet}
       table={() => table(arms, rows, [''], (row, arm) => [row.best[arm] ?? null])}>
       <TimeChart title={title} timesMs={timesMs} lines={lines} bands={bands} {...(moments && { moments })} scale="unit"
-        levels={[{ value: STABLE_PROBABILITY, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
+        levels={[{ value: thresholds.value.stableProbability, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
         format={(value) => value.toFixed(3)} height={200} />
     </ChartFrame>
   );
@@ -125,9 +125,9 @@ export function LossChart({ rows, names, moments, domain, notYet = NOT_YET }: Po
   }], [rows]);
   const title = 'What choosing the leader may still lose';
   return (
-    <ChartFrame id="loss" title={title} names={names} note="Up to 0.5 % it does not matter which arm is chosen." empty={rows.length < 2 && notYet}
+    <ChartFrame id="loss" title={title} names={names} note={`Up to ${share(thresholds.value.tieLossRatio)} it does not matter which arm is chosen.`} empty={rows.length < 2 && notYet}
       table={() => ({ header: ['time', 'expected loss'], rows: rows.map((row) => [isoTime(row.timeMs), row.expectedLossRatio ?? null]) })}>
-      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(moments && { moments })} scale="zero" levels={[{ value: TIE_LOSS_RATIO, label: 'a tie' }]}
+      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(moments && { moments })} scale="zero" levels={[{ value: thresholds.value.tieLossRatio, label: 'a tie' }]}
         domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />
     </ChartFrame>
   );

@@ -1,7 +1,7 @@
 // What is believed of each arm, one row per arm over a shared axis: the density, its mean, and where it is with 50 and 95 %.
 import { useState } from 'preact/hooks';
 import { colourOf } from '../../palette';
-import { type Beta, centralInterval, mean } from '../numbers/beta';
+import { type Beta, centralInterval, type Interval, mean } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, rewardOfNs, rewardText } from '../numbers/log_cost';
 import { linearTicks, logTicks, ridge, ridgeAxis } from '../numbers/ridge';
 import { shapeOf } from '../parts/arm';
@@ -15,6 +15,7 @@ export interface RidgeRow {
   arm: string;
   label: string; // the arm, and its version where there are several
   posterior: Beta;
+  reward95?: Interval; // as the daemon computed it; else it is computed to draw it
   before?: Beta; // drawn behind it: a prior
   measured: Measured;
   isPart?: true; // the arm has another row, of what measured it otherwise
@@ -61,9 +62,9 @@ const PAINT: Readonly<Record<Measured, { fill: number; dash?: string }>> = {
 };
 
 function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Axis; width: number }) {
-  const { posterior, before, measured, arm, label, isPart } = row;
+  const { posterior, reward95, before, measured, arm, label, isPart } = row;
   const colour = colourOf(arm);
-  const [low, high] = centralInterval(posterior, 0.95);
+  const [low, high] = reward95 ?? centralInterval(posterior, 0.95);
   const [innerLow, innerHigh] = centralInterval(posterior, 0.5);
   const { fill, dash } = PAINT[measured];
   const text = (reward: number) => rewardText(reward, axis.tellsCosts);

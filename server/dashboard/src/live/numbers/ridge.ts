@@ -1,5 +1,5 @@
 // The outline of a posterior's density along an axis of rewards, from its logarithm, so that one of α = 1e12 draws as the needle it is.
-import { type Beta, centralInterval, logDensity, logitMode, mean, rewardAt } from './beta';
+import { type Beta, centralInterval, logitDeviation, logitLogShape, logitMode, mean, rewardAt } from './beta';
 
 /** A share of the highest density, 0 to 1, at a reward. */
 export interface RidgePoint { reward: number; height: number }
@@ -7,10 +7,15 @@ export interface RidgePoint { reward: number; height: number }
 const NEEDLE_POINTS = 48;
 const NEEDLE_DEVIATIONS = 6;
 
+// The logarithm of the density of rewards, without its norm. REQUIRES: 0 < reward < 1.
+function logDensity(posterior: Beta, reward: number): number {
+  const [logX, logY] = [Math.log(reward), Math.log1p(-reward)];
+  return logitLogShape(posterior, logX - logY - logitMode(posterior)) - logX - logY;
+}
+
 /** Returns points of ascending reward within [low, high]: `count` evenly spaced ones, and more of them about the peak. */
 export function ridge(posterior: Beta, low: number, high: number, count: number): RidgePoint[] {
-  const { alpha, beta } = posterior;
-  const deviation = Math.min(Math.sqrt((alpha + beta) / alpha / beta), 4); // on the scale of logits
+  const deviation = logitDeviation(posterior);
   const peak = logitMode(posterior);
   const rewards = [
     ...Array.from({ length: count }, (_, i) => low + ((high - low) * (i + 0.5)) / count),

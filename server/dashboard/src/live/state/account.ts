@@ -12,6 +12,8 @@ export interface Account {
   name: string;  // of the token, or empty
   role: Role;
   projects: readonly string[];  // those that the token is for; empty: all
+  stableProbability: number;  // a scene is stable when the leader's P(best) is at least this
+  tieLossRatio: number;  // a scene that is not stable is a tie when the expected loss is at most this
 }
 
 const held = signal<Account | undefined>(undefined);
@@ -29,6 +31,9 @@ export const isOperator = mayDo('operator');
 // Whether this page was let in before, and is not any more.
 let wasLoggedIn = false;
 export const hasLostLogin = () => wasLoggedIn;
+
+// The thresholds of verdicts. They are drawn only; the daemon decides.
+export const thresholds = computed(() => ({ stableProbability: held.value?.stableProbability ?? Number.NaN, tieLossRatio: held.value?.tieLossRatio ?? Number.NaN }));
 
 export const needsLogin = computed(() => held.value?.asksForTokens === true && !held.value.loggedIn);
 

@@ -2,7 +2,7 @@
 import { signal, type ReadonlySignal } from '@preact/signals';
 import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { keepLast, shareOf } from './bounds';
-import { addToHistory, type SceneHistory } from './history';
+import { addToHistory, NO_HISTORY, type SceneHistory } from './history';
 
 export const MAX_SCENE_DECISIONS = 500;
 
@@ -40,6 +40,10 @@ const rewardVersionOf = (policy: string) => (LOG_COST_POLICIES.includes(policy) 
 
 export const sceneKeyOf = (event: DecisionEvent) => sceneKey({ ...event, rewardVersion: rewardVersionOf(event.policy) });
 
+/** The leader's probability of being the best arm; 0: nothing is learnt. */
+export const leaderProbabilityOf = ({ leaderArm, arms }: ScenePosterior) =>
+  arms.find(({ arm, isOutdated }) => arm === leaderArm && !isOutdated)?.bestProbability ?? 0;
+
 /** When a source of the arm taught last, by the daemon's clock; 0: not known. */
 export const lastSeenMs = ({ unixLastSeenS }: ArmPosterior) => 1000 * Number(unixLastSeenS);
 
@@ -48,7 +52,7 @@ function withPosterior(state: SceneState | undefined, key: string, posterior: Sc
     key,
     posterior,
     changedMs: isNew ? Date.now() : Math.max(state?.changedMs ?? 0, ...posterior.arms.map(lastSeenMs)),
-    history: addToHistory(state?.history ?? new Map(), posterior, timeMs),
+    history: addToHistory(state?.history ?? NO_HISTORY, posterior, timeMs),
     decisions: state?.decisions ?? [],
   };
 }

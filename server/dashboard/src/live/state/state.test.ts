@@ -4,7 +4,7 @@ import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema, type Decisi
 import { SessionEnd, SessionEndedSchema, SessionInfoSchema, SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { keepLast, MAX_DECISIONS, shareOf } from './bounds';
-import { addToHistory, MAX_POINTS, type SceneHistory } from './history';
+import { addToHistory, MAX_POINTS, NO_HISTORY } from './history';
 import * as scenes from './scenes';
 import * as sessions from './sessions';
 import { isDegraded, MAX_TREND, summaryOf, thinned } from './summaries';
@@ -30,7 +30,7 @@ describe('scenes', () => {
     scenes.takeSnapshot([posteriorOf('a', 9), posteriorOf('c')], 3);
     expect([...scenes.scenes.peek().keys()]).toEqual([keyOf('a'), keyOf('c')]);
     expect(stateOf('a').decisions).toHaveLength(1);
-    expect(stateOf('a').history.get('SAP')).toEqual({ timesMs: [1, 3], alpha: [2, 9], beta: [2, 2] });
+    expect(stateOf('a').history.rows.map(({ timeMs, arms }) => [timeMs, arms[0]?.alpha])).toEqual([[1, 2], [3, 9]]);
     expect(stateOf('c').changedMs).toBe(0);
   });
 
@@ -101,41 +101,54 @@ describe('sessions', () => {
 
 describe('history', () => {
   it('is bounded, and keeps the peaks', () => {
-    let history: SceneHistory = new Map();
+    let history = NO_HISTORY;
     for (let i = 0; i < 10_000; ++i) history = addToHistory(history, posteriorOf('a', i === 777 ? 1e6 : i === 778 ? 1e-3 : 10 + Math.sin(i)), i);
-    const { timesMs, alpha, beta } = history.get('SAP')!;
+    const timesMs = history.rows.map(({ timeMs }) => timeMs);
+    const alpha = history.rows.map(({ arms }) => arms[0]!.alpha);
     expect(timesMs.length).toBeLessThan(MAX_POINTS);
-    expect([alpha.length, beta.length]).toEqual([timesMs.length, timesMs.length]);
     expect(Math.max(...alpha)).toBe(1e6);
     expect(Math.min(...alpha)).toBe(1e-3);
     expect([...timesMs].sort((a, b) => a - b)).toEqual(timesMs);
-    expect(history.get('Grid')!.timesMs).toEqual([0]);
+  });
+
+  it('has no row where nothing has changed, and one where P(best) alone has', () => {
+    const scene = posteriorOf('a');
+    const history = addToHistory(addToHistory(NO_HISTORY, scene, 1), scene, 2);
+    expect(history.rows).toHaveLength(1);
+    scene.arms[0]!.bestProbability = 0.5;
+    expect(addToHistory(history, scene, 3).rows.map(({ arms }) => arms[0]!.best)).toEqual([undefined, 0.5]);
   });
 
   it('is of the newest version of a backend', () => {
     const scene = posteriorOf('a');
     scene.arms[1]!.arm = 'SAP';
-    scene.arms[1]!.backendVersion = 2;
-    expect(addToHistory(new Map(), scene, 1).get('SAP')!.alpha).toEqual([5]);
+    scene.arms[0]!.isOutdated = true;
+    expect(addToHistory(NO_HISTORY, scene, 1)).toMatchObject({ arms: ['SAP'], rows: [{ arms: [{ alpha: 5 }] }] });
   });
 });
 
 describe('summaries', () => {
   const state = (posterior: ScenePosterior, decisions: DecisionEvent[] = []): scenes.SceneState =>
-    ({ key: 'k', posterior, changedMs: 0, history: new Map(), decisions });
+    ({ key: 'k', posterior, changedMs: 0, history: NO_HISTORY, decisions });
+
+  const judged = (verdict: Verdict, probability: number) => {
+    const scene = posteriorOf('a');
+    scene.arms[0]!.bestProbability = probability;
+    return { ...scene, verdict, leaderArm: 'SAP' };
+  };
 
   it('sort what is uncertain before what is known, and the degraded before all', () => {
-    const stable = summaryOf(state(posteriorOf('a', 5000, 100)));
-    const open = summaryOf(state(posteriorOf('b', 5, 5)));
+    const stable = summaryOf(state(judged(Verdict.STABLE, 0.99)));
+    const open = summaryOf(state(judged(Verdict.AMBIGUOUS, 0.5)));
     const says = [decisionOf('a', 1, { verdict: Verdict.DEGRADED })];
     sessions.takeSnapshot([create(SessionInfoSchema, { sessionId: 's1', state: Link.CONNECTED })]);
-    const degraded = summaryOf(state(posteriorOf('a', 5000, 100), says));
+    const degraded = summaryOf(state(judged(Verdict.STABLE, 0.99), says));
     expect(stable.verdict).toBe(Verdict.STABLE);
     expect(degraded.verdict).toBe(Verdict.DEGRADED);
     expect(open.uncertainty).toBeGreaterThan(stable.uncertainty);
     expect(degraded.uncertainty).toBeGreaterThan(open.uncertainty);
     sessions.takeSnapshot([]);
-    expect(summaryOf(state(posteriorOf('a', 5000, 100), says)).verdict).toBe(Verdict.STABLE); // nobody says it any more
+    expect(summaryOf(state(judged(Verdict.STABLE, 0.99), says)).verdict).toBe(Verdict.STABLE); // nobody says it any more
   });
 
   it('call a scene degraded while a session that is there says so last, whoever spoke since', () => {
@@ -154,9 +167,9 @@ describe('summaries', () => {
   });
 
   it('remember how sure the leader was, bounded, and nothing where the posterior is the same', () => {
-    let summary = summaryOf(state(posteriorOf('a', 10, 5)));
+    let summary = summaryOf(state(judged(Verdict.TIE, 0.6)));
     expect(summaryOf({ ...summary.state }, summary).trend).toHaveLength(1);
-    for (let i = 0; i < 1000; ++i) summary = summaryOf(state(posteriorOf('a', 10 + i, 5)), summary);
+    for (let i = 0; i < 1000; ++i) summary = summaryOf(state(judged(Verdict.TIE, i / 1000)), summary);
     expect(summary.trend.length).toBeLessThanOrEqual(MAX_TREND);
   });
 

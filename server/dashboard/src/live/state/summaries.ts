@@ -1,8 +1,7 @@
 // What the overview says of each scene. It follows the scenes with up to half a second between, and computes only those that changed.
 import { effect, signal, type ReadonlySignal } from '@preact/signals';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { verdictOf, type SceneVerdict } from '../numbers/verdict';
-import { scenes, type SceneState } from './scenes';
+import { leaderProbabilityOf, scenes, type SceneState } from './scenes';
 import { isConnected, sessions, type SessionState } from './sessions';
 
 const INTERVAL_MS = 500;
@@ -10,8 +9,8 @@ export const MAX_TREND = 64;
 
 export interface SceneSummary {
   state: SceneState;
-  computed: SceneVerdict;  // from the evidence of all sessions
-  verdict: Verdict;  // `computed.verdict`, or degraded, which only a session knows
+  leaderProbability: number;  // to be the best arm; 0: nothing is learnt
+  verdict: Verdict;  // that of the posterior, or degraded, which only a session knows
   trend: readonly number[];  // the leader's probability to be the best, oldest first
   evidence: bigint;  // windows and visits of all arms
   uncertainty: number;  // to sort by: the least certain and the worst first
@@ -51,15 +50,16 @@ export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: Re
 }
 
 export function summaryOf(state: SceneState, before?: SceneSummary): SceneSummary {
-  const computed = verdictOf(state.posterior);
-  const verdict = isDegraded(state, sessions.peek()) ? Verdict.DEGRADED : computed.verdict;
-  const isNewPosterior = before?.state.posterior !== state.posterior;
+  const { posterior } = state;
+  const leaderProbability = leaderProbabilityOf(posterior);
+  const verdict = isDegraded(state, sessions.peek()) ? Verdict.DEGRADED : posterior.verdict;
+  const isNewPosterior = before?.state.posterior !== posterior;
   const trend = before?.trend ?? [];
   return {
-    state, computed, verdict,
-    trend: isNewPosterior && computed.leader ? withValue(trend, computed.leaderProbability) : trend,
-    evidence: state.posterior.arms.reduce((sum, { windowCount, visitCount }) => sum + windowCount + visitCount, 0n),
-    uncertainty: RANKS[verdict] * 10 + (computed.leader ? 1 - computed.leaderProbability : 0),
+    state, leaderProbability, verdict,
+    trend: isNewPosterior && posterior.leaderArm ? withValue(trend, leaderProbability) : trend,
+    evidence: posterior.arms.reduce((sum, { windowCount, visitCount }) => sum + windowCount + visitCount, 0n),
+    uncertainty: RANKS[verdict] * 10 + (posterior.leaderArm ? 1 - leaderProbability : 0),
   };
 }
 

@@ -26,7 +26,7 @@ const ofSession = ({ info }: SessionState) => ({ href: sessionHref(info.sessionI
 
 function concern(found: readonly (SceneSummary | SessionState)[], one: string, many: string, isBad: boolean, allHref?: string): Concern | undefined {
   if (found.length === 0) return undefined;
-  return { text: counted(found.length, one, many), isBad, ...(allHref && { allHref }), places: found.map((each) => ('computed' in each ? ofScene(each) : ofSession(each))) };
+  return { text: counted(found.length, one, many), isBad, ...(allHref && { allHref }), places: found.map((each) => ('state' in each ? ofScene(each) : ofSession(each))) };
 }
 
 const bailsOut = ({ state }: SceneSummary) =>

@@ -10,9 +10,8 @@ import { Ridgeline, ridgeRange, type RidgeRow } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
 import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
-import { centralInterval, mean } from '../numbers/beta';
-import { PosteriorSeries, type SeriesRow } from '../numbers/series';
-import { verdictOf } from '../numbers/verdict';
+import { mean } from '../numbers/beta';
+import { seriesOf, type SeriesRow } from '../numbers/series';
 import { Arm } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { CopyLink } from '../parts/copy_link';
@@ -22,7 +21,7 @@ import { navigate, sceneHref, sessionHref, setQuery } from '../state/route';
 import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { visible } from '../parts/visible';
-import { scenes, type SceneState } from '../state/scenes';
+import { leaderProbabilityOf, scenes, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
 import { isDegraded } from '../state/summaries';
 import { armNames, armRows, ridgeRows } from './scene/model';
@@ -38,7 +37,7 @@ interface Side { state: SceneState; ridges: RidgeRow[]; arms: string[]; rows: Se
 function sideOf(state: SceneState): Side {
   const rows = armRows(state);
   const arms = armNames(rows);
-  return { state, ridges: ridgeRows(rows), arms, rows: new PosteriorSeries(arms, state.posterior.rewardVersion).of(state.history) };
+  return { state, ridges: ridgeRows(rows), arms, rows: seriesOf(state.history, arms) };
 }
 
 // Rows of the same arm stand side by side.
@@ -50,18 +49,18 @@ const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): Ridge
 
 function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, values }: { side: Side; rewards: readonly [number, number]; domain: Range; values: readonly [number, number] }) {
   const { posterior } = state;
-  const { verdict: computed, leader, leaderProbability, expectedLossRatio } = verdictOf(posterior);
-  const verdict = isDegraded(state, sessions.value) ? Verdict.DEGRADED : computed;
+  const { leaderArm: leader, expectedLossRatio } = posterior;
+  const verdict = isDegraded(state, sessions.value) ? Verdict.DEGRADED : posterior.verdict;
   const names = [posterior.project, posterior.scene, posterior.machineClass];
   const table = () => ({
     header: ['arm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to'],
-    rows: ridges.map(({ label, measured, posterior: beta }) => [label, measured, beta.alpha, beta.beta, mean(beta), ...centralInterval(beta, 0.95)]),
+    rows: ridges.map(({ label, measured, posterior: beta, reward95 = [] }) => [label, measured, beta.alpha, beta.beta, mean(beta), ...reward95]),
   });
   const common = { arms, rows, rewardVersion: posterior.rewardVersion, names, domain };
   return (
     <div>
       <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
-      <p><VerdictChip verdict={verdict} /> {leader && <><Arm name={leader} />, P(best) {leaderProbability.toFixed(3)}, loss {share(expectedLossRatio)}</>}</p>
+      <p><VerdictChip verdict={verdict} /> {leader && <><Arm name={leader} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}, loss {share(expectedLossRatio)}</>}</p>
       <ChartFrame id="beliefs" title="What is believed of each arm" names={names} table={table} empty={ridges.length === 0 && 'Nothing is learnt yet.'}>
         <Ridgeline title="What is believed of each arm" rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards} />
       </ChartFrame>

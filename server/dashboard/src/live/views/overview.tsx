@@ -1,7 +1,6 @@
 // All scenes, the least certain first, and what needs a person.
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { counted, grouped, share, significant } from '../../format';
-import { STABLE_PROBABILITY } from '../numbers/verdict';
 import { Arm } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { ago, now } from '../parts/clock';
@@ -12,6 +11,7 @@ import { Sparkline } from '../parts/sparkline';
 import { Empty, Failure, Loading } from '../parts/states';
 import { Table, type Column } from '../parts/table';
 import { visible } from '../parts/visible';
+import { thresholds } from '../state/account';
 import { connection } from '../state/connection';
 import { isKnown } from '../state/live';
 import { route, sceneHref } from '../state/route';
@@ -27,14 +27,14 @@ const COLUMNS: readonly Column<SceneSummary>[] = [
     cell: (row) => <a href={sceneHref(sceneOf(row))}><Name text={sceneOf(row).scene} /></a> },
   { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Sorted by how uncertain it is which arm is the best', sort: (row) => row.uncertainty,
     csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },
-  { id: 'leader', title: 'Leader', isText: true, width: '8rem', hint: 'The arm that is the best most probably', sort: (row) => row.computed.leader,
-    cell: (row) => <Arm name={row.computed.leader} /> },
-  { id: 'p', title: 'P(best)', hint: 'Probability that the leader is the best arm', sort: (row) => (row.computed.leader ? row.computed.leaderProbability : undefined),
-    cell: (row) => (row.computed.leader ? row.computed.leaderProbability.toFixed(3) : '–') },
-  { id: 'trend', title: 'Trend', isText: true, hint: 'The leader’s P(best) since you came, from 0 to 1; the line is at 0.8',
-    cell: (row) => <Sparkline values={row.trend} low={0} high={1} mark={STABLE_PROBABILITY} /> },
-  { id: 'loss', title: 'Loss', width: '6rem', hint: 'What choosing the leader may lose against the best arm, on average', sort: (row) => (row.computed.leader ? row.computed.expectedLossRatio : undefined),
-    cell: (row) => (row.computed.leader ? share(row.computed.expectedLossRatio) : '–') },
+  { id: 'leader', title: 'Leader', isText: true, width: '8rem', hint: 'The arm that is the best most probably', sort: (row) => sceneOf(row).leaderArm,
+    cell: (row) => <Arm name={sceneOf(row).leaderArm} /> },
+  { id: 'p', title: 'P(best)', hint: 'Probability that the leader is the best arm', sort: (row) => (sceneOf(row).leaderArm ? row.leaderProbability : undefined),
+    cell: (row) => (sceneOf(row).leaderArm ? row.leaderProbability.toFixed(3) : '–') },
+  { id: 'trend', title: 'Trend', isText: true, hint: 'The leader’s P(best) since you came, from 0 to 1; the line is where a scene is stable',
+    cell: (row) => <Sparkline values={row.trend} low={0} high={1} mark={thresholds.value.stableProbability} /> },
+  { id: 'loss', title: 'Loss', width: '6rem', hint: 'What choosing the leader may lose against the best arm, on average', sort: (row) => (sceneOf(row).leaderArm ? sceneOf(row).expectedLossRatio : undefined),
+    cell: (row) => (sceneOf(row).leaderArm ? share(sceneOf(row).expectedLossRatio) : '–') },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount, cell: (row) => grouped(sceneOf(row).activeSessionCount) },
   { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane, of all sessions', sort: (row) => Number(row.evidence),
     cell: (row) => grouped(Number(row.evidence)) },
@@ -75,7 +75,7 @@ function filtered(all: readonly SceneSummary[]): readonly SceneSummary[] {
     const { posterior } = row.state;
     return (verdict === undefined || verdictWord(row.verdict).name === verdict) && (project === '' || posterior.project === project)
       && (!isOnline || posterior.activeSessionCount > 0)
-      && matches(text, [posterior.project, posterior.scene, posterior.machineClass, row.computed.leader]);
+      && matches(text, [posterior.project, posterior.scene, posterior.machineClass, sceneOf(row).leaderArm]);
   });
 }
 
@@ -153,7 +153,7 @@ export function Overview() {
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>
       <Projects all={all} />
-      <p class="soft small">{counted(sessions.value.size, 'session', 'sessions')} known; verdicts are of the evidence of all sessions together, the leader’s P(best) is stable from {significant(STABLE_PROBABILITY, 1)} on.</p>
+      <p class="soft small">{counted(sessions.value.size, 'session', 'sessions')} known; verdicts are of the evidence of all sessions together, the leader’s P(best) is stable from {significant(thresholds.value.stableProbability, 1)} on.</p>
       <details class="soft small">
         <summary>Words of this page</summary>
         <dl>{GLOSSARY.map(([name, meaning]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}>{meaning}</dd>])}</dl>

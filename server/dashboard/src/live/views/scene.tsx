@@ -8,9 +8,8 @@ import type { Moment } from '../charts/plot';
 import { Ridgeline } from '../charts/ridgeline';
 import { TimeTools } from '../charts/time_chart';
 import { useFrozen } from '../charts/view_state';
-import { centralInterval, mean } from '../numbers/beta';
-import { PosteriorSeries } from '../numbers/series';
-import { type SceneVerdict, verdictOf } from '../numbers/verdict';
+import { mean } from '../numbers/beta';
+import { seriesOf } from '../numbers/series';
 import { VerdictChip } from '../parts/chips';
 import { ago, now } from '../parts/clock';
 import { CopyLink } from '../parts/copy_link';
@@ -22,7 +21,7 @@ import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { connection } from '../state/connection';
 import { isKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
-import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
+import { leaderProbabilityOf, sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
 import { isDegraded } from '../state/summaries';
 import { CompareScenes } from './compare';
@@ -33,15 +32,16 @@ import { armNames, type ArmRow, armRows, latestSwitches, MAX_SWITCHES, ridgeRows
 import { Taught } from './scene/taught';
 import { verdictWord } from './words';
 
-function Sentence({ state, computed }: { state: SceneState; computed: SceneVerdict }) {
+function Sentence({ state }: { state: SceneState }) {
+  const { posterior } = state;
   const isBad = isDegraded(state, sessions.value);
-  const verdict = isBad ? Verdict.DEGRADED : computed.verdict;
-  if (!computed.leader) return <p><VerdictChip verdict={verdict} /> {verdictWord(verdict).meaning}</p>;
+  const verdict = isBad ? Verdict.DEGRADED : posterior.verdict;
+  if (!posterior.leaderArm) return <p><VerdictChip verdict={verdict} /> {verdictWord(verdict).meaning}</p>;
   return (
     <p>
-      <VerdictChip verdict={verdict} /> {isBad && `${verdictWord(verdict).meaning} `}<b><Name text={computed.leader} /></b> is the best arm with a probability of{' '}
-      <b class="leader-probability">{computed.leaderProbability.toFixed(3)}</b>. Choosing it loses <b>{share(computed.expectedLossRatio)}</b> on average, and knowing
-      everything would gain <b>{share(computed.valueRemainingRatio)}</b>.
+      <VerdictChip verdict={verdict} /> {isBad && `${verdictWord(verdict).meaning} `}<b><Name text={posterior.leaderArm} /></b> is the best arm with a probability of{' '}
+      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average, and knowing
+      everything would gain <b>{share(posterior.valueRemainingRatio)}</b>.
     </p>
   );
 }
@@ -66,8 +66,8 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   const ridges = useMemo(() => ridgeRows(rows, before), [rows]);
   const table = () => ({
     header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'worth windows', 'bail-outs'],
-    rows: rows.map(({ arm, backendVersion, measured, posterior: beta, view, windowCount, visitCount, effectiveWindowCount, bailOutCount }) =>
-      [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta), ...centralInterval(beta, 0.95), view.bestProbability, view.costRatio?.median, windowCount, visitCount, effectiveWindowCount, bailOutCount]),
+    rows: rows.map(({ arm, backendVersion, measured, posterior: beta, reward95, bestProbability, costRatio, windowCount, visitCount, effectiveWindowCount, bailOutCount }) =>
+      [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta), ...reward95, bestProbability, costRatio?.median, windowCount, visitCount, effectiveWindowCount, bailOutCount]),
   });
   return (
     <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'Nothing is learnt of any arm yet.'}
@@ -92,8 +92,7 @@ function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] })
   const { rewardVersion, project, scene } = state.posterior;
   const names = armNames(rows);
   const arms = useMemo(() => names, [names.join('\n')]);
-  const series = useMemo(() => new PosteriorSeries(arms, rewardVersion), [arms, rewardVersion]);
-  const beliefs = useMemo(() => series.of(state.history), [series, state.history]);
+  const beliefs = useMemo(() => seriesOf(state.history, arms), [arms, state.history]);
   const never = rows.filter(({ measured, isOld }) => measured === 'never' && !isOld).map(({ arm }) => arm).join('\n');
   const assumed = useMemo(() => new Set(never.split('\n')), [never]);
   const builds = useBuilds(state.posterior);
@@ -114,11 +113,10 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
   const state = useFrozen(latest, true);
   const before = useRef(latest.posterior).current;
   const rows = useMemo(() => armRows(state), [state]);
-  const computed = verdictOf(state.posterior);
   return (
     <>
       <header class="title"><h1><span class="soft"><Name text={name.project} /> /</span> <Name text={name.scene} /></h1><CopyLink /></header>
-      <Sentence state={state} computed={computed} />
+      <Sentence state={state} />
       <Facts state={state} />
       <Beliefs rows={rows} state={state} before={before} />
       <ArmTable rows={rows} rewardVersion={name.rewardVersion} />

@@ -31,7 +31,6 @@ import { CostCharts } from './session/cost_charts';
 import { beliefRows, costColumns, laneSums, type LaneSum, priorAndPosterior, stepFor, stepQuery, switchMoments } from './session/model';
 import { LogState, toldIn } from './session/log_state';
 import { Orders } from './session/orders';
-import { Recordings } from './session/recordings';
 import { Why } from './session/why';
 import { endWord, modeWord, outcomeWord, stateWord } from './words';
 
@@ -195,7 +194,6 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <Timeline {...props} />
       <Costs {...props} />
       {latest && <Boxes sessionId={sessionId} isOver={latest.ended !== undefined} />}
-      {latest && <Recordings sessionId={sessionId} isOver={latest.ended !== undefined} />}
       <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Beliefs</h2><Beliefs {...props} /></section>
       <section aria-labelledby="lane-heading"><h2 id="lane-heading">Shadow lane</h2><Lane steps={steps} /></section>
     </>

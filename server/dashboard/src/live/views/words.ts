@@ -46,9 +46,9 @@ const REASONS: Readonly<Record<SwitchReason, Word>> = {
 
 const VERDICTS: Readonly<Record<Verdict, Word>> = {
   [Verdict.UNSPECIFIED]: word('unknown', '?', 'Nothing is decided yet.'),
-  [Verdict.STABLE]: word('stable', '●', 'One arm is the best with a probability of 0.8 or more.'),
-  [Verdict.TIE]: word('tie', '=', 'No arm is certainly the best, but the leader loses 0.5 % or less: it does not matter.'),
-  [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No arm is certainly the best, and the leader may lose more than 0.5 %: more measurements are needed.'),
+  [Verdict.STABLE]: word('stable', '●', 'One arm is very probably the best.'),
+  [Verdict.TIE]: word('tie', '=', 'No arm is clearly the best, but choosing the leader loses too little to matter.'),
+  [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No arm is clearly the best, and choosing the leader may lose enough to matter: more measurements are needed.'),
   [Verdict.DEGRADED]: word('degraded', '▼', 'Even the best arm misses the frame-rate floor: another arm does not help, a lighter scene would.'),
 };
 

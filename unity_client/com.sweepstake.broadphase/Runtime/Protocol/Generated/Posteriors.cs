@@ -40,51 +40,57 @@ namespace Sweepstake.Protocol.V1 {
             "Mh0uc3dlZXBzdGFrZS52MS5TY2VuZVBvc3RlcmlvchIvCglkZWNpc2lvbnMY",
             "AiADKAsyHC5zd2VlcHN0YWtlLnYxLkRlY2lzaW9uRXZlbnQSKAoFc3RhbXAY",
             "AyABKAsyGS5zd2VlcHN0YWtlLnYxLkV2ZW50U3RhbXASEAoIYWxsX3RvbGQY",
-            "BCABKAgivgEKDlNjZW5lUG9zdGVyaW9yEg8KB3Byb2plY3QYASABKAkSDQoF",
+            "BCABKAgitwIKDlNjZW5lUG9zdGVyaW9yEg8KB3Byb2plY3QYASABKAkSDQoF",
             "c2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgDIAEoCRIWCg5yZXdhcmRf",
             "dmVyc2lvbhgEIAEoDRIpCgRhcm1zGAUgAygLMhsuc3dlZXBzdGFrZS52MS5B",
             "cm1Qb3N0ZXJpb3ISHAoUYWN0aXZlX3Nlc3Npb25fY291bnQYBiABKA0SFAoM",
-            "c291cmNlX2NvdW50GAcgASgEIuIBCgxBcm1Qb3N0ZXJpb3ISCwoDYXJtGAEg",
-            "ASgJEhcKD2JhY2tlbmRfdmVyc2lvbhgCIAEoDRIvCglwb3N0ZXJpb3IYAyAB",
-            "KAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0ZXJpb3ISFAoMd2luZG93X2Nv",
-            "dW50GAQgASgEEhYKDmJhaWxfb3V0X2NvdW50GAUgASgEEhMKC3Zpc2l0X2Nv",
-            "dW50GAYgASgEEh4KFmVmZmVjdGl2ZV93aW5kb3dfY291bnQYByABKAESGAoQ",
-            "dW5peF9sYXN0X3NlZW5fcxgIIAEoAyKkBAoNRGVjaXNpb25FdmVudBISCgpz",
-            "ZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyAB",
-            "KAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIV",
-            "Cg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2Vl",
-            "cHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5z",
-            "d2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgB",
-            "ARIVCg1tYWNoaW5lX2NsYXNzGAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkY",
-            "CyADKAESGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0",
-            "GA0gASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgPIAEo",
-            "CRI2CgxtZWFzdXJlbWVudHMYECABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1l",
-            "TWVhc3VyZW1lbnRzEgwKBGFybXMYESADKAkSLQoJc3RhbmRpbmdzGBIgAygL",
-            "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIPCgd1bml4X21zGBMgASgD",
-            "QgkKB19yZXdhcmRKBAgOEA9SDmNvbnRleHRfYnVja2V0IrIBChFGcmFtZU1l",
-            "YXN1cmVtZW50cxIyCg1mcmFtZV90aW1lX25zGAEgASgLMhsuc3dlZXBzdGFr",
-            "ZS52MS5Mb2dIaXN0b2dyYW0SNgoRZGV0ZWN0aW9uX3RpbWVfbnMYAiABKAsy",
-            "Gy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRIxCgxuYXRpdmVfYnl0ZXMY",
-            "AyABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbSI0CgxMb2dIaXN0",
-            "b2dyYW0SFAoMYnVja2V0X3N0ZXBzGAEgAygNEg4KBmNvdW50cxgCIAMoDSq3",
-            "AwoPRGVjaXNpb25PdXRjb21lEiAKHERFQ0lTSU9OX09VVENPTUVfVU5TUEVD",
-            "SUZJRUQQABIZChVERUNJU0lPTl9PVVRDT01FX0tFUFQQARIdChlERUNJU0lP",
-            "Tl9PVVRDT01FX1NXSVRDSEVEEAISIgoeREVDSVNJT05fT1VUQ09NRV9IRUxE",
-            "X0NPT0xET1dOEAMSIgoeREVDSVNJT05fT1VUQ09NRV9IRUxEX1NFVFRMSU5H",
-            "EAQSHgoaREVDSVNJT05fT1VUQ09NRV9OT19GUkFNRVMQBRIbChdERUNJU0lP",
-            "Tl9PVVRDT01FX01BTlVBTBAGEh4KGkRFQ0lTSU9OX09VVENPTUVfRVhQTE9S",
-            "SU5HEAcSHQoZREVDSVNJT05fT1VUQ09NRV9SRUpFQ1RFRBAIEh4KGkRFQ0lT",
-            "SU9OX09VVENPTUVfSEVMRF9HQVRFEAkSHQoZREVDSVNJT05fT1VUQ09NRV9I",
-            "RUxEX1RJRRAMIgQIChAKIgQICxALKhtERUNJU0lPTl9PVVRDT01FX0hFTERf",
-            "R1VBUkQqHERFQ0lTSU9OX09VVENPTUVfSEVMRF9VTlNBRkUyrwIKEVBvc3Rl",
-            "cmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3JzEiQuc3dlZXBzdGFrZS52",
-            "MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2VlcHN0YWtlLnYxLkxpc3RQ",
-            "b3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVyaW9yEiIuc3dlZXBzdGFr",
-            "ZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5HZXRQ",
-            "b3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3RlcmlvcnMSJS5zd2VlcHN0",
-            "YWtlLnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3QaJi5zd2VlcHN0YWtlLnYx",
-            "LldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rha2UuUHJv",
-            "dG9jb2wuVjFiBnByb3RvMw=="));
+            "c291cmNlX2NvdW50GAcgASgEEicKB3ZlcmRpY3QYCCABKA4yFi5zd2VlcHN0",
+            "YWtlLnYxLlZlcmRpY3QSEgoKbGVhZGVyX2FybRgJIAEoCRIbChNleHBlY3Rl",
+            "ZF9sb3NzX3JhdGlvGAogASgBEh0KFXZhbHVlX3JlbWFpbmluZ19yYXRpbxgL",
+            "IAEoASKIAwoMQXJtUG9zdGVyaW9yEgsKA2FybRgBIAEoCRIXCg9iYWNrZW5k",
+            "X3ZlcnNpb24YAiABKA0SLwoJcG9zdGVyaW9yGAMgASgLMhwuc3dlZXBzdGFr",
+            "ZS52MS5CZXRhUG9zdGVyaW9yEhQKDHdpbmRvd19jb3VudBgEIAEoBBIWCg5i",
+            "YWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNpdF9jb3VudBgGIAEoBBIeChZl",
+            "ZmZlY3RpdmVfd2luZG93X2NvdW50GAcgASgBEhgKEHVuaXhfbGFzdF9zZWVu",
+            "X3MYCCABKAMSFQoNcmV3YXJkX2xvd185NRgJIAEoARIWCg5yZXdhcmRfaGln",
+            "aF85NRgKIAEoARITCgtpc19vdXRkYXRlZBgLIAEoCBIdChBiZXN0X3Byb2Jh",
+            "YmlsaXR5GAwgASgBSACIAQESLAoKY29zdF9yYXRpbxgNIAEoCzIYLnN3ZWVw",
+            "c3Rha2UudjEuQ29zdFJhdGlvQhMKEV9iZXN0X3Byb2JhYmlsaXR5IqQECg1E",
+            "ZWNpc2lvbkV2ZW50EhIKCnNlc3Npb25faWQYASABKAkSDwoHcHJvamVjdBgC",
+            "IAEoCRINCgVzY2VuZRgDIAEoCRITCgtkZWNpc2lvbl9pZBgEIAEoBBISCgph",
+            "Y3RpdmVfYXJtGAUgASgJEhUKDWNhbmRpZGF0ZV9hcm0YBiABKAkSLwoHb3V0",
+            "Y29tZRgHIAEoDjIeLnN3ZWVwc3Rha2UudjEuRGVjaXNpb25PdXRjb21lEisK",
+            "BnJlYXNvbhgIIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29uEhMK",
+            "BnJld2FyZBgJIAEoAUgAiAEBEhUKDW1hY2hpbmVfY2xhc3MYCiABKAkSGAoQ",
+            "YmVzdF9wcm9iYWJpbGl0eRgLIAMoARIbChNleHBlY3RlZF9sb3NzX3JhdGlv",
+            "GAwgASgBEicKB3ZlcmRpY3QYDSABKA4yFi5zd2VlcHN0YWtlLnYxLlZlcmRp",
+            "Y3QSDgoGcG9saWN5GA8gASgJEjYKDG1lYXN1cmVtZW50cxgQIAEoCzIgLnN3",
+            "ZWVwc3Rha2UudjEuRnJhbWVNZWFzdXJlbWVudHMSDAoEYXJtcxgRIAMoCRIt",
+            "CglzdGFuZGluZ3MYEiADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0YW5kaW5n",
+            "Eg8KB3VuaXhfbXMYEyABKANCCQoHX3Jld2FyZEoECA4QD1IOY29udGV4dF9i",
+            "dWNrZXQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMY",
+            "ASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rp",
+            "b25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFt",
+            "EjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlz",
+            "dG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0S",
+            "DgoGY291bnRzGAIgAygNKrcDCg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJ",
+            "T05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVf",
+            "S0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJ",
+            "U0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRD",
+            "T01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZS",
+            "QU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJ",
+            "T05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JF",
+            "SkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQCRIdChlE",
+            "RUNJU0lPTl9PVVRDT01FX0hFTERfVElFEAwiBAgKEAoiBAgLEAsqG0RFQ0lT",
+            "SU9OX09VVENPTUVfSEVMRF9HVUFSRCocREVDSVNJT05fT1VUQ09NRV9IRUxE",
+            "X1VOU0FGRTKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3Rlcmlv",
+            "cnMSJC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3",
+            "ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0",
+            "ZXJpb3ISIi5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5z",
+            "d2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9z",
+            "dGVyaW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVz",
+            "dBomLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZ",
+            "qgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -94,8 +100,8 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorResponse), global::Sweepstake.Protocol.V1.GetPosteriorResponse.Parser, new[]{ "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene", "MarkAllTold" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp", "AllTold" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS", "RewardLow95", "RewardHigh95", "IsOutdated", "BestProbability", "CostRatio" }, new[]{ "BestProbability" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs" }, new[]{ "Reward" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameMeasurements), global::Sweepstake.Protocol.V1.FrameMeasurements.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "NativeBytes" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LogHistogram), global::Sweepstake.Protocol.V1.LogHistogram.Parser, new[]{ "BucketSteps", "Counts" }, null, null, null, null)
@@ -1873,6 +1879,10 @@ namespace Sweepstake.Protocol.V1 {
       arms_ = other.arms_.Clone();
       activeSessionCount_ = other.activeSessionCount_;
       sourceCount_ = other.sourceCount_;
+      verdict_ = other.verdict_;
+      leaderArm_ = other.leaderArm_;
+      expectedLossRatio_ = other.expectedLossRatio_;
+      valueRemainingRatio_ = other.valueRemainingRatio_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1986,6 +1996,66 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "verdict" field.</summary>
+    public const int VerdictFieldNumber = 8;
+    private global::Sweepstake.Protocol.V1.Verdict verdict_ = global::Sweepstake.Protocol.V1.Verdict.Unspecified;
+    /// <summary>
+    /// What the posteriors say of the scene. Absent: unknown. Never VERDICT_DEGRADED, which only a session knows.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.Verdict Verdict {
+      get { return verdict_; }
+      set {
+        verdict_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "leader_arm" field.</summary>
+    public const int LeaderArmFieldNumber = 9;
+    private string leaderArm_ = "";
+    /// <summary>
+    /// The arm with the highest best_probability. Absent: the verdict is unknown.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string LeaderArm {
+      get { return leaderArm_; }
+      set {
+        leaderArm_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "expected_loss_ratio" field.</summary>
+    public const int ExpectedLossRatioFieldNumber = 10;
+    private double expectedLossRatio_;
+    /// <summary>
+    /// The expected loss of choosing the leader, relative to the best arm's cost or reward. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double ExpectedLossRatio {
+      get { return expectedLossRatio_; }
+      set {
+        expectedLossRatio_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "value_remaining_ratio" field.</summary>
+    public const int ValueRemainingRatioFieldNumber = 11;
+    private double valueRemainingRatio_;
+    /// <summary>
+    /// What perfect information would gain over the arm with the best mean, on the same scale. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double ValueRemainingRatio {
+      get { return valueRemainingRatio_; }
+      set {
+        valueRemainingRatio_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2008,6 +2078,10 @@ namespace Sweepstake.Protocol.V1 {
       if(!arms_.Equals(other.arms_)) return false;
       if (ActiveSessionCount != other.ActiveSessionCount) return false;
       if (SourceCount != other.SourceCount) return false;
+      if (Verdict != other.Verdict) return false;
+      if (LeaderArm != other.LeaderArm) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(ExpectedLossRatio, other.ExpectedLossRatio)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(ValueRemainingRatio, other.ValueRemainingRatio)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2022,6 +2096,10 @@ namespace Sweepstake.Protocol.V1 {
       hash ^= arms_.GetHashCode();
       if (ActiveSessionCount != 0) hash ^= ActiveSessionCount.GetHashCode();
       if (SourceCount != 0UL) hash ^= SourceCount.GetHashCode();
+      if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) hash ^= Verdict.GetHashCode();
+      if (LeaderArm.Length != 0) hash ^= LeaderArm.GetHashCode();
+      if (ExpectedLossRatio != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(ExpectedLossRatio);
+      if (ValueRemainingRatio != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(ValueRemainingRatio);
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2065,6 +2143,22 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(56);
         output.WriteUInt64(SourceCount);
       }
+      if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) {
+        output.WriteRawTag(64);
+        output.WriteEnum((int) Verdict);
+      }
+      if (LeaderArm.Length != 0) {
+        output.WriteRawTag(74);
+        output.WriteString(LeaderArm);
+      }
+      if (ExpectedLossRatio != 0D) {
+        output.WriteRawTag(81);
+        output.WriteDouble(ExpectedLossRatio);
+      }
+      if (ValueRemainingRatio != 0D) {
+        output.WriteRawTag(89);
+        output.WriteDouble(ValueRemainingRatio);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2100,6 +2194,22 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(56);
         output.WriteUInt64(SourceCount);
       }
+      if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) {
+        output.WriteRawTag(64);
+        output.WriteEnum((int) Verdict);
+      }
+      if (LeaderArm.Length != 0) {
+        output.WriteRawTag(74);
+        output.WriteString(LeaderArm);
+      }
+      if (ExpectedLossRatio != 0D) {
+        output.WriteRawTag(81);
+        output.WriteDouble(ExpectedLossRatio);
+      }
+      if (ValueRemainingRatio != 0D) {
+        output.WriteRawTag(89);
+        output.WriteDouble(ValueRemainingRatio);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2128,6 +2238,18 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (SourceCount != 0UL) {
         size += 1 + pb::CodedOutputStream.ComputeUInt64Size(SourceCount);
+      }
+      if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) {
+        size += 1 + pb::CodedOutputStream.ComputeEnumSize((int) Verdict);
+      }
+      if (LeaderArm.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(LeaderArm);
+      }
+      if (ExpectedLossRatio != 0D) {
+        size += 1 + 8;
+      }
+      if (ValueRemainingRatio != 0D) {
+        size += 1 + 8;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2159,6 +2281,18 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.SourceCount != 0UL) {
         SourceCount = other.SourceCount;
+      }
+      if (other.Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) {
+        Verdict = other.Verdict;
+      }
+      if (other.LeaderArm.Length != 0) {
+        LeaderArm = other.LeaderArm;
+      }
+      if (other.ExpectedLossRatio != 0D) {
+        ExpectedLossRatio = other.ExpectedLossRatio;
+      }
+      if (other.ValueRemainingRatio != 0D) {
+        ValueRemainingRatio = other.ValueRemainingRatio;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2205,6 +2339,22 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 56: {
             SourceCount = input.ReadUInt64();
+            break;
+          }
+          case 64: {
+            Verdict = (global::Sweepstake.Protocol.V1.Verdict) input.ReadEnum();
+            break;
+          }
+          case 74: {
+            LeaderArm = input.ReadString();
+            break;
+          }
+          case 81: {
+            ExpectedLossRatio = input.ReadDouble();
+            break;
+          }
+          case 89: {
+            ValueRemainingRatio = input.ReadDouble();
             break;
           }
         }
@@ -2254,6 +2404,22 @@ namespace Sweepstake.Protocol.V1 {
             SourceCount = input.ReadUInt64();
             break;
           }
+          case 64: {
+            Verdict = (global::Sweepstake.Protocol.V1.Verdict) input.ReadEnum();
+            break;
+          }
+          case 74: {
+            LeaderArm = input.ReadString();
+            break;
+          }
+          case 81: {
+            ExpectedLossRatio = input.ReadDouble();
+            break;
+          }
+          case 89: {
+            ValueRemainingRatio = input.ReadDouble();
+            break;
+          }
         }
       }
     }
@@ -2272,6 +2438,7 @@ namespace Sweepstake.Protocol.V1 {
   {
     private static readonly pb::MessageParser<ArmPosterior> _parser = new pb::MessageParser<ArmPosterior>(() => new ArmPosterior());
     private pb::UnknownFieldSet _unknownFields;
+    private int _hasBits0;
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pb::MessageParser<ArmPosterior> Parser { get { return _parser; } }
@@ -2299,6 +2466,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public ArmPosterior(ArmPosterior other) : this() {
+      _hasBits0 = other._hasBits0;
       arm_ = other.arm_;
       backendVersion_ = other.backendVersion_;
       posterior_ = other.posterior_ != null ? other.posterior_.Clone() : null;
@@ -2307,6 +2475,11 @@ namespace Sweepstake.Protocol.V1 {
       visitCount_ = other.visitCount_;
       effectiveWindowCount_ = other.effectiveWindowCount_;
       unixLastSeenS_ = other.unixLastSeenS_;
+      rewardLow95_ = other.rewardLow95_;
+      rewardHigh95_ = other.rewardHigh95_;
+      isOutdated_ = other.isOutdated_;
+      bestProbability_ = other.bestProbability_;
+      costRatio_ = other.costRatio_ != null ? other.costRatio_.Clone() : null;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2438,6 +2611,96 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "reward_low_95" field.</summary>
+    public const int RewardLow95FieldNumber = 9;
+    private double rewardLow95_;
+    /// <summary>
+    /// The central interval that contains the reward with a probability of 95 %. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double RewardLow95 {
+      get { return rewardLow95_; }
+      set {
+        rewardLow95_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "reward_high_95" field.</summary>
+    public const int RewardHigh95FieldNumber = 10;
+    private double rewardHigh95_;
+    /// <summary>
+    /// Its upper end. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double RewardHigh95 {
+      get { return rewardHigh95_; }
+      set {
+        rewardHigh95_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "is_outdated" field.</summary>
+    public const int IsOutdatedFieldNumber = 11;
+    private bool isOutdated_;
+    /// <summary>
+    /// The scene has evidence of a newer version of the backend; decisions ignore this one. Absent: it is the newest.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool IsOutdated {
+      get { return isOutdated_; }
+      set {
+        isOutdated_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "best_probability" field.</summary>
+    public const int BestProbabilityFieldNumber = 12;
+    private readonly static double BestProbabilityDefaultValue = 0D;
+
+    private double bestProbability_;
+    /// <summary>
+    /// Probability of being the best arm among the newest versions. Absent: the verdict is unknown, or the version is outdated.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double BestProbability {
+      get { if ((_hasBits0 & 1) != 0) { return bestProbability_; } else { return BestProbabilityDefaultValue; } }
+      set {
+        _hasBits0 |= 1;
+        bestProbability_ = value;
+      }
+    }
+    /// <summary>Gets whether the "best_probability" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasBestProbability {
+      get { return (_hasBits0 & 1) != 0; }
+    }
+    /// <summary>Clears the value of the "best_probability" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearBestProbability() {
+      _hasBits0 &= ~1;
+    }
+
+    /// <summary>Field number for the "cost_ratio" field.</summary>
+    public const int CostRatioFieldNumber = 13;
+    private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
+    /// <summary>
+    /// The cost divided by the leader's. Absent: as best_probability, or the rewards do not tell costs.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.CostRatio CostRatio {
+      get { return costRatio_; }
+      set {
+        costRatio_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2461,6 +2724,11 @@ namespace Sweepstake.Protocol.V1 {
       if (VisitCount != other.VisitCount) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(EffectiveWindowCount, other.EffectiveWindowCount)) return false;
       if (UnixLastSeenS != other.UnixLastSeenS) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(RewardLow95, other.RewardLow95)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(RewardHigh95, other.RewardHigh95)) return false;
+      if (IsOutdated != other.IsOutdated) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(BestProbability, other.BestProbability)) return false;
+      if (!object.Equals(CostRatio, other.CostRatio)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2476,6 +2744,11 @@ namespace Sweepstake.Protocol.V1 {
       if (VisitCount != 0UL) hash ^= VisitCount.GetHashCode();
       if (EffectiveWindowCount != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(EffectiveWindowCount);
       if (UnixLastSeenS != 0L) hash ^= UnixLastSeenS.GetHashCode();
+      if (RewardLow95 != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(RewardLow95);
+      if (RewardHigh95 != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(RewardHigh95);
+      if (IsOutdated != false) hash ^= IsOutdated.GetHashCode();
+      if (HasBestProbability) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(BestProbability);
+      if (costRatio_ != null) hash ^= CostRatio.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2526,6 +2799,26 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(64);
         output.WriteInt64(UnixLastSeenS);
       }
+      if (RewardLow95 != 0D) {
+        output.WriteRawTag(73);
+        output.WriteDouble(RewardLow95);
+      }
+      if (RewardHigh95 != 0D) {
+        output.WriteRawTag(81);
+        output.WriteDouble(RewardHigh95);
+      }
+      if (IsOutdated != false) {
+        output.WriteRawTag(88);
+        output.WriteBool(IsOutdated);
+      }
+      if (HasBestProbability) {
+        output.WriteRawTag(97);
+        output.WriteDouble(BestProbability);
+      }
+      if (costRatio_ != null) {
+        output.WriteRawTag(106);
+        output.WriteMessage(CostRatio);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2568,6 +2861,26 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(64);
         output.WriteInt64(UnixLastSeenS);
       }
+      if (RewardLow95 != 0D) {
+        output.WriteRawTag(73);
+        output.WriteDouble(RewardLow95);
+      }
+      if (RewardHigh95 != 0D) {
+        output.WriteRawTag(81);
+        output.WriteDouble(RewardHigh95);
+      }
+      if (IsOutdated != false) {
+        output.WriteRawTag(88);
+        output.WriteBool(IsOutdated);
+      }
+      if (HasBestProbability) {
+        output.WriteRawTag(97);
+        output.WriteDouble(BestProbability);
+      }
+      if (costRatio_ != null) {
+        output.WriteRawTag(106);
+        output.WriteMessage(CostRatio);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2601,6 +2914,21 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (UnixLastSeenS != 0L) {
         size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixLastSeenS);
+      }
+      if (RewardLow95 != 0D) {
+        size += 1 + 8;
+      }
+      if (RewardHigh95 != 0D) {
+        size += 1 + 8;
+      }
+      if (IsOutdated != false) {
+        size += 1 + 1;
+      }
+      if (HasBestProbability) {
+        size += 1 + 8;
+      }
+      if (costRatio_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(CostRatio);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2640,6 +2968,24 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.UnixLastSeenS != 0L) {
         UnixLastSeenS = other.UnixLastSeenS;
+      }
+      if (other.RewardLow95 != 0D) {
+        RewardLow95 = other.RewardLow95;
+      }
+      if (other.RewardHigh95 != 0D) {
+        RewardHigh95 = other.RewardHigh95;
+      }
+      if (other.IsOutdated != false) {
+        IsOutdated = other.IsOutdated;
+      }
+      if (other.HasBestProbability) {
+        BestProbability = other.BestProbability;
+      }
+      if (other.costRatio_ != null) {
+        if (costRatio_ == null) {
+          CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+        }
+        CostRatio.MergeFrom(other.CostRatio);
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2695,6 +3041,29 @@ namespace Sweepstake.Protocol.V1 {
             UnixLastSeenS = input.ReadInt64();
             break;
           }
+          case 73: {
+            RewardLow95 = input.ReadDouble();
+            break;
+          }
+          case 81: {
+            RewardHigh95 = input.ReadDouble();
+            break;
+          }
+          case 88: {
+            IsOutdated = input.ReadBool();
+            break;
+          }
+          case 97: {
+            BestProbability = input.ReadDouble();
+            break;
+          }
+          case 106: {
+            if (costRatio_ == null) {
+              CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+            }
+            input.ReadMessage(CostRatio);
+            break;
+          }
         }
       }
     #endif
@@ -2747,6 +3116,29 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 64: {
             UnixLastSeenS = input.ReadInt64();
+            break;
+          }
+          case 73: {
+            RewardLow95 = input.ReadDouble();
+            break;
+          }
+          case 81: {
+            RewardHigh95 = input.ReadDouble();
+            break;
+          }
+          case 88: {
+            IsOutdated = input.ReadBool();
+            break;
+          }
+          case 97: {
+            BestProbability = input.ReadDouble();
+            break;
+          }
+          case 106: {
+            if (costRatio_ == null) {
+              CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+            }
+            input.ReadMessage(CostRatio);
             break;
           }
         }

@@ -25,133 +25,129 @@ namespace Sweepstake.Protocol.V1 {
       byte[] descriptorData = global::System.Convert.FromBase64String(
           string.Concat(
             "Ch1zd2VlcHN0YWtlL3YxL3RlbGVtZXRyeS5wcm90bxINc3dlZXBzdGFrZS52",
-            "MRoec3dlZXBzdGFrZS92MS9yZWNvcmRpbmdzLnByb3RvIukDChZTdHJlYW1U",
-            "ZWxlbWV0cnlSZXF1ZXN0EhAKCHNlcXVlbmNlGAEgASgEEiUKBWhlbGxvGAIg",
-            "ASgLMhQuc3dlZXBzdGFrZS52MS5IZWxsb0gAEjAKC2ZyYW1lX2JhdGNoGAMg",
-            "ASgLMhkuc3dlZXBzdGFrZS52MS5GcmFtZUJhdGNoSAASNgoOc3dpdGNoX291",
-            "dGNvbWUYBCABKAsyHC5zd2VlcHN0YWtlLnYxLlN3aXRjaE91dGNvbWVIABIq",
-            "CghiYWlsX291dBgFIAEoCzIWLnN3ZWVwc3Rha2UudjEuQmFpbE91dEgAEjAK",
-            "C21vZGVfY2hhbmdlGAYgASgLMhkuc3dlZXBzdGFrZS52MS5Nb2RlQ2hhbmdl",
-            "SAASKQoHZ29vZGJ5ZRgHIAEoCzIWLnN3ZWVwc3Rha2UudjEuR29vZGJ5ZUgA",
-            "EjQKDW9yZGVyX3JlZnVzYWwYCCABKAsyGy5zd2VlcHN0YWtlLnYxLk9yZGVy",
-            "UmVmdXNhbEgAEioKCGJveF92aWV3GAkgASgLMhYuc3dlZXBzdGFrZS52MS5C",
-            "b3hWaWV3SAASNgoOcmVjb3JkaW5nX3BhcnQYCiABKAsyHC5zd2VlcHN0YWtl",
-            "LnYxLlJlY29yZGluZ1BhcnRIAEIJCgdtZXNzYWdlIr4DChdTdHJlYW1UZWxl",
-            "bWV0cnlSZXNwb25zZRInCgd3ZWxjb21lGAEgASgLMhYuc3dlZXBzdGFrZS52",
-            "MS5XZWxjb21lEjQKDnN3aXRjaF9jb21tYW5kGAIgASgLMhwuc3dlZXBzdGFr",
-            "ZS52MS5Td2l0Y2hDb21tYW5kEjcKD2Fja25vd2xlZGdlbWVudBgDIAEoCzIe",
-            "LnN3ZWVwc3Rha2UudjEuQWNrbm93bGVkZ2VtZW50EjwKEnBvc3Rlcmlvcl9z",
-            "bmFwc2hvdBgEIAEoCzIgLnN3ZWVwc3Rha2UudjEuUG9zdGVyaW9yU25hcHNo",
-            "b3QSKwoJcmVjb25uZWN0GAUgASgLMhguc3dlZXBzdGFrZS52MS5SZWNvbm5l",
-            "Y3QSNAoOb3BlcmF0b3Jfb3JkZXIYBiABKAsyHC5zd2VlcHN0YWtlLnYxLk9w",
-            "ZXJhdG9yT3JkZXISLgoLYm94X3JlcXVlc3QYByABKAsyGS5zd2VlcHN0YWtl",
-            "LnYxLkJveFJlcXVlc3QSOgoRcmVjb3JkaW5nX3JlcXVlc3QYCCABKAsyHy5z",
-            "d2VlcHN0YWtlLnYxLlJlY29yZGluZ1JlcXVlc3QiLAoDQXJtEgwKBG5hbWUY",
-            "ASABKAkSFwoPYmFja2VuZF92ZXJzaW9uGAIgASgNIq4DCgVIZWxsbxIYChBw",
-            "cm90b2NvbF92ZXJzaW9uGAEgASgNEg8KB3Byb2plY3QYAiABKAkSDQoFc2Nl",
-            "bmUYAyABKAkSDQoFYnVpbGQYBCABKAkSFQoNbWFjaGluZV9jbGFzcxgFIAEo",
-            "CRIgCgRhcm1zGAYgAygLMhIuc3dlZXBzdGFrZS52MS5Bcm0SEgoKYWN0aXZl",
-            "X2FybRgIIAEoDRIhCgRtb2RlGAkgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2Rl",
-            "EhIKCnNlc3Npb25faWQYCiABKAkSEgoKdGltZV9zY2FsZRgLIAEoARIVCg1p",
-            "Z25vcmVfcHJpb3JzGAwgASgIEgwKBHNlZWQYDSABKAQSDgoGcG9saWN5GA4g",
-            "ASgJEhQKDHN3aXRjaF9lcG9jaBgPIAEoDRIUCgxyZXN1bWVfdG9rZW4YECAB",
-            "KAwSHAoUbWluX3Byb3RvY29sX3ZlcnNpb24YESABKA0SLwoMY2FwYWJpbGl0",
-            "aWVzGBIgAygOMhkuc3dlZXBzdGFrZS52MS5DYXBhYmlsaXR5SgQIBxAIUg5y",
-            "ZXdhcmRfdmVyc2lvbiLtAgoKRnJhbWVCYXRjaBIVCg1mcmFtZV90aW1lX25z",
-            "GAIgAygEEhkKEWRldGVjdGlvbl90aW1lX25zGAMgAygEEhgKEGFhYmJfY2hl",
-            "Y2tfY291bnQYBCADKAQSFAoMbmF0aXZlX2J5dGVzGAYgAygEEhQKDG9iamVj",
-            "dF9jb3VudBgHIAMoDRILCgNhcm0YCCADKA0SFAoMc3dpdGNoX2Vwb2NoGAkg",
-            "AygNEg0KBWZsYWdzGAogAygNEjgKEHNjZW5lX2Rlc2NyaXB0b3IYCyABKAsy",
-            "Hi5zd2VlcHN0YWtlLnYxLlNjZW5lRGVzY3JpcHRvchIbChNkcm9wcGVkX2Zy",
-            "YW1lX2NvdW50GAwgASgEEjMKDnNoYWRvd19zYW1wbGVzGA0gAygLMhsuc3dl",
-            "ZXBzdGFrZS52MS5TaGFkb3dTYW1wbGVKBAgBEAJKBAgFEAZSEWZpcnN0X2Zy",
-            "YW1lX2luZGV4UgpwYWlyX2NvdW50ItIBCgxTaGFkb3dTYW1wbGUSGQoRZmly",
-            "c3RfZnJhbWVfaW5kZXgYASABKAQSCwoDYXJtGAIgASgNEhkKEWRldGVjdGlv",
-            "bl90aW1lX25zGAMgASgEEhUKDWJ1aWxkX3RpbWVfbnMYBCABKAQSGAoQYWFi",
-            "Yl9jaGVja19jb3VudBgFIAEoBBIUCgxuYXRpdmVfYnl0ZXMYBiABKAQSFAoM",
-            "b2JqZWN0X2NvdW50GAcgASgNEhMKC2ZyYW1lX2NvdW50GAggASgNEg0KBWZs",
-            "YWdzGAkgASgNIskCCg9TY2VuZURlc2NyaXB0b3ISGQoMb2JqZWN0X2NvdW50",
-            "GAEgASgCSACIAQESGgoNZGVuc2l0eV9yYXRpbxgCIAEoAkgBiAEBEhgKC3Np",
-            "emVfc3ByZWFkGAMgASgCSAKIAQESFwoKc3BlZWRfbWVhbhgEIAEoAkgDiAEB",
-            "EhkKDHNwZWVkX3NwcmVhZBgFIAEoAkgEiAEBEh0KEGNsdXN0ZXJpbmdfcmF0",
-            "aW8YBiABKAJIBYgBARIZCgxzdGF0aWNfcmF0aW8YByABKAJIBogBAUIPCg1f",
-            "b2JqZWN0X2NvdW50QhAKDl9kZW5zaXR5X3JhdGlvQg4KDF9zaXplX3NwcmVh",
-            "ZEINCgtfc3BlZWRfbWVhbkIPCg1fc3BlZWRfc3ByZWFkQhMKEV9jbHVzdGVy",
-            "aW5nX3JhdGlvQg8KDV9zdGF0aWNfcmF0aW8i+QEKDVN3aXRjaE91dGNvbWUS",
-            "EgoKY29tbWFuZF9pZBgBIAEoBBILCgNhcm0YAiABKA0SFAoMc3dpdGNoX2Vw",
-            "b2NoGAMgASgNEhAKCGV4ZWN1dGVkGAQgASgIEhcKD3JlYnVpbGRfdGltZV9u",
-            "cxgFIAEoBBIYChBzZXR0bGluZ19jb3N0X25zGAYgASgEEisKBnJlYXNvbhgI",
-            "IAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29uEh8KF3RyaWFsX2Rl",
-            "dGVjdGlvbl90aW1lX25zGAkgASgEEhEKCXRyaWFsX2FybRgKIAEoDUoECAcQ",
-            "CFIFZXJyb3IiggEKB0JhaWxPdXQSEwoLZnJhbWVfaW5kZXgYASABKAQSCwoD",
-            "YXJtGAIgASgNEhQKDHN3aXRjaF9lcG9jaBgDIAEoDRIVCg1mcmFtZV90aW1l",
-            "X25zGAQgASgEEhkKEWRldGVjdGlvbl90aW1lX25zGAUgASgEEg0KBWZsYWdz",
-            "GAYgASgNIlUKCk1vZGVDaGFuZ2USIQoEbW9kZRgBIAEoDjITLnN3ZWVwc3Rh",
-            "a2UudjEuTW9kZRISCgphY3RpdmVfYXJtGAIgASgNEhAKCG9yZGVyX2lkGAMg",
-            "ASgEIlMKDE9yZGVyUmVmdXNhbBIQCghvcmRlcl9pZBgBIAEoBBIxCgZyZWFz",
-            "b24YAiABKA4yIS5zd2VlcHN0YWtlLnYxLk9yZGVyUmVmdXNhbFJlYXNvbiIX",
-            "CgdHb29kYnllSgQIARACUgZyZWFzb24iowQKB1dlbGNvbWUSEgoKc2Vzc2lv",
-            "bl9pZBgBIAEoCRIPCgdyZXN1bWVkGAIgASgIEh0KFWFja25vd2xlZGdlZF9z",
-            "ZXF1ZW5jZRgDIAEoBBIYChBtYXhfYmF0Y2hfZnJhbWVzGAQgASgNEhkKEW1h",
-            "eF9tZXNzYWdlX2J5dGVzGAUgASgNEhkKEWJhdGNoX2ludGVydmFsX21zGAYg",
-            "ASgNEhwKFGRlY2lzaW9uX2ludGVydmFsX21zGAcgASgNEhMKC3NldHRsaW5n",
-            "X21zGAkgASgNEhMKC2JhaWxfb3V0X21zGAogASgNEhYKDmRhZW1vbl92ZXJz",
-            "aW9uGAwgASgJEg4KBnBvbGljeRgOIAEoCRIMCgRzZWVkGA8gASgEEiwKBnBy",
-            "aW9ycxgQIAMoCzIcLnN3ZWVwc3Rha2UudjEuQmV0YVBvc3RlcmlvchIaChJw",
-            "cmlvcl9zb3VyY2VfY291bnQYESABKAQSFAoMcmVzdW1lX3Rva2VuGBIgASgM",
-            "EhoKEnByaW9yc191bmF2YWlsYWJsZRgTIAEoCBIYChBwcm90b2NvbF92ZXJz",
-            "aW9uGBQgASgNEi8KDGNhcGFiaWxpdGllcxgVIAMoDjIZLnN3ZWVwc3Rha2Uu",
-            "djEuQ2FwYWJpbGl0eUoECAgQCUoECAsQDEoECA0QDlILY29vbGRvd25fbXNS",
-            "EHJlc3VtZV93aW5kb3dfbXNSDnJld2FyZF92ZXJzaW9uIiwKDUJldGFQb3N0",
-            "ZXJpb3ISDQoFYWxwaGEYASABKAESDAoEYmV0YRgCIAEoASJ6Cg1Td2l0Y2hD",
-            "b21tYW5kEhIKCmNvbW1hbmRfaWQYASABKAQSCwoDYXJtGAIgASgNEisKBnJl",
-            "YXNvbhgDIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29uEhsKE3Ry",
-            "aWFsX2xpbWl0X3BlcmNlbnQYBCABKA0iPgoPQWNrbm93bGVkZ2VtZW50EhAK",
-            "CHNlcXVlbmNlGAEgASgEEhkKEWJhdGNoX2ludGVydmFsX21zGAIgASgNIscB",
-            "ChFQb3N0ZXJpb3JTbmFwc2hvdBIqCgRhcm1zGAEgAygLMhwuc3dlZXBzdGFr",
-            "ZS52MS5CZXRhUG9zdGVyaW9yEicKB3ZlcmRpY3QYAiABKA4yFi5zd2VlcHN0",
-            "YWtlLnYxLlZlcmRpY3QSEgoKbGVhZGVyX2FybRgDIAEoDRIaChJsZWFkZXJf",
-            "cHJvYmFiaWxpdHkYBCABKAESLQoJc3RhbmRpbmdzGAUgAygLMhouc3dlZXBz",
-            "dGFrZS52MS5Bcm1TdGFuZGluZyKqAQoLQXJtU3RhbmRpbmcSGQoRbGl2ZV93",
-            "aW5kb3dfY291bnQYASABKAQSGAoQbGFuZV92aXNpdF9jb3VudBgCIAEoBBIe",
-            "ChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAMgASgBEhgKEGJlc3RfcHJvYmFi",
-            "aWxpdHkYBCABKAESLAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3ZWVwc3Rha2Uu",
-            "djEuQ29zdFJhdGlvIjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4YASABKAESCwoD",
-            "bG93GAIgASgBEgwKBGhpZ2gYAyABKAEiLAoJUmVjb25uZWN0EhAKCGRlbGF5",
-            "X21zGAIgASgNSgQIARACUgdhZGRyZXNzIl4KDU9wZXJhdG9yT3JkZXISEAoI",
-            "b3JkZXJfaWQYASABKAQSIQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEu",
-            "TW9kZRIQCgNhcm0YAyABKA1IAIgBAUIGCgRfYXJtIkYKCkJveFJlcXVlc3QS",
-            "EwoLaW50ZXJ2YWxfbXMYASABKA0SEQoJbWF4X2J5dGVzGAIgASgNEhAKCHVu",
-            "dGlsX21zGAMgASgNInIKB0JveFZpZXcSEwoLZnJhbWVfaW5kZXgYASABKAQS",
-            "FAoMb2JqZWN0X2NvdW50GAIgASgNEg4KBnN0cmlkZRgDIAEoDRIOCgZib3Vu",
-            "ZHMYBCADKAISDQoFYm94ZXMYBSABKAwSDQoFcGFpcnMYBiABKAwqOgoETW9k",
-            "ZRIUChBNT0RFX1VOU1BFQ0lGSUVEEAASDwoLTU9ERV9NQU5VQUwQARILCgdN",
-            "T0RFX0FJEAIqnAEKDFN3aXRjaFJlYXNvbhIdChlTV0lUQ0hfUkVBU09OX1VO",
-            "U1BFQ0lGSUVEEAASGAoUU1dJVENIX1JFQVNPTl9QT0xJQ1kQARIdChlTV0lU",
-            "Q0hfUkVBU09OX0VYUExPUkFUSU9OEAISGgoWU1dJVENIX1JFQVNPTl9CQUlM",
-            "X09VVBADEhgKFFNXSVRDSF9SRUFTT05fTUFOVUFMEAQqfAoKQ2FwYWJpbGl0",
-            "eRIaChZDQVBBQklMSVRZX1VOU1BFQ0lGSUVEEAASHgoaQ0FQQUJJTElUWV9P",
-            "UEVSQVRPUl9PUkRFUlMQARIXChNDQVBBQklMSVRZX0JPWF9WSUVXEAISGQoV",
-            "Q0FQQUJJTElUWV9SRUNPUkRJTkdTEAMqWQoKU2hhZG93RmxhZxIbChdTSEFE",
-            "T1dfRkxBR19VTlNQRUNJRklFRBAAEhYKElNIQURPV19GTEFHX0FDVElWRRAB",
-            "EhYKElNIQURPV19GTEFHX0NBUFBFRBACKocBCglGcmFtZUZsYWcSGgoWRlJB",
-            "TUVfRkxBR19VTlNQRUNJRklFRBAAEhYKEkZSQU1FX0ZMQUdfUkVCVUlMRBAB",
-            "EhUKEUZSQU1FX0ZMQUdfUEFVU0VEEAISFgoSRlJBTUVfRkxBR19MT0FESU5H",
-            "EAQSFwoTRlJBTUVfRkxBR19CQUlMX09VVBAIKoIBChJPcmRlclJlZnVzYWxS",
-            "ZWFzb24SJAogT1JERVJfUkVGVVNBTF9SRUFTT05fVU5TUEVDSUZJRUQQABIk",
-            "CiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9OT1RfQUxMT1dFRBABEiAKHE9SREVS",
-            "X1JFRlVTQUxfUkVBU09OX1VOS05PV04QAip0CgdWZXJkaWN0EhcKE1ZFUkRJ",
-            "Q1RfVU5TUEVDSUZJRUQQABISCg5WRVJESUNUX1NUQUJMRRABEg8KC1ZFUkRJ",
-            "Q1RfVElFEAISFQoRVkVSRElDVF9BTUJJR1VPVVMQAxIUChBWRVJESUNUX0RF",
-            "R1JBREVEEAQyeAoQVGVsZW1ldHJ5U2VydmljZRJkCg9TdHJlYW1UZWxlbWV0",
-            "cnkSJS5zd2VlcHN0YWtlLnYxLlN0cmVhbVRlbGVtZXRyeVJlcXVlc3QaJi5z",
-            "d2VlcHN0YWtlLnYxLlN0cmVhbVRlbGVtZXRyeVJlc3BvbnNlKAEwAUIZqgIW",
-            "U3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "MSKxAwoWU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBIQCghzZXF1ZW5jZRgBIAEo",
+            "BBIlCgVoZWxsbxgCIAEoCzIULnN3ZWVwc3Rha2UudjEuSGVsbG9IABIwCgtm",
+            "cmFtZV9iYXRjaBgDIAEoCzIZLnN3ZWVwc3Rha2UudjEuRnJhbWVCYXRjaEgA",
+            "EjYKDnN3aXRjaF9vdXRjb21lGAQgASgLMhwuc3dlZXBzdGFrZS52MS5Td2l0",
+            "Y2hPdXRjb21lSAASKgoIYmFpbF9vdXQYBSABKAsyFi5zd2VlcHN0YWtlLnYx",
+            "LkJhaWxPdXRIABIwCgttb2RlX2NoYW5nZRgGIAEoCzIZLnN3ZWVwc3Rha2Uu",
+            "djEuTW9kZUNoYW5nZUgAEikKB2dvb2RieWUYByABKAsyFi5zd2VlcHN0YWtl",
+            "LnYxLkdvb2RieWVIABI0Cg1vcmRlcl9yZWZ1c2FsGAggASgLMhsuc3dlZXBz",
+            "dGFrZS52MS5PcmRlclJlZnVzYWxIABIqCghib3hfdmlldxgJIAEoCzIWLnN3",
+            "ZWVwc3Rha2UudjEuQm94Vmlld0gAQgkKB21lc3NhZ2UiggMKF1N0cmVhbVRl",
+            "bGVtZXRyeVJlc3BvbnNlEicKB3dlbGNvbWUYASABKAsyFi5zd2VlcHN0YWtl",
+            "LnYxLldlbGNvbWUSNAoOc3dpdGNoX2NvbW1hbmQYAiABKAsyHC5zd2VlcHN0",
+            "YWtlLnYxLlN3aXRjaENvbW1hbmQSNwoPYWNrbm93bGVkZ2VtZW50GAMgASgL",
+            "Mh4uc3dlZXBzdGFrZS52MS5BY2tub3dsZWRnZW1lbnQSPAoScG9zdGVyaW9y",
+            "X3NuYXBzaG90GAQgASgLMiAuc3dlZXBzdGFrZS52MS5Qb3N0ZXJpb3JTbmFw",
+            "c2hvdBIrCglyZWNvbm5lY3QYBSABKAsyGC5zd2VlcHN0YWtlLnYxLlJlY29u",
+            "bmVjdBI0Cg5vcGVyYXRvcl9vcmRlchgGIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
+            "T3BlcmF0b3JPcmRlchIuCgtib3hfcmVxdWVzdBgHIAEoCzIZLnN3ZWVwc3Rh",
+            "a2UudjEuQm94UmVxdWVzdCIsCgNBcm0SDAoEbmFtZRgBIAEoCRIXCg9iYWNr",
+            "ZW5kX3ZlcnNpb24YAiABKA0irgMKBUhlbGxvEhgKEHByb3RvY29sX3ZlcnNp",
+            "b24YASABKA0SDwoHcHJvamVjdBgCIAEoCRINCgVzY2VuZRgDIAEoCRINCgVi",
+            "dWlsZBgEIAEoCRIVCg1tYWNoaW5lX2NsYXNzGAUgASgJEiAKBGFybXMYBiAD",
+            "KAsyEi5zd2VlcHN0YWtlLnYxLkFybRISCgphY3RpdmVfYXJtGAggASgNEiEK",
+            "BG1vZGUYCSABKA4yEy5zd2VlcHN0YWtlLnYxLk1vZGUSEgoKc2Vzc2lvbl9p",
+            "ZBgKIAEoCRISCgp0aW1lX3NjYWxlGAsgASgBEhUKDWlnbm9yZV9wcmlvcnMY",
+            "DCABKAgSDAoEc2VlZBgNIAEoBBIOCgZwb2xpY3kYDiABKAkSFAoMc3dpdGNo",
+            "X2Vwb2NoGA8gASgNEhQKDHJlc3VtZV90b2tlbhgQIAEoDBIcChRtaW5fcHJv",
+            "dG9jb2xfdmVyc2lvbhgRIAEoDRIvCgxjYXBhYmlsaXRpZXMYEiADKA4yGS5z",
+            "d2VlcHN0YWtlLnYxLkNhcGFiaWxpdHlKBAgHEAhSDnJld2FyZF92ZXJzaW9u",
+            "Iu0CCgpGcmFtZUJhdGNoEhUKDWZyYW1lX3RpbWVfbnMYAiADKAQSGQoRZGV0",
+            "ZWN0aW9uX3RpbWVfbnMYAyADKAQSGAoQYWFiYl9jaGVja19jb3VudBgEIAMo",
+            "BBIUCgxuYXRpdmVfYnl0ZXMYBiADKAQSFAoMb2JqZWN0X2NvdW50GAcgAygN",
+            "EgsKA2FybRgIIAMoDRIUCgxzd2l0Y2hfZXBvY2gYCSADKA0SDQoFZmxhZ3MY",
+            "CiADKA0SOAoQc2NlbmVfZGVzY3JpcHRvchgLIAEoCzIeLnN3ZWVwc3Rha2Uu",
+            "djEuU2NlbmVEZXNjcmlwdG9yEhsKE2Ryb3BwZWRfZnJhbWVfY291bnQYDCAB",
+            "KAQSMwoOc2hhZG93X3NhbXBsZXMYDSADKAsyGy5zd2VlcHN0YWtlLnYxLlNo",
+            "YWRvd1NhbXBsZUoECAEQAkoECAUQBlIRZmlyc3RfZnJhbWVfaW5kZXhSCnBh",
+            "aXJfY291bnQi0gEKDFNoYWRvd1NhbXBsZRIZChFmaXJzdF9mcmFtZV9pbmRl",
+            "eBgBIAEoBBILCgNhcm0YAiABKA0SGQoRZGV0ZWN0aW9uX3RpbWVfbnMYAyAB",
+            "KAQSFQoNYnVpbGRfdGltZV9ucxgEIAEoBBIYChBhYWJiX2NoZWNrX2NvdW50",
+            "GAUgASgEEhQKDG5hdGl2ZV9ieXRlcxgGIAEoBBIUCgxvYmplY3RfY291bnQY",
+            "ByABKA0SEwoLZnJhbWVfY291bnQYCCABKA0SDQoFZmxhZ3MYCSABKA0iyQIK",
+            "D1NjZW5lRGVzY3JpcHRvchIZCgxvYmplY3RfY291bnQYASABKAJIAIgBARIa",
+            "Cg1kZW5zaXR5X3JhdGlvGAIgASgCSAGIAQESGAoLc2l6ZV9zcHJlYWQYAyAB",
+            "KAJIAogBARIXCgpzcGVlZF9tZWFuGAQgASgCSAOIAQESGQoMc3BlZWRfc3By",
+            "ZWFkGAUgASgCSASIAQESHQoQY2x1c3RlcmluZ19yYXRpbxgGIAEoAkgFiAEB",
+            "EhkKDHN0YXRpY19yYXRpbxgHIAEoAkgGiAEBQg8KDV9vYmplY3RfY291bnRC",
+            "EAoOX2RlbnNpdHlfcmF0aW9CDgoMX3NpemVfc3ByZWFkQg0KC19zcGVlZF9t",
+            "ZWFuQg8KDV9zcGVlZF9zcHJlYWRCEwoRX2NsdXN0ZXJpbmdfcmF0aW9CDwoN",
+            "X3N0YXRpY19yYXRpbyL5AQoNU3dpdGNoT3V0Y29tZRISCgpjb21tYW5kX2lk",
+            "GAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyABKA0SEAoI",
+            "ZXhlY3V0ZWQYBCABKAgSFwoPcmVidWlsZF90aW1lX25zGAUgASgEEhgKEHNl",
+            "dHRsaW5nX2Nvc3RfbnMYBiABKAQSKwoGcmVhc29uGAggASgOMhsuc3dlZXBz",
+            "dGFrZS52MS5Td2l0Y2hSZWFzb24SHwoXdHJpYWxfZGV0ZWN0aW9uX3RpbWVf",
+            "bnMYCSABKAQSEQoJdHJpYWxfYXJtGAogASgNSgQIBxAIUgVlcnJvciKCAQoH",
+            "QmFpbE91dBITCgtmcmFtZV9pbmRleBgBIAEoBBILCgNhcm0YAiABKA0SFAoM",
+            "c3dpdGNoX2Vwb2NoGAMgASgNEhUKDWZyYW1lX3RpbWVfbnMYBCABKAQSGQoR",
+            "ZGV0ZWN0aW9uX3RpbWVfbnMYBSABKAQSDQoFZmxhZ3MYBiABKA0iVQoKTW9k",
+            "ZUNoYW5nZRIhCgRtb2RlGAEgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhIK",
+            "CmFjdGl2ZV9hcm0YAiABKA0SEAoIb3JkZXJfaWQYAyABKAQiUwoMT3JkZXJS",
+            "ZWZ1c2FsEhAKCG9yZGVyX2lkGAEgASgEEjEKBnJlYXNvbhgCIAEoDjIhLnN3",
+            "ZWVwc3Rha2UudjEuT3JkZXJSZWZ1c2FsUmVhc29uIhcKB0dvb2RieWVKBAgB",
+            "EAJSBnJlYXNvbiKjBAoHV2VsY29tZRISCgpzZXNzaW9uX2lkGAEgASgJEg8K",
+            "B3Jlc3VtZWQYAiABKAgSHQoVYWNrbm93bGVkZ2VkX3NlcXVlbmNlGAMgASgE",
+            "EhgKEG1heF9iYXRjaF9mcmFtZXMYBCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0",
+            "ZXMYBSABKA0SGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNp",
+            "b25faW50ZXJ2YWxfbXMYByABKA0SEwoLc2V0dGxpbmdfbXMYCSABKA0SEwoL",
+            "YmFpbF9vdXRfbXMYCiABKA0SFgoOZGFlbW9uX3ZlcnNpb24YDCABKAkSDgoG",
+            "cG9saWN5GA4gASgJEgwKBHNlZWQYDyABKAQSLAoGcHJpb3JzGBAgAygLMhwu",
+            "c3dlZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEhoKEnByaW9yX3NvdXJjZV9j",
+            "b3VudBgRIAEoBBIUCgxyZXN1bWVfdG9rZW4YEiABKAwSGgoScHJpb3JzX3Vu",
+            "YXZhaWxhYmxlGBMgASgIEhgKEHByb3RvY29sX3ZlcnNpb24YFCABKA0SLwoM",
+            "Y2FwYWJpbGl0aWVzGBUgAygOMhkuc3dlZXBzdGFrZS52MS5DYXBhYmlsaXR5",
+            "SgQICBAJSgQICxAMSgQIDRAOUgtjb29sZG93bl9tc1IQcmVzdW1lX3dpbmRv",
+            "d19tc1IOcmV3YXJkX3ZlcnNpb24iLAoNQmV0YVBvc3RlcmlvchINCgVhbHBo",
+            "YRgBIAEoARIMCgRiZXRhGAIgASgBInoKDVN3aXRjaENvbW1hbmQSEgoKY29t",
+            "bWFuZF9pZBgBIAEoBBILCgNhcm0YAiABKA0SKwoGcmVhc29uGAMgASgOMhsu",
+            "c3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SGwoTdHJpYWxfbGltaXRfcGVy",
+            "Y2VudBgEIAEoDSI+Cg9BY2tub3dsZWRnZW1lbnQSEAoIc2VxdWVuY2UYASAB",
+            "KAQSGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEKEVBvc3RlcmlvclNu",
+            "YXBzaG90EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0",
+            "ZXJpb3ISJwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVyZGlj",
+            "dBISCgpsZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9wcm9iYWJpbGl0eRgE",
+            "IAEoARItCglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0",
+            "YW5kaW5nIqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dpbmRvd19jb3VudBgB",
+            "IAEoBBIYChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4KFmVmZmVjdGl2ZV93",
+            "aW5kb3dfY291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJpbGl0eRgEIAEoARIs",
+            "Cgpjb3N0X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52MS5Db3N0UmF0aW8i",
+            "NgoJQ29zdFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNsb3cYAiABKAESDAoE",
+            "aGlnaBgDIAEoASIsCglSZWNvbm5lY3QSEAoIZGVsYXlfbXMYAiABKA1KBAgB",
+            "EAJSB2FkZHJlc3MiXgoNT3BlcmF0b3JPcmRlchIQCghvcmRlcl9pZBgBIAEo",
+            "BBIhCgRtb2RlGAIgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhAKA2FybRgD",
+            "IAEoDUgAiAEBQgYKBF9hcm0iRgoKQm94UmVxdWVzdBITCgtpbnRlcnZhbF9t",
+            "cxgBIAEoDRIRCgltYXhfYnl0ZXMYAiABKA0SEAoIdW50aWxfbXMYAyABKA0i",
+            "cgoHQm94VmlldxITCgtmcmFtZV9pbmRleBgBIAEoBBIUCgxvYmplY3RfY291",
+            "bnQYAiABKA0SDgoGc3RyaWRlGAMgASgNEg4KBmJvdW5kcxgEIAMoAhINCgVi",
+            "b3hlcxgFIAEoDBINCgVwYWlycxgGIAEoDCo6CgRNb2RlEhQKEE1PREVfVU5T",
+            "UEVDSUZJRUQQABIPCgtNT0RFX01BTlVBTBABEgsKB01PREVfQUkQAiqcAQoM",
+            "U3dpdGNoUmVhc29uEh0KGVNXSVRDSF9SRUFTT05fVU5TUEVDSUZJRUQQABIY",
+            "ChRTV0lUQ0hfUkVBU09OX1BPTElDWRABEh0KGVNXSVRDSF9SRUFTT05fRVhQ",
+            "TE9SQVRJT04QAhIaChZTV0lUQ0hfUkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJ",
+            "VENIX1JFQVNPTl9NQU5VQUwQBCphCgpDYXBhYmlsaXR5EhoKFkNBUEFCSUxJ",
+            "VFlfVU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJBVE9SX09SREVS",
+            "UxABEhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsK",
+            "F1NIQURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNU",
+            "SVZFEAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqhwEKCUZyYW1lRmxhZxIa",
+            "ChZGUkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJV",
+            "SUxEEAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xP",
+            "QURJTkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgqggEKEk9yZGVyUmVm",
+            "dXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklF",
+            "RBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAoc",
+            "T1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoT",
+            "VkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoL",
+            "VkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJ",
+            "Q1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRl",
+            "bGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVz",
+            "dBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATAB",
+            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
-          new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.RecordingsReflection.Descriptor, },
+          new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryRequest), global::Sweepstake.Protocol.V1.StreamTelemetryRequest.Parser, new[]{ "Sequence", "Hello", "FrameBatch", "SwitchOutcome", "BailOut", "ModeChange", "Goodbye", "OrderRefusal", "BoxView", "RecordingPart" }, new[]{ "Message" }, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryResponse), global::Sweepstake.Protocol.V1.StreamTelemetryResponse.Parser, new[]{ "Welcome", "SwitchCommand", "Acknowledgement", "PosteriorSnapshot", "Reconnect", "OperatorOrder", "BoxRequest", "RecordingRequest" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryRequest), global::Sweepstake.Protocol.V1.StreamTelemetryRequest.Parser, new[]{ "Sequence", "Hello", "FrameBatch", "SwitchOutcome", "BailOut", "ModeChange", "Goodbye", "OrderRefusal", "BoxView" }, new[]{ "Message" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryResponse), global::Sweepstake.Protocol.V1.StreamTelemetryResponse.Parser, new[]{ "Welcome", "SwitchCommand", "Acknowledgement", "PosteriorSnapshot", "Reconnect", "OperatorOrder", "BoxRequest" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Arm), global::Sweepstake.Protocol.V1.Arm.Parser, new[]{ "Name", "BackendVersion" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "MinProtocolVersion", "Capabilities" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples" }, null, null, null, null),
@@ -239,10 +235,6 @@ namespace Sweepstake.Protocol.V1 {
     /// The game shows the boxes of its objects to operators on request. A shipped game does not have this.
     /// </summary>
     [pbr::OriginalName("CAPABILITY_BOX_VIEW")] BoxView = 2,
-    /// <summary>
-    /// The game sends the files of its flight recorder to operators on request. A shipped game does not have this.
-    /// </summary>
-    [pbr::OriginalName("CAPABILITY_RECORDINGS")] Recordings = 3,
   }
 
   /// <summary>
@@ -400,9 +392,6 @@ namespace Sweepstake.Protocol.V1 {
         case MessageOneofCase.BoxView:
           BoxView = other.BoxView.Clone();
           break;
-        case MessageOneofCase.RecordingPart:
-          RecordingPart = other.RecordingPart.Clone();
-          break;
       }
 
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
@@ -420,7 +409,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>
     /// Numbers every message with evidence (frame batch, switch outcome, bail-out, mode change, order refusal), counted from 1
     /// within the session and across its connections. A message with a number that was already applied counts as a replay and is
-    /// ignored. Gaps are allowed (the client dropped messages). Absent (0) in Hello, Goodbye, box views and recording parts only.
+    /// ignored. Gaps are allowed (the client dropped messages). Absent (0) in Hello, Goodbye and box views only.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -551,21 +540,6 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "recording_part" field.</summary>
-    public const int RecordingPartFieldNumber = 10;
-    /// <summary>
-    /// Flight recordings, or a part of one, requested by an operator. Not evidence: not acknowledged, and not sent again.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public global::Sweepstake.Protocol.V1.RecordingPart RecordingPart {
-      get { return messageCase_ == MessageOneofCase.RecordingPart ? (global::Sweepstake.Protocol.V1.RecordingPart) message_ : null; }
-      set {
-        message_ = value;
-        messageCase_ = value == null ? MessageOneofCase.None : MessageOneofCase.RecordingPart;
-      }
-    }
-
     private object message_;
     /// <summary>Enum of possible cases for the "message" oneof.</summary>
     public enum MessageOneofCase {
@@ -578,7 +552,6 @@ namespace Sweepstake.Protocol.V1 {
       Goodbye = 7,
       OrderRefusal = 8,
       BoxView = 9,
-      RecordingPart = 10,
     }
     private MessageOneofCase messageCase_ = MessageOneofCase.None;
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -618,7 +591,6 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(Goodbye, other.Goodbye)) return false;
       if (!object.Equals(OrderRefusal, other.OrderRefusal)) return false;
       if (!object.Equals(BoxView, other.BoxView)) return false;
-      if (!object.Equals(RecordingPart, other.RecordingPart)) return false;
       if (MessageCase != other.MessageCase) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
@@ -636,7 +608,6 @@ namespace Sweepstake.Protocol.V1 {
       if (messageCase_ == MessageOneofCase.Goodbye) hash ^= Goodbye.GetHashCode();
       if (messageCase_ == MessageOneofCase.OrderRefusal) hash ^= OrderRefusal.GetHashCode();
       if (messageCase_ == MessageOneofCase.BoxView) hash ^= BoxView.GetHashCode();
-      if (messageCase_ == MessageOneofCase.RecordingPart) hash ^= RecordingPart.GetHashCode();
       hash ^= (int) messageCase_;
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
@@ -692,10 +663,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(74);
         output.WriteMessage(BoxView);
       }
-      if (messageCase_ == MessageOneofCase.RecordingPart) {
-        output.WriteRawTag(82);
-        output.WriteMessage(RecordingPart);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -742,10 +709,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(74);
         output.WriteMessage(BoxView);
       }
-      if (messageCase_ == MessageOneofCase.RecordingPart) {
-        output.WriteRawTag(82);
-        output.WriteMessage(RecordingPart);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -782,9 +745,6 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (messageCase_ == MessageOneofCase.BoxView) {
         size += 1 + pb::CodedOutputStream.ComputeMessageSize(BoxView);
-      }
-      if (messageCase_ == MessageOneofCase.RecordingPart) {
-        size += 1 + pb::CodedOutputStream.ComputeMessageSize(RecordingPart);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -849,12 +809,6 @@ namespace Sweepstake.Protocol.V1 {
             BoxView = new global::Sweepstake.Protocol.V1.BoxView();
           }
           BoxView.MergeFrom(other.BoxView);
-          break;
-        case MessageOneofCase.RecordingPart:
-          if (RecordingPart == null) {
-            RecordingPart = new global::Sweepstake.Protocol.V1.RecordingPart();
-          }
-          RecordingPart.MergeFrom(other.RecordingPart);
           break;
       }
 
@@ -953,15 +907,6 @@ namespace Sweepstake.Protocol.V1 {
             BoxView = subBuilder;
             break;
           }
-          case 82: {
-            global::Sweepstake.Protocol.V1.RecordingPart subBuilder = new global::Sweepstake.Protocol.V1.RecordingPart();
-            if (messageCase_ == MessageOneofCase.RecordingPart) {
-              subBuilder.MergeFrom(RecordingPart);
-            }
-            input.ReadMessage(subBuilder);
-            RecordingPart = subBuilder;
-            break;
-          }
         }
       }
     #endif
@@ -1057,15 +1002,6 @@ namespace Sweepstake.Protocol.V1 {
             BoxView = subBuilder;
             break;
           }
-          case 82: {
-            global::Sweepstake.Protocol.V1.RecordingPart subBuilder = new global::Sweepstake.Protocol.V1.RecordingPart();
-            if (messageCase_ == MessageOneofCase.RecordingPart) {
-              subBuilder.MergeFrom(RecordingPart);
-            }
-            input.ReadMessage(subBuilder);
-            RecordingPart = subBuilder;
-            break;
-          }
         }
       }
     }
@@ -1119,7 +1055,6 @@ namespace Sweepstake.Protocol.V1 {
       reconnect_ = other.reconnect_ != null ? other.reconnect_.Clone() : null;
       operatorOrder_ = other.operatorOrder_ != null ? other.operatorOrder_.Clone() : null;
       boxRequest_ = other.boxRequest_ != null ? other.boxRequest_.Clone() : null;
-      recordingRequest_ = other.recordingRequest_ != null ? other.recordingRequest_.Clone() : null;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1234,21 +1169,6 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "recording_request" field.</summary>
-    public const int RecordingRequestFieldNumber = 8;
-    private global::Sweepstake.Protocol.V1.RecordingRequest recordingRequest_;
-    /// <summary>
-    /// An operator's request for the game's flight recordings; only with CAPABILITY_RECORDINGS. Only the latest one counts.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public global::Sweepstake.Protocol.V1.RecordingRequest RecordingRequest {
-      get { return recordingRequest_; }
-      set {
-        recordingRequest_ = value;
-      }
-    }
-
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1271,7 +1191,6 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(Reconnect, other.Reconnect)) return false;
       if (!object.Equals(OperatorOrder, other.OperatorOrder)) return false;
       if (!object.Equals(BoxRequest, other.BoxRequest)) return false;
-      if (!object.Equals(RecordingRequest, other.RecordingRequest)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1286,7 +1205,6 @@ namespace Sweepstake.Protocol.V1 {
       if (reconnect_ != null) hash ^= Reconnect.GetHashCode();
       if (operatorOrder_ != null) hash ^= OperatorOrder.GetHashCode();
       if (boxRequest_ != null) hash ^= BoxRequest.GetHashCode();
-      if (recordingRequest_ != null) hash ^= RecordingRequest.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1333,10 +1251,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(58);
         output.WriteMessage(BoxRequest);
       }
-      if (recordingRequest_ != null) {
-        output.WriteRawTag(66);
-        output.WriteMessage(RecordingRequest);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1375,10 +1289,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(58);
         output.WriteMessage(BoxRequest);
       }
-      if (recordingRequest_ != null) {
-        output.WriteRawTag(66);
-        output.WriteMessage(RecordingRequest);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1409,9 +1319,6 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (boxRequest_ != null) {
         size += 1 + pb::CodedOutputStream.ComputeMessageSize(BoxRequest);
-      }
-      if (recordingRequest_ != null) {
-        size += 1 + pb::CodedOutputStream.ComputeMessageSize(RecordingRequest);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -1466,12 +1373,6 @@ namespace Sweepstake.Protocol.V1 {
           BoxRequest = new global::Sweepstake.Protocol.V1.BoxRequest();
         }
         BoxRequest.MergeFrom(other.BoxRequest);
-      }
-      if (other.recordingRequest_ != null) {
-        if (recordingRequest_ == null) {
-          RecordingRequest = new global::Sweepstake.Protocol.V1.RecordingRequest();
-        }
-        RecordingRequest.MergeFrom(other.RecordingRequest);
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1541,13 +1442,6 @@ namespace Sweepstake.Protocol.V1 {
             input.ReadMessage(BoxRequest);
             break;
           }
-          case 66: {
-            if (recordingRequest_ == null) {
-              RecordingRequest = new global::Sweepstake.Protocol.V1.RecordingRequest();
-            }
-            input.ReadMessage(RecordingRequest);
-            break;
-          }
         }
       }
     #endif
@@ -1614,13 +1508,6 @@ namespace Sweepstake.Protocol.V1 {
               BoxRequest = new global::Sweepstake.Protocol.V1.BoxRequest();
             }
             input.ReadMessage(BoxRequest);
-            break;
-          }
-          case 66: {
-            if (recordingRequest_ == null) {
-              RecordingRequest = new global::Sweepstake.Protocol.V1.RecordingRequest();
-            }
-            input.ReadMessage(RecordingRequest);
             break;
           }
         }

@@ -1,7 +1,7 @@
 // The arms of a scene in figures: the table behind the ridgeline.
 import { significant } from '../../../format';
 import { MEASURED_WORDS } from '../../charts/ridgeline';
-import { centralInterval, mean } from '../../numbers/beta';
+import { mean } from '../../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, rewardText } from '../../numbers/log_cost';
 import { Arm } from '../../parts/arm';
 import { ago, now } from '../../parts/clock';
@@ -14,20 +14,20 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
   const shown = (reward: number) => rewardText(reward, tellsCosts);
   const value = (reward: number) => (tellsCosts ? costNsOf(reward) : reward);
-  const end = (row: ArmRow, high: boolean) => centralInterval(row.posterior, 0.95)[high === tellsCosts ? 0 : 1];
+  const end = (row: ArmRow, high: boolean) => row.reward95[high === tellsCosts ? 0 : 1];
   const unit = tellsCosts ? ', in nanoseconds' : '';
   return [
     { id: 'arm', title: 'Arm', sort: ({ label }) => label,
       cell: (row) => <><Arm name={row.arm} hollow={row.measured !== 'live'} />{row.label !== row.arm && <span class="soft"> v{row.backendVersion}{row.isOld && ', old'}</span>}</> },
     { id: 'measured', title: 'Measured', isText: true, hint: 'Whether it ran in a game, or only beside one in the shadow lane', sort: ({ measured }) => measured,
       cell: ({ measured }) => (measured === 'live' ? 'live' : <span class="lane-only" title={MEASURED_WORDS[measured]}>{measured === 'lane' ? 'lane only' : 'never'}</span>) },
-    { id: 'best', title: 'P(best)', hint: 'Probability to be the best arm', sort: ({ view }) => view.bestProbability, cell: ({ view }) => view.bestProbability?.toFixed(3) ?? '–' },
+    { id: 'best', title: 'P(best)', hint: 'Probability to be the best arm', sort: ({ bestProbability }) => bestProbability, cell: ({ bestProbability }) => bestProbability?.toFixed(3) ?? '–' },
     { id: 'mean', title: tellsCosts ? 'Detection time' : 'Reward', hint: `Mean of what is believed${unit}`, sort: ({ posterior }) => value(mean(posterior)),
       cell: ({ posterior }) => shown(mean(posterior)) },
     { id: 'low', title: '95 % from', sort: (row) => value(end(row, false)), cell: (row) => shown(end(row, false)) },
     { id: 'high', title: 'to', sort: (row) => value(end(row, true)), cell: (row) => shown(end(row, true)) },
-    ...(!tellsCosts ? [] : [{ id: 'ratio', title: 'Cost ÷ leader’s', hint: 'Median, and where it is with 95 %', sort: ({ view }: ArmRow) => view.costRatio?.median,
-      cell: ({ view: { costRatio: ratio } }: ArmRow) => (ratio ? `${significant(ratio.median)} (${significant(ratio.low)} to ${significant(ratio.high)})` : '–') }]),
+    ...(!tellsCosts ? [] : [{ id: 'ratio', title: 'Cost ÷ leader’s', hint: 'Median, and where it is with 95 %', sort: ({ costRatio }: ArmRow) => costRatio?.median,
+      cell: ({ costRatio: ratio }: ArmRow) => (ratio ? `${significant(ratio.median)} (${significant(ratio.low)} to ${significant(ratio.high)})` : '–') }]),
     { id: 'windows', title: 'Windows', hint: 'Decision windows in which it ran in games', sort: ({ windowCount }) => windowCount, cell: ({ windowCount }) => count(windowCount) },
     { id: 'visits', title: 'Lane visits', hint: 'Measurements of the shadow lane', sort: ({ visitCount }) => visitCount, cell: ({ visitCount }) => count(visitCount) },
     { id: 'n', title: 'Worth windows', hint: 'So many live windows of this scene would tell as much as windows and lane visits together do', sort: ({ effectiveWindowCount }) => effectiveWindowCount,

@@ -1,7 +1,6 @@
 // What belongs to a scene: the same scene on other machines, its sessions, and its latest decisions.
 import { DecisionOutcome, type DecisionEvent } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { share } from '../../../format';
-import { verdictOf } from '../../numbers/verdict';
 import { Arm } from '../../parts/arm';
 import { Chip, VerdictChip } from '../../parts/chips';
 import { ago, now, timeText } from '../../parts/clock';
@@ -9,7 +8,7 @@ import { Name } from '../../parts/name';
 import { type Column, Table } from '../../parts/table';
 import { visible } from '../../parts/visible';
 import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
-import { sceneKey, type SceneName, type SceneState } from '../../state/scenes';
+import { leaderProbabilityOf, sceneKey, type SceneName, type SceneState } from '../../state/scenes';
 import { isConnected, lastMessageMs, sessions, type SessionState } from '../../state/sessions';
 import { summaries } from '../../state/summaries';
 import { explained, toldOfEvent } from '../../audit/explain';
@@ -34,11 +33,11 @@ function variantColumns(own: string): readonly Column<SceneState>[] {
     { id: 'class', title: 'Machines', sort: ({ posterior }) => posterior.machineClass,
       cell: ({ posterior, key }) => (key === own ? <b><Name text={posterior.machineClass} /></b> : <a href={sceneHref(posterior)}><Name text={posterior.machineClass} /></a>) },
     { id: 'reward', title: 'Reward', isText: true, sort: ({ posterior }) => posterior.rewardVersion, cell: ({ posterior }) => rewardName(posterior.rewardVersion) },
-    { id: 'verdict', title: 'Verdict', isText: true, cell: ({ posterior }) => <VerdictChip verdict={verdictOf(posterior).verdict} /> },
-    { id: 'leader', title: 'Leader', isText: true, sort: ({ posterior }) => verdictOf(posterior).leader, cell: ({ posterior }) => <Arm name={verdictOf(posterior).leader} /> },
-    { id: 'p', title: 'P(best)', sort: ({ posterior }) => verdictOf(posterior).leaderProbability,
-      cell: ({ posterior }) => (verdictOf(posterior).leader ? verdictOf(posterior).leaderProbability.toFixed(3) : '–') },
-    { id: 'loss', title: 'Loss', sort: ({ posterior }) => verdictOf(posterior).expectedLossRatio, cell: ({ posterior }) => share(verdictOf(posterior).expectedLossRatio) },
+    { id: 'verdict', title: 'Verdict', isText: true, cell: ({ posterior }) => <VerdictChip verdict={posterior.verdict} /> },
+    { id: 'leader', title: 'Leader', isText: true, sort: ({ posterior }) => posterior.leaderArm, cell: ({ posterior }) => <Arm name={posterior.leaderArm} /> },
+    { id: 'p', title: 'P(best)', sort: ({ posterior }) => leaderProbabilityOf(posterior),
+      cell: ({ posterior }) => (posterior.leaderArm ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
+    { id: 'loss', title: 'Loss', sort: ({ posterior }) => posterior.expectedLossRatio, cell: ({ posterior }) => share(posterior.expectedLossRatio) },
     { id: 'sources', title: 'Sources', hint: 'Sessions whose evidence it has', sort: ({ posterior }) => Number(posterior.sourceCount), cell: ({ posterior }) => String(posterior.sourceCount) },
     { id: 'compare', title: 'Beside one another', isText: true, cell: ({ key }) => (key === own ? '' : <a href={besideHref(key)}>Compare</a>) },
   ];

@@ -2,19 +2,20 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
+import { NO_HISTORY } from '../../state/history';
 import type { SceneState } from '../../state/scenes';
 import { armNames, armRows, latestSwitches, MAX_SWITCHES, measuredBy, ridgeRows } from './model';
 
 const posterior = create(ScenePosteriorSchema, {
   rewardVersion: 3,
   arms: [
-    { arm: 'A', backendVersion: 1, posterior: { alpha: 60, beta: 40 }, windowCount: 5n, visitCount: 2n, effectiveWindowCount: 5.5 },
-    { arm: 'A', backendVersion: 2, posterior: { alpha: 55, beta: 45 }, visitCount: 7n },
-    { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 }, unixLastSeenS: 7n },
+    { arm: 'A', backendVersion: 1, posterior: { alpha: 60, beta: 40 }, isOutdated: true, windowCount: 5n, visitCount: 2n, effectiveWindowCount: 5.5 },
+    { arm: 'A', backendVersion: 2, posterior: { alpha: 55, beta: 45 }, visitCount: 7n, bestProbability: 0.25 },
+    { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 }, unixLastSeenS: 7n, rewardLow95: 0.6, rewardHigh95: 0.8, bestProbability: 0.75, costRatio: { median: 1, low: 1, high: 1 } },
   ],
 });
 const state: SceneState = {
-  key: 'k', posterior, changedMs: 0, history: new Map([['A', { timesMs: [5, 9], alpha: [1, 55], beta: [1, 45] }], ['B', { timesMs: [5], alpha: [70], beta: [30] }]]),
+  key: 'k', posterior, changedMs: 0, history: NO_HISTORY,
   decisions: [],
 };
 
@@ -32,8 +33,11 @@ describe('the rows of a scene', () => {
   const rows = armRows(state);
   it('name the version of a backend where there are several', () => expect(rows.map(({ label, isOld }) => [label, isOld])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
   it('have as many windows as what is known is worth', () => expect(rows.map(({ effectiveWindowCount }) => effectiveWindowCount)).toEqual([5.5, 0, 0]));
-  it('say when an arm changed since the page was opened or, before that, when its sources taught last', () =>
-    expect(rows.map(({ changedMs }) => changedMs)).toEqual([undefined, 9, 7000]));
+  it('say when the sources of an arm last taught it', () => expect(rows.map(({ changedMs }) => changedMs)).toEqual([undefined, undefined, 7000]));
+  it('have the figures that the daemon sent', () => {
+    expect(rows[2]).toMatchObject({ reward95: [0.6, 0.8], bestProbability: 0.75, costRatio: { median: 1 } });
+    expect(rows[0]).toMatchObject({ bestProbability: undefined, costRatio: undefined });
+  });
   it('are drawn with the most probable arm first and old versions last', () => expect(ridgeRows(rows).map(({ label }) => label)).toEqual(['B', 'A v2', 'A v1']));
   it('have behind them what was believed before, where that was something else', () => {
     const before = create(ScenePosteriorSchema, { arms: [{ arm: 'A', backendVersion: 2, posterior: { alpha: 5, beta: 4 } }, { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 } }] });

@@ -1,10 +1,10 @@
-// What the view of a scene says of each arm, computed from what the daemon told.
+// The rows of a scene's view, one per arm, from what the daemon sent.
 import { type ArmPosterior, type DecisionEvent, DecisionOutcome, type ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
 import type { Moment } from '../../charts/plot';
 import type { Measured, RidgeRow } from '../../charts/ridgeline';
-import type { Beta } from '../../numbers/beta';
-import { type ArmView, isNewest, verdictOf } from '../../numbers/verdict';
+import type { Beta, Interval } from '../../numbers/beta';
+import type { Ratio } from '../../numbers/log_cost';
 import { lastSeenMs, type SceneState } from '../../state/scenes';
 
 export interface ArmRow {
@@ -15,7 +15,9 @@ export interface ArmRow {
   isOld: boolean; // there is a newer version, and decisions do not depend on this one
   posterior: Beta;
   measured: Measured;
-  view: ArmView;
+  reward95: Interval;
+  bestProbability: number | undefined; // undefined: nothing is learnt, or there is a newer version
+  costRatio: Ratio | undefined; // ÷ the leader's cost; undefined as well where rewards do not tell costs
   windowCount: number;
   visitCount: number;
   bailOutCount: number;
@@ -29,39 +31,38 @@ export function measuredBy({ windowCount, visitCount, bailOutCount }: Pick<ArmPo
   return visitCount > 0n ? 'lane' : 'never';
 }
 
-export function armRows({ posterior: { arms }, posterior, history }: SceneState): ArmRow[] {
-  const { arms: views } = verdictOf(posterior);
-  return arms.flatMap((arm, place): ArmRow[] => {
+export function armRows({ posterior: { arms } }: SceneState): ArmRow[] {
+  return arms.flatMap((arm): ArmRow[] => {
     if (!arm.posterior) return [];
-    const isOld = !isNewest(arms, arm);
     const hasVersions = arms.some((other) => other.arm === arm.arm && other !== arm);
-    const times = isOld ? [] : history.get(arm.arm)?.timesMs ?? [];
     return [{
       key: `${arm.arm}\n${arm.backendVersion}`,
       arm: arm.arm,
       label: hasVersions ? `${arm.arm} v${arm.backendVersion}` : arm.arm,
       backendVersion: arm.backendVersion,
-      isOld,
+      isOld: arm.isOutdated,
       posterior: arm.posterior,
       measured: measuredBy(arm),
-      view: views[place] ?? {},
+      reward95: [arm.rewardLow95, arm.rewardHigh95],
+      bestProbability: arm.bestProbability,
+      costRatio: arm.costRatio,
       windowCount: Number(arm.windowCount),
       visitCount: Number(arm.visitCount),
       bailOutCount: Number(arm.bailOutCount),
       effectiveWindowCount: arm.effectiveWindowCount,
-      changedMs: Math.max(lastSeenMs(arm), times.length > 1 ? times.at(-1)! : 0) || undefined,
+      changedMs: lastSeenMs(arm) || undefined,
     }];
   });
 }
 
 /** The most probable arm first, arms of old versions last. What was believed in `before` is drawn behind, where it was something else. */
 export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): RidgeRow[] {
-  const rank = ({ isOld, view }: ArmRow) => (isOld ? -1 : view.bestProbability ?? 0);
+  const rank = ({ isOld, bestProbability }: ArmRow) => (isOld ? -1 : bestProbability ?? 0);
   return [...rows].sort((a, b) => rank(b) - rank(a) || a.key.localeCompare(b.key))
-    .map(({ arm, label, backendVersion, posterior, measured }) => {
+    .map(({ arm, label, backendVersion, posterior, reward95, measured }) => {
       const was = before?.arms.find((each) => each.arm === arm && each.backendVersion === backendVersion)?.posterior;
       const isOther = was && (was.alpha !== posterior.alpha || was.beta !== posterior.beta);
-      return { arm, label, posterior, measured, ...(isOther && { before: was }) };
+      return { arm, label, posterior, reward95, measured, ...(isOther && { before: was }) };
     });
 }
 
