@@ -58,11 +58,11 @@ void Run(Input input) {
   const absl::StatusOr<Config> config = source == 'f'   ? ConfigOf(ReadFile(text))
                                         : source == 'e' ? ConfigOf(ReadEnvironment(Lines(text)))
                                                         : ConfigOf(Flags(text));
-  if (!config.ok()) return Require(!config.status().message().empty(), "an error says what");
+  if (!config.ok()) return Require(!config.status().message().empty(), "an error has a message");
   const absl::StatusOr<Config> again = ConfigOf(ReadFile(PrintConfig(*config)));
-  Require(again.ok(), "what is printed can be read");
+  Require(again.ok(), "printed settings can be read");
   const ChangedKeys changed = ChangedSettings(*config, *again);
-  Require(changed.live.empty() && changed.fixed.empty(), "what is printed says the same");
+  Require(changed.live.empty() && changed.fixed.empty(), "printed settings are equal");
 }
 
 }  // namespace

@@ -70,14 +70,14 @@ std::string ValidDatabase() {
   const fs::path path = Folder() / "priors.db";
   {
     auto store = OpenSqlitePriorStore(path);
-    Require(store.ok(), "a store can be made");
+    Require(store.ok(), "a store can be created");
     Require((*store)
                 ->Commit(std::vector{Update("a", 1), Update("b", 1), Update("old", 1, kLongAgoS),
                                      Update("older", 1, kLongAgoS - 1)})
                 .ok(),
             "committed");
     Require(Fold(**store, kLongAgoS).ok(), "folded");
-    Require((*store)->Commit(std::vector{Update("old", 2)}).ok(), "the old one goes on");
+    Require((*store)->Commit(std::vector{Update("old", 2)}).ok(), "the old source continues");
     const PriorRecord imported{Update("", 1).increments[0].key, "c", 1, {1, 1, 1, 0}};
     Require((*store)->Import({&imported, 1}).ok(), "imported");
     Require((*store)->Revoke({.id = "b"}, false).ok(), "revoked");
@@ -110,9 +110,9 @@ std::string Changed(std::string bytes, Input input) {
 // Reads everything in a store. The results are valid, or it reports an error.
 void Read(PriorStore& store) {
   if (const auto records = store.Export({}, {}, kPage); records.ok())
-    Require(CheckRecords(records->records).ok(), "what is read is valid");
+    Require(CheckRecords(records->records).ok(), "records are valid");
   if (const auto records = store.ExportQuarantined({}, {}, kPage); records.ok())
-    Require(CheckRecords(records->records).ok(), "what waits is valid");
+    Require(CheckRecords(records->records).ok(), "records in quarantine are valid");
   if (const auto scenes = store.List({}, std::nullopt, kPage); scenes.ok()) {
     for (const auto& scene : *scenes) {
       (void)store.LoadScene(scene.key);
@@ -143,8 +143,8 @@ std::optional<std::vector<priors::Evidence>> Sums(PriorStore& store) {
 void FoldAll(PriorStore& store) {
   const auto before = Sums(store);
   const absl::Status status = Fold(store, kNowS);
-  Require(Sums(store) == before, "folding leaves the sums as they are");
-  Require(status.ok() || !status.message().empty(), "a fold that fails says why");
+  Require(Sums(store) == before, "folding does not change the sums");
+  Require(status.ok() || !status.message().empty(), "a fold that fails gives a reason");
 }
 
 void Write(PriorStore& store) {
@@ -173,7 +173,7 @@ void Run(Input input) {
     FoldAll(**store);
     Read(**store);
   } else {
-    Require(!store.status().message().empty(), "a refusal says why");
+    Require(!store.status().message().empty(), "a refusal gives a reason");
   }
   RemoveDatabase();
 }

@@ -58,15 +58,17 @@ class Stores {
         waits ? sqlite_->Quarantine(records, kMaxWaiting) : sqlite_->Import(records);
     const auto by_memory =
         waits ? memory_.Quarantine(records, kMaxWaiting) : memory_.Import(records);
-    Require(by_file.status().code() == by_memory.status().code(), "imports end alike");
+    Require(by_file.status().code() == by_memory.status().code(), "imports have equal results");
     if (!by_file.ok()) return;
-    Require(by_file->applied_count == by_memory->applied_count, "imports apply alike");
-    Require(by_file->unchanged_count == by_memory->unchanged_count, "imports ignore alike");
+    Require(by_file->applied_count == by_memory->applied_count,
+            "imports apply equally many records");
+    Require(by_file->unchanged_count == by_memory->unchanged_count,
+            "imports ignore equally many records");
   }
   void Promote(const std::string& source_id, bool preview) {
     const auto by_file = sqlite_->Promote({.id = source_id}, preview);
     const auto by_memory = memory_.Promote({.id = source_id}, preview);
-    Require(by_file.ok() && *by_file == *by_memory, "promotions change alike");
+    Require(by_file.ok() && *by_file == *by_memory, "promotions have equal effects");
   }
   void Commit(const PriorRecord& record) {
     priors::SourceUpdate update;
@@ -74,13 +76,13 @@ class Stores {
     update.progress.commit_sequence = record.source_sequence;
     update.increments.push_back({record.key, record.evidence});
     const absl::Status by_file = sqlite_->Commit({&update, 1});
-    Require(by_file.code() == memory_.Commit({&update, 1}).code(), "commits end alike");
+    Require(by_file.code() == memory_.Commit({&update, 1}).code(), "commits have equal results");
   }
   void Revoke(const std::string& source_id) {
     const auto by_file = sqlite_->Revoke({.id = source_id}, false);
     const auto by_memory = memory_.Revoke({.id = source_id}, false);
-    Require(by_file.status().code() == by_memory.status().code(), "revocations end alike");
-    Require(!by_file.ok() || *by_file == *by_memory, "revocations remove alike");
+    Require(by_file.status().code() == by_memory.status().code(), "revocations have equal results");
+    Require(!by_file.ok() || *by_file == *by_memory, "revocations remove equally many records");
   }
   void Compare() {
     const auto by_file = sqlite_->Export({}, {}, kAll);
@@ -90,7 +92,7 @@ class Stores {
     const auto waiting = sqlite_->ExportQuarantined({}, {}, kAll);
     Require(waiting.ok() && waiting->records == memory_.ExportQuarantined({}, {}, kAll)->records,
             "records that wait are the same");
-    Require(CheckRecords(by_file->records).ok(), "what is stored is valid");
+    Require(CheckRecords(by_file->records).ok(), "stored records are valid");
     CompareSums(*sqlite_->List({}, std::nullopt, kAll), *memory_.List({}, std::nullopt, kAll));
   }
 
@@ -107,7 +109,8 @@ class Stores {
     Require(by_file.size() == by_memory.size(), "scenes are the same");
     for (size_t scene = 0; scene < by_file.size(); ++scene) {
       Require(by_file[scene].key == by_memory[scene].key, "keys are the same");
-      Require(by_file[scene].source_count == by_memory[scene].source_count, "sources are counted");
+      Require(by_file[scene].source_count == by_memory[scene].source_count,
+              "source counts are the same");
       Require(by_file[scene].arms.size() == by_memory[scene].arms.size(), "arms are the same");
       for (size_t arm = 0; arm < by_file[scene].arms.size(); ++arm) {
         CompareSums(by_file[scene].arms[arm].live, by_memory[scene].arms[arm].live);

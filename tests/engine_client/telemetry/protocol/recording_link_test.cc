@@ -31,7 +31,7 @@ class RecordingLinkTest : public ::testing::Test {
     response.mutable_welcome()->set_protocol_version(2);
     response.mutable_welcome()->add_capabilities(v1::CAPABILITY_RECORDINGS);
     EXPECT_TRUE(link_->OnMessage(response.SerializeAsString(), kNowNs).ok());
-    EXPECT_EQ(link_->Advance(kNowNs), LinkAction::kNone) << "nothing was asked for";
+    EXPECT_EQ(link_->Advance(kNowNs), LinkAction::kNone) << "without a request";
     return hello;
   }
   void Ask(uint64_t request_id, uint64_t recording_id, uint64_t offset = 0,
