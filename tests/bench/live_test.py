@@ -142,14 +142,14 @@ echo {}
             self.assertEqual(judged({"command": "live", "rows": bad})[0], 1, bad)
         for too_few, given in (("rounds", rows("quiet", 0.0, rounds=4)), ("scenes", rows("quiet", 0.0, scenes="abca"))):
             code, out, _ = judged({"command": "live", "rows": given})
-            self.assertEqual((code, json.loads(out)["figures"][0]["too_few"]), (1, too_few), "four rounds or three scenes tell too little")
+            self.assertEqual((code, json.loads(out)["figures"][0]["too_few"]), (1, too_few), "four rounds or three scenes are too few")
         self.assertEqual(judged({"command": "live", "rows": rows("quiet", 0.0, trial=None)})[0], 0, "without a trial none can hurt")
         one_without = {"command": "live", "rows": rows("quiet", 0.0, scenes="abcd") + rows("quiet", 0.0, scenes="e", trial=None)}
         figures = {each["figure"]: each["met"] for each in json.loads(judged(one_without)[1])["figures"] if each["condition"] == "quiet"}
         self.assertEqual(figures["trial_worst_ratio"], True)
         few = rows("quiet", 0.0, scenes="abc", trial=9.0) + rows("quiet", 0.0, scenes="d", trial=None)
         figures = [each for each in json.loads(judged({"command": "live", "rows": few})[1])["figures"] if each["condition"] == "quiet"]
-        self.assertEqual([(each["met"], each["trials"]) for each in figures if "trials" in each], [(None, 9)], "they tell too little")
+        self.assertEqual([(each["met"], each["trials"]) for each in figures if "trials" in each], [(None, 9)], "nine trials are too few")
         of_lane = {"command": "live", "rows": rows("quiet", None, 1.05, trial=None)}
         figures = json.loads(judged(of_lane)[1])["figures"]
         self.assertEqual([each["figure"] for each in figures if each["met"]], ["lane_tail_ratio"])

@@ -78,7 +78,7 @@ TEST_F(AttackTest, TwoThousandHalfOpenConnectionsBlockNoGame) {
 
 TEST_F(AttackTest, DescriptorsThatRanOutLetGamesInOnceThereAreSome) {
 #ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "UBSan opens a pipe to look at an object's type, and ends the daemon without one";
+  GTEST_SKIP() << "UBSan needs a pipe to check an object's type, and ends the daemon without one";
 #endif
   constexpr size_t kLeft = 20;
   const size_t before = DescriptorCount();
@@ -100,7 +100,7 @@ TEST_F(AttackTest, DescriptorsThatRanOutLetGamesInOnceThereAreSome) {
 // Without the daemon's limit each of these calls would take about 20 KiB.
 TEST_F(AttackTest, StreamsThatAreResetAtOnceStayWithinTheMemoryQuota) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a sanitizer keeps what is freed";
+  GTEST_SKIP() << "a sanitizer does not release freed memory";
 #endif
   constexpr uint32_t kCalls = 20'000;
   constexpr size_t kQuotaKib = 64 * 1024;

@@ -172,7 +172,7 @@ TEST(MetricsTest, PromtoolFindsNothingToSayOfAnyThatThereIs) {
   const std::string page = folder.path() / "metrics";
   const std::string said = folder.path() / "said";
   const std::string text = Get(daemon.http_port(), "/metrics").body;
-  EXPECT_EQ(NamesOn(text), NamesInSources()) << "one that comes later would not be checked";
+  EXPECT_EQ(NamesOn(text), NamesInSources()) << "the test must check every metric";
   std::ofstream(page) << text;
   EXPECT_EQ(RunShell("promtool check metrics <'" + page + "' >'" + said + "' 2>&1"), 0);
   EXPECT_EQ(FileText(said), "");

@@ -139,7 +139,8 @@ TEST_F(MisplacedDatabaseTest, OneThatIsReplacedUnderGamesIsToldOnceAndSaved) {
   EXPECT_THAT(Ready(), HasSubstr("priors.db was replaced while it was in use"));
   EXPECT_EQ(daemon_.Terminate(), 0);
   EXPECT_EQ(CountIn(daemon_.log(), "nothing more is acknowledged"), 1u) << daemon_.log();
-  EXPECT_EQ(fs::file_size(database_.string() + "-wal"), 0u) << "the other file does not get it";
+  EXPECT_EQ(fs::file_size(database_.string() + "-wal"), 0u)
+      << "nothing may be written to the other file";
   FollowAdvice();
   ExpectAllIn(data_.path());
 }

@@ -84,7 +84,7 @@ TEST_F(OperatorOrderTest, APinnedGameRunsThatArmOverARestartOfTheDaemonUntilItsR
   EXPECT_EQ(game.adaptive().active_arm(), kPinned);
   EXPECT_EQ(game.stats().command_count, command_count);
   // A window would add one. The sums of the store and of a session are rounded differently.
-  EXPECT_LT(LearntEvidence(game.stats()), evidence + 0.5) << "nothing is learnt";
+  EXPECT_LT(LearntEvidence(game.stats()), evidence + 0.5) << "the daemon must learn nothing";
   const grpc::Status released = Order(*daemon, game, v1::MODE_AI);
   ASSERT_TRUE(released.ok()) << released.error_message();
   EXPECT_TRUE(Settles(game));

@@ -62,7 +62,7 @@ TEST(ProbeTest, TellsADaemonThatServesFromNone) {
   DaemonProcess daemon(data.path());
   EXPECT_EQ(Probe("--listen " + daemon.address()), 0);
   EXPECT_EQ(Probe("--listen 127.0.0.1:0 --port-file " + (data.path() / "port").string()), 0);
-  EXPECT_EQ(Probe("--listen 127.0.0.1:0"), 1) << "nothing names the port";
+  EXPECT_EQ(Probe("--listen 127.0.0.1:0"), 1) << "the port is unknown";
   EXPECT_EQ(Probe("--listen nowhere"), 2);
   daemon.Kill();
   EXPECT_EQ(Probe("--listen " + daemon.address()), 1);
@@ -111,7 +111,7 @@ TEST_F(TlsProbeTest, FilesThatBreakDoNotMakeTheServiceManagerEndADaemonThatServe
   };
   EXPECT_EQ(receive_alive(), "WATCHDOG=1");
   std::ofstream(server_.key) << "half of a key";
-  EXPECT_EQ(receive_alive(), "WATCHDOG=1") << "a probe that had begun before, perhaps";
+  EXPECT_EQ(receive_alive(), "WATCHDOG=1") << "possibly of a probe that began before";
   EXPECT_EQ(receive_alive(), "WATCHDOG=1");
 }
 
@@ -142,7 +142,7 @@ TEST_F(TlsProbeTest, ADaemonWhoseOwnCertificateHasExpiredIsToldSoWhereClientsNee
     const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(clients));
     const std::string probe = tls + "--listen " + daemon.address();
     if (clients == nullptr) {
-      EXPECT_EQ(Probe(probe), 0) << "a draining daemon still serves";
+      EXPECT_EQ(Probe(probe), 0) << "the daemon still serves; games report the expired certificate";
     } else {
       EXPECT_THAT(Complaint(probe), HasSubstr("must not have expired"));
     }
@@ -156,7 +156,7 @@ TEST_F(TlsProbeTest, ADaemonThatWouldNotLetItselfInDoesNotStartUnderAWatchdog) {
   for (const std::string& flag : Flags(&other_authority_)) command += " " + flag;
   const int status = std::system((command + " 2>/dev/null").c_str());
   EXPECT_EQ(WEXITSTATUS(status), 3);
-  EXPECT_EQ(manager.ReceiveNow(), "") << "it was never ready";
+  EXPECT_EQ(manager.ReceiveNow(), "") << "the daemon was never ready";
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ TEST(Sessions, AKickedGameComesBackOnlyIfItMay) {
   EXPECT_EQ(game.stats().session_id, id);
   ASSERT_TRUE(Kick(daemon, id, /*may_return=*/false));
   ASSERT_TRUE(game.RunUntil([](const auto& stats) { return !stats.last_error.empty(); }));
-  EXPECT_THAT(game.stats().last_error, EndsWith("(SESSION_KICKED)")) << "no other attempt is due";
+  EXPECT_THAT(game.stats().last_error, EndsWith("(SESSION_KICKED)"))
+      << "the game must not try again";
   game.RunFrames(100);
   EXPECT_EQ(game.stats().state, ConnectionState::kOffline);
   EXPECT_THAT(daemon.log(), HasSubstr("kicked session " + id));

@@ -98,7 +98,7 @@ TEST_F(TokenTest, AGameWhoseTokenIsRevokedIsToldAndGoesOnWithItsNextOne) {
   std::filesystem::rename(MakeToken("second", "--role ingest"), file);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.connection_count == 2; },
                             UINT64_MAX));
-  EXPECT_NE(game.stats().session_id, session) << "that one belongs to the first token";
+  EXPECT_NE(game.stats().session_id, session) << "the old session belongs to the first token";
 }
 
 TEST_F(TokenTest, AFileThatIsGoneUnderADaemonIsSaidToBeMissingAndWhatANewOneEnds) {

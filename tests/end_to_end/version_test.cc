@@ -134,7 +134,7 @@ class ScriptedStream {
     if (!stream_->Read(&response)) return false;
     const Fields fields(response.SerializeAsString());
     EXPECT_TRUE(fields.count() == 1 || latest_[kWelcome].Number(20) > 1)
-        << "a game of version 1 would take the last one only";
+        << "a game of version 1 reads only the last one";
     for (const ResponseField kind : {kWelcome, kSwitchCommand, kAcknowledgement}) {
       if (fields.Has(kind)) latest_[kind] = Fields(fields.Bytes(kind));
     }
@@ -319,7 +319,7 @@ TEST_F(GameTest, CountsAndSkipsWhatOnlyANewerDaemonSays) {
   ASSERT_TRUE(daemon_.Send(snapshot));
   ExpectObeys(game, Newer<Response>("switch_command"));
   EXPECT_EQ(game.stats().unknown_message_count, 5u);
-  EXPECT_EQ(game.stats().beliefs[6].alpha, 4) << "of the snapshot only the verdict is unknown";
+  EXPECT_EQ(game.stats().beliefs[6].alpha, 4) << "only the verdict of the snapshot is unknown";
   EXPECT_EQ(game.stats().verdict.verdict, Verdict::kUnknown);
   EXPECT_EQ(game.stats().command_count, 1u);
   EXPECT_EQ(game.stats().connection_count, 1u);

@@ -72,7 +72,8 @@ void Echo(const std::shared_ptr<Exchange>& exchange) {
   const auto json = ToJson(BufferOf(Serialize(**message)), *method->request);
   Require(json.ok(), "a request that was read can be written");
   const auto again = FromJson(*json, *method->request);
-  Require(again.ok() && Serialize(**again) == Serialize(**message), "and read again");
+  Require(again.ok() && Serialize(**again) == Serialize(**message),
+          "a written request can be read again");
   if (request.is_post()) return exchange->Answer({.body = *json});
   exchange->Stream("text/event-stream", std::make_unique<Halves>(*json));
 }
@@ -99,8 +100,8 @@ std::string Talk(std::string_view request) {
   Require(write(ends[1], request.data(), request.size()) >= 0, "the request is sent");
   shutdown(ends[1], SHUT_WR);
   io.run();
-  Require(closed_count == 1, "the connection ends with its client's side");
-  Require(shared.body_bytes == 0, "no body is kept");
+  Require(closed_count == 1, "the connection ends when its client closes it");
+  Require(shared.body_bytes == 0, "no body stays in memory");
   std::string answers;
   char bytes[4096];
   for (ssize_t count = 0; (count = read(ends[1], bytes, sizeof bytes)) > 0;)

@@ -58,7 +58,7 @@ class Owner {
 
   void CheckStats() const {
     const SessionStats stats = link_.stats();
-    Require(stats.acknowledged_sequence <= stats.sent_sequence, "only what was sent is on disk");
+    Require(stats.acknowledged_sequence <= stats.sent_sequence, "acknowledged messages were sent");
     Require(stats.sent_frame_count <= next_frame_, "a frame is counted once");
     Require(stats.beliefs.empty() || stats.beliefs.size() == 2, "a belief for each arm");
   }
@@ -106,10 +106,10 @@ class Owner {
 
   void CheckMessage(const std::string& bytes) {
     Require(!finished_, "nothing comes after the end");
-    Require(request_.ParseFromString(bytes), "each message is one of protobuf");
+    Require(request_.ParseFromString(bytes), "protobuf can parse each message");
     Require((message_count_++ == 0) == request_.has_hello(), "a stream begins with its Hello");
     if (request_.has_hello() || request_.has_goodbye()) return;
-    Require(request_.sequence() > 0, "evidence has a number");
+    Require(request_.sequence() > 0, "evidence has a sequence number");
     // If the daemon acknowledges messages that were not sent on this stream, the numbers continue
     // after them.
     Require(!last_sequence_ || request_.sequence() > *last_sequence_, "numbers ascend");

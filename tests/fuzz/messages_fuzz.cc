@@ -61,7 +61,7 @@ class Daemon final : public TelemetryTransport {
 
   void Check() {
     Require(storage::CheckRecords(daemon_.store.store.Export({}, {}, kAll)->records).ok(),
-            "what is stored is valid");
+            "stored data is valid");
     std::string log = decision::AuditHeader() + '\n';
     const auto segments = daemon_.store.store.ListAudit({}, 0, kAll);
     for (const priors::AuditSegment& segment : *segments) {

@@ -28,7 +28,7 @@ endforeach()
 # The daemon's libraries must not be searched for.
 file(STRINGS ${WORK}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|prometheus-cpp|libsystemd)_")
 if(asked)
-  message(FATAL_ERROR "As a folder of another project Sweepstake asks for what only the daemon needs: ${asked}")
+  message(FATAL_ERROR "As a folder of another project, Sweepstake searches for libraries that only the daemon needs: ${asked}")
 endif()
 file(GLOB_RECURSE test_lists ${WORK}/CTestTestfile.cmake ${WORK}/DartConfiguration.tcl)
 if(test_lists)

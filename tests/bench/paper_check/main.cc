@@ -41,12 +41,12 @@ constexpr char kFooter[] =
     "Examples:\n"
     "  paper_check\n"
     "  paper_check --seeds 1000 --json\n"
-    "The paper prints no costs of the arms. Two of them per cell, of the dominant arm and of all\n"
-    "others, are fitted to its μ* and active share; switches, n* and dominance are then predicted\n"
-    "by runs of exploration and 15 min in virtual time, and compared with Tables 3 and 4 by the\n"
-    "standard error of five runs. Beside it the policy random, fitted likewise, and the policy\n"
-    "paper whose windows have least numbers of samples. Exit code 1 where random predicts "
-    "better.\n";
+    "The paper gives no costs of the arms. For each cell, the costs of the dominant arm and of "
+    "all\n"
+    "others are fitted to its μ* and active share. Runs of exploration and 15 min in virtual time\n"
+    "then predict switches, n* and dominance. They are compared with Tables 3 and 4 in standard\n"
+    "errors of five runs. The same is done for the policy random, and for the policy paper with\n"
+    "minimum numbers of samples per window. Exit code 1: random predicts better.\n";
 
 int Run(int argc, char** argv) {
   CLI::App app("Predicts the paper's Tables 3 and 4 with the policy `paper`", "paper_check");

@@ -105,12 +105,12 @@ void PrintMinSamples(const PaperReport& report, std::ostream& out) {
   add(report.paper);
   for (const Cells& column : report.with_min_samples) add(column);
   add(report.random);
-  out << "\nrotating-gravity by the least number of samples per window, in standard errors:\n";
+  out << "\nrotating-gravity by the minimum number of samples per window, in standard errors:\n";
   table.Print(out);
 }
 
 void PrintMisses(const PaperReport& report, std::ostream& out) {
-  out << "\nWhat policy paper cannot match within 2 standard errors:\n";
+  out << "\nFigures of policy paper that differ by more than 2 standard errors:\n";
   for (size_t cell = 0; cell < report.paper.size(); ++cell) {
     const PaperPrediction& prediction = report.paper[cell];
     for (size_t i = 0; i < prediction.figures.size(); ++i) {

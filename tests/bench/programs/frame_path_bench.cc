@@ -238,12 +238,12 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   if (!sweepstake::CounterSeesSystemCalls()) {
-    std::fputs("The counter of system calls does not count.\n", stderr);
+    std::fputs("The counter of system calls does not work.\n", stderr);
     return 1;
   }
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   if (sweepstake::any_fault)
-    std::fputs("The frame path allocated, waited or called the system.\n", stderr);
+    std::fputs("The frame path allocated memory, blocked or made a system call.\n", stderr);
   return sweepstake::any_fault ? 1 : 0;
 }

@@ -89,7 +89,7 @@ TEST_F(MigrationProgram, WhatWasLearntGoesThereAndBackAndTheSessionGoesOn) {
     DaemonProcess daemon(data_.path());
     Play(daemon, 0, kMessages);
     const Ran refused = RunDaemonProgram("migrate to-store" + Paths());
-    EXPECT_EQ(refused.exit_code, 1) << "a daemon runs";
+    EXPECT_EQ(refused.exit_code, 1) << "the daemon still runs";
     EXPECT_THAT(refused.said, HasSubstr("another daemon uses the data directory"));
     EXPECT_EQ(daemon.Terminate(), 0);
   }

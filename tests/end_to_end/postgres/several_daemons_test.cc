@@ -96,7 +96,7 @@ void Game::MoveTo(const std::string& address) {
   ASSERT_TRUE(response->has_welcome());
   const v1::Welcome& welcome = response->welcome();
   if (acknowledged_ > 0) {
-    EXPECT_EQ(welcome.session_id(), hello_.session_id()) << "it is lost";
+    EXPECT_EQ(welcome.session_id(), hello_.session_id()) << "the session is lost";
   }
   rpc::Resume(hello_, welcome);
   // A daemon that has not read the later messages reports a smaller number. Acknowledged messages
@@ -316,7 +316,8 @@ TEST(SeveralDaemons, WhatAGameTaughtOutlivesADaemonThatEndsWithoutTheServer) {
       EXPECT_TRUE(rpc::Eventually([&] { return kept() == game.sent_count(); }));
       daemon->Kill();
     } else {
-      EXPECT_TRUE(rpc::Eventually([&] { return kept() > 1; })) << "it has had the hour";
+      EXPECT_TRUE(rpc::Eventually([&] { return kept() > 1; }))
+          << "the daemon has received the hour";
       EXPECT_EQ(daemon->Terminate(), 0);
       EXPECT_EQ(kept(), game.sent_count());
     }

@@ -261,7 +261,7 @@ TEST_F(AdaptiveBroadPhaseTest, KeepsToAnOrderedArmAndTellsSoInTheFrameThatRunsIt
   EXPECT_EQ(sink_.mode_changes[0].order_id, 9U);
   EXPECT_EQ(sink_.mode_changes[0].mode, Mode::kManual);
   EXPECT_EQ(sink_.mode_changes[0].active_arm, 2U);
-  EXPECT_EQ(sink_.switches.at(0).executed, 0U) << "the policy's command";
+  EXPECT_EQ(sink_.switches.at(0).executed, 0U) << "the command of the policy is refused";
   adaptive_->mailbox().Post({.command_id = 5, .arm = 1});
   EXPECT_EQ(Frame().arm, 2U);
   adaptive_->Obey({.order_id = 10, .mode = Mode::kAi, .arm = {}});
@@ -284,7 +284,7 @@ TEST_F(AdaptiveBroadPhaseTest, ABailOutEndsWhatAnOperatorOrderedAndFlees) {
   adaptive_->Obey({.order_id = 1, .mode = Mode::kManual, .arm = 1});
   Frame();
   Frame(7 * kSecond);
-  EXPECT_EQ(adaptive_->mode(), Mode::kManual) << "the arm is not to blame";
+  EXPECT_EQ(adaptive_->mode(), Mode::kManual) << "the arm did not cause the long frame";
   BailOut();
   EXPECT_EQ(adaptive_->mode(), Mode::kAi);
   ASSERT_EQ(sink_.mode_changes.size(), 2U);
@@ -305,7 +305,7 @@ TEST_F(AdaptiveBroadPhaseTest, ABailOutLeavesTheManualModeThatTheGameChose) {
   Frame();
   adaptive_->SetMode(Mode::kManual);
   BailOut();
-  EXPECT_EQ(adaptive_->mode(), Mode::kManual) << "the game's own since then";
+  EXPECT_EQ(adaptive_->mode(), Mode::kManual) << "the game has chosen the mode since then";
 }
 
 TEST_F(AdaptiveBroadPhaseTest, FlagsAFrameOverTheLimitAndFleesInTheNext) {

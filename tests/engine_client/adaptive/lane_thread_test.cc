@@ -96,7 +96,7 @@ TEST(LaneThread, RestsWhileTheGameIsFrozen) {
   lane.Step();
   const auto awaiting_frames = lane.Step();
   frozen = true;
-  EXPECT_GT(lane.Step(), awaiting_frames) << "frames that nobody copies any more";
+  EXPECT_GT(lane.Step(), awaiting_frames) << "the lane stops waiting for frames";
   EXPECT_EQ(lane.stats().state, ShadowState::kPaused);
   EXPECT_EQ(lane.Ask(0), ShadowLane::Preparation::kNever);
   frozen = false;

@@ -203,13 +203,13 @@ TEST_F(ShadowLaneTest, LeavesAnArmWhosePairsOutgrowItsMemory) {
   Make({.memory_cap_bytes = 200'000});
   FirstSweep();
   EXPECT_EQ(asked, 6U);  // 6 × 20,000 bytes exceed half of the cap.
-  ASSERT_EQ(sink_.shadows.size(), 2U) << "what its search took says nothing";
+  ASSERT_EQ(sink_.shadows.size(), 2U) << "the time of an ended search is not reported";
   EXPECT_EQ(sink_.shadows[1].arm, 2U);
   EXPECT_EQ(lane_->stats().visit_count, 3U);
   EXPECT_EQ(lane_->stats().capped_visit_count, 1U);
   Frames(400);
   EXPECT_GE(lane_->stats().sweep_count, 8U);
-  EXPECT_LE(asked, 6U * (1 + lane_->stats().sweep_count / 2)) << "it is visited less often";
+  EXPECT_LE(asked, 6U * (1 + lane_->stats().sweep_count / 2)) << "the arm is visited less often";
   EXPECT_LE(FramesUntilReady(0), 2);
   EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
 }

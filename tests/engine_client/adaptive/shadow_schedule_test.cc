@@ -148,8 +148,7 @@ TEST_F(ShadowScheduleTest, VisitsEveryArmAgainWhenTheActiveOnesCostOrTheObjectCo
   cost_ns_[0] = 124 * kMs / 100;
   EXPECT_THAT(Sweep(), ElementsAre(0, 1));
   cost_ns_[0] = 126 * kMs / 100;
-  EXPECT_THAT(Sweep(), ElementsAre(1, 0, 2))
-      << "an arm that was visited in this sweep is not again";
+  EXPECT_THAT(Sweep(), ElementsAre(1, 0, 2)) << "an arm is visited once per sweep";
   EXPECT_THAT(Sweep(), ElementsAre(0, 1));
   EXPECT_THAT(Sweep(0, 1240), ElementsAre(1, 0));
   EXPECT_THAT(Sweep(0, 1260), ElementsAre(0, 1, 2));

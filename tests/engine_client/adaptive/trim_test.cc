@@ -68,7 +68,8 @@ TEST_F(TrimTest, FreesInactiveArmsAndPairsAndNothingElse) {
   adaptive_->Trim();
   EXPECT_EQ(adaptive_->memory_bytes(), active_bytes());
   Frame();
-  EXPECT_EQ(adaptive_->last_sample().flags & kFrameRebuild, 0U) << "the active arm's is kept";
+  EXPECT_EQ(adaptive_->last_sample().flags & kFrameRebuild, 0U)
+      << "the structure of the active arm is kept";
 }
 
 TEST_F(TrimTest, AnArmThatWasFreedIsBuiltAtTheNextSwitchToIt) {
@@ -110,7 +111,8 @@ TEST_F(TrimTest, AnArmThatGrowsBeyondTheBudgetFreesTheInactiveOne) {
       FrameWith("Tracy");
     }
     Frame();
-    EXPECT_GT(adaptive_->memory_bytes(), active_bytes() + inactive_bytes) << "all is kept";
+    EXPECT_GT(adaptive_->memory_bytes(), active_bytes() + inactive_bytes)
+        << "all structures are kept";
     scene_ = MakeSuiteBrownian(3000);
     Frame();
     Frame();
@@ -126,7 +128,7 @@ TEST_F(TrimTest, CountsAndFreesTheScratchMemoryOfSortedPairs) {
   Frame();
   const uint64_t pair_bytes = adaptive_->last_sample().pair_count * uint64_t{sizeof(OverlapPair)};
   EXPECT_GE(adaptive_->memory_bytes(), empty_bytes + active_bytes() + 2 * pair_bytes)
-      << "the pairs, and as much to sort them";
+      << "the pairs, and equally much memory to sort them";
   adaptive_->Trim();
   EXPECT_EQ(adaptive_->memory_bytes(), empty_bytes + active_bytes());
   Frame();

@@ -81,7 +81,7 @@ class ZonesTest : public ::testing::Test {
     adaptive_.reset();
     scene_.reset();
     EXPECT_EQ(seen_.open_count, 0) << "each zone has ended";
-    EXPECT_EQ(seen_.other_count, 0) << "hooks.h names all";
+    EXPECT_EQ(seen_.other_count, 0) << "hooks.h lists all zones";
     ASSERT_TRUE(SetHooks({}).ok());
   }
   void Make(ShadowMode shadow) {

@@ -232,7 +232,7 @@ TEST(DbvtTree, SaysHowMuchMoved) {
   BuildOf(tree, boxes, FirstNumbers(160));
   for (Aabb& box : boxes) box.min[1] -= 0.5F;
   const DbvtTree::Motion motion = tree.Refit(boxes, 1, nullptr, lost);
-  EXPECT_EQ(motion.sample_count, 10U) << "one of each leaf";
+  EXPECT_EQ(motion.sample_count, 10U) << "one sample from each leaf";
   EXPECT_EQ(motion.fast_count, 0U);
   EXPECT_NEAR(motion.mean, 0.5F, 1e-5F);
   for (Aabb& box : boxes) box.min[1] -= 2;

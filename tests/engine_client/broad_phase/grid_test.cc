@@ -131,7 +131,7 @@ TEST(GridPlan, GivesNeedlesOfEachDirectionAGridOfTheirOwn) {
   EXPECT_EQ(plan.grids().size(), 3U);
   int searches = 0;
   for (size_t g = 0; g < 3; ++g) searches += std::popcount(plan.searches()[g]);
-  EXPECT_EQ(searches, 3) << "of each two groups one searches";
+  EXPECT_EQ(searches, 3) << "one group of each pair of groups searches";
 }
 
 TEST(GridPlan, IsNotCoarsenedByOneHugeBox) {

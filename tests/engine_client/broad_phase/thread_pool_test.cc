@@ -120,7 +120,7 @@ TEST(PairPartsTest, BeginNoPartAfterAStop) {
   const uint64_t checks = parts.Run(pool.get(), 100'000, 100, 1, pairs, find, &stop);
   EXPECT_LE(begun, 2) << "one on each thread";
   EXPECT_EQ(checks, static_cast<uint64_t>(begun));
-  EXPECT_LE(pairs.size(), 1U) << "what other parts found is left";
+  EXPECT_LE(pairs.size(), 1U) << "only pairs of other parts remain";
 }
 
 }  // namespace

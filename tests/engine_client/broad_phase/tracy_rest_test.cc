@@ -22,7 +22,7 @@ class RestingTracy : public testing::Test {
   RestingTracy() : boxes_(scene_.boxes().begin(), scene_.boxes().end()) {
     backend_->Build(boxes_);
     for (int frame = 0; frame < 5; ++frame) StepAndCheck("as it comes to rest");
-    EXPECT_LT(ChecksPerBox(), 5U) << "it should be at rest";
+    EXPECT_LT(ChecksPerBox(), 5U) << "few checks at rest";
   }
 
   // Moves all boxes except the first ten, which the test moves itself.

@@ -1,5 +1,5 @@
-# cmake -DREADELF=… -DLIBRARY=… -P archive_host_test.cmake: fails if a shared library that links the archive shows a function of the
-# C ABI, which would then answer for another plug-in's in the same process.
+# cmake -DREADELF=… -DLIBRARY=… -P archive_host_test.cmake: fails if a shared library that links the archive exports a function of
+# the C ABI, which would then replace that of another plug-in in the same process.
 cmake_minimum_required(VERSION 3.25)
 
 execute_process(COMMAND ${READELF} --wide --dyn-syms ${LIBRARY} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)

@@ -1,14 +1,14 @@
 # cmake -DNM=… -DLIBRARY=… -DHEADERS=… -P exports_test.cmake: fails unless every exported symbol is a function of the C ABI,
-# and every function of the headers is exported. An archive exports what is global in it. For a DLL -DOBJDUMP=… in the place of NM.
+# and every function of the headers is exported. An archive exports its global symbols. For a DLL use -DOBJDUMP=… instead of NM.
 cmake_minimum_required(VERSION 3.25)
 
-# Lines that end with the name of an exported symbol, each.
+# Returns lines, each of which ends with the name of an exported symbol.
 function(exported_lines result)
   if(OBJDUMP)
     execute_process(COMMAND ${OBJDUMP} -p ${LIBRARY} OUTPUT_VARIABLE listing RESULT_VARIABLE failed)
     string(REGEX REPLACE "^.*Ordinal/Name Pointer\\][^\n]*\n" "" listing "${listing}")
     string(REGEX REPLACE "\n\n.*$" "" listing "${listing}")
-    string(REPLACE "[" "(" listing "${listing}")  # brackets keep CMake from seeing where an element of a list ends
+    string(REPLACE "[" "(" listing "${listing}")  # brackets prevent CMake from splitting list elements
     string(REPLACE "]" ")" listing "${listing}")
   else()
     set(kind -D)
@@ -16,7 +16,7 @@ function(exported_lines result)
       set(kind -g)
     endif()
     execute_process(COMMAND ${NM} ${kind} --defined-only ${LIBRARY} OUTPUT_VARIABLE listing RESULT_VARIABLE failed)
-    string(REGEX REPLACE "[^\n]*:\n" "" listing "${listing}")  # the names of an archive's members
+    string(REGEX REPLACE "[^\n]*:\n" "" listing "${listing}")  # removes the names of an archive's members
   endif()
   if(failed)
     message(FATAL_ERROR "the exported symbols of ${LIBRARY} cannot be read")

@@ -1,11 +1,11 @@
 # cmake -DREADELF=… -DPLUGIN=… -P plugin_test.cmake: fails unless an engine on any 64-bit Linux since glibc 2.31 (Debian 11, Ubuntu
-# 20.04, Steam Linux Runtime 3) can load the plug-in, wherever it copies it to.
+# 20.04, Steam Linux Runtime 3) can load the plug-in from any folder.
 cmake_minimum_required(VERSION 3.25)
 set(newest_glibc 2.31)
 
 function(readelf result)
   execute_process(COMMAND ${READELF} --wide ${ARGN} ${PLUGIN} OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
-  string(REPLACE "[" "(" listing "${listing}")  # brackets keep CMake from seeing where an element of a list ends
+  string(REPLACE "[" "(" listing "${listing}")  # brackets prevent CMake from splitting list elements
   string(REPLACE "]" ")" listing "${listing}")
   set(${result} "${listing}" PARENT_SCOPE)
 endfunction()
@@ -17,7 +17,7 @@ foreach(line IN LISTS needed)
     message(SEND_ERROR "the plug-in needs more than libc, libm and libpthread: ${line}")
   endif()
 endforeach()
-# Before glibc 2.34 the threads that the plug-in makes are not in libc.
+# Before glibc 2.34 the functions for threads are in libpthread, not in libc.
 if(NOT dynamic MATCHES "\\(NEEDED\\)[^\n]*libpthread")
   message(SEND_ERROR "the plug-in does not ask for libpthread")
 endif()
@@ -32,7 +32,7 @@ endforeach()
 
 readelf(segments --segments)
 if(NOT segments MATCHES "GNU_STACK[^\n]* RW ")
-  message(SEND_ERROR "the plug-in asks for an executable stack: ${segments}")
+  message(SEND_ERROR "the plug-in requires an executable stack: ${segments}")
 endif()
 
 readelf(versions --version-info)
@@ -45,7 +45,7 @@ foreach(name IN LISTS asked)
   if(NOT name MATCHES "^Name: GLIBC_([0-9.]+)$")
     message(SEND_ERROR "the plug-in needs a version that is not glibc's: ${name}")
   elseif(CMAKE_MATCH_1 VERSION_GREATER newest_glibc)
-    message(SEND_ERROR "the plug-in needs glibc ${CMAKE_MATCH_1}, newer than ${newest_glibc}: see older_glibc.c, and nm -D for what asks")
+    message(SEND_ERROR "the plug-in needs glibc ${CMAKE_MATCH_1}, newer than ${newest_glibc}: find the symbol with nm -D, and see older_glibc.c")
   endif()
   if(CMAKE_MATCH_1 VERSION_GREATER highest)
     set(highest ${CMAKE_MATCH_1})

@@ -10,7 +10,8 @@
 namespace sweepstake::decision {
 namespace {
 
-// Computed with 40 digits: the incomplete beta function, or the integral of the density.
+// Reference values, computed with 40 digits: the incomplete beta function, or the integral of the
+// density.
 struct Reference {
   BetaPosterior posterior;
   double x;
@@ -34,7 +35,7 @@ const std::vector<Reference> kReferences = {
     {{1e15, 10}, 0.9999999999999916, 0.66104966147319331, 32.493636417357278},
 };
 
-// Returns the logarithm of the reward's density at x, from the density on the scale of logits.
+// Returns the logarithm of the reward's density at x, computed from the density of its logit.
 double LogDensityAt(const BetaPosterior& posterior, double x) {
   const double log_x = std::log(x);
   const double log_y = std::log1p(-x);
@@ -42,7 +43,7 @@ double LogDensityAt(const BetaPosterior& posterior, double x) {
          log_x - log_y;
 }
 
-// What the header says of the error, which is that of the digits x has.
+// Returns the error bound of the header, which results from the precision of x.
 double Tolerance(const BetaPosterior& p) {
   return 1e-10 + 1e-15 * std::sqrt(p.alpha) + 1e-15 * std::sqrt(p.beta);
 }
@@ -82,7 +83,7 @@ TEST(BetaDistribution, QuantileLeavesBelowWhatItIsAskedFor) {
         const double quantile = BetaQuantile({alpha, beta}, p);
         EXPECT_GE(quantile, before);
         before = quantile;
-        if (quantile == 1) continue;  // nearer to 1 than a double can tell
+        if (quantile == 1) continue;  // indistinguishable from 1 in a double
         // One step of x moves the distribution by its density.
         const double digits = 2.3e-16 * std::exp(LogDensityAt({alpha, beta}, quantile));
         EXPECT_NEAR(BetaDistribution({alpha, beta}, quantile), p, 2e-10 + digits)
@@ -121,7 +122,7 @@ TEST(BetaDistribution, ExtremeParametersGiveOrderedNumbersOfTheUnitInterval) {
   }
 }
 
-// The bits themselves: the same on every platform.
+// Compares the bits, which must be the same on every platform.
 TEST(BetaDistribution, BitsAreTheOnesRecorded) {
   const auto bits = [](double value) { return std::bit_cast<uint64_t>(value); };
   EXPECT_EQ(bits(LogGamma(0.7)), 0x3fd0b20c891cde80u);

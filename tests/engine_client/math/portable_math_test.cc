@@ -14,14 +14,15 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTwoUlp = 2 * std::numeric_limits<double>::epsilon();
 
-// Distance in units in the last place; both finite and of the same sign.
+// Returns the distance in units in the last place. REQUIRES: both finite and of the same sign.
 uint64_t UlpsApart(double a, double b) {
   const auto x = std::bit_cast<int64_t>(a);
   const auto y = std::bit_cast<int64_t>(b);
   return static_cast<uint64_t>(x > y ? x - y : y - x);
 }
 
-// The worst distance of `ours` from `theirs` at `count` evenly spaced points from `low` on.
+// Returns the largest distance of `ours` from `theirs` at `count` evenly spaced points from `low`
+// on.
 template <typename Ours, typename Theirs>
 uint64_t WorstOverGrid(double low, double step, int count, Ours ours, Theirs theirs) {
   uint64_t worst = 0;
@@ -90,7 +91,7 @@ TEST(PortableMath, PowAndCubeRootFollowTheLibrary) {
     const double x = i / 20'000.0;
     EXPECT_NEAR(Pow(x, 0.75), std::pow(x, 0.75), 8 * kTwoUlp) << "at " << x;
     const double volume = 497.3 * i;
-    // In double some libraries' cbrt has a larger error than ours.
+    // Use long double, because some libraries' cbrt for double has a larger error than ours.
     const auto reference = static_cast<double>(std::cbrt(static_cast<long double>(volume)));
     EXPECT_NEAR(CubeRoot(volume), reference, kTwoUlp * reference) << "at " << volume;
   }
@@ -127,7 +128,7 @@ TEST(PortableMath, SpecialValuesAreThoseOfC) {
   EXPECT_TRUE(std::isnan(Log(std::nan(""))));
 }
 
-// The bits themselves: the same on every platform, whatever its library.
+// Compares the bits, which must be the same on every platform and with every library.
 TEST(PortableMath, BitsAreTheOnesRecorded) {
   EXPECT_EQ(std::bit_cast<uint64_t>(Exp(1)), 0x4005bf0a8b14576au);
   EXPECT_EQ(std::bit_cast<uint64_t>(Log(10)), 0x40026bb1bbb55516u);

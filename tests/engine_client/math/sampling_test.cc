@@ -16,7 +16,7 @@ constexpr int kDraws = 200'000;
 struct Moments {
   double mean = 0;
   double variance = 0;
-  double third = 0;  // central
+  double third = 0;  // third central moment
 };
 
 template <typename Draw>

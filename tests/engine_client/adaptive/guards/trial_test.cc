@@ -82,7 +82,7 @@ TEST_F(TrialTest, AnArmOverTheLimitHasTwoFramesAndTheNextIsThatOfTheArmBefore) {
   EXPECT_EQ(back.arm, 0U);
   EXPECT_EQ(back.switch_epoch, 2U);
   EXPECT_EQ(back.detection_time_ns, 110U);
-  EXPECT_EQ(back.flags, 0U) << "it goes on with the structure that it had";
+  EXPECT_EQ(back.flags, 0U) << "arm A continues with its structure";
   EXPECT_EQ(arms_[0]->build_count, 1);
 
   ASSERT_EQ(sink_.switches.size(), 2U);
@@ -139,7 +139,7 @@ TEST_F(TrialTest, TheLimitIsThatOfTheLongestFrameOfLate) {
   TryB();
   SearchOfBTakes(2 * kGrantedNs + 100);
   Frames(2);
-  EXPECT_EQ(Frame().arm, 1U) << "200 ns were taken before, in a frame twice as long";
+  EXPECT_EQ(Frame().arm, 1U) << "a frame twice as long took 200 ns before";
   SearchOfBTakes(2 * kGrantedNs + 101);
   Frames(3);
   EXPECT_EQ(adaptive_->active_arm(), 0U);
@@ -328,7 +328,7 @@ TEST_F(TrialTest, AGameThatChoosesForItselfEndsNone) {
   Frames(2);
   adaptive_->SetMode(Mode::kManual);
   Frames(5);
-  EXPECT_EQ(adaptive_->active_arm(), 1U) << "what was chosen in the frame before is dropped too";
+  EXPECT_EQ(adaptive_->active_arm(), 1U) << "the choice of the former frame is dropped, too";
   ASSERT_TRUE(adaptive_->SelectArm("A").ok());
   Frame();
   for (const SwitchOutcome& outcome : sink_.switches)

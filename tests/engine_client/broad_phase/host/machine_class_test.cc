@@ -30,7 +30,7 @@ TEST(MachineClass, NamesProcessorThreadsInstructionSetAndMemory) {
 TEST(MachineClass, IsAnotherOneWithLesserInstructions) {
   const std::string target(SimdTarget());
   const std::string least(SimdTargets().back());
-  if (least == target) GTEST_SKIP() << "this machine has " << target << " alone";
+  if (least == target) GTEST_SKIP() << "this machine has only " << target;
   const std::string name = MachineClass();
   ASSERT_TRUE(UseSimdTarget(least).ok());
   EXPECT_THAT(MachineClass(), testing::HasSubstr("-" + least + "-"));

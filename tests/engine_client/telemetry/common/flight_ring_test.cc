@@ -90,7 +90,7 @@ TEST_F(FlightRingTest, BoxesThatDoNotFitForFiveSecondsAreKeptAtEqualIntervals) {
   const std::vector<FlightFrame> frames = ring.Frames();
   EXPECT_EQ(frames.back().box_count, 4U);
   EXPECT_EQ(frames[frames.size() - 2].sample.frame_time_ns, 51 * kMs);
-  EXPECT_EQ(CheckedBoxFrames(ring), 10U) << "the oldest of eleven has made room";
+  EXPECT_EQ(CheckedBoxFrames(ring), 10U) << "the oldest of eleven was replaced";
 }
 
 TEST_F(FlightRingTest, ASceneWithoutRoomForTwoFramesIsFrozenWithoutBoxes) {

@@ -355,7 +355,7 @@ TEST(EmbeddedDeciderExport, IsWhatTheNextRunStartsFromAndGoesOnWith) {
 
   const auto next = MakeDecider(OptionsOfPlayer(first));
   EXPECT_EQ(next->prior_source_count(), 1U);
-  EXPECT_EQ(next->ExportPriors(), first) << "nothing is learnt yet";
+  EXPECT_EQ(next->ExportPriors(), first) << "the decider has not learnt yet";
 
   const std::string second = LearnFrom(first);
   EXPECT_GT(WindowCount(second), WindowCount(first) + 10);

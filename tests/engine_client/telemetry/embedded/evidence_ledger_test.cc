@@ -72,7 +72,7 @@ TEST(EvidenceLedger, GoesOnWithTheRecordOfItsSourceUnderALaterSequence) {
   EvidenceLedger ledger = LedgerOf({RecordOf("player", 7, 10), elsewhere});
   ledger.Add(Window({.arm = 0, .alpha = 1, .window_count = 1}));
   ASSERT_EQ(ledger.records().size(), 2U);
-  EXPECT_EQ(ledger.records()[0].source_sequence, 10U) << "later than all of the source";
+  EXPECT_EQ(ledger.records()[0].source_sequence, 10U) << "later than all records of the source";
   EXPECT_EQ(ledger.records()[0].alpha_increment, 11);
   EXPECT_EQ(ledger.records()[0].window_count, 2U);
   EXPECT_EQ(ledger.records()[1].source_sequence, 9U);
@@ -145,15 +145,16 @@ TEST(EvidenceLedger, BeginsASceneWithoutEvidenceWithWhatTheProjectsOthersHaveInC
   key.scene = "desert";
   EXPECT_LT(ledger.priors()[1].evidence(),
             EvidenceLedger(given, key, kLedgerArms, kLedgerVersions).priors()[1].evidence())
-      << "another scene is another one";
+      << "priors of another scene differ";
   key.scene = "harbour";
 
-  EXPECT_EQ(LedgerOf(given).prior_source_count(), 0U) << "not for policies that sum rewards up";
+  EXPECT_EQ(LedgerOf(given).prior_source_count(), 0U) << "not used for policies that sum rewards";
   given.push_back(RecordOf("studio", 1, 10));
   given.back().beta_increment = 10;
   const EvidenceLedger known(given, key, kLedgerArms, kLedgerVersions);
   EXPECT_EQ(known.prior_source_count(), 1U);
-  EXPECT_GT(known.priors()[1].mean(), known.priors()[0].mean()) << "of the others still";
+  EXPECT_GT(known.priors()[1].mean(), known.priors()[0].mean())
+      << "the priors of the other scenes still count";
 }
 
 // Another machine, twice as fast as the player's, has evidence about DBVT too.
@@ -174,7 +175,7 @@ TEST(EvidenceLedger, ComparesSourcesOfOtherMachinesBuildsAndVersions) {
   const auto evidence_of_dbvt = [&] {
     const auto priors = EvidenceLedger(given, key, kLedgerArms, kLedgerVersions).priors();
     EXPECT_GT(priors[1].mean(), priors[0].mean());
-    EXPECT_LT(priors[1].mean(), 0.51) << "at the player's level";
+    EXPECT_LT(priors[1].mean(), 0.51) << "scaled to the player's machine";
     return priors[1].evidence();
   };
   double other_version = evidence_of_dbvt();

@@ -68,10 +68,11 @@ TEST(BoxView, KeepsToItsBytesAndLeavesOutWhatIsNoBox) {
     EXPECT_EQ(view.bounds, (std::vector<float>{0, 0, 0, 1, 1, 1}));
     EXPECT_EQ(NumberAt(view.boxes, 3), 65'535U);
   }
-  EXPECT_EQ(ViewOf(FrameOf(std::span(boxes).first(2)), 1000).boxes, "") << "none is one";
+  EXPECT_EQ(ViewOf(FrameOf(std::span(boxes).first(2)), 1000).boxes, "") << "no valid box";
   EXPECT_EQ(ViewOf(FrameOf({}), 1000).bounds.size(), 0U);
   const std::vector<Aabb> point(2, Aabb{{4, 4, 4}, {4, 4, 4}});
-  EXPECT_EQ(ViewOf(FrameOf(point), 1000).boxes, std::string(24, '\0')) << "no extent at all";
+  EXPECT_EQ(ViewOf(FrameOf(point), 1000).boxes, std::string(24, '\0'))
+      << "the bounds have no extent";
 }
 
 class BoxViewerTest : public ::testing::Test {
@@ -114,7 +115,7 @@ TEST_F(BoxViewerTest, ShowsBoxesAtTheIntervalUntilTheTimeHasRunOut) {
   EXPECT_EQ(request_.box_view().boxes().size(), 120U);
   EXPECT_EQ(request_.box_view().pairs().size(), 4U * 45);
   tap_.OnFrame(boxes_, 1);
-  EXPECT_FALSE(tap_.has_frame()) << "nothing is asked of the frame thread any more";
+  EXPECT_FALSE(tap_.has_frame()) << "the frame thread has no more requests";
 }
 
 TEST_F(BoxViewerTest, GoesOnWhereItIsAskedAgainAndStopsWhenNobodyLooks) {

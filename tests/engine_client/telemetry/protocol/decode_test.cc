@@ -140,7 +140,7 @@ TEST(Decode, PassesOverFieldsOfANewerProtocolAndSaysSo) {
       ->AddLengthDelimited(99, "new");
   auto response = DecodeResponse(message.SerializeAsString());
   ASSERT_TRUE(response);
-  EXPECT_FALSE(response->has_unknown) << "it is in a part that is known";
+  EXPECT_FALSE(response->has_unknown) << "the unknown field is inside a known message";
   message.GetReflection()->MutableUnknownFields(&message)->AddVarint(50, 1);
   response = DecodeResponse(message.SerializeAsString());
   ASSERT_TRUE(response);

@@ -73,7 +73,7 @@ class RandomMessages {
       case Field::CPPTYPE_STRING:
         return to.SetString(&message, &field, Text());
       default:
-        GOOGLE_LOG(FATAL) << field.full_name() << " has a type that is not known here";
+        GOOGLE_LOG(FATAL) << field.full_name() << " has an unsupported type";
     }
   }
 

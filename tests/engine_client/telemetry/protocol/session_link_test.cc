@@ -99,7 +99,7 @@ class SessionLinkTest : public ::testing::Test {
 
 TEST_F(SessionLinkTest, SaysHelloFirstAndNothingMoreBeforeTheWelcome) {
   Frames(2);
-  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone) << "there is no stream";
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone) << "without a stream";
   const v1::Hello hello = Connect();
   EXPECT_EQ(hello.arms(1).name(), "Grid");
   EXPECT_EQ(hello.session_id(), "");
@@ -158,7 +158,7 @@ TEST_F(SessionLinkTest, KeepsTheDaemonsLatestCommandAndVerdictForTheGameToRead) 
   snapshot.mutable_posterior_snapshot()->set_leader_arm(1);
   snapshot.mutable_posterior_snapshot()->set_leader_probability(0.875);
   ASSERT_TRUE(Receive(snapshot).ok());
-  EXPECT_FALSE(adaptive_->last_decision()) << "there is a verdict, and no decision";
+  EXPECT_FALSE(adaptive_->last_decision()) << "only a verdict arrived, no decision";
   v1::StreamTelemetryResponse command;
   command.mutable_switch_command()->set_command_id(4);
   command.mutable_switch_command()->set_arm(1);
@@ -220,7 +220,7 @@ TEST_F(SessionLinkTest, LeavesOutWhatIsNotToldOfEveryArmOrIsOutOfRange) {
     v1::StreamTelemetryResponse response = SnapshotOf(arm_count);
     change(*response.mutable_posterior_snapshot());
     EXPECT_TRUE(Receive(response).ok());
-    EXPECT_EQ(link_.stats().beliefs[0].alpha, 2) << "the posteriors are taken";
+    EXPECT_EQ(link_.stats().beliefs[0].alpha, 2) << "the posteriors are applied";
     return link_.stats().beliefs[0].standing.has_value();
   };
   EXPECT_TRUE(taken([](v1::PosteriorSnapshot&) {}));
@@ -347,7 +347,7 @@ TEST_F(SessionLinkTest, SendsTheRestOfTheQueueBeforeItsGoodbye) {
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kFinish);
   link_.Take(now_ns_);
   EXPECT_FALSE(link_.finished());
-  EXPECT_FALSE(link_.Disconnected({}, now_ns_)) << "there is no next stream";
+  EXPECT_FALSE(link_.Disconnected({}, now_ns_)) << "no further stream is opened";
   EXPECT_TRUE(link_.finished());
   EXPECT_EQ(link_.stats().last_error, "");
 }
@@ -389,7 +389,8 @@ TEST_F(SessionLinkTest, GivesItsGoodbyeUpAtTheDeadlineAndSaysWhatIsOwed) {
   EXPECT_EQ(link_.Advance(now_ns_ + 500 * kMs), LinkAction::kCancel);
   EXPECT_TRUE(link_.finished());
   EXPECT_EQ(link_.stats().state, ConnectionState::kOffline);
-  EXPECT_EQ(link_.Advance(now_ns_ + 501 * kMs), LinkAction::kCancel) << "until it has ended";
+  EXPECT_EQ(link_.Advance(now_ns_ + 501 * kMs), LinkAction::kCancel)
+      << "repeated until the stream has ended";
   EXPECT_TRUE(link_.connected());
   EXPECT_TRUE(Receive(WelcomeTo("a")).ok()) << "passed over";
   EXPECT_FALSE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));

@@ -123,7 +123,7 @@ TEST_F(SessionStateTest, DoesNotNameASessionAgainThatAHelloWasRefusedWithNorSend
   EXPECT_EQ(state_.Connect(kPosition).session_id, "");
   EXPECT_EQ(state_.counts().discarded_frame_count, 2U) << "the store may have them under a";
   state_.OnWelcome(WelcomeTo("b"));
-  EXPECT_EQ(SendAll(), Sequences{1}) << "what was never sent";
+  EXPECT_EQ(SendAll(), Sequences{1}) << "the message that was never sent";
 }
 
 TEST_F(SessionStateTest, SendsNothingAgainToANewSessionThatBeganBecauseTheOldOneCannotBeRead) {
@@ -137,7 +137,7 @@ TEST_F(SessionStateTest, SendsNothingAgainToANewSessionThatBeganBecauseTheOldOne
   protocol::Welcome welcome = WelcomeTo("b");
   welcome.priors_unavailable = true;
   state_.OnWelcome(welcome);
-  EXPECT_EQ(SendAll(), Sequences{1}) << "only what was never sent";
+  EXPECT_EQ(SendAll(), Sequences{1}) << "only the message that was never sent";
   EXPECT_EQ(state_.counts().discarded_frame_count, 2U);
 }
 
@@ -188,7 +188,7 @@ TEST_F(SessionStateTest, ThatIsSomebodyElsesNowSendsNothingTwice) {
   EXPECT_EQ(state_.counts().discarded_frame_count, 1U);
   state_.Connect(kPosition);
   state_.OnWelcome(WelcomeTo("other", false, 0));
-  EXPECT_EQ(SendAll(), Sequences{1}) << "what was never sent, with a new number";
+  EXPECT_EQ(SendAll(), Sequences{1}) << "the message that was never sent, with a new number";
 }
 
 TEST_F(SessionStateTest, KeepsItsEvidenceWhenItsFirstHelloIsRefused) {
