@@ -13,7 +13,7 @@
 #include "engine_client/telemetry/tls/loopback.h"
 #include "server/daemon_files.h"
 #include "server/daemon_site.h"
-#include "server/descriptor_limit.h"
+#include "server/host/descriptor_limit.h"
 #include "server/sessions/unix_time.h"
 #include "server/storage/postgres/shared_store.h"
 #include "server/storage/sqlite_prior_store.h"

@@ -12,7 +12,7 @@
 #include "server/daemon.h"
 #include "server/daemon_files.h"
 #include "server/dashboard/dashboard_assets.h"
-#include "server/descriptor_limit.h"
+#include "server/host/descriptor_limit.h"
 #include "server/rpc/common/role_table.h"
 #include "server/rpc/health_probe.h"
 #include "server/sessions/unix_time.h"

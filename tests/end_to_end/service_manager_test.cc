@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/notify_socket.h"
+#include "tests/server/host/notify_socket.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_directory.h"
 #include "tests/support/test_authority.h"

@@ -19,7 +19,7 @@
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
-#include "tests/server/no_descriptors.h"
+#include "tests/server/host/no_descriptors.h"
 #include "tests/server/storage/failing_disk.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/server/no_descriptors.h"
+#include "tests/server/host/no_descriptors.h"
 #include "tests/support/http_exchange.h"
 
 namespace sweepstake::web {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/descriptor_limit.h"
+#include "server/host/descriptor_limit.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/web/api/api_fixture.h"

@@ -1,14 +1,14 @@
-#include "server/daemon_metrics.h"
+#include "server/host/daemon_metrics.h"
 
 #include <atomic>
 #include <cstdint>
 #include <system_error>
 #include <utility>
 
+#include "server/host/process_metrics.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/web/metrics_page.h"
-#include "server/web/process_metrics.h"
 
 namespace sweepstake::server {
 namespace {
@@ -224,7 +224,7 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters
   families.push_back(GaugeOf("sweepstake_store_last_backup_timestamp_seconds",
                              "Unix time of the last backup beside the store, or 0.",
                              LastBackupUnixS(store.database)));
-  for (auto& family : web::ProcessFamilies()) families.push_back(std::move(family));
+  for (auto& family : ProcessFamilies()) families.push_back(std::move(family));
   return families;
 }
 

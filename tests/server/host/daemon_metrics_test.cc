@@ -1,5 +1,5 @@
 // What the daemon tells Prometheus.
-#include "server/daemon_metrics.h"
+#include "server/host/daemon_metrics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

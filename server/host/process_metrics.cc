@@ -1,4 +1,4 @@
-#include "server/web/process_metrics.h"
+#include "server/host/process_metrics.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -14,8 +14,11 @@
 
 #include "server/web/metrics_page.h"
 
-namespace sweepstake::web {
+namespace sweepstake::server {
 namespace {
+
+using web::CounterOf;
+using web::GaugeOf;
 
 // The fields of /proc/self/stat that are needed, in the order of proc(5).
 struct ProcessStat {
@@ -97,4 +100,4 @@ std::vector<prometheus::MetricFamily> ProcessFamilies() {
   return families;
 }
 
-}  // namespace sweepstake::web
+}  // namespace sweepstake::server

@@ -1,5 +1,5 @@
 // The limit of open files.
-#include "server/descriptor_limit.h"
+#include "server/host/descriptor_limit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

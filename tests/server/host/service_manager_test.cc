@@ -1,12 +1,12 @@
 // The watchdog: when the service manager hears that the daemon is alive.
-#include "server/service_manager.h"
+#include "server/host/service_manager.h"
 
 #include <gtest/gtest.h>
 
 #include <condition_variable>
 #include <mutex>
 
-#include "tests/server/notify_socket.h"
+#include "tests/server/host/notify_socket.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::server {

@@ -1,4 +1,4 @@
-#include "server/service_manager.h"
+#include "server/host/service_manager.h"
 
 #include <systemd/sd-daemon.h>
 

@@ -1,4 +1,4 @@
-#include "server/exit_guard.h"
+#include "server/host/exit_guard.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/space_warning.h"
+#include "server/host/space_warning.h"
 
 #include "absl/strings/str_cat.h"
 

@@ -1,5 +1,5 @@
 // A database that nears the size that it may have.
-#include "server/space_warning.h"
+#include "server/host/space_warning.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

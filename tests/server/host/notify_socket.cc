@@ -1,4 +1,4 @@
-#include "tests/server/notify_socket.h"
+#include "tests/server/host/notify_socket.h"
 
 #include <sys/socket.h>
 #include <sys/time.h>
