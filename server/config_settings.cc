@@ -1,310 +1,230 @@
-#include "server/config_settings.h"
-
-#include <algorithm>
-#include <array>
+// The table of settings.
+#include <CLI/CLI.hpp>
 #include <cmath>
-#include <iterator>
+#include <nlohmann/json.hpp>
+#include <type_traits>
 #include <utility>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "engine_client/text/names.h"
+#include "server/config.h"
 
 namespace sweepstake::server {
 namespace {
 
+std::string FlagOf(const std::string& key) {
+  return "--" + absl::StrReplaceAll(key, {{".", "-"}, {"_", "-"}});
+}
+
+std::string VariableOf(const std::string& key) {
+  return "SWEEPSTAKE_" + absl::AsciiStrToUpper(absl::StrReplaceAll(key, {{".", "_"}}));
+}
+
+constexpr const char* kFixedGroup = "Settings that need a restart";
+constexpr const char* kLiveGroup = "Settings that SIGHUP reloads";
+constexpr const char* kDecisionGroup = "Decisions (need a restart)";
+
 constexpr int64_t kNsPerMs = 1'000'000;
-
-absl::Status Expected(absl::string_view what) {
-  return absl::InvalidArgumentError(absl::StrCat("expected ", what));
-}
-
-std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
-}
-
-template <typename Field>
-Setting Text(std::string key, Field field, std::string help) {
-  return {std::move(key), std::move(help),
-          [field](Config& config, const std::string& value) {
-            if (!text::IsLine(value)) return Expected("UTF-8 without control characters");
-            field(config) = value;
-            return absl::OkStatus();
-          },
-          [field](const Config& config) {
-            Config copy = config;
-            return Quoted(std::filesystem::path(field(copy)).string());
-          }};
-}
-
-template <typename Field>
-Setting Switch(std::string key, Field field, std::string help) {
-  return {std::move(key), std::move(help),
-          [field](Config& config, const std::string& value) {
-            if (value != "true" && value != "false") return Expected("true or false");
-            field(config) = value == "true";
-            return absl::OkStatus();
-          },
-          [field](const Config& config) {
-            Config copy = config;
-            return std::string(field(copy) ? "true" : "false");
-          },
-          /*is_switch=*/true};
-}
-
-template <typename Field>
-Setting Real(std::string key, Field field, std::string help) {
-  return {std::move(key), std::move(help),
-          [field](Config& config, const std::string& value) {
-            double number = 0;
-            if (!ParseNumber(value, number) || !std::isfinite(number))
-              return Expected("a finite number");
-            field(config) = number;
-            return absl::OkStatus();
-          },
-          [field](const Config& config) {
-            Config copy = config;
-            std::string number = ShortestText(field(copy));
-            // A TOML float has a point or an exponent.
-            return number.find_first_of(".e") == std::string::npos ? number + ".0" : number;
-          }};
-}
-
-// Makes the setting of a whole number from `min` to `max`, which is stored in multiples of `unit`.
-template <typename Field>
-Setting Whole(std::string key, int64_t min, int64_t max, int64_t unit, Field field,
-              std::string help) {
-  return {std::move(key), std::move(help),
-          [field, min, max, unit](Config& config, const std::string& value) {
-            int64_t number = 0;
-            if (!ParseNumber(value, number) || number < min || number > max) {
-              return Expected(absl::StrCat("a whole number from ", min, " to ", max));
-            }
-            auto& target = field(config);
-            target = static_cast<std::remove_reference_t<decltype(target)>>(number * unit);
-            return absl::OkStatus();
-          },
-          [field, unit](const Config& config) {
-            Config copy = config;
-            return std::to_string(static_cast<int64_t>(field(copy)) / unit);
-          }};
-}
-
-// Marks a setting that a running daemon takes over at SIGHUP.
-Setting Live(Setting setting) {
-  setting.is_live = true;
-  setting.help += "; taken over at SIGHUP";
-  return setting;
-}
-
-absl::Status SetLogLevel(Config& config, const std::string& value) {
-  static constexpr std::string_view kLevels[] = {"trace", "debug", "info", "warn", "error", "off"};
-  if (std::find(std::begin(kLevels), std::end(kLevels), value) == std::end(kLevels)) {
-    return Expected("one of trace, debug, info, warn, error, off");
-  }
-  config.log_level = value;
-  return absl::OkStatus();
-}
-
 constexpr int64_t kYearMs = 31'536'000'000;
+constexpr int64_t kMiB = 1 << 20;
 
-std::vector<Setting> DaemonSettings() {
-  return {
-      Text(
-          "listen", [](Config & c) -> auto& { return c.listen; },
-          "HOST:PORT to serve gRPC on; port 0 takes a free one"),
-      Text(
-          "http", [](Config & c) -> auto& { return c.http; },
-          "HOST:PORT to serve the dashboard, /metrics, /livez and /readyz on; empty serves none"),
-      Text(
-          "http_hosts", [](Config & c) -> auto& { return c.http_hosts; },
-          "names, separated by commas, that browsers may ask for the dashboard by, beside its "
-          "address: that of a proxy in front"),
-      Text(
-          "data", [](Config & c) -> auto& { return c.data; },
-          "directory of the prior store; made if it is missing"),
-      Text(
-          "store", [](Config & c) -> auto& { return c.store; },
-          "postgresql:// URL, without a password, of a prior store that several daemons share; "
-          "empty: priors.db in `data`"),
-      Text(
-          "port_file", [](Config & c) -> auto& { return c.port_file; },
-          "file that gets the gRPC port once it listens, and the HTTP port in its second line"),
-      Live({"log_level", "trace, debug, info, warn, error or off", SetLogLevel,
-            [](const Config& c) { return Quoted(c.log_level); }}),
-      Switch(
-          "require_tokens", [](Config & c) -> auto& { return c.require_tokens; },
-          "start with a token only, wherever it listens: for instance behind a proxy"),
-      Switch(
-          "insecure", [](Config & c) -> auto& { return c.insecure; },
-          "allow plain text on addresses that others can reach"),
-      Text(
-          "tls_cert", [](Config & c) -> auto& { return c.rpc.tls.cert; },
-          "PEM file of the certificate to serve TLS with, its issuers' after it; read every "
-          "second"),
-      Text(
-          "tls_key", [](Config & c) -> auto& { return c.rpc.tls.key; },
-          "PEM file of the certificate's private key"),
-      Text(
-          "tls_client_ca", [](Config & c) -> auto& { return c.rpc.tls.ca; },
-          "PEM file of the authorities that must have signed the client's certificate"),
-      Switch(
-          "reflection", [](Config & c) -> auto& { return c.rpc.reflection; },
-          "serve gRPC reflection, for grpcurl and the like"),
-      Live(Whole(
-          "max_time_scale", 1, static_cast<int64_t>(rpc::kMaxTimeScale), 1,
-          [](Config & c) -> auto& { return c.rpc.max_time_scale; },
-          "largest time scale that a game may ask for, up to 1000; for experiments: such a game "
-          "learns and commits that many times as often")),
-      Live(Whole(
-          "max_sessions", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_sessions; },
-          "sessions in memory, connected or resumable")),
-      Live(Whole(
-          "max_sessions_per_token", 1, 1'000'000, 1,
-          [](Config & c) -> auto& { return c.rpc.max_sessions_per_token; },
-          "of these, those that began with one token")),
-      Live(Whole(
-          "max_streams_per_address", 1, 1'000'000, 1,
-          [](Config & c) -> auto& { return c.rpc.max_streams_per_address; },
-          "games' streams from one address that is not the daemon's own machine")),
-      Live(Whole(
-          "max_projects", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_projects; },
-          "projects; games and imports name them")),
-      Live(Whole(
-          "max_scenes", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_scenes; },
-          "scenes of a project, by name")),
-      Live(Whole(
-          "max_messages_per_s", 1, 1'000'000, 1,
-          [](Config & c) -> auto& { return c.rpc.max_messages_per_s; },
-          "messages of a game in a second, times its time scale; at once, as many as in ten "
-          "seconds")),
-      Live(Whole(
-          "max_hellos_per_s", 1, 1'000'000, 1,
-          [](Config & c) -> auto& { return c.rpc.max_hellos_per_s; },
-          "streams that a token, and an address that is not the daemon's own machine, begins in a "
-          "second; at once, as many as in ten seconds, so that 10,000 games behind one address "
-          "come back unhindered after a restart")),
-      Live(Whole(
-          "max_reads_per_s", 1, 1'000'000, 1,
-          [](Config & c) -> auto& { return c.rpc.max_reads_per_s; },
-          "calls of a token, and of an address, in a second that list, export or begin to watch; "
-          "at once, as many as in ten seconds")),
-      Live(Whole(
-          "max_transfers", 1, 100'000, 1, [](Config & c) -> auto& { return c.rpc.max_transfers; },
-          "exports and imports at a time")),
-      Live(Whole(
-          "max_transfers_per_token", 1, 100'000, 1,
-          [](Config & c) -> auto& { return c.rpc.max_transfers_per_token; },
-          "of these, those of one token")),
-      Live(Whole(
-          "max_watchers", 1, 100'000, 1, [](Config & c) -> auto& { return c.rpc.max_watchers; },
-          "watchers at a time; a token, and an address, may have half of them")),
-      Live(Whole(
-          "resume_window_ms", 0, kYearMs, kNsPerMs,
-          [](Config & c) -> auto& { return c.rpc.resume_window_ns; },
-          "how long a lost session stays in memory")),
-      Whole(
-          "memory_quota_mb", 8, 1 << 20, 1 << 20,
-          [](Config & c) -> auto& { return c.rpc.memory_quota_bytes; },
-          "memory of all connections' buffers"),
-      Live(Whole(
-          "database_mb", 8, 1 << 24, 1 << 20, [](Config & c) -> auto& { return c.database_bytes; },
-          "size of priors.db; beyond it nothing more is stored or acknowledged")),
-      Live(Whole(
-          "backup_count", 0, 1'000, 1, [](Config & c) -> auto& { return c.backup_count; },
-          "backups that are kept beside priors.db; 0 makes none")),
-      Live(Whole(
-          "backup_hours", 1, 8'760, 1, [](Config & c) -> auto& { return c.backup_hours; },
-          "time from one backup to the next")),
-      Live(Whole(
-          "fold_days", 0, 36'500, 1, [](Config & c) -> auto& { return c.fold_days; },
-          "time after which the evidence of a session is folded into that of its month, which "
-          "exports leave out; 0 folds none")),
-      Live(Whole(
-          "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.audit.bytes; },
-          "text of the audit log; beyond it the oldest rows go; 0 keeps none but the "
-          "administrators'")),
-      Live(Whole(
-          "audit_days", 1, 36'500, 86'400, [](Config & c) -> auto& { return c.audit.age_s; },
-          "age at which rows of the audit log go")),
-  };
+CLI::Validator Line() {
+  return {[](const std::string& text) -> std::string {
+            return text::IsLine(text) ? "" : "expected UTF-8 without control characters";
+          },
+          ""};
 }
 
-template <typename Field>
-Setting Interval(std::string key, Field field, std::string help) {
-  return Whole(std::move(key), 0, kYearMs, kNsPerMs, field, std::move(help));
+CLI::Validator Finite() {
+  return {[](const std::string& text) -> std::string {
+            double number = 0;
+            if (absl::SimpleAtod(text, &number) && std::isfinite(number)) return "";
+            return absl::StrCat("expected a finite number, not ", text);
+          },
+          ""};
 }
 
-std::vector<Setting> DecisionSettings() {
-  return {
-      Text(
-          "decision.policy", [](Config & c) -> auto& { return c.rpc.decision.policy; },
-          "policy of sessions that name none"),
-      Real(
-          "decision.weight_fps", [](Config & c) -> auto& { return c.rpc.decision.weights.fps; },
-          "weight of the FPS score"),
-      Real(
-          "decision.weight_detection",
-          [](Config & c) -> auto& { return c.rpc.decision.weights.detection; },
-          "weight of the detection time's score"),
-      Real(
-          "decision.weight_memory",
-          [](Config & c) -> auto& { return c.rpc.decision.weights.memory; },
-          "weight of the memory's score"),
-      Real(
-          "decision.weight_checks",
-          [](Config & c) -> auto& { return c.rpc.decision.weights.checks; },
-          "weight of the AABB checks' score"),
-      Interval(
-          "decision.interval_ms",
-          [](Config & c) -> auto& { return c.rpc.decision.decision_interval_ns; },
-          "time between decisions"),
-      Interval(
-          "decision.cooldown_ms", [](Config & c) -> auto& { return c.rpc.decision.cooldown_ns; },
-          "min time between two switches; of adaptive the longest that it waits"),
-      Interval(
-          "decision.settling_ms", [](Config & c) -> auto& { return c.rpc.decision.settling_ns; },
-          "frame time after a switch that is not learnt from"),
-      Interval(
-          "decision.bail_out_ms", [](Config & c) -> auto& { return c.rpc.decision.bail_out_ns; },
-          "a longer frame is a bail-out"),
-      Interval(
-          "decision.exploration_warm_up_ms",
-          [](Config & c) -> auto& { return c.rpc.decision.exploration_warm_up_ns; },
-          "warm-up per arm at the start"),
-      Interval(
-          "decision.exploration_measure_ms",
-          [](Config & c) -> auto& { return c.rpc.decision.exploration_measure_ns; },
-          "measured time per arm at the start"),
-      Switch(
-          "decision.explore", [](Config & c) -> auto& { return c.rpc.decision.explore; },
-          "try every arm once at the start; adaptive does not"),
-      Real(
-          "decision.bail_out_penalty",
-          [](Config & c) -> auto& { return c.rpc.decision.bail_out_penalty; },
-          "zero-reward observations that a bail-out counts as"),
-      Real(
-          "decision.fps_floor", [](Config & c) -> auto& { return c.rpc.decision.fps_floor; },
-          "frames/s below which even the best arm is a degraded scene"),
+// Adds settings of each type. The fields outlive the application.
+class Table {
+ public:
+  Table(CLI::App& app, std::vector<Settings::Setting>& settings) : app_(app), settings_(settings) {}
+
+  void Group(const std::string& name) {
+    app_.option_defaults()->group(name);
+    is_live_ = name == kLiveGroup;
+  }
+
+  template <typename Field>
+  CLI::Option* Text(const std::string& key, Field& field, const std::string& help) {
+    return Add(key, app_.add_option(FlagOf(key), field)->check(Line()), help,
+               [&field] { return nlohmann::json(std::string(field)).dump(); });
+  }
+
+  void Switch(const std::string& key, bool& field, const std::string& help) {
+    const std::string flag = FlagOf(key);
+    CLI::Option* option = app_.add_flag(flag + ",!--no-" + flag.substr(2), field);
+    Add(key, option->check(CLI::IsMember({"true", "false"})), help,
+        [&field] { return nlohmann::json(field).dump(); });
+  }
+
+  void Real(const std::string& key, double& field, const std::string& help) {
+    CLI::Option* option = app_.add_option_function<std::string>(
+        FlagOf(key), [&field](const std::string& text) { (void)absl::SimpleAtod(text, &field); });
+    Add(key, option->check(Finite())->type_name("FLOAT"), help,
+        [&field] { return nlohmann::json(field).dump(); });
+  }
+
+  // A whole number from `min` to `max`; the field holds it times `unit`.
+  template <typename Field>
+  void Whole(const std::string& key, Field& field, int64_t min, int64_t max,
+             const std::string& help, int64_t unit = 1) {
+    CLI::Option* option = app_.add_option_function<int64_t>(
+        FlagOf(key),
+        [&field, unit](const int64_t& number) { field = static_cast<Field>(number * unit); });
+    Add(key, option->check(CLI::Range(min, max)), help,
+        [&field, unit] { return absl::StrCat(static_cast<int64_t>(field) / unit); });
+  }
+
+ private:
+  CLI::Option* Add(const std::string& key, CLI::Option* option, const std::string& help,
+                   const std::function<std::string()>& value) {
+    const std::string variable = VariableOf(key);
+    option->description(absl::StrCat(help, " [", key, ", ", variable, "]"));
+    option->default_function(value)->capture_default_str();
+    settings_.push_back({key, variable, option, is_live_});
+    return option;
+  }
+
+  CLI::App& app_;
+  std::vector<Settings::Setting>& settings_;
+  bool is_live_ = false;
+};
+
+void AddFixed(Table& table, Config& config) {
+  table.Group(kFixedGroup);
+  table.Text("listen", config.listen, "HOST:PORT to serve gRPC on; port 0 means any free port");
+  table.Text("http", config.http,
+             "HOST:PORT to serve the dashboard, /metrics, /livez and /readyz on; empty: no HTTP");
+  table.Text("http_hosts", config.http_hosts,
+             "further host names of the dashboard, separated by commas, for instance that of a "
+             "proxy in front of it");
+  table.Text("data", config.data,
+             "directory of the prior store; created if its parent directory exists");
+  table.Text("store", config.store,
+             "postgresql:// URL, without a password, of a prior store that several daemons share; "
+             "empty: priors.db in `data`");
+  table.Text("port_file", config.port_file,
+             "file that receives the gRPC port and, in its second line, the HTTP port, as soon as "
+             "the daemon listens");
+  table.Switch("require_tokens", config.require_tokens,
+               "refuse to start without a token, on loopback addresses too; for daemons behind a "
+               "proxy");
+  table.Switch("insecure", config.insecure,
+               "allow plain text on addresses that other machines can reach");
+  table.Text("tls_cert", config.rpc.tls.cert,
+             "PEM file of the server certificate, followed by its issuers; checked for changes "
+             "every second");
+  table.Text("tls_key", config.rpc.tls.key, "PEM file of the certificate's private key");
+  table.Text("tls_client_ca", config.rpc.tls.ca,
+             "PEM file of the authorities that must have signed a client's certificate");
+  table.Switch("reflection", config.rpc.reflection,
+               "serve gRPC reflection, for tools such as grpcurl");
+  table.Whole("memory_quota_mb", config.rpc.memory_quota_bytes, 8, 1 << 20,
+              "memory for the buffers of all connections, in MiB", kMiB);
+}
+
+void AddLive(Table& table, Config& config) {
+  rpc::RpcOptions& rpc = config.rpc;
+  constexpr int64_t kMillion = 1'000'000;
+  table.Group(kLiveGroup);
+  table.Text("log_level", config.log_level, "least severe level of the log lines that are written")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}));
+  table.Whole("max_time_scale", rpc.max_time_scale, 1, static_cast<int64_t>(rpc::kMaxTimeScale),
+              "largest time scale that a game may request, for experiments; such a game decides, "
+              "learns and commits that many times as often");
+  table.Whole("max_sessions", rpc.max_sessions, 1, kMillion,
+              "sessions in memory, connected or resumable");
+  table.Whole("max_sessions_per_token", rpc.max_sessions_per_token, 1, kMillion,
+              "sessions in memory that one token started");
+  table.Whole("max_streams_per_address", rpc.max_streams_per_address, 1, kMillion,
+              "game streams from one remote address");
+  table.Whole("max_projects", rpc.max_projects, 1, kMillion, "projects of games and imports");
+  table.Whole("max_scenes", rpc.max_scenes, 1, kMillion, "scene names per project");
+  table.Whole("max_messages_per_s", rpc.max_messages_per_s, 1, kMillion,
+              "messages per second of each game, times its time scale; burst: ten times this");
+  table.Whole("max_hellos_per_s", rpc.max_hellos_per_s, 1, kMillion,
+              "new streams per second for each token and remote address; burst: ten times this");
+  table.Whole("max_reads_per_s", rpc.max_reads_per_s, 1, kMillion,
+              "list, export and watch calls per second for each token and address; burst: ten "
+              "times this");
+  table.Whole("max_transfers", rpc.max_transfers, 1, 100'000,
+              "exports and imports in progress at one time");
+  table.Whole("max_transfers_per_token", rpc.max_transfers_per_token, 1, 100'000,
+              "exports and imports in progress at one time for each token");
+  table.Whole("max_watchers", rpc.max_watchers, 1, 100'000,
+              "watchers at one time; each token and remote address may have half of them");
+  table.Whole("resume_window_ms", rpc.resume_window_ns, 0, kYearMs,
+              "time in ms that a session stays in memory after its connection is lost", kNsPerMs);
+  table.Whole("database_mb", config.database_bytes, 8, 1 << 24,
+              "maximum size of priors.db in MiB; a full store acknowledges nothing more", kMiB);
+  table.Whole("backup_count", config.backup_count, 0, 1'000,
+              "backups that are kept next to priors.db; 0 makes none");
+  table.Whole("backup_hours", config.backup_hours, 1, 8'760, "hours between two backups");
+  table.Whole("fold_days", config.fold_days, 0, 36'500,
+              "age in days at which a session's evidence is folded into that of its month, which "
+              "exports omit; 0 folds none");
+  table.Whole("audit_mb", config.audit.bytes, 0, 1 << 20,
+              "size of the audit log in MiB; older rows are deleted first; 0 keeps only the rows "
+              "of administrators",
+              kMiB);
+  table.Whole("audit_days", config.audit.age_s, 1, 36'500,
+              "age in days at which audit rows are deleted", 86'400);
+}
+
+void AddDecision(Table& table, decision::DecisionOptions& options) {
+  const auto milliseconds = [&](const char* key, auto& field, const char* help) {
+    table.Whole(key, field, 0, kYearMs, help, kNsPerMs);
   };
+  table.Group(kDecisionGroup);
+  table.Text("decision.policy", options.policy, "policy of sessions that request none");
+  table.Real("decision.weight_fps", options.weights.fps, "weight of the FPS score");
+  table.Real("decision.weight_detection", options.weights.detection,
+             "weight of the detection time score");
+  table.Real("decision.weight_memory", options.weights.memory, "weight of the memory score");
+  table.Real("decision.weight_checks", options.weights.checks, "weight of the AABB check score");
+  milliseconds("decision.interval_ms", options.decision_interval_ns,
+               "time between two decisions, in ms");
+  milliseconds("decision.cooldown_ms", options.cooldown_ns,
+               "minimum time between two switches, in ms; policy adaptive: maximum of its own "
+               "cooldown");
+  milliseconds("decision.settling_ms", options.settling_ns,
+               "frame time after a switch, in ms, that is excluded from learning");
+  milliseconds("decision.bail_out_ms", options.bail_out_ns,
+               "a frame longer than this, in ms, is a bail-out");
+  milliseconds("decision.exploration_warm_up_ms", options.exploration_warm_up_ns,
+               "warm-up per arm during exploration, in ms");
+  milliseconds("decision.exploration_measure_ms", options.exploration_measure_ns,
+               "measured time per arm during exploration, in ms");
+  table.Switch("decision.explore", options.explore,
+               "try every arm once at the start; policy adaptive ignores this");
+  table.Real("decision.bail_out_penalty", options.bail_out_penalty,
+             "number of zero-reward observations that a bail-out counts as");
+  table.Real("decision.fps_floor", options.fps_floor,
+             "frames per second; a scene whose best arm is slower is marked as degraded");
 }
 
 }  // namespace
 
-std::string ShortestText(double number) {
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
-  return {text.data(), end};
-}
-
-std::vector<Setting> Settings() {
-  std::vector<Setting> settings = DaemonSettings();
-  for (Setting& setting : DecisionSettings()) settings.push_back(std::move(setting));
-  return settings;
+Settings::Settings(CLI::App& app, Config& config) {
+  const std::string group = app.option_defaults()->get_group();
+  Table table(app, settings_);
+  AddFixed(table, config);
+  AddLive(table, config);
+  AddDecision(table, config.rpc.decision);
+  table.Group(group);
 }
 
 }  // namespace sweepstake::server

@@ -1,17 +1,15 @@
-// `sweepstaked`: reads the configuration, runs the daemon until SIGTERM or SIGINT, drains it.
+// `sweepstaked`: reads the configuration, runs the daemon until SIGTERM or SIGINT, then drains it.
 // SIGHUP makes it read the configuration again.
 //
-// Exit codes: 0 done; 1 the configuration to be checked is not valid, the daemon to be probed does
-// not serve, a copy could not be made, verified, put back or moved, or a token not made or revoked;
-// 2 bad usage or configuration; 3 the daemon could not start; 4 it did not end within nine seconds
-// after a signal, or after a copy of a database that is gone.
+// Exit codes: 0 done; 1 a subcommand failed; 2 bad usage or configuration; 3 the daemon could not
+// start; 4 the daemon did not end within nine seconds after a signal, or after copying a database
+// whose file was removed.
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <pthread.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -19,6 +17,7 @@
 #include <fstream>
 #include <iostream>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -39,8 +38,8 @@
 
 namespace {
 
-using sweepstake::server::Assignments;
 using sweepstake::server::Config;
+using sweepstake::server::Settings;
 
 constexpr int kDone = 0;
 constexpr int kCheckFailed = 1;
@@ -55,11 +54,23 @@ constexpr std::chrono::seconds kEndPatience{9};
 constexpr std::chrono::seconds kProbePatience{5};
 
 constexpr std::string_view kNoWatchdog =
-    "the daemon cannot ask its own listener for its health, as the watchdog needs; with "
-    "--tls-client-ca, its own certificate must be one that this authority accepts of clients";
+    "the watchdog cannot connect to the daemon's own listener; with --tls-client-ca, that "
+    "authority must accept the daemon's certificate as a client certificate too";
 
 struct CommandLine {
-  Assignments flags;
+  CommandLine(int count, char** words) : argc(count), argv(words) {}
+
+  // Parses the words. Flags override the values that are in `config` already. Throws CLI::Error.
+  void Parse() { app.parse(argc, argv); }
+
+  const int argc;
+  char** const argv;
+  CLI::App app{
+      "The decision daemon of Sweepstake: learns which broad phase suits a scene, and sends switch "
+      "commands to games.",
+      "sweepstaked"};
+  Config config;
+  Settings settings{app, config};
   std::string config_file;
   std::string file;       // of a subcommand
   std::string direction;  // of `migrate`
@@ -68,40 +79,30 @@ struct CommandLine {
   sweepstake::server::TokenCommand token;
 };
 
-void AddOptions(CLI::App& app, CommandLine& line) {
+void AddOptions(CommandLine& line) {
+  CLI::App& app = line.app;
+  app.set_version_flag("--version", SWEEPSTAKE_VERSION);
   app.add_option("--config", line.config_file, "TOML file with any of the settings below");
   app.add_flag("--print-config", line.print_config,
-               "print the configuration in force, as TOML, and exit");
-  for (const auto& setting : sweepstake::server::DescribeSettings()) {
-    const std::string help = setting.help + " [" + setting.key + ", " + setting.variable + "]";
-    const auto assign = [&line, key = setting.key](const std::string& value) {
-      line.flags[key] = value;
-    };
-    if (setting.is_switch) {
-      app.add_flag_function(
-          setting.flag + "{true},!" + "--no-" + setting.flag.substr(2),
-          [assign](int64_t count) { assign(count > 0 ? "true" : "false"); }, help);
-    } else {
-      app.add_option_function<std::string>(setting.flag, assign, help);
-    }
-  }
+               "print the configuration in effect, as TOML, and exit");
   CLI::App* check =
-      app.add_subcommand("check-config", "check a configuration file and exit: 0 fine, 1 wrong");
+      app.add_subcommand("check-config", "check a configuration file and exit: 0 valid, 1 not");
   check->add_option("file", line.file, "the TOML file")->required();
   CLI::App* backup = app.add_subcommand(
-      "backup", "copy the priors and the audit log to a new file; the daemon may run meanwhile");
+      "backup", "copy the priors and the audit log to a new file; the daemon may be running");
   backup->add_option("file", line.file, "the file to write")->required();
   backup->fallthrough();
   backup->footer("Example: sweepstaked backup priors-monday.db --data /var/lib/sweepstake");
-  CLI::App* restore =
-      app.add_subcommand("restore", "check a backup and copy it into a data directory without one");
+  CLI::App* restore = app.add_subcommand(
+      "restore", "check a backup and copy it into a data directory that has no store");
   restore->add_option("file", line.file, "the file that `backup` wrote")->required();
-  restore->add_flag("--verify", line.verify, "only check it and say what it has");
+  restore->add_flag("--verify", line.verify, "only check the backup and print what it contains");
   restore->fallthrough();
   restore->footer("Example: sweepstaked restore priors-monday.db --data /var/lib/sweepstake");
   CLI::App* migrate = app.add_subcommand(
-      "migrate", "copy what priors.db has into the shared store, or back; no daemon may use it");
-  migrate->add_option("direction", line.direction, "to-store, or back to-data")
+      "migrate",
+      "copy priors.db into the shared store, or back; stop every daemon that uses them first");
+  migrate->add_option("direction", line.direction, "to-store or to-data")
       ->required()
       ->check(CLI::IsMember({kToStore, kToData}));
   migrate->fallthrough();
@@ -111,10 +112,10 @@ void AddOptions(CLI::App& app, CommandLine& line) {
       "          sweepstaked migrate to-data --store "
       "postgresql://sweepstake@db.example/sweepstake --data /var/lib/sweepstake-of-one");
   CLI::App* probe = app.add_subcommand(
-      "probe", "ask the daemon of this configuration for its health and exit: 0 serving, 1 not");
+      "probe", "check the health of the daemon with this configuration and exit: 0 serving, 1 not");
   probe->fallthrough();
   probe->footer(
-      "Asks grpc.health.v1 at `listen`; where that has port 0, at the port in `port_file`. For "
+      "Calls grpc.health.v1 at `listen`; if its port is 0, at the port in `port_file`. For "
       "containers without a shell: HEALTHCHECK CMD [\"sweepstaked\", \"probe\"]");
   line.token.AddTo(app);
   app.footer("Example: sweepstaked --listen 127.0.0.1:7433 --data /var/lib/sweepstake");
@@ -135,25 +136,16 @@ std::vector<std::string> Environment() {
   return entries;
 }
 
-absl::StatusOr<Config> Load(const CommandLine& line) {
-  Config config;
-  sweepstake::server::SettingNames names;
-  if (!line.config_file.empty()) {
-    auto assignments = sweepstake::server::ReadConfigFile(line.config_file);
-    if (!assignments.ok()) return assignments.status();
-    if (absl::Status status = Assign(*assignments, line.config_file, config); !status.ok())
-      return status;
-    names.AddKeys(*assignments);
-  }
-  auto environment = sweepstake::server::ReadEnvironment(Environment());
-  if (!environment.ok()) return environment.status();
-  names.AddVariables(*environment);
-  absl::Status status = Assign(*environment, "environment", config, names);
-  names.AddFlags(line.flags);
-  if (status.ok()) status = Assign(line.flags, "command line", config, names);
-  if (status.ok()) status = Validate(config, names);
+absl::StatusOr<Config> Load(CommandLine& line) {
+  line.config = Config();
+  absl::Status status;
+  if (!line.config_file.empty()) status = line.settings.ReadFile(line.config_file);
+  if (status.ok()) status = line.settings.ReadEnvironment(Environment());
   if (!status.ok()) return status;
-  return config;
+  line.Parse();
+  status = Validate(line.config);
+  if (!status.ok()) return status;
+  return line.config;
 }
 
 int CheckConfig(const std::string& file) {
@@ -171,21 +163,20 @@ int ReportContents(const std::string& file,
             << contents->audit_row_count << " rows of the audit log, schema "
             << contents->schema_version << '\n';
   if (contents->damaged_row_count == 0) return kDone;
-  return Fail(kCheckFailed,
-              absl::StrCat(contents->damaged_row_count,
-                           " rows of the database are not what was written, and ", file,
-                           " is without what they said: look at the disk, and put that or an "
-                           "earlier backup in its place"));
+  return Fail(kCheckFailed, absl::StrCat(contents->damaged_row_count,
+                                         " damaged rows of the database are not in ", file,
+                                         "; check the disk, and restore this or an earlier "
+                                         "backup"));
 }
 
 int Migrate(const Config& config, bool to_store) {
-  const auto tell = [](const std::string& table, uint64_t rows, uint64_t of) {
-    std::cerr << "sweepstaked: " << table << ": " << rows << " of " << of << " rows\n";
+  const auto print = [](const std::string& table, uint64_t rows, uint64_t total) {
+    std::cerr << "sweepstaked: " << table << ": " << rows << " of " << total << " rows\n";
   };
   return to_store ? ReportContents(config.store, sweepstake::storage::MigrateToShared(
-                                                     config.data, config.store, tell))
+                                                     config.data, config.store, print))
                   : ReportContents(config.data, sweepstake::storage::MigrateFromShared(
-                                                    config.store, config.data, tell));
+                                                    config.store, config.data, print));
 }
 
 // Returns the address that the daemon of this configuration listens on.
@@ -195,7 +186,7 @@ absl::StatusOr<std::string> AddressOf(const Config& config) {
   if (std::ifstream(config.port_file) >> port)
     return config.listen.substr(0, config.listen.size() - 1) + std::to_string(port);
   return absl::NotFoundError(
-      "the port of the daemon is not known: name it with --listen, or the daemon's --port-file");
+      "the port of the daemon is unknown; name it with --listen, or name the daemon's --port-file");
 }
 
 int Probe(const Config& config) {
@@ -206,19 +197,19 @@ int Probe(const Config& config) {
     return Fail(kCheckFailed,
                 *address + ": no daemon answered: " + std::string(health.status().message()));
   if (*health == sweepstake::rpc::Health::kNotServing)
-    return Fail(kCheckFailed, *address + ": not serving; its log says why");
+    return Fail(kCheckFailed, *address + ": not serving; its log has the reason");
   std::cout << *address << ": serving\n";
   return kDone;
 }
 
-// Threads of gRPC may still be ending the connection: they must not do so while exit() ends the
-// libraries that they use.
+// Exits without destructors: threads of gRPC may still be closing the connection, and exit() would
+// unload libraries that they use.
 [[noreturn]] void EndBesideThreads(int code) {
   std::cout.flush();
   std::_Exit(code);
 }
 
-// Returns the given commands, each behind the one that it belongs to; the first is the program.
+// Returns the program and the given subcommand, then that one's own subcommand.
 std::vector<const CLI::App*> GivenCommands(const CLI::App& app) {
   std::vector<const CLI::App*> given = {&app};
   while (!given.back()->get_subcommands().empty())
@@ -237,7 +228,7 @@ std::string UnknownOption(const std::vector<const CLI::App*>& given, std::string
   return sweepstake::text::UnknownNameOfMany("option", word.substr(0, word.find('=')), known);
 }
 
-// Returns what to say of the first word that nothing takes.
+// Returns the error message for the first word that no option or command accepts.
 std::string UnknownWord(const CLI::App& app) {
   const std::string word = app.remaining(/*recurse=*/true).front();
   const std::vector<const CLI::App*> given = GivenCommands(app);
@@ -246,8 +237,8 @@ std::string UnknownWord(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* each : command.get_subcommands({})) names.push_back(each->get_name());
   if (names.empty()) {
-    return command.get_name() + ": nothing takes '" + sweepstake::text::PrintableLine(word) +
-           "'; --help says what it takes";
+    return command.get_name() + ": unexpected argument '" + sweepstake::text::PrintableLine(word) +
+           "'; --help lists the arguments";
   }
   const std::vector<std::string_view> known(names.begin(), names.end());
   return sweepstake::text::UnknownName("command of " + command.get_name(), word, known);
@@ -264,22 +255,22 @@ sigset_t BlockSignals() {
   return signals;
 }
 
-// Waits for a signal to end. At SIGHUP the configuration is read again.
-void AwaitEnd(const sigset_t& signals, const CommandLine& line,
-              sweepstake::server::Daemon& daemon) {
+// Waits for SIGTERM or SIGINT. SIGHUP reloads the configuration.
+void AwaitEnd(const sigset_t& signals, CommandLine& line, sweepstake::server::Daemon& daemon) {
   int signal = 0;
   while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) daemon.Reload(Load(line));
 }
 
-int Run(const Config& config, const CommandLine& line) {
+int Run(const Config& config, CommandLine& line) {
   const sigset_t signals = BlockSignals();
   // A closed log pipe must not end the daemon.
   std::signal(SIGPIPE, SIG_IGN);
-  // gRPC's own lines on stderr are not JSON; its failures are reported in the log anyway.
+  // gRPC and protobuf write lines to stderr that are not JSON. gRPC's failures are in the log
+  // anyway.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
-  // Nor are protobuf's, and a stranger can cause as many as they like, by text that is not UTF-8.
+  // Clients could cause any number of protobuf's lines, with text that is not UTF-8.
   google::protobuf::SetLogHandler(nullptr);
-  // Some builds of gRPC's locks look for deadlocks by default, under one lock of all threads.
+  // Some builds of gRPC's locks search for deadlocks by default, under one lock for all threads.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
   sweepstake::rpc::SteadyClock clock;
@@ -298,8 +289,8 @@ int Run(const Config& config, const CommandLine& line) {
   };
   guard.emplace(kEndPatience, kDidNotEnd,
                 "sweepstaked: did not end in time: the disk does not answer, or clients flood the "
-                "daemon with calls; ended without waiting. What clients were not told to be on "
-                "disk, they send again",
+                "daemon with calls. It exits without waiting; clients send unacknowledged evidence "
+                "again",
                 must_wait);
   (*daemon)->Drain();
   return kDone;
@@ -309,27 +300,21 @@ int Run(const Config& config, const CommandLine& line) {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): only running out of memory, which may end the program.
 int main(int argc, char** argv) {
-  CLI::App app(
-      "The decision daemon of Sweepstake: learns which broad phase suits a scene, and tells "
-      "clients.",
-      "sweepstaked");
-  app.set_version_flag("--version", SWEEPSTAKE_VERSION);
-  CommandLine line;
-  AddOptions(app, line);
-  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
-  // The parser takes whole numbers as values of a switch, and throws at others.
-  const absl::Status switches = sweepstake::server::CheckSwitches(words);
-  if (!switches.ok()) return Fail(kBadUsage, std::string(switches.message()));
+  CommandLine line(argc, argv);
+  CLI::App& app = line.app;
+  AddOptions(line);
+  // CLI11 would read --insecure= as --insecure, and the next word as the value of --listen=.
+  for (const std::string_view word : std::span(argv, argv + argc)) {
+    if (word.starts_with("--") && word.find('=') == word.size() - 1)
+      return Fail(kBadUsage, absl::StrCat(std::string(word), " has no value"));
+  }
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::RequiredError& error) {
-    // What was misspelt may be what is missing.
-    if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownWord(app));
-    app.exit(error);
-    return kBadUsage;
+    line.Parse();
+  } catch (const CLI::Success& request) {
+    return app.exit(request);  // --help or --version
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? kDone : kBadUsage;
+    // A misspelt option may be the one that is missing.
+    if (app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, error.what());
   }
   if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownWord(app));
   if (app.got_subcommand("check-config")) return CheckConfig(line.file);

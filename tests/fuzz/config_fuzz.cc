@@ -1,11 +1,14 @@
-// Fuzzes the daemon's settings from each of their sources. Accepted settings can be printed and
-// read again.
+// Fuzzes the settings from each of their sources. An accepted configuration can be printed and read
+// again.
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <string>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "server/config.h"
 #include "tests/fuzz/input.h"
 
@@ -15,10 +18,10 @@ namespace {
 using fuzz::Input;
 using fuzz::Require;
 
-absl::StatusOr<Assignments> ReadFile(std::string_view text) {
+absl::Status ReadFile(Settings& settings, std::string_view text) {
   static const int file = memfd_create("config", 0);
   Require(ftruncate(file, 0) == 0 && pwrite(file, text.data(), text.size(), 0) >= 0, "a file");
-  return ReadConfigFile("/proc/self/fd/" + std::to_string(file));
+  return settings.ReadFile("/proc/self/fd/" + std::to_string(file));
 }
 
 std::vector<std::string> Lines(std::string_view text) {
@@ -30,23 +33,25 @@ std::vector<std::string> Lines(std::string_view text) {
   return lines;
 }
 
-// Parses flags as main.cc does: any text whose key is in the table.
-Assignments Flags(std::string_view text) {
-  const std::vector<SettingDescription> settings = DescribeSettings();
-  Assignments flags;
-  for (const std::string& line : Lines(text)) {
-    const size_t end = std::min(line.find('='), line.size());
-    for (const SettingDescription& setting : settings) {
-      if (setting.flag == line.substr(0, end)) flags[setting.key] = line.substr(end).erase(0, 1);
-    }
+absl::Status ReadFlags(CLI::App& app, std::string_view text) {
+  std::vector<std::string> words = Lines(text);
+  std::reverse(words.begin(), words.end());  // as CLI11 expects them
+  try {
+    app.parse(words);
+  } catch (const CLI::Error& error) {
+    return absl::InvalidArgumentError(std::string("flags: ") + error.what());
   }
-  return flags;
+  return absl::OkStatus();
 }
 
-absl::StatusOr<Config> ConfigOf(const absl::StatusOr<Assignments>& assignments) {
-  if (!assignments.ok()) return assignments.status();
+// Reads from a file ('f'), the environment ('e') or else the command line.
+absl::StatusOr<Config> Read(uint8_t source, std::string_view text) {
+  CLI::App app;
   Config config;
-  absl::Status status = Assign(*assignments, "input", config);
+  Settings settings(app, config);
+  absl::Status status = source == 'f'   ? ReadFile(settings, text)
+                        : source == 'e' ? settings.ReadEnvironment(Lines(text))
+                                        : ReadFlags(app, text);
   if (status.ok()) status = Validate(config);
   if (!status.ok()) return status;
   return config;
@@ -55,14 +60,13 @@ absl::StatusOr<Config> ConfigOf(const absl::StatusOr<Assignments>& assignments) 
 void Run(Input input) {
   const uint8_t source = input.Byte();
   const std::string_view text = input.Rest();
-  const absl::StatusOr<Config> config = source == 'f'   ? ConfigOf(ReadFile(text))
-                                        : source == 'e' ? ConfigOf(ReadEnvironment(Lines(text)))
-                                                        : ConfigOf(Flags(text));
+  const absl::StatusOr<Config> config = Read(source, text);
   if (!config.ok()) return Require(!config.status().message().empty(), "an error has a message");
-  const absl::StatusOr<Config> again = ConfigOf(ReadFile(PrintConfig(*config)));
-  Require(again.ok(), "printed settings can be read");
+  const absl::StatusOr<Config> again = Read('f', PrintConfig(*config));
+  Require(again.ok(), "the printed configuration can be read");
   const ChangedKeys changed = ChangedSettings(*config, *again);
-  Require(changed.live.empty() && changed.fixed.empty(), "printed settings are equal");
+  Require(changed.live.empty() && changed.fixed.empty(),
+          "the printed configuration has the same values");
 }
 
 }  // namespace

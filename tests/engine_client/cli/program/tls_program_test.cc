@@ -126,13 +126,13 @@ TEST(DaemonTlsProgram, FilesThatCannotBeUsedEndTheStartAndAreNamed) {
     int exit_code;
     const char* said;
   } cases[] = {
-      {cert, 2, "--tls-cert and --tls-key go together"},
-      {" --tls-client-ca " + authority.cert().string(), 2, "--tls-client-ca needs TLS"},
+      {cert, 2, "tls_cert and tls_key go together"},
+      {" --tls-client-ca " + authority.cert().string(), 2, "tls_client_ca needs TLS"},
       {cert + " --tls-key nowhere.pem", 3, "cannot read nowhere.pem"},
       {cert + " --tls-key " + two.key.string(), 3, "name the key of this certificate"},
       {cert + " --tls-key " + one.key.string() + " --tls-client-ca " + two.key.string(), 3,
        "holds no whole certificate"},
-      {" --listen 0.0.0.0:0", 2, "name --tls-cert and --tls-key"},
+      {" --listen 0.0.0.0:0", 2, "set --tls-cert and --tls-key"},
   };
   for (const auto& [options, exit_code, said] : cases) {
     const ProgramRun run = RunDaemonProgram(start + options);
