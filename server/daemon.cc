@@ -22,10 +22,10 @@ namespace sweepstake::server {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::chrono::minutes kSavePatience{1};  // between two attempts
+constexpr std::chrono::minutes kSavePatience{1};  // between two attempts to copy a lost store
 constexpr int64_t kDayS = 86'400;
 
-// Formats %J as the message in the form of a JSON string.
+// Formats %J as the message in a JSON string.
 class JsonMessage final : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
@@ -56,8 +56,8 @@ spdlog::level::level_enum LevelOf(const std::string& level) {
   return level == "warn" ? spdlog::level::warn : spdlog::level::from_str(level);
 }
 
-// Makes the daemon's log, which writes JSON lines on stderr with time (UTC), level and message.
-// `level` as in Config::log_level. Thread-safe.
+// Returns a thread-safe log that writes JSON lines to stderr, with time (UTC), level and message.
+// `level` as in Config::log_level.
 std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
   auto formatter = std::make_unique<spdlog::pattern_formatter>(spdlog::pattern_time_type::utc);
   formatter->add_flag<JsonMessage>('J');
@@ -100,7 +100,8 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
 absl::Status Daemon::Open(rpc::Clock& clock) {
   if (directory_.open_to_others()) {
     log_->warn(
-        "others can read the data directory {}; the key of its sessions is in it: chmod 0700 it",
+        "other users can read the data directory {}, which contains the key of its sessions; chmod "
+        "it to 0700",
         config_.data.string());
   }
   if (const auto shortage = DescriptorShortage(RaiseDescriptorLimit(), config_.rpc))
@@ -130,8 +131,8 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   store_file_ = opened->file;
   store_options.on_refusal = [this](const priors::SourceUpdate& update, const absl::Status& why) {
     log_->log(absl::IsFailedPrecondition(why) ? spdlog::level::info : spdlog::level::err,
-              "{} pieces of evidence of session {} can never be stored: {}",
-              update.increments.size(), update.progress.source_id, std::string(why.message()));
+              "the store refused {} increments of session {}: {}", update.increments.size(),
+              update.progress.source_id, std::string(why.message()));
   };
   store_options.on_commit = [this](auto duration) { metrics_.OnCommit(duration); };
   store_options.on_read = [this](auto duration) { metrics_.OnRead(duration); };
@@ -176,23 +177,23 @@ absl::Status Daemon::OpenOutbox(priors::PriorStore& store) {
   const auto delivery = outbox_->DeliverTo(store);
   if (!delivery.ok()) return delivery.status();
   if (delivery->committed_count + delivery->refused_count > 0) {
-    log_->info("of what an earlier run kept in {}, {} updates are in {} now, {} were refused",
-               directory_.outbox().string(), delivery->committed_count, StoreName(),
+    log_->info("{} updates that an earlier run left in {} are now in {}; {} were refused",
+               delivery->committed_count, directory_.outbox().string(), StoreName(),
                delivery->refused_count);
   }
   return absl::OkStatus();
 }
 
 void Daemon::KeepWaiting(std::vector<priors::SourceUpdate> updates) {
-  const auto told = [this](absl::string_view why) {
-    log_->error("{} is not written, and what games teach is in memory alone: {}",
+  const auto report = [this](absl::string_view why) {
+    log_->error("{} could not be written, so new evidence is in memory only: {}",
                 directory_.outbox().string(), std::string(why));
   };
   const bool submitted =
-      store_->Submit([this, told, updates = std::move(updates)](priors::PriorStore& /*store*/) {
-        if (const absl::Status kept = outbox_->Replace(updates); !kept.ok()) told(kept.message());
+      store_->Submit([this, report, updates = std::move(updates)](priors::PriorStore& /*store*/) {
+        if (const absl::Status kept = outbox_->Replace(updates); !kept.ok()) report(kept.message());
       });
-  if (!submitted) told("the store has too much to do");
+  if (!submitted) report("the queue of the store is full");
 }
 
 std::string Daemon::StoreName() const {
@@ -208,13 +209,12 @@ void Daemon::StartBackups(const Config& config) {
   backups_ = std::make_unique<storage::AutomaticBackups>(
       directory_.database(), plan, [this](const absl::StatusOr<storage::MadeBackup>& made) {
         if (!made.ok())
-          return log_->error("no backup was made: {}", std::string(made.status().message()));
+          return log_->error("could not make a backup: {}", std::string(made.status().message()));
         log_->info("backed up to {}", made->file.string());
         if (made->damaged_row_count > 0)
           log_->error(
-              "{} rows of {} are not what was written, and the backup is without what they said: "
-              "look at the disk, and `sweepstaked restore` a backup, so that their scenes have "
-              "priors again",
+              "{} damaged rows of {} are not in the backup; check the disk, and `sweepstaked "
+              "restore` an earlier backup to get the priors of their scenes back",
               made->damaged_row_count, directory_.database().string());
       });
 }
@@ -226,10 +226,10 @@ void Daemon::StartFolding(const Config& config) {
   folding_ = std::make_unique<storage::EvidenceFolding>(
       *store_, plan, priors::UnixNowS, [this, days = plan.days](const storage::FoldRun& run) {
         metrics_.OnFolded(run.source_count);
-        log_->info("folded the evidence of {} sessions of more than {} days ago, {} records",
+        log_->info("folded the evidence of {} sessions older than {} days, {} records",
                    run.source_count, days, run.record_count);
         if (!run.status.ok())
-          log_->error("not all could be folded: {}", std::string(run.status.message()));
+          log_->error("folding stopped early: {}", std::string(run.status.message()));
       });
 }
 
@@ -249,17 +249,17 @@ void Daemon::FollowTls() {
       const std::lock_guard lock(mutex_);
       tls_problem_ = std::string(status.message());
     }
-    metrics_.SetTls(status.ok(), expires_unix_s);  // who sees it sees the above at /readyz, too
+    metrics_.SetTls(status.ok(), expires_unix_s);  // after the above, so that /readyz agrees
     if (status.ok()) {
-      log_->info("the files of TLS were read; {}", expiry(expires_unix_s));
+      log_->info("read the TLS files; {}", expiry(expires_unix_s));
     } else {
-      log_->error("the files of TLS cannot be used, and connections that begin may fail: {}",
+      log_->error("the TLS files are invalid, and new connections may fail: {}",
                   std::string(status.message()));
     }
   };
   options.on_expiry = [this, expiry](int64_t expires_unix_s) {
     log_->warn(
-        "{}: clients refuse one that has expired; replace it and its key, which needs no "
+        "{}; clients refuse an expired certificate: replace it and its key; this needs no "
         "restart",
         expiry(expires_unix_s));
   };
@@ -271,7 +271,7 @@ absl::Status Daemon::OpenTokens() {
   options.unix_now_s = priors::UnixNowS;
   options.on_change = [this](const std::string& text) { ReportToken(text); };
   options.on_problem = [this](const absl::Status& status) {
-    log_->error("the tokens stay as they were, since their file cannot be used: {}",
+    log_->error("the token file is invalid, so the tokens read before stay in effect: {}",
                 std::string(status.message()));
   };
   auto tokens = auth::TokenRegistry::Open(directory_.tokens(), std::move(options));
@@ -280,13 +280,12 @@ absl::Status Daemon::OpenTokens() {
   if (!tokens_->empty() || !NeedsToken(config_)) return absl::OkStatus();
   if (config_.require_tokens) {
     return absl::FailedPreconditionError(
-        "require_tokens: there is no token; make one with `sweepstaked token create`");
+        "require_tokens: there is no token; create one with `sweepstaked token create`");
   }
   return absl::FailedPreconditionError(
-      absl::StrCat("listen: ", config_.listen,
-                   " can be reached by others, and there is no token that keeps them out; make one "
-                   "with `sweepstaked token create`, name --tls-client-ca, listen on 127.0.0.1, or "
-                   "say --insecure"));
+      absl::StrCat("listen: other machines can reach ", config_.listen,
+                   " and there is no token; create one with `sweepstaked token create`, set "
+                   "--tls-client-ca, listen on 127.0.0.1, or allow everyone with --insecure"));
 }
 
 void Daemon::ReportToken(const std::string& change) {
@@ -297,7 +296,7 @@ void Daemon::ReportToken(const std::string& change) {
 
 void Daemon::LookAtSpace(priors::PriorStore& store) {
   const auto used_bytes = storage::UsedBytes(store);
-  if (!used_bytes.ok()) return;  // a commit tells of it
+  if (!used_bytes.ok()) return;  // the next commit reports the error
   metrics_.SetUsedStoreBytes(*used_bytes);
   const auto warning =
       space_warning_.Look(*used_bytes, database_bytes_, std::chrono::steady_clock::now());
@@ -314,11 +313,11 @@ void Daemon::ReportStore(const absl::Status& status) {
     log_->info("{} can be written again", StoreName());
   } else if (absl::IsNotFound(status)) {
     log_->error(
-        "{}; nothing more is acknowledged. Put it back, or wait until the log tells of a copy",
+        "{}; nothing more is acknowledged. Put the file back, or wait until the log reports a copy",
         std::string(status.message()));
   } else if (shared_) {
-    log_->error("{} cannot be written: {}; what games teach is kept here until it can", StoreName(),
-                std::string(status.message()));
+    log_->error("{} cannot be written: {}; this daemon keeps new evidence until it can",
+                StoreName(), std::string(status.message()));
   } else {
     log_->error("{} cannot be written: {}; make room on the disk, or raise database_mb ({} now)",
                 directory_.database().string(), std::string(status.message()),
@@ -336,18 +335,18 @@ void Daemon::SaveStore(priors::PriorStore& store, bool last) {
   *saving_ = false;
   if (!saved.ok()) {
     log_->error(
-        "no copy of the prior store can be made, and what it has is lost when the daemon ends "
-        "unless {} comes back: {}; make room, and it is tried again in a minute",
+        "the prior store cannot be copied; its content is lost when the daemon ends unless {} is "
+        "put back: {}; make room on the disk; the daemon tries again in a minute",
         path, std::string(saved.status().message()));
     return;
   }
   save_.done = true;
   const std::string what = absl::StrCat(
-      "all that was acknowledged is in ", saved->string(), ": stop the daemon, move away those of ",
-      path, ", ", path, "-wal and ", path, "-shm that are there, `sweepstaked restore ",
+      "all acknowledged evidence is in ", saved->string(), ": stop the daemon, move ", path, ", ",
+      path, "-wal and ", path, "-shm away if they exist, run `sweepstaked restore ",
       saved->string(), " --data ", config_.data.string(),
-      "`, and start it again. What games hand over meanwhile is lost at the stop, unless the file "
-      "comes back before, or the game is still there and sends it again");
+      "`, and start the daemon again. Later evidence is lost at the stop, unless the file is put "
+      "back before, or the game still runs and sends it again");
   log_->error("{}", what);
   const std::lock_guard lock(mutex_);
   absl::StrAppend(&store_problem_, "; ", what);
@@ -365,20 +364,22 @@ absl::Status Daemon::OpenHttp() {
   web_ = *std::move(server);
   log_->info("serving the dashboard, /metrics, /livez and /readyz on port {}", web_->port());
   if (!tls::IsLoopback(config_.http)) {
-    log_->warn("http: {} can be reached by others, and is plain text: the network can read {}",
-               config_.http,
-               takes_tokens ? "what the dashboard shows, and tokens" : "what the dashboard shows");
+    log_->warn(
+        "http: other machines can reach {}, and the network can read {} in plain text",
+        config_.http,
+        takes_tokens ? "tokens and the content of the dashboard" : "the content of the dashboard");
   }
   return absl::OkStatus();
 }
 
 void Daemon::Reload(const absl::StatusOr<Config>& config) {
   if (!config.ok()) {
-    log_->error("the configuration stays as it is: {}", std::string(config.status().message()));
+    log_->error("the configuration is invalid and was not applied: {}",
+                std::string(config.status().message()));
     return;
   }
   for (const std::string& key : ChangedSettings(config_, *config).fixed)
-    log_->warn("{} has changed: restart the daemon to take it over", key);
+    log_->warn("{} has changed; restart the daemon to apply it", key);
   const std::vector<std::string> changed = ChangedSettings(in_force_, *config).live;
   LimitStore(*config);
   rpc_->Adjust(RpcOptionsOf(*config));
@@ -393,8 +394,8 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
   }
   in_force_ = *config;
   log_->set_level(LevelOf(config->log_level));
-  log_->info("the configuration was read again; the log level is {}; in force from now on: {}",
-             config->log_level, changed.empty() ? "what was before" : absl::StrJoin(changed, ", "));
+  log_->info("read the configuration again; the log level is {}; applied: {}", config->log_level,
+             changed.empty() ? "no changes" : absl::StrJoin(changed, ", "));
 }
 
 void Daemon::LimitStore(const Config& config) {
@@ -402,7 +403,7 @@ void Daemon::LimitStore(const Config& config) {
   const auto limit = [shared = shared_, audit = config.audit,
                       bytes = config.database_bytes](auto& store) {
     if (shared) return storage::LimitSharedStore(store, audit);
-    storage::LimitStore(store, audit, bytes).IgnoreError();  // what a commit meets then is told
+    storage::LimitStore(store, audit, bytes).IgnoreError();  // commits report it
   };
   if (store_->Submit(limit)) {
     database_bytes_ = config.database_bytes;
@@ -410,8 +411,8 @@ void Daemon::LimitStore(const Config& config) {
     metrics_.SetMaxStoreBytes(config.database_bytes);
   } else {
     log_->error(
-        "database_mb, audit_mb and audit_days stay as they are: the store has too much to do; send "
-        "SIGHUP again");
+        "database_mb, audit_mb and audit_days were not applied, because the queue of the store is "
+        "full; send SIGHUP again");
   }
 }
 
@@ -420,22 +421,21 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
   if (backups_ != nullptr) backups_->Stop();
   if (folding_ != nullptr) folding_->Stop();
   if (rpc_ != nullptr) {
-    log_->info("draining: clients are told to come back later");
+    log_->info("draining: asking clients to reconnect later");
     rpc_->Drain(patience);
   }
   if (store_ != nullptr) store_->Close();
-  // A page check of a large copy is not interrupted: nothing waits for it but this.
+  // The page check of a large copy cannot be interrupted, so this comes after the store is closed.
   backups_.reset();
   if (rpc_ != nullptr) ReportDrained();
 }
 
 void Daemon::ReportDrained() {
   const rpc::HeldEvidence held = rpc_->CountHeld();
-  if (held.session_count == 0) return log_->info("drained: all that was acknowledged is on disk");
+  if (held.session_count == 0) return log_->info("drained: all acknowledged evidence is on disk");
   log_->warn(
-      "drained: all that was acknowledged is on disk, and what {} sessions have handed over since "
-      "is not: games that are still there send it again; {} of the sessions have ended, and theirs "
-      "is {}",
+      "drained: all acknowledged evidence is on disk, but later evidence of {} sessions is not; "
+      "running games send it again; {} of the sessions have ended, and their evidence is {}",
       held.session_count, held.ended_session_count,
       shared_ ? "in " + directory_.outbox().string() : "lost");
 }
@@ -447,7 +447,7 @@ Daemon::~Daemon() {
     const std::lock_guard lock(mutex_);
     serving_ = nullptr;
   }
-  // The store's last callbacks have run. The gRPC side must end before the store that it refers to.
+  // The store's last callbacks have run. The gRPC server must end before the store that it uses.
   rpc_.reset();
 }
 

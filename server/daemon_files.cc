@@ -37,7 +37,7 @@ absl::Status MakeResumeKey(const fs::path& path) {
   if (status.ok()) status = storage::PublishFile(unfinished, path);
   if (status.ok()) return status;
   return absl::UnavailableError(
-      absl::StrCat("cannot make ", status.message(), "; make the data directory writable"));
+      absl::StrCat("cannot create ", status.message(), "; make the data directory writable"));
 }
 
 }  // namespace
@@ -51,14 +51,14 @@ absl::StatusOr<std::string> ReadResumeKey(const fs::path& path) {
   std::string key(std::istreambuf_iterator<char>(file), {});
   if (key.size() == std::tuple_size_v<ResumeKey>) return key;
   return absl::DataLossError(absl::StrCat(
-      path.string(), " cannot be read or is damaged; remove it, and games begin new sessions"));
+      path.string(), " cannot be read or is damaged; if you remove it, games start new sessions"));
 }
 
 absl::StatusOr<std::vector<web::Login>> ReadLogins(const fs::path& path) {
   std::ifstream file(path);
   if (!file) return std::vector<web::Login>();
-  const auto damaged = absl::DataLossError(absl::StrCat(
-      path.string(), " is damaged: who was logged in to the page has to log in again"));
+  const auto damaged = absl::DataLossError(
+      absl::StrCat(path.string(), " is damaged; users of the dashboard must log in again"));
   const auto json = nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false);
   if (!json.is_array()) return damaged;
   std::vector<web::Login> logins;
@@ -100,7 +100,7 @@ absl::Status PortFile::Remove() const {
   if (path_.empty() || !fs::exists(path_, ignored)) return absl::OkStatus();
   if (!fs::is_regular_file(path_, ignored))
     return absl::UnavailableError(
-        absl::StrCat(path_.string(), " is no file; name another with --port-file"));
+        absl::StrCat(path_.string(), " is not a file; name another with --port-file"));
   fs::remove(path_, ignored);
   return absl::OkStatus();
 }

@@ -1,5 +1,5 @@
-// The small files of a daemon: the secret of its sessions, the logins of its page, and the ports
-// that it has. Not thread-safe.
+// The small files of a daemon: the secret of its sessions, the logins to its dashboard, and its
+// ports. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -14,27 +14,25 @@
 
 namespace sweepstake::server {
 
-// Returns the secret of the data directory's sessions, which is made at the first start. Errors:
-// UNAVAILABLE (cannot be made), DATA_LOSS (cannot be read, or is damaged).
+// Returns the secret of the data directory's sessions; creates it at the first start. Errors:
+// UNAVAILABLE (cannot be created), DATA_LOSS (cannot be read, or is damaged).
 absl::StatusOr<std::string> ReadResumeKey(const std::filesystem::path& path);
 
-// Returns the logins that were kept; none where there is no file. Error: DATA_LOSS (not all can be
-// read).
+// Returns the stored logins; none if there is no file. Error: DATA_LOSS (the file is damaged).
 absl::StatusOr<std::vector<web::Login>> ReadLogins(const std::filesystem::path& path);
-// Keeps these in place of all others. The file is whole whenever the process ends; a power failure
-// may take it. Error: UNAVAILABLE.
+// Replaces the stored logins. The file is complete whenever the process ends; a power failure may
+// destroy it. Error: UNAVAILABLE.
 absl::Status WriteLogins(const std::filesystem::path& path, const std::vector<web::Login>& logins);
 
-// The file of Config::port_file; with an empty path there is none, and nothing is done. Errors:
+// The file of Config::port_file; if the path is empty, both functions do nothing. Errors:
 // UNAVAILABLE.
 class PortFile {
  public:
   explicit PortFile(std::filesystem::path path) : path_(std::move(path)) {}
 
-  // Removes the file of an earlier daemon: it would name a port that nobody serves, and a waiting
-  // process must not read it.
+  // Removes the file of an earlier daemon, so that a waiting process does not read its port.
   absl::Status Remove() const;
-  // The file appears whole, so that a process that waits for it never reads a part of it.
+  // Renames a complete file into place, so that a waiting process never reads a part of it.
   absl::Status Write(int port, std::optional<int> http_port) const;
 
  private:

@@ -22,8 +22,9 @@
 namespace sweepstake::server {
 namespace {
 
-// Returns whether the files of TLS can be why the daemon's own listener gives no answer. A restart
-// would not mend them; it would cost the streams that run, and the daemon would not start.
+// Returns whether invalid or expired TLS files may be the reason that the daemon's own listener
+// does not answer. A restart would not repair them: the open streams would end and the daemon would
+// not start.
 bool TlsKeepsOut(const tls::Files& files) {
   if (files.cert.empty()) return false;
   const auto texts = tls::Read(files);
@@ -42,7 +43,7 @@ web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   };
   options.asks_for_tokens = [&rpc] { return rpc.asks_over_http(); };
   options.version = SWEEPSTAKE_VERSION;
-  // As gRPC does: where it has TLS, plain text over a network is for /metrics and the like alone.
+  // With TLS for gRPC, clients must not send tokens over plain HTTP.
   options.takes_tokens_from_afar = config.rpc.tls.cert.empty();
   return options;
 }
@@ -57,7 +58,7 @@ void KeepLogins(const std::filesystem::path& path, const std::shared_ptr<spdlog:
   }
   api.keep_logins = [path, log](const std::vector<web::Login>& all) {
     if (const absl::Status kept = WriteLogins(path, all); !kept.ok())
-      log->warn("logins to the page end with this daemon: {}", std::string(kept.message()));
+      log->warn("logins to the dashboard end with this daemon: {}", std::string(kept.message()));
   };
 }
 
@@ -97,22 +98,22 @@ web::PageTable Daemon::HttpPages() {
 
 std::optional<std::string> Daemon::LoopProblem() const {
   if (rpc_->responsive()) return std::nullopt;
-  return "the thread that decides does not answer";
+  return "the decision loop does not answer";
 }
 
 std::optional<std::string> Daemon::StoreProblem() const {
   if (store_->can_write()) {
     if (store_->can_read()) return std::nullopt;
-    return "a read of the prior store does not end; sessions begin without its evidence";
+    return "a read of the prior store does not end; new sessions start without its evidence";
   }
   const std::lock_guard lock(mutex_);
-  return "the prior store cannot write; decisions go on in memory: " + store_problem_;
+  return "the prior store cannot write; decisions continue in memory: " + store_problem_;
 }
 
 std::optional<std::string> Daemon::TlsProblem() const {
   const std::lock_guard lock(mutex_);
   if (tls_problem_.empty()) return std::nullopt;
-  return "connections that begin may fail: " + tls_problem_;
+  return "new connections may fail: " + tls_problem_;
 }
 
 std::optional<std::string> Daemon::ShutdownProblem() const {
@@ -133,14 +134,14 @@ std::optional<std::string> Daemon::ListenerProblem(std::chrono::milliseconds pat
   const auto health = rpc::ProbeHealth(address, config_.rpc.tls, patience);
   if (health.ok()) return std::nullopt;
   if (DescriptorsRanOut()) {
-    // The games that are connected are served, and a restart would cost them their streams.
+    // Connected games are still served, and a restart would end their streams.
     log_->warn(
-        "no descriptors are free, and whoever connects waits until there are some: raise the limit "
-        "of open files (LimitNOFILE of systemd, ulimit -n), or lower --max-sessions");
+        "no file descriptors are free, so new connections wait: raise the limit of open files "
+        "(LimitNOFILE of systemd, ulimit -n), or lower --max-sessions");
     return std::nullopt;
   }
   if (TlsKeepsOut(config_.rpc.tls)) return std::nullopt;
-  return absl::StrCat("the daemon's own listener gives no answer: ", health.status().message());
+  return absl::StrCat("the daemon's own listener does not answer: ", health.status().message());
 }
 
 }  // namespace sweepstake::server

@@ -1,5 +1,5 @@
-// What a daemon has at its HTTP address, wired to its services. What daemon.h says of its health is
-// defined beside it.
+// The daemon's HTTP site, connected to its services. daemon_site.cc also defines the health checks
+// of daemon.h.
 #pragma once
 
 #include <spdlog/logger.h>
@@ -17,15 +17,15 @@
 
 namespace sweepstake::server {
 
-// Returns what the API of these services is made from. They must outlive it. REQUIRES: the
-// configuration is valid.
+// Returns the options of the API to `rpc`, which must outlive the API. REQUIRES: the configuration
+// is valid.
 web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc);
 
-// Lets logins go on from the run of the daemon before, and into the next one, by this file.
+// Keeps logins in this file, so that they survive a restart of the daemon.
 void KeepLogins(const std::filesystem::path& path, const std::shared_ptr<spdlog::logger>& log,
                 web::ApiOptions& api);
 
-// Returns the dashboard, that API and the pages. `hosts` as in Site::Options.
+// Returns a handler for the dashboard, the API and the pages. `hosts` as in Site::Options.
 web::MakeHandler MakeSite(web::ApiOptions api, std::set<std::string, std::less<>> hosts,
                           web::PageTable pages);
 

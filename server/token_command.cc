@@ -29,7 +29,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int64_t kSecondsPerDay = 86'400;
 
-// The name of the user who runs the command, for the record.
+// Returns the name of the user who runs the command; the token list shows it.
 std::string UserName() {
   std::array<char, 4096> buffer{};
   passwd user{};
@@ -40,18 +40,18 @@ std::string UserName() {
   return absl::StrCat("uid ", getuid());
 }
 
-absl::Status CannotMake(const fs::path& path, int why) {
+absl::Status CannotCreate(const fs::path& path, int why) {
   return absl::UnavailableError(
-      absl::StrCat("cannot make ", path.string(), ": ", std::generic_category().message(why)));
+      absl::StrCat("cannot create ", path.string(), ": ", std::generic_category().message(why)));
 }
 
-// New tokens may take the place of lost ones.
-absl::StatusOr<TokenStore> MakeStore(const fs::path& data) {
-  if (mkdir(data.c_str(), 0700) != 0 && errno != EEXIST) return CannotMake(data, errno);
+// Opens or creates the store. If its file was lost, creates a new one.
+absl::StatusOr<TokenStore> CreateStore(const fs::path& data) {
+  if (mkdir(data.c_str(), 0700) != 0 && errno != EEXIST) return CannotCreate(data, errno);
   return TokenStore::Open(data / storage::DataDirectory::kTokensName, TokenStore::IfLost::kReplace);
 }
 
-// Makes nothing in a directory that has no tokens: it may be no daemon's.
+// Creates nothing in a directory without tokens, which may not belong to a daemon.
 absl::StatusOr<TokenStore> OpenStore(const fs::path& data) {
   const fs::path tokens = data / storage::DataDirectory::kTokensName;
   if (TokenStore::IsKnown(tokens)) return TokenStore::Open(tokens);
@@ -125,11 +125,11 @@ class SecretFile {
 
 void TokenCommand::AddTo(CLI::App& app) {
   CLI::App* token =
-      app.add_subcommand("token", "make, list and revoke the tokens that calls must bring");
+      app.add_subcommand("token", "create, list and revoke the tokens that clients must send");
   token->require_subcommand(1);
   token->fallthrough();
-  create_ = token->add_subcommand("create", "make a token and show it, once");
-  create_->add_option("name", name_, "what to call it in lists and in the log")->required();
+  create_ = token->add_subcommand("create", "create a token and print it once");
+  create_->add_option("name", name_, "its name in lists and in the log")->required();
   create_
       ->add_option("--role", role_,
                    "ingest: games; watch: reads; operator: watch and operate; "
@@ -138,19 +138,20 @@ void TokenCommand::AddTo(CLI::App& app) {
       ->check(CLI::IsMember(
           std::vector<std::string>(auth::kRoleNames.begin(), auth::kRoleNames.end())));
   create_->add_option("--project", projects_,
-                      "a project that it is for; may be repeated; left out, it is for all");
-  create_->add_option("--days", days_, "days until it expires; left out, it does not")
+                      "a project that it allows; may be repeated; default: all projects");
+  create_->add_option("--days", days_, "days until it expires; default: never")
       ->check(CLI::Range(1, 36'500));
   create_->add_option("--out", out_file_, "new file for the token, instead of standard output");
   create_->fallthrough();
   create_->footer(
       "Example: sweepstaked token create arcade --role ingest --project arcade --days 365 --out "
       "arcade.token --data /var/lib/sweepstake");
-  list_ = token->add_subcommand("list", "list the tokens; they themselves are not stored");
-  list_->add_flag("--json", json_, "as JSON");
+  list_ =
+      token->add_subcommand("list", "list the tokens, without their secrets, which are not stored");
+  list_->add_flag("--json", json_, "print JSON");
   list_->fallthrough();
   list_->footer("Example: sweepstaked token list --json --data /var/lib/sweepstake");
-  CLI::App* revoke = token->add_subcommand("revoke", "let a token in no more");
+  CLI::App* revoke = token->add_subcommand("revoke", "revoke a token");
   revoke->add_option("name", name_, "the token's name")->required();
   revoke->fallthrough();
   revoke->footer("Example: sweepstaked token revoke arcade --data /var/lib/sweepstake");
@@ -171,24 +172,23 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out,
                                 .expires_unix_s = std::nullopt,
                                 .made_by = UserName()};
   if (days_) request.expires_unix_s = now_s + *days_ * kSecondsPerDay;
-  auto store = MakeStore(data);
+  auto store = CreateStore(data);
   if (!store.ok()) return store.status();
   if (out_file_.empty()) {
     const auto token = store->Create(request, now_s);
     if (!token.ok()) return token.status();
     out << *token << '\n' << std::flush;
-    std::error_code unknown;  // a path that cannot be told whole is told as it was given
+    std::error_code unknown;  // prints the path as given if it cannot be made absolute
     fs::path whole = fs::absolute(data, unknown);
     if (unknown) whole = data;
     notes << "token " << text::PrintableLine(name_) << " is in "
           << (whole / storage::DataDirectory::kTokensName).string()
-          << "; it is shown this once, and the daemon of that directory takes it\n";
+          << "; it is shown only this once; the daemon of that directory accepts it\n";
     if (out) return absl::OkStatus();
-    return absl::UnavailableError(
-        "cannot show the token; revoke it, since nobody has it, and make another one");
+    return absl::UnavailableError("cannot print the token; revoke it and create another one");
   }
   const SecretFile file(out_file_);
-  if (!file.made()) return CannotMake(out_file_, errno);
+  if (!file.made()) return CannotCreate(out_file_, errno);
   const auto token = store->Create(request, now_s);
   if (token.ok() && file.Write(*token + '\n')) {
     out << out_file_.string() << ": token " << text::PrintableLine(name_) << " of " << data.string()
@@ -199,8 +199,7 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out,
   fs::remove(out_file_, ignored);
   if (!token.ok()) return token.status();
   return absl::UnavailableError(absl::StrCat("cannot write ", out_file_.string(),
-                                             "; revoke the token, which nobody has, and make "
-                                             "another one"));
+                                             "; revoke the token and create another one"));
 }
 
 absl::Status TokenCommand::List(const fs::path& data, std::ostream& out) const {
@@ -234,7 +233,7 @@ absl::Status TokenCommand::Revoke(const fs::path& data, std::ostream& out) const
   if (!store.ok()) return store.status();
   absl::Status status = store->Revoke(name_, UserName(), priors::UnixNowS());
   if (status.ok()) {
-    out << text::PrintableLine(name_) << ": revoked; a daemon that runs ends its streams within "
+    out << text::PrintableLine(name_) << ": revoked; a running daemon ends its streams within "
         << "five seconds\n";
   }
   return status;

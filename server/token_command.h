@@ -1,5 +1,5 @@
-// `sweepstaked token create|list|revoke`: the tokens in a data directory. A daemon that runs sees a
-// change within a second.
+// `sweepstaked token create|list|revoke`: the tokens in a data directory. A running daemon applies
+// a change within a second.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,13 +16,13 @@ namespace sweepstake::server {
 
 class TokenCommand {
  public:
-  // Adds the command with its own subcommands. `app` and this object outlive each other's use.
+  // Adds the command with its subcommands. This object outlives the parsing of `app`.
   void AddTo(CLI::App& app);
 
-  // Runs what the command line asked for, on the tokens of the directory `data`. A token is shown
-  // on `out`, or written to the file that was named, and nowhere else; what else there is to say of
-  // one that is shown goes to `notes`. Errors: those of TokenStore, NOT_FOUND (there is no such
-  // directory, or there are no tokens in it) and UNAVAILABLE (a file or directory cannot be made).
+  // Runs the parsed subcommand on the tokens of the directory `data`. A new token is written only
+  // to `out` or to the file of --out; remarks about it go to `notes`. Errors: those of TokenStore,
+  // NOT_FOUND (no such directory, or no tokens in it) and UNAVAILABLE (a file or directory cannot
+  // be created).
   absl::Status Run(const std::filesystem::path& data, std::ostream& out, std::ostream& notes) const;
 
  private:

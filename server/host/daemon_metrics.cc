@@ -17,7 +17,7 @@ using rpc::Counters;
 using web::CounterOf;
 using web::GaugeOf;
 
-// In seconds. An fsync takes from some 20 us on a fast disk to seconds on one that is overloaded.
+// In seconds. An fsync takes from 20 us on a fast disk to seconds on an overloaded one.
 prometheus::Histogram::BucketBoundaries DurationBuckets() {
   return {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025,
           0.05,   0.1,     0.25,   0.5,   1,      2.5,   5,    10};
@@ -40,61 +40,61 @@ struct CounterRow {
 };
 
 constexpr CounterRow kGauges[] = {
-    {&Counters::open_stream_count, "sweepstake_open_streams", "Streams of games that are open."},
+    {&Counters::open_stream_count, "sweepstake_open_streams", "Open game streams."},
     {&Counters::session_count, "sweepstake_sessions",
-     "Sessions in memory, those that lost their connection among them."},
-    {&Counters::open_watcher_count, "sweepstake_open_watchers", "Watchers that are connected."},
+     "Sessions in memory, including those that lost their connection."},
+    {&Counters::open_watcher_count, "sweepstake_open_watchers", "Connected watchers."},
     {&Counters::waiting_audit_bytes, "sweepstake_waiting_audit_bytes",
      "Bytes of the audit log that wait for the disk."},
 };
 
 constexpr CounterRow kCounters[] = {
     {&Counters::flooding_connection_count, "sweepstake_flooding_connections_total",
-     "Connections that were ended because they began too many calls."},
+     "Connections that were closed because they started too many calls."},
     {&Counters::connected_stream_count, "sweepstake_welcomed_streams_total",
-     "Streams that got a welcome."},
+     "Streams that received a welcome."},
     {&Counters::resumed_count, "sweepstake_resumed_sessions_total",
      "Welcomes that resumed a session."},
     {&Counters::degraded_start_count, "sweepstake_degraded_starts_total",
-     "Sessions that began without evidence that the store could not read."},
+     "Sessions that started without their evidence, because the store could not read it."},
     {&Counters::goodbye_count, "sweepstake_ended_sessions_total", "Sessions that a client ended."},
     {&Counters::malformed_message_count, "sweepstake_malformed_messages_total",
      "Messages that could not be parsed."},
     {&Counters::invalid_message_count, "sweepstake_invalid_messages_total",
-     "Messages that broke a rule of the contract."},
+     "Messages that violated a rule of the protocol."},
     {&Counters::unknown_message_count, "sweepstake_unknown_messages_total",
-     "Messages of a newer protocol, which were not applied."},
+     "Messages of a newer protocol, which were ignored."},
     {&Counters::replayed_message_count, "sweepstake_replayed_messages_total",
-     "Messages that had been applied before."},
+     "Messages that had already been applied."},
     {&Counters::applied_message_count, "sweepstake_applied_messages_total",
      "Messages that were applied."},
     {&Counters::accepted_frame_count, "sweepstake_accepted_frames_total",
-     "Frames that were learnt from or waited to be."},
+     "Frames that were accepted for learning."},
     {&Counters::accepted_shadow_count, "sweepstake_accepted_shadow_samples_total",
-     "Shadow visits that were learnt from or waited to be."},
+     "Shadow visits that were accepted for learning."},
     {&Counters::surplus_bail_out_count, "sweepstake_surplus_bail_outs_total",
-     "Bail-outs that were answered but are no evidence, because a game, or the games of a token or "
-     "an address, cannot have so many."},
+     "Bail-outs that were answered but do not count as evidence, because their game, token or "
+     "address exceeded its rate."},
     {&Counters::dropped_frame_count, "sweepstake_dropped_frames_total",
-     "Frames that the clients' queues dropped."},
-    {&Counters::decision_count, "sweepstake_decisions_total", "Decisions that were taken."},
+     "Frames that the queues of clients dropped."},
+    {&Counters::decision_count, "sweepstake_decisions_total", "Decisions."},
     {&Counters::switch_command_count, "sweepstake_switch_commands_total",
-     "Switch commands that were given."},
+     "Switch commands that were sent."},
     {&Counters::refused_switch_count, "sweepstake_refused_switches_total",
      "Switch commands that a client did not execute."},
     {&Counters::stored_commit_count, "sweepstake_stored_commits_total",
-     "Commits of sessions that are on disk."},
+     "Session commits that are on disk."},
     {&Counters::failed_commit_count, "sweepstake_failed_commits_total",
-     "Commits of sessions that failed and are tried again."},
+     "Session commits that failed and are retried."},
     {&Counters::lost_audit_row_count, "sweepstake_lost_audit_rows_total",
-     "Rows that are missing in the audit log because the disk was too slow or failed."},
+     "Audit rows that were lost because the disk was too slow or failed."},
 };
 
-// The labels are the reasons of errors.proto, so that there are few of them.
+// The labels are the reasons in errors.proto, so their number is bounded.
 prometheus::MetricFamily ErrorsOf(const Counters& counters) {
   prometheus::MetricFamily family;
   family.name = "sweepstake_errors_total";
-  family.help = "Calls and streams that the daemon ended with an error, by its reason.";
+  family.help = "Calls and streams that ended with an error, by reason.";
   family.type = prometheus::MetricType::Counter;
   for (int number = 0; number < v1::ErrorReason_ARRAYSIZE; ++number) {
     if (!v1::ErrorReason_IsValid(number)) continue;
@@ -106,7 +106,7 @@ prometheus::MetricFamily ErrorsOf(const Counters& counters) {
   return family;
 }
 
-// The labels are the values that cannot have been measured.
+// The labels are the invalid fields.
 prometheus::MetricFamily RejectionsOf(const char* name, const char* help,
                                       const rpc::RejectionCounts& counts) {
   prometheus::MetricFamily family;
@@ -122,19 +122,19 @@ prometheus::MetricFamily RejectionsOf(const char* name, const char* help,
 }
 
 std::vector<prometheus::MetricFamily> FamiliesOf(const web::EventCounters& events) {
-  return {GaugeOf("sweepstake_http_watchers", "Who watches events by HTTP.",
+  return {GaugeOf("sweepstake_http_watchers", "Watchers of events over HTTP.",
                   static_cast<double>(events.open_watcher_count)),
-          GaugeOf("sweepstake_http_topics", "Streams of events that they share.",
+          GaugeOf("sweepstake_http_topics", "Event streams that HTTP watchers share.",
                   static_cast<double>(events.open_topic_count)),
           CounterOf("sweepstake_http_encoded_events_total",
-                    "Messages that were made JSON for all watchers of their topic.",
+                    "Messages that were encoded as JSON, once for all watchers.",
                     static_cast<double>(events.encoded_count)),
           CounterOf("sweepstake_http_skips_total",
-                    "Times that a watcher read so slowly that it was sent the state anew.",
+                    "Times that a watcher read too slowly and was sent the whole state again.",
                     static_cast<double>(events.skip_count))};
 }
 
-// Returns 0 if there is no such file: a store that is closed in order has no log.
+// Returns 0 if the file does not exist: a store that was closed in order has no write-ahead log.
 double FileBytes(const std::filesystem::path& path) {
   std::error_code missing;
   const uintmax_t bytes = std::filesystem::file_size(path, missing);
@@ -152,21 +152,22 @@ double LastBackupUnixS(const std::filesystem::path& database) {
 
 DaemonMetrics::DaemonMetrics(const std::string& version)
     : commits_(AddHistogram(registry_, "sweepstake_store_commit_duration_seconds",
-                            "How long the store took to commit a group of updates.")),
+                            "Time in which the store committed a group of updates.")),
       reads_(AddHistogram(registry_, "sweepstake_store_read_duration_seconds",
-                          "How long reads of the store took, their time in the queue included.")),
+                          "Time of store reads, including their time in the queue.")),
       syncs_(AddHistogram(registry_, "sweepstake_store_fsync_duration_seconds",
-                          "How long the fsyncs of the store's write-ahead log took.")),
+                          "Time of fsyncs of the store's write-ahead log.")),
       timer_lateness_(AddHistogram(registry_, "sweepstake_decision_loop_lateness_seconds",
-                                   "How late the decision loop ran its timers, the ticks of the "
-                                   "sessions among them.")),
-      damaged_(AddGauge(registry_, "sweepstake_store_damaged",
-                        "1 if the store lost evidence or has wrong rows since its start, else 0.")),
+                                   "How late the decision loop ran its timers, including the "
+                                   "ticks of sessions.")),
+      damaged_(
+          AddGauge(registry_, "sweepstake_store_damaged",
+                   "1 if the store lost evidence or has damaged rows since its start, else 0.")),
       max_store_bytes_(AddGauge(registry_, "sweepstake_store_max_size_bytes",
-                                "Size that the store's file may have.")),
+                                "Maximum size of the store's file.")),
       used_store_bytes_(AddGauge(registry_, "sweepstake_store_used_size_bytes",
-                                 "Bytes of the store's file that are in use; the others of it are "
-                                 "used before it grows.")),
+                                 "Bytes of the store's file that are in use; the file grows "
+                                 "only when all are.")),
       folded_sources_(prometheus::BuildCounter()
                           .Name("sweepstake_store_folded_sources_total")
                           .Help("Sessions whose evidence was folded into that of their month.")
@@ -174,19 +175,18 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
                           .Add({})) {
   prometheus::BuildGauge()
       .Name("sweepstake_build_info")
-      .Help("1, with the version of the daemon.")
+      .Help("Always 1; the label is the version of the daemon.")
       .Register(registry_)
       .Add({{"version", version}})
       .Set(1);
 }
 
-void DaemonMetrics::SetTls(bool could_be_used, int64_t expires_unix_s) {
+void DaemonMetrics::SetTls(bool valid, int64_t expires_unix_s) {
   AddGauge(registry_, "sweepstake_tls_last_reload_successful",
-           "1 if the files of TLS could be used when they were read last, else 0.")
-      .Set(could_be_used ? 1 : 0);
-  AddGauge(
-      registry_, "sweepstake_tls_certificate_expiry_timestamp_seconds",
-      "Unix time at which the daemon's certificate, or one of its issuers' beside it, expires.")
+           "1 if the TLS files were valid when they were read last, else 0.")
+      .Set(valid ? 1 : 0);
+  AddGauge(registry_, "sweepstake_tls_certificate_expiry_timestamp_seconds",
+           "Unix time at which the daemon's certificate, or an issuer's in the same file, expires.")
       .Set(static_cast<double>(expires_unix_s));
 }
 
@@ -199,22 +199,21 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters
   for (const auto& [value, name, help] : kCounters)
     families.push_back(CounterOf(name, help, static_cast<double>(counters.*value)));
   families.push_back(RejectionsOf("sweepstake_rejected_frames_total",
-                                  "Frames with a value that cannot be, by which it is.",
+                                  "Frames rejected because a field is invalid, by field.",
                                   counters.rejected_frame_counts));
   families.push_back(RejectionsOf("sweepstake_rejected_shadow_samples_total",
-                                  "Shadow visits with a value that cannot be, by which it is.",
+                                  "Shadow visits rejected because a field is invalid, by field.",
                                   counters.rejected_shadow_counts));
   families.push_back(ErrorsOf(counters));
   for (auto& family : FamiliesOf(events)) families.push_back(std::move(family));
   families.push_back(GaugeOf("sweepstake_store_healthy",
-                             "1 while the store can write and read, 0 after a commit failed, while "
-                             "its file is not in its place or while a read does not end.",
+                             "1 while the store can write and read; 0 after a failed commit, while "
+                             "its file is missing, or while a read does not end.",
                              store.healthy ? 1 : 0));
   families.push_back(GaugeOf("sweepstake_store_queued_commits",
-                             "Updates of sessions, imports among them, that wait to be written.",
+                             "Updates of sessions and imports that wait for a commit.",
                              static_cast<double>(store.queued_commit_count)));
-  families.push_back(GaugeOf("sweepstake_store_queued_reads",
-                             "Reads of the store that wait for those before them.",
+  families.push_back(GaugeOf("sweepstake_store_queued_reads", "Store reads that wait in the queue.",
                              static_cast<double>(store.queued_read_count)));
   families.push_back(GaugeOf("sweepstake_store_wal_size_bytes",
                              "Size of the store's write-ahead log.",
@@ -222,7 +221,7 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters
   families.push_back(GaugeOf("sweepstake_store_size_bytes", "Size of the store's file.",
                              FileBytes(store.database)));
   families.push_back(GaugeOf("sweepstake_store_last_backup_timestamp_seconds",
-                             "Unix time of the last backup beside the store, or 0.",
+                             "Unix time of the last backup next to the store, or 0.",
                              LastBackupUnixS(store.database)));
   for (auto& family : ProcessFamilies()) families.push_back(std::move(family));
   return families;

@@ -1,5 +1,5 @@
-// What the daemon tells Prometheus. Names and units follow Prometheus' conventions, and no label
-// names a scene or a client, so that the number of series does not grow.
+// The metrics of the daemon for Prometheus. Names and units follow its conventions. No label
+// contains a scene or a client, so that the number of series is bounded.
 #pragma once
 
 #include <prometheus/counter.h>
@@ -26,7 +26,7 @@ struct StoreState {
   std::filesystem::path database;  // its file
 };
 
-// Keeps how long things take, and adds what is counted elsewhere. Thread-safe.
+// Measures durations, and collects the counters of other objects. Thread-safe.
 class DaemonMetrics {
  public:
   explicit DaemonMetrics(const std::string& version);
@@ -36,18 +36,18 @@ class DaemonMetrics {
   void OnSync(std::chrono::nanoseconds duration) { Observe(syncs_, duration); }
   void OnTimer(std::chrono::nanoseconds lateness) { Observe(timer_lateness_, lateness); }
 
-  // What of the store was lost or damaged at the start: 1 if something, else 0.
+  // Whether the store lost evidence or has damaged rows since its start.
   void SetDamaged(bool damaged) { damaged_.Set(damaged ? 1 : 0); }
   void OnFolded(uint64_t source_count) {
     folded_sources_.Increment(static_cast<double>(source_count));
   }
-  // The size that the store's file may have, and how much of it is in use.
+  // The maximum size of the store's file, and how much of it is in use.
   void SetMaxStoreBytes(uint64_t bytes) { max_store_bytes_.Set(static_cast<double>(bytes)); }
   void SetUsedStoreBytes(uint64_t bytes) { used_store_bytes_.Set(static_cast<double>(bytes)); }
 
-  // Whether the files of TLS could be used when they were read last, and when the certificate in
-  // use expires. Without TLS there are no such metrics.
-  void SetTls(bool could_be_used, int64_t expires_unix_s);
+  // Whether the TLS files were valid when they were read last, and when the certificate in use
+  // expires. Without a call these metrics do not exist.
+  void SetTls(bool valid, int64_t expires_unix_s);
 
   // Returns everything that /metrics shows.
   std::vector<prometheus::MetricFamily> Collect(const rpc::Counters& counters,

@@ -13,9 +13,9 @@
 namespace sweepstake::server {
 namespace {
 
-// Of the daemon itself: its files, threads and listeners, and its HTTP connections.
+// Descriptors of the daemon itself: files, threads, listeners and HTTP connections.
 constexpr uint64_t kOwnDescriptors = 256 + web::HttpLimits().max_connections;
-// Of a connection to itself: its two ends, and the files that a host's name is looked up in.
+// Descriptors of a connection to itself: two ends, and the files of the host name lookup.
 constexpr size_t kProbeDescriptors = 4;
 
 }  // namespace

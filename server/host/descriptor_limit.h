@@ -1,4 +1,4 @@
-// The limit of open files, which bounds how many games can be connected: each needs a descriptor.
+// The limit of open files. It bounds how many games can connect, since each needs a descriptor.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace sweepstake::server {
 
-// Raises the process's soft limit to its hard one, which needs no rights, and returns the limit in
-// force.
+// Raises the process's soft limit to the hard limit, which needs no privileges. Returns the limit
+// in effect.
 uint64_t RaiseDescriptorLimit();
 
-// Says what to do if the limit is too low for what the options allow; else returns nothing.
+// Returns a warning if the limit is too low for the sessions that the options allow.
 std::optional<std::string> DescriptorShortage(uint64_t limit, const rpc::RpcOptions& options);
 
-// Returns whether so few descriptors are free that the process cannot connect to itself.
+// Returns whether too few descriptors are free for the process to connect to itself.
 bool DescriptorsRanOut();
 
 }  // namespace sweepstake::server

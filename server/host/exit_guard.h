@@ -1,9 +1,8 @@
-// Ends the process if its orderly end takes too long, so that a disk that never answers cannot keep
-// the daemon alive.
+// Exits the process if its orderly end takes too long, for instance because a disk does not answer.
 //
-// No acknowledged evidence is lost, because it is on disk, but for that of a database that is gone:
-// while this is copied, the process must not end, however long it takes. Clients send the rest
-// again. The guard owns one thread, which the destructor disarms and ends.
+// Acknowledged evidence is on disk, and clients send the rest again. The exception is a database
+// whose file was removed: the process must not exit while it is copied (`must_wait`). The guard
+// owns one thread, which the destructor stops.
 #pragma once
 
 #include <chrono>
@@ -17,8 +16,8 @@ namespace sweepstake::server {
 
 class ExitGuard {
  public:
-  // After `patience` writes `message` to stderr and exits with `code`, without running destructors.
-  // If `must_wait` returns true then, on the guard's thread, the patience begins anew.
+  // After `patience` writes `message` to stderr and exits with `code`, without running destructors;
+  // waits for `patience` again while `must_wait` returns true. Calls it on the guard's thread.
   ExitGuard(std::chrono::milliseconds patience, int code, std::string message,
             std::function<bool()> must_wait);
   ~ExitGuard();

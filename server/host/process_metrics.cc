@@ -20,7 +20,7 @@ namespace {
 using web::CounterOf;
 using web::GaugeOf;
 
-// The fields of /proc/self/stat that are needed, in the order of proc(5).
+// The needed fields of /proc/self/stat, in the order of proc(5).
 struct ProcessStat {
   double user_ticks = 0;
   double system_ticks = 0;
@@ -28,11 +28,11 @@ struct ProcessStat {
   double resident_pages = 0;
 };
 
-// Returns nothing if the system cannot be asked, as where no descriptor is free.
+// Returns nothing if the file cannot be read, for instance because no descriptor is free.
 std::optional<ProcessStat> ReadStat() {
   std::ifstream file("/proc/self/stat");
   const std::string line{std::istreambuf_iterator<char>(file), {}};
-  // The second field, the name, may have blanks and parentheses; the third follows the last one.
+  // The second field, the name, may contain blanks and parentheses; the third follows the last one.
   std::istringstream fields(line.substr(line.rfind(')') + 1));
   ProcessStat stat;
   std::string skipped;
@@ -58,10 +58,10 @@ std::optional<double> BootTime() {
   return std::nullopt;
 }
 
-// Returns nothing if the system cannot be asked, as where no descriptor is free.
+// Returns nothing if the folder cannot be read, for instance because no descriptor is free.
 std::optional<double> OpenDescriptorCount() {
   std::error_code error;
-  double count = -1;  // One of them is that of the listing.
+  double count = -1;  // the listing itself has one
   for (std::filesystem::directory_iterator next("/proc/self/fd", error), end; !error && next != end;
        next.increment(error)) {
     ++count;

@@ -8,7 +8,7 @@
 
 namespace sweepstake::server {
 
-// Reads /proc.
+// Reads /proc. A metric that cannot be read is omitted.
 std::vector<prometheus::MetricFamily> ProcessFamilies();
 
 }  // namespace sweepstake::server

@@ -1,5 +1,5 @@
-// What the daemon tells the service manager that started it: systemd, or another that sets
-// NOTIFY_SOCKET. Nobody is told anything where nothing is set.
+// Notifications to the service manager that started the daemon: systemd, or another one that sets
+// NOTIFY_SOCKET. Without that variable the functions do nothing.
 #pragma once
 
 #include <chrono>
@@ -13,19 +13,18 @@ namespace sweepstake::server {
 
 void NotifyReady();
 void NotifyStopping();
-// The end takes up to `time` from now, however long it may.
+// Extends the service manager's stop timeout to `time` from now.
 void NotifyStoppingTakes(std::chrono::microseconds time);
 
-// Returns how often the service manager wants to hear that the daemon is alive: a quarter of the
-// time in WATCHDOG_USEC, after which it restarts a daemon that it has not heard of. Returns nothing
-// if it does not want to.
+// Returns the interval of watchdog notifications: a quarter of WATCHDOG_USEC, after which the
+// service manager restarts a silent daemon. Returns nothing if it has no watchdog.
 std::optional<std::chrono::milliseconds> WatchdogInterval();
 
-// Tells the service manager at each interval that the daemon is alive. Owns one thread if there is
+// Notifies the service manager at each interval if the daemon is alive. Owns one thread if there is
 // an interval.
 class Watchdog {
  public:
-  // `alive` runs on the watchdog's thread and may need one interval itself.
+  // `alive` runs on the watchdog's thread and may take one interval.
   Watchdog(std::optional<std::chrono::milliseconds> interval, std::function<bool()> alive);
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;

@@ -1,5 +1,5 @@
-// Warns in time of a database that nears the size that it may have, beyond which nothing more is
-// acknowledged. Plain values; not thread-safe.
+// Warns before a database reaches its maximum size, at which the store stops acknowledging
+// evidence. Plain values; not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -14,12 +14,12 @@ class SpaceWarning {
   using TimePoint = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::hours kInterval{1};
 
-  // Takes how many bytes of the database are in use, of those that it may have. Says what to do if
-  // they are more than three quarters and nothing was said for kInterval; else returns nothing.
+  // Returns a warning if more than three quarters of the maximum size are in use, and the last
+  // warning is at least kInterval old.
   std::optional<std::string> Look(uint64_t used_bytes, uint64_t max_bytes, TimePoint now);
 
  private:
-  std::optional<TimePoint> told_;  // at the latest
+  std::optional<TimePoint> warned_;  // time of the last warning
 };
 
 }  // namespace sweepstake::server

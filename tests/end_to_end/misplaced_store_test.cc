@@ -34,9 +34,10 @@ size_t CountIn(const std::string& text, const std::string& part) {
 
 // Returns the copies of the database that the log mentions.
 std::vector<fs::path> CopiesIn(const std::string& log) {
-  const std::regex told("acknowledged is in ([^ ]*priors\\.db\\.backup-[^ ]*): stop the daemon");
+  const std::regex report(
+      "acknowledged evidence is in ([^ ]*priors\\.db\\.backup-[^ ]*): stop the daemon");
   std::vector<fs::path> copies;
-  for (std::sregex_iterator match(log.begin(), log.end(), told); match != std::sregex_iterator();
+  for (std::sregex_iterator match(log.begin(), log.end(), report); match != std::sregex_iterator();
        ++match)
     copies.emplace_back((*match)[1].str());
   return copies;
@@ -64,8 +65,8 @@ class MisplacedDatabaseTest : public ::testing::Test {
     std::smatch advice;
     ASSERT_TRUE(std::regex_search(
         log, advice,
-        std::regex("stop the daemon, move away those of ([^ ]+), ([^ ]+) and ([^ ]+) that are "
-                   "there, `sweepstaked (restore [^`]+)`, and start it again")))
+        std::regex("stop the daemon, move ([^ ]+), ([^ ]+) and ([^ ]+) away if they exist, run "
+                   "`sweepstaked (restore [^`]+)`, and start the daemon again")))
         << log;
     for (size_t i = 1; i <= 3; ++i) {
       const fs::path file = advice[i].str();
@@ -120,10 +121,10 @@ TEST_F(MisplacedDatabaseTest, OneThatIsRemovedUnderGamesIsToldOnceAndSaved) {
   EXPECT_THAT(Ready(), HasSubstr("restore " + copy.string()));
   EXPECT_EQ(daemon_.Terminate(), 0);
   EXPECT_EQ(CountIn(daemon_.log(), "nothing more is acknowledged"), 1u) << daemon_.log();
-  EXPECT_EQ(CountIn(daemon_.log(), "acknowledged is in"), 1u) << daemon_.log();
-  EXPECT_THAT(daemon_.log(), HasSubstr("What games hand over meanwhile is lost at the stop"));
-  EXPECT_THAT(daemon_.log(), HasSubstr("what 3 sessions have handed over since is not"));
-  EXPECT_THAT(daemon_.log(), HasSubstr("3 of the sessions have ended, and theirs is lost"));
+  EXPECT_EQ(CountIn(daemon_.log(), "all acknowledged evidence is in"), 1u) << daemon_.log();
+  EXPECT_THAT(daemon_.log(), HasSubstr("Later evidence is lost at the stop"));
+  EXPECT_THAT(daemon_.log(), HasSubstr("later evidence of 3 sessions is not"));
+  EXPECT_THAT(daemon_.log(), HasSubstr("3 of the sessions have ended, and their evidence is lost"));
   FollowAdvice();
   ExpectAllIn(data_.path());
   const DaemonProcess next(data_.path());
@@ -153,7 +154,7 @@ TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayIsFoundWithoutGamesAndGoesOnWhen
   fs::rename(away, database_);
   EXPECT_TRUE(rpc::Eventually([&] { return CountIn(Ready(), "[-]store") == 0; }));
   EXPECT_EQ(daemon_.Terminate(), 0);
-  EXPECT_THAT(daemon_.log(), HasSubstr("drained: all that was acknowledged is on disk\""));
+  EXPECT_THAT(daemon_.log(), HasSubstr("drained: all acknowledged evidence is on disk\""));
   ExpectAllIn(data_.path());
 }
 
@@ -181,7 +182,7 @@ TEST(MisplacedDirectoryTest, WhereNoCopyCouldBeMadeOneIsTriedAtTheEndWithoutWait
   DaemonProcess daemon(above / "data");
   fs::rename(above, folder.path() / "away");
   const auto log = [&] { return FileText(folder.path() / "away" / "data" / "log"); };
-  EXPECT_TRUE(rpc::Eventually([&] { return CountIn(log(), "no copy") == 1; }));
+  EXPECT_TRUE(rpc::Eventually([&] { return CountIn(log(), "cannot be copied") == 1; }));
   fs::create_directory(above);
   EXPECT_EQ(daemon.Terminate(), 0);
   ASSERT_EQ(CopiesIn(log()).size(), 1u) << log();

@@ -43,23 +43,23 @@ class ReloadTest : public ::testing::Test {
   std::unique_ptr<DaemonProcess> daemon_;
 };
 
-TEST_F(ReloadTest, TheLogLevelIsTakenOverAndWhatIsNotIsNamed) {
+TEST_F(ReloadTest, TheLogLevelIsAppliedAndFixedSettingsAreNamed) {
   Write("log_level = 'error'\n");
   Start();
   EXPECT_EQ(daemon_->log(), "");
   Write("log_level = 'info'\nmemory_quota_mb = 70\n");
-  EXPECT_TRUE(ReloadSays("the configuration was read again; the log level is info"));
+  EXPECT_TRUE(ReloadSays("read the configuration again; the log level is info"));
   Write("log_level = 'warn'\nmemory_quota_mb = 70\n");
-  EXPECT_TRUE(ReloadSays("memory_quota_mb has changed: restart the daemon to take it over"));
+  EXPECT_TRUE(ReloadSays("memory_quota_mb has changed; restart the daemon to apply it"));
   EXPECT_EQ(daemon_->Terminate(), 0);
 }
 
-TEST_F(ReloadTest, QuotasRatesBoundsAndBackupsAreTakenOver) {
+TEST_F(ReloadTest, QuotasRatesBoundsAndBackupsAreApplied) {
   Write("");
   Start();
   Write("max_scenes = 1\nmax_reads_per_s = 5\nbackup_hours = 2\naudit_mb = 8\naudit_days = 7\n");
   EXPECT_TRUE(ReloadSays(
-      "in force from now on: max_scenes, max_reads_per_s, backup_hours, audit_mb, audit_days"));
+      "applied: max_scenes, max_reads_per_s, backup_hours, audit_mb, audit_days"));
   EXPECT_THAT(daemon_->log(), ::testing::Not(::testing::HasSubstr("restart the daemon")));
   ScriptedGame first(daemon_->address(), FastOptions());
   EXPECT_TRUE(first.RunUntil(IsConnected));
@@ -75,11 +75,11 @@ TEST_F(ReloadTest, QuotasRatesBoundsAndBackupsAreTakenOver) {
   EXPECT_EQ(daemon_->Terminate(), 0);
 }
 
-TEST_F(ReloadTest, AWrongConfigurationIsRefusedAndTheDaemonRunsOn) {
+TEST_F(ReloadTest, AnInvalidConfigurationIsRefusedAndTheDaemonRunsOn) {
   Write("");
   Start();
   Write("lissten = 'x'\n");
-  EXPECT_TRUE(ReloadSays("the configuration stays as it is: "));
+  EXPECT_TRUE(ReloadSays("the configuration is invalid and was not applied: "));
   EXPECT_THAT(daemon_->log(), ::testing::HasSubstr("lissten"));
   EXPECT_EQ(daemon_->Terminate(), 0);
 }

@@ -107,7 +107,7 @@ TEST_F(TokenTest, AFileThatIsGoneUnderADaemonIsSaidToBeMissingAndWhatANewOneEnds
   const std::filesystem::path tokens = data_.path() / "tokens.db";
   std::filesystem::remove(tokens);
   EXPECT_TRUE(rpc::Eventually([&] {
-    return daemon.log().find("the tokens stay as they were, since their file cannot be used: " +
+    return daemon.log().find("the token file is invalid, so the tokens read before stay in effect: " +
                              tokens.string() + " is missing, though") != std::string::npos;
   }));
   EXPECT_THAT(daemon.log(), HasSubstr("in a file without the others, which ends those"));

@@ -125,7 +125,7 @@ TEST_F(DaemonTest, APortFileThatIsAPipeOrADeviceStaysWhatItIs) {
   config_.port_file = directory_.path() / "pipe";
   ASSERT_EQ(mkfifo(config_.port_file.c_str(), 0600), 0);
   const auto daemon = Daemon::Start(config_, clock_);
-  EXPECT_THAT(std::string(daemon.status().message()), HasSubstr("is no file"));
+  EXPECT_THAT(std::string(daemon.status().message()), HasSubstr("is not a file"));
   EXPECT_TRUE(std::filesystem::is_fifo(config_.port_file));
 }
 
@@ -256,7 +256,7 @@ TEST_F(DaemonTest, DecidesOnAndAcknowledgesNothingWhileTheDiskFails) {
     std::string ready;
     while (!ready.starts_with("[+]decision-loop ok\n[-]store"))
       ready = test_support::Get(daemon->http_port(), "/readyz").body;
-    EXPECT_THAT(ready, HasSubstr("cannot write; decisions go on in memory: "));
+    EXPECT_THAT(ready, HasSubstr("cannot write; decisions continue in memory: "));
     disk.Set({});
     read_until([&] { return response.acknowledgement().sequence() == 2; });
     context.TryCancel();

@@ -107,7 +107,7 @@ TEST_F(TokenCommandTest, CreateWritesTheTokenToANewFileOfItsOwner) {
   EXPECT_EQ(auth::DigestOf(token), Stored()[0].digest);
   EXPECT_EQ(fs::status(file_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_THAT(Run({"create", "other", "--role", "watch", "--out", file_}),
-              HasSubstr("cannot make " + file_.string()));
+              HasSubstr("cannot create " + file_.string()));
   EXPECT_EQ(Stored().size(), 1u) << "no token that nobody has";
 }
 

@@ -29,8 +29,8 @@ absl::Status CheckStoreUrl(const std::string& url) {
   const std::string name = url.substr(0, scheme);
   if (scheme == std::string::npos || (name != "postgresql" && name != "postgres")) {
     return absl::InvalidArgumentError(
-        "expected a URL such as postgresql://sweepstake@db.example:5432/sweepstake; leave it out "
-        "to keep the priors in a file, priors.db in `data`");
+        "expected a URL such as postgresql://sweepstake@db.example:5432/sweepstake; without a URL "
+        "the priors are in the file priors.db in `data`");
   }
   const std::string rest = url.substr(scheme + 3);
   const std::string server = rest.substr(0, rest.find_first_of("/?"));
@@ -38,8 +38,8 @@ absl::Status CheckStoreUrl(const std::string& url) {
   if ((at != std::string::npos && server.find(':') < at) ||
       rest.find("password=") != std::string::npos) {
     return absl::InvalidArgumentError(
-        "expected a URL without a password, which others could read; write it into a file, and "
-        "name that in PGPASSFILE");
+        "expected a URL without a password, which other users could read; write the password into "
+        "a file and name that in PGPASSFILE");
   }
   return absl::OkStatus();
 }

@@ -1,4 +1,4 @@
-// The prior store that several daemons share, as those who know no libpq use it.
+// The prior store that several daemons share, for code that does not know libpq.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,12 @@
 
 namespace sweepstake::storage {
 
-// The increments of a group of commits: so many share the round trips and the sync of one.
+// Maximum increments per group of commits; a group costs the round trips and the sync of one
+// commit.
 inline constexpr size_t kSharedGroupRows = 5'000;
 
-// Returns what is wrong with the text as the URL of such a store: it is no postgresql:// URL, or
-// has a password, which configurations print.
+// Checks the URL of a shared store. Error: INVALID_ARGUMENT (not a postgresql:// URL, or it
+// contains a password, which --print-config would show).
 absl::Status CheckStoreUrl(const std::string& url);
 
 // Opens the store and the connection that reads it. Errors: those of OpenPostgresPriorStore,
@@ -26,13 +27,12 @@ absl::Status CheckStoreUrl(const std::string& url);
 absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& url,
                                             const priors::AuditLimits& audit_limits);
 
-// What the store offers besides what every store does. REQUIRES: it is of OpenSharedStore.
+// Operations of shared stores only. REQUIRES: `store` is from OpenSharedStore.
 absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& store, const std::string& own);
 void LimitSharedStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits);
 
-// Copies what the store in the data directory has to the shared one, or back
-// (postgres_migration.h). Errors: those of there, INVALID_ARGUMENT (the URL is empty),
-// UNIMPLEMENTED.
+// Copies the store in the data directory to the shared one, or back. Errors: those of
+// postgres_migration.h, INVALID_ARGUMENT (the URL is empty), UNIMPLEMENTED.
 absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& directory,
                                               const std::string& url,
                                               const OnMigrated& on_migrated);
