@@ -1,4 +1,4 @@
-// The daemon's pages for operators, in every state that they tell of.
+// The daemon's pages for operators, in each of their states.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

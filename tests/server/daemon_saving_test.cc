@@ -1,4 +1,4 @@
-// What a daemon says while it copies what it has acknowledged from a database that is gone.
+// The daemon's flag while it copies a database whose file was removed.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
@@ -37,7 +37,7 @@ class ConnectionsWhileSaving {
   static inline std::atomic<int> missed_count_ = 0;
 };
 
-TEST(DaemonSavingTest, IsSaidWhileTheCopyIsMadeAndNotBehindIt) {
+TEST(DaemonSavingTest, TheFlagIsSetOnlyWhileTheCopyIsMade) {
   const test_support::TemporaryDirectory directory;
   Config config;
   config.listen = "127.0.0.1:0";

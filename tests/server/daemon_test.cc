@@ -129,7 +129,7 @@ TEST_F(DaemonTest, APortFileThatIsAPipeOrADeviceStaysWhatItIs) {
   EXPECT_TRUE(std::filesystem::is_fifo(config_.port_file));
 }
 
-TEST_F(DaemonTest, AStartThatFailsLeavesNoPortOfAnEarlierDaemon) {
+TEST_F(DaemonTest, AFailedStartRemovesThePortFileOfAnEarlierDaemon) {
   const auto other = Start();
   config_.listen = "127.0.0.1:" + std::to_string(other->port());
   config_.data = directory_.path() / "other";
@@ -140,7 +140,7 @@ TEST_F(DaemonTest, AStartThatFailsLeavesNoPortOfAnEarlierDaemon) {
   EXPECT_FALSE(std::filesystem::exists(config_.port_file));
 }
 
-TEST_F(DaemonTest, WhatOneRunLearntIsThePriorOfTheNext) {
+TEST_F(DaemonTest, EvidenceOfOneRunIsThePriorOfTheNext) {
   {
     const auto daemon = Start();
     EXPECT_EQ(RunSession(daemon->port()).prior_source_count(), 0u);
@@ -215,7 +215,7 @@ TEST_F(DaemonTest, HealthIsServingUntilItDrains) {
   EXPECT_FALSE(daemon->Alive(std::chrono::minutes(1)));
 }
 
-TEST_F(DaemonTest, IsAliveWhileDescriptorsHaveRunOutAndFoundOutWhenItsListenerDies) {
+TEST_F(DaemonTest, IsAliveWithoutFreeDescriptorsButNotWithoutItsListener) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers open files to look at memory and to name functions";
 #endif
@@ -231,7 +231,7 @@ TEST_F(DaemonTest, IsAliveWhileDescriptorsHaveRunOutAndFoundOutWhenItsListenerDi
   EXPECT_FALSE(daemon->Alive(std::chrono::minutes(1)));
 }
 
-TEST_F(DaemonTest, DecidesOnAndAcknowledgesNothingWhileTheDiskFails) {
+TEST_F(DaemonTest, ContinuesDecidingAndAcknowledgesNothingWhileTheDiskFails) {
   config_.http = "127.0.0.1:0";
   const storage::FailingDisk::Faults faults[] = {
       {.write_error = 1}, {.sync_error = 1}, {.full = true}, {.read_only = true}};
@@ -264,7 +264,7 @@ TEST_F(DaemonTest, DecidesOnAndAcknowledgesNothingWhileTheDiskFails) {
   }
 }
 
-TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
+TEST_F(DaemonTest, IsNotReadyWhileItsDatabaseIsFull) {
   config_.audit.bytes = 0;
   config_.database_bytes = 1;
   {
@@ -317,7 +317,7 @@ void AwaitAudited(const Daemon& daemon, int count) {
   } while (listed.segments_size() != count);
 }
 
-TEST_F(DaemonTest, ReloadTakesOverWhatTheAuditLogKeeps) {
+TEST_F(DaemonTest, ReloadAppliesTheLimitsOfTheAuditLog) {
   config_.rpc.max_reads_per_s = 1'000'000;
   config_.audit.bytes = 0;
   const auto daemon = Start();
@@ -403,7 +403,7 @@ class DaemonTokenTest : public DaemonTest {
   }
 };
 
-TEST_F(DaemonTokenTest, OffLoopbackItStartsWithATokenOrClientCertificatesOrInsecure) {
+TEST_F(DaemonTokenTest, OnOtherAddressesItNeedsATokenClientCertificatesOrInsecure) {
   config_.listen = "0.0.0.0:0";
   config_.rpc.tls.cert = config_.rpc.tls.key = "is-looked-at-later.pem";
   const absl::Status refused = Daemon::Start(config_, clock_).status();
@@ -422,7 +422,7 @@ TEST_F(DaemonTokenTest, OffLoopbackItStartsWithATokenOrClientCertificatesOrInsec
   EXPECT_TRUE(is_later());
 }
 
-TEST_F(DaemonTokenTest, ARunningDaemonLetsInANewTokenAndARevokedOneNoMore) {
+TEST_F(DaemonTokenTest, ARunningDaemonAcceptsNewTokensAndRefusesRevokedOnes) {
   const auto daemon = Start();
   EXPECT_EQ(List(*daemon, ""), grpc::StatusCode::OK) << "there is no token yet";
   const std::string token = MakeToken("first");
@@ -438,7 +438,7 @@ TEST_F(DaemonTokenTest, ARunningDaemonLetsInANewTokenAndARevokedOneNoMore) {
   await(token, grpc::StatusCode::UNAUTHENTICATED);
 }
 
-TEST_F(DaemonTokenTest, WhoMadeAndRevokedATokenMeanwhileIsInTheAuditLog) {
+TEST_F(DaemonTokenTest, CreationAndRevocationOfTokensAreInTheAuditLog) {
   MakeToken("first");
   const auto daemon = Start();
   const std::string token = Tokens()
@@ -481,7 +481,7 @@ TEST_F(DaemonTokenTest, ALostFileOfTokensStopsTheStartUntilThereAreTokensOrNoneA
   EXPECT_FALSE(is_refused());
 }
 
-TEST_F(DaemonTokenTest, OneThatRequiresTokensDoesNotStartWithoutAny) {
+TEST_F(DaemonTokenTest, WithRequireTokensItDoesNotStartWithoutAToken) {
   config_.require_tokens = true;
   config_.insecure = true;
   const absl::Status refused = Daemon::Start(config_, clock_).status();

@@ -50,7 +50,7 @@ class TokenCommandTest : public ::testing::Test {
   const fs::path file_ = directory_.path() / "game.token";
 };
 
-TEST_F(TokenCommandTest, CreateShowsTheTokenAndNothingElseShowsIt) {
+TEST_F(TokenCommandTest, OnlyCreatePrintsTheToken) {
   const std::string line = Run({"create", "game", "--role", "ingest", "--project", "arcade"});
   ASSERT_EQ(Stored().size(), 1u);
   EXPECT_THAT(notes_.str(), HasSubstr("token game is in " + (data_ / "tokens.db").string()));
@@ -63,7 +63,7 @@ TEST_F(TokenCommandTest, CreateShowsTheTokenAndNothingElseShowsIt) {
   EXPECT_EQ(fs::status(data_).permissions(), fs::perms::owner_all);
 }
 
-TEST_F(TokenCommandTest, ListAndRevokeMakeNothingInADirectoryThatIsNoDaemons) {
+TEST_F(TokenCommandTest, ListAndRevokeCreateNothingInADirectoryWithoutTokens) {
   for (const auto& arguments : {std::vector<std::string>{"list"}, {"revoke", "game"}}) {
     EXPECT_THAT(Run(arguments),
                 HasSubstr("no directory " + data_.string() + "; name the daemon's"));
@@ -73,7 +73,7 @@ TEST_F(TokenCommandTest, ListAndRevokeMakeNothingInADirectoryThatIsNoDaemons) {
               HasSubstr("token game of " + data_.string()));
 }
 
-TEST_F(TokenCommandTest, ListAndRevokeMakeNothingInADirectoryOfSomethingElse) {
+TEST_F(TokenCommandTest, ListAndRevokeCreateNothingInAForeignDirectory) {
   fs::create_directory(data_);
   std::ofstream(data_ / "letter.txt") << "Dear reader";
   for (const auto& arguments : {std::vector<std::string>{"list"}, {"revoke", "game"}}) {
@@ -85,7 +85,7 @@ TEST_F(TokenCommandTest, ListAndRevokeMakeNothingInADirectoryOfSomethingElse) {
   EXPECT_FALSE(fs::exists(data_ / "tokens.db"));
 }
 
-TEST_F(TokenCommandTest, WhatRootMakesInADirectoryOfAnotherIsThatOnes) {
+TEST_F(TokenCommandTest, FilesThatRootCreatesBelongToTheOwnerOfTheDirectory) {
   if (geteuid() != 0) GTEST_SKIP() << "only root makes files of others";
   fs::create_directory(data_);
   ASSERT_EQ(chown(data_.c_str(), 65534, 65534), 0);
@@ -111,7 +111,7 @@ TEST_F(TokenCommandTest, CreateWritesTheTokenToANewFileOfItsOwner) {
   EXPECT_EQ(Stored().size(), 1u) << "no token that nobody has";
 }
 
-TEST_F(TokenCommandTest, ATokenThatIsNotMadeLeavesNoFile) {
+TEST_F(TokenCommandTest, AFailedCreateLeavesNoFile) {
   Run({"create", "game", "--role", "watch"});
   EXPECT_THAT(Run({"create", "game", "--role", "watch", "--out", file_}),
               HasSubstr("choose another name"));
@@ -131,7 +131,7 @@ TEST_F(TokenCommandTest, RevokeTellsWhoAndList) {
   EXPECT_THAT(Run({"revoke", "gane"}), HasSubstr("there is no token of the name gane"));
 }
 
-TEST_F(TokenCommandTest, WhatIsMissingOrUnknownIsSaid) {
+TEST_F(TokenCommandTest, MissingAndUnknownArgumentsAreErrors) {
   EXPECT_THAT(Run({"create", "game"}), HasSubstr("--role is required"));
   EXPECT_THAT(Run({"create", "game", "--role", "king"}), HasSubstr("king not in {ingest"));
   EXPECT_THAT(Run({"create", "--help"}), HasSubstr("Example: sweepstaked token create"));

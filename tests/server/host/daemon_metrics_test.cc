@@ -1,4 +1,4 @@
-// What the daemon tells Prometheus.
+// The metrics of the daemon.
 #include "server/host/daemon_metrics.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using ::testing::StartsWith;
 
 class DaemonMetricsTest : public ::testing::Test {
  protected:
-  // The first metric of each family, by name.
+  // Returns the first metric of each family, by name.
   std::map<std::string, prometheus::ClientMetric> Collect(bool store_healthy = true) {
     std::map<std::string, prometheus::ClientMetric> metrics;
     for (const auto& family : metrics_.Collect(counters_, events_,
@@ -44,7 +44,7 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
   const auto reasons = static_cast<size_t>(counters_.error_counts.data() - counters);
   std::multiset<double> expected;
   for (size_t i = 0; i < sizeof(counters_) / sizeof(*counters); ++i) {
-    // Some numbers are no reason.
+    // Not every number is a reason.
     if (i >= reasons && !v1::ErrorReason_IsValid(static_cast<int>(i - reasons))) continue;
     counters[i] = (i + 1) * 1'000'003;
     expected.insert(static_cast<double>((i + 1) * 1'000'003));
@@ -103,14 +103,14 @@ TEST_F(DaemonMetricsTest, TheStoreAndItsLogAreShown) {
   EXPECT_EQ(Collect().at("sweepstake_store_queued_reads").gauge.value, 9);
 }
 
-TEST_F(DaemonMetricsTest, HowMuchOfTheStoreIsInUseIsShown) {
+TEST_F(DaemonMetricsTest, UsedAndMaximumSizeOfTheStoreAreShown) {
   metrics_.SetMaxStoreBytes(4'096);
   metrics_.SetUsedStoreBytes(3'072);
   EXPECT_EQ(Collect().at("sweepstake_store_max_size_bytes").gauge.value, 4'096);
   EXPECT_EQ(Collect().at("sweepstake_store_used_size_bytes").gauge.value, 3'072);
 }
 
-TEST_F(DaemonMetricsTest, SessionsThatWereFoldedAreCounted) {
+TEST_F(DaemonMetricsTest, FoldedSessionsAreCounted) {
   EXPECT_EQ(Collect().at("sweepstake_store_folded_sources_total").counter.value, 0);
   metrics_.OnFolded(3);
   metrics_.OnFolded(4);

@@ -11,7 +11,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-TEST(DescriptorLimitTest, IsRaisedAsFarAsTheSystemLets) {
+TEST(DescriptorLimitTest, TheSoftLimitIsRaisedToTheHardLimit) {
   rlimit before{};
   getrlimit(RLIMIT_NOFILE, &before);
   const rlimit low{.rlim_cur = before.rlim_max / 2, .rlim_max = before.rlim_max};
@@ -23,7 +23,7 @@ TEST(DescriptorLimitTest, IsRaisedAsFarAsTheSystemLets) {
   setrlimit(RLIMIT_NOFILE, &before);
 }
 
-TEST(DescriptorLimitTest, OneTooLowForTheSessionsIsTold) {
+TEST(DescriptorLimitTest, ALimitTooLowForTheSessionsGivesAWarning) {
   rpc::RpcOptions options;
   options.max_sessions = 20'000;
   options.max_watchers = 256;

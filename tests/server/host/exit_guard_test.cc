@@ -10,7 +10,7 @@ namespace {
 using std::chrono::hours;
 using std::chrono::milliseconds;
 
-TEST(ExitGuardDeathTest, EndsAProcessThatDoesNotEndByItself) {
+TEST(ExitGuardDeathTest, ExitsAProcessThatDoesNotEndInTime) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(
       {
@@ -20,7 +20,7 @@ TEST(ExitGuardDeathTest, EndsAProcessThatDoesNotEndByItself) {
       ::testing::ExitedWithCode(4), "the disk does not answer");
 }
 
-TEST(ExitGuardDeathTest, EndsNoneThatMustGoOnBeforeThatIsDone) {
+TEST(ExitGuardDeathTest, WaitsAgainWhileTheProcessMustWait) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(
       {
@@ -34,7 +34,7 @@ TEST(ExitGuardDeathTest, EndsNoneThatMustGoOnBeforeThatIsDone) {
       ::testing::ExitedWithCode(4), "^asked asked asked too late");
 }
 
-TEST(ExitGuard, LetsAnEndInTimePass) {
+TEST(ExitGuard, DoesNothingIfTheProcessEndsInTime) {
   const ExitGuard guard(hours(1), 4, "too late", [] { return false; });
 }
 

@@ -1,4 +1,4 @@
-// A time without free descriptors.
+// A process without free descriptors.
 #pragma once
 
 #include <fcntl.h>
@@ -9,7 +9,7 @@
 
 namespace sweepstake::test_support {
 
-// Takes all descriptors that the process may have, as long as it lives.
+// Holds all free descriptors of the process while it lives.
 class NoDescriptors {
  public:
   NoDescriptors() {

@@ -8,7 +8,7 @@
 
 namespace sweepstake::test_support {
 
-// Sets NOTIFY_SOCKET and WATCHDOG_USEC while it lives. To be made before threads read them.
+// Sets NOTIFY_SOCKET and WATCHDOG_USEC while it lives. REQUIRES: no other thread reads them yet.
 class NotifySocket {
  public:
   NotifySocket(const std::filesystem::path& folder, std::chrono::microseconds watchdog_limit);

@@ -1,4 +1,4 @@
-// The watchdog: when the service manager hears that the daemon is alive.
+// Notifications to the service manager.
 #include "server/host/service_manager.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// What the watchdog is told, and how often it has asked.
+// Answers the watchdog's check, and counts its calls.
 class Life {
  public:
   bool Ask() {
@@ -39,7 +39,7 @@ class Life {
   bool alive_ = false;   // guarded by mutex_
 };
 
-TEST(WatchdogTest, OnlyADaemonThatIsAliveIsToldOf) {
+TEST(WatchdogTest, NotifiesOnlyWhileTheDaemonIsAlive) {
   const test_support::TemporaryDirectory folder;
   test_support::NotifySocket manager(folder.path(), milliseconds(4));
   Life life;
@@ -56,7 +56,7 @@ TEST(WatchdogTest, OnlyADaemonThatIsAliveIsToldOf) {
   }
 }
 
-TEST(WatchdogTest, NobodyIsAskedWhereNoServiceManagerWantsToKnow) {
+TEST(WatchdogTest, DoesNotCheckTheDaemonWithoutAWatchdogInterval) {
   bool asked = false;
   {
     const Watchdog watchdog(WatchdogInterval(), [&] { return asked = true; });
@@ -66,7 +66,7 @@ TEST(WatchdogTest, NobodyIsAskedWhereNoServiceManagerWantsToKnow) {
   NotifyStopping();
 }
 
-TEST(ServiceManagerTest, HearsWhenTheDaemonIsReadyWhenItStopsAndHowLongThatTakes) {
+TEST(ServiceManagerTest, ReceivesReadyStoppingAndTheExtendedTimeout) {
   const test_support::TemporaryDirectory folder;
   test_support::NotifySocket manager(folder.path(), std::chrono::hours(1));
   NotifyReady();

@@ -1,4 +1,4 @@
-// A database that nears the size that it may have.
+// The warning about a database that is nearly full.
 #include "server/host/space_warning.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using ::testing::Not;
 constexpr uint64_t kMaxBytes = uint64_t{4'096} << 20;
 constexpr uint64_t kThreeQuarters = uint64_t{3'072} << 20;
 
-TEST(SpaceWarningTest, ComesBeyondThreeQuartersAndSaysWhatToDo) {
+TEST(SpaceWarningTest, ComesAboveThreeQuartersWithAdvice) {
   SpaceWarning warning;
   EXPECT_EQ(warning.Look(0, kMaxBytes, {}), std::nullopt);
   EXPECT_EQ(warning.Look(kThreeQuarters, kMaxBytes, {}), std::nullopt);
@@ -44,8 +44,8 @@ TEST(SpaceWarningTest, ComesOnceAnHour) {
   EXPECT_TRUE(warns(kMaxBytes, seconds(7'201)));
 }
 
-// Returns what a daemon whose database may have so many bytes writes to its log until /metrics
-// shows how many it has.
+// Runs a daemon with this maximum size of its database until /metrics shows the used size. Returns
+// its log.
 std::string LogOfADaemon(uint64_t max_bytes) {
   const test_support::TemporaryDirectory directory;
   Config config;
@@ -71,7 +71,7 @@ std::string LogOfADaemon(uint64_t max_bytes) {
   return ::testing::internal::GetCapturedStderr();
 }
 
-TEST(DaemonSpaceTest, IsLookedAtAndItsWarningIsInTheLog) {
+TEST(DaemonSpaceTest, TheDaemonLogsTheWarning) {
   EXPECT_THAT(LogOfADaemon(/*max_bytes=*/1 << 16),
               AllOf(HasSubstr("warn"), HasSubstr("priors.db: "), HasSubstr("raise database_mb")));
   EXPECT_THAT(LogOfADaemon(kMaxBytes), Not(HasSubstr("database_mb")));
