@@ -66,7 +66,7 @@ class Table {
   void Switch(const std::string& key, bool& field, const std::string& help) {
     const std::string flag = FlagOf(key);
     CLI::Option* option = app_.add_flag(flag + ",!--no-" + flag.substr(2), field);
-    Add(key, option->check(CLI::IsMember({"true", "false"})), help,
+    Add(key, option->check(CLI::IsMember({"true", "false"}).description("")), help,
         [&field] { return nlohmann::json(field).dump(); });
   }
 
