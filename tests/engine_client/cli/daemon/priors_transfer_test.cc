@@ -70,8 +70,8 @@ TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
   *daemon.priors.parts->at(1).add_records() = daemon.priors.imported->at(0);
   const auto exported = ExportPriors({daemon.address()}, "p", "s");
   ASSERT_TRUE(exported.ok()) << exported.status().message();
-  ASSERT_EQ(exported->records.size(), 1U);
-  EXPECT_EQ(FormatPriors(exported->records), FormatPriors(std::vector{record}));
+  ASSERT_EQ(exported->size(), 1U);
+  EXPECT_EQ(FormatPriors(*exported), FormatPriors(std::vector{record}));
   EXPECT_EQ(daemon.priors.export_request.get().project(), "p");
   EXPECT_EQ(daemon.priors.export_request.get().scene(), "s");
 }
