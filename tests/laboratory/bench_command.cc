@@ -65,18 +65,18 @@ void Declare(CLI::App& command, BenchOptions& options) {
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
   command.add_flag("--cold", options.cold,
-                   "Evict the caches before each frame by touching 32 MiB, for arms and peers");
+                   "Evict the caches before each frame by reading and writing 32 MiB");
   command
       .add_option(
           "--simd", options.simd,
-          "all, or instruction sets, as avx512, avx2 or sse4: each arm is timed with each "
-          "of them; peers have their own. SWEEPSTAKE_CLIENT_SIMD sets one for every command")
+          "all, or instruction sets, as avx512, avx2 or sse4: times each arm with each of them; "
+          "peers choose their own. SWEEPSTAKE_CLIENT_SIMD sets one for every command")
       ->delimiter(',');
   command.add_flag("--peers", options.peers,
                    "Time the broad phases of other libraries too, and compare");
   command
       .add_option("--peer-cap", options.peer_cap_s,
-                  "Seconds a peer may take in one scene with one count; it then stops")
+                  "Maximum seconds of a peer in one scene with one object count")
       ->check(RealFrom(0.001, 86'400.0))
       ->capture_default_str();
   command.add_flag("--json", options.json, "One JSON document on stdout");
@@ -95,7 +95,8 @@ void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& comma
       "  sweepstake-lab bench --scene nearly-resting,beams --objects 10000 --threads 1,2\n"
       "  sweepstake-lab bench --scene suite-b --objects 1000,10000 --peers --report out.html\n"
       "  sweepstake-lab bench --scene suite-b --objects 10000 --simd avx512,avx2,sse4\n"
-      "Milliseconds per frame; pairs and AABB checks are means per frame, bytes the most held.\n" +
+      "Times are milliseconds per frame. Pairs and AABB checks are means per frame; bytes are the "
+      "maximum.\n" +
           SceneHelp(),
       exit_code, Declare, [&terminal, command_line](const BenchOptions& options) {
         BenchOptions given = options;

@@ -139,7 +139,7 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake-lab check --scene degenerate --objects 300    empty, coincident, ±1e30, NaN, "
       "…\n"
       "  sweepstake-lab check --scene mixtures --seed 7           ten mixtures, seeds 7 to 16\n"
-      "Exit code 1 when an arm differs; the first differing frame and pairs are shown. A frame "
+      "Exit code 1 if an arm differs; shows the first differing frame and its pairs. A frame "
       "with\n"
       "more than 20,000,000 pairs is not checked: exit code 2.\n" +
           SceneHelp(),

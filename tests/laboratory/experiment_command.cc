@@ -30,7 +30,7 @@ struct Opened {
 Result<Opened> OpenExperiment(const CommandOptions& options) {
   if (options.out.empty() == options.resume.empty()) {
     return Status(StatusCode::kInvalidArgument,
-                  "give either --out DIR for a new experiment, or --resume DIR to go on with one");
+                  "give either --out DIR for a new experiment, or --resume DIR to continue one");
   }
   const ExperimentFolder folder(options.out.empty() ? options.resume : options.out);
   ExperimentManifest manifest{options.experiment, {}};
@@ -110,8 +110,8 @@ int RunExperiment(const CommandOptions& options, const std::string& command_line
   const auto page = ReportFile::Create(ReportPath(options, opened->folder).string());
   if (!page.ok()) {
     const int exit_code = Fail(terminal, page.status());
-    // If --report is not given, the experiment also runs without a report page: `sweepstake-lab
-    // report` can make the report later.
+    // Without --report, a missing report page is not an error: `sweepstake-lab report` can make the
+    // report later.
     if (!options.report.empty()) return exit_code;
   }
   opened->sessions.push_back({command_line, DescribeMachine().date_utc, ""});
@@ -130,13 +130,13 @@ int RunExperiment(const CommandOptions& options, const std::string& command_line
 
 void Declare(CLI::App& command, CommandOptions& options) {
   ExperimentOptions& experiment = options.experiment;
-  command.add_option("--out", options.out, "Folder for everything; made where it is not there");
+  command.add_option("--out", options.out, "Folder of all results; created if it is missing");
   command.add_option("--resume", options.resume,
-                     "Folder of an experiment that was ended: goes on with what is missing, as it "
-                     "was asked for");
+                     "Folder of an interrupted experiment: continues with the missing runs and its "
+                     "own options");
   command
       .add_option("--time-scale", experiment.time_scale,
-                  "Divides the window and every interval of the decider but the bail-out limit")
+                  "Divides the window and all intervals of the decider except the bail-out limit")
       ->check(RealFrom(1.0, 1000.0))
       ->capture_default_str();
   command.add_option("--runs", experiment.run_count, "Runs of each cell and policy (default: 5)")
@@ -151,7 +151,7 @@ void Declare(CLI::App& command, CommandOptions& options) {
       ->delimiter(',');
   command
       .add_option("--sizes-beyond", experiment.large_object_counts,
-                  "More object counts, beyond the paper's (default: 10000,50000; none where "
+                  "More object counts, beyond the paper's (default: 10000,50000; none if "
                   "--objects is given)")
       ->delimiter(',');
   command
@@ -159,7 +159,7 @@ void Declare(CLI::App& command, CommandOptions& options) {
                   "Policies, also adaptive-without-... (default: paper,default)")
       ->delimiter(',');
   command.add_option("--window", experiment.window,
-                     "Observed after the exploration, before the scale (default: 15m)");
+                     "Length of the observation after the exploration, before scaling (default: 15m)");
   command
       .add_option("--trace-frames", experiment.trace_frame_count,
                   "Frames of each scene on which every arm is timed (default: 600)")
@@ -168,12 +168,12 @@ void Declare(CLI::App& command, CommandOptions& options) {
       .add_option("--replay-seeds", experiment.replay_seed_count,
                   "Games of each policy on each trace (default: 30)")
       ->check(CLI::Range(uint32_t{2}, uint32_t{10'000}));
-  command.add_option("--seed", experiment.seed, "All seeds come from this one")
+  command.add_option("--seed", experiment.seed, "Seed from which all other seeds are derived")
       ->check(NotNegative())
       ->capture_default_str();
   command.add_flag("--quick", experiment.quick,
-                   "Six cells (1000 and 3000 objects) and one run of each, to see that it works");
-  command.add_flag("--frames", experiment.frames, "Keep every frame's metrics, some GB");
+                   "Run only six cells (1000 and 3000 objects) once each, as a quick test");
+  command.add_flag("--frames", experiment.frames, "Write the metrics of every frame, some GB");
   command.add_option("--report", options.report,
                      "Charts and tables as one HTML file (default: report.html in the folder)");
   command.add_flag("--json", options.json, "One JSON document on stdout");
@@ -190,15 +190,10 @@ void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& 
       "  sweepstake-lab experiment --scenes hurricane --objects 3000,10000 --policies paper --out "
       "h\n"
       "  sweepstake-lab experiment --resume results\n"
-      "3 scenes × (1000, 2000, 3000, 10000, 50000 objects) × 2 policies × 5 runs of exploration "
-      "and "
-      "15 minutes,\n"
-      "divided by the time scale, with seeds that are fixed. Ctrl-C ends with what is there, "
-      "marked "
-      "as partial, and\n"
-      "exit code 1; each finished run is on disk, and --resume goes on. Leave the machine alone "
-      "meanwhile: what\n"
-      "disturbs it disturbs the figures.",
+      "Default: 3 scenes × (1000, 2000, 3000, 10000, 50000 objects) × 2 policies × 5 runs with fixed\n"
+      "seeds. A run is the exploration and 15 minutes, divided by the time scale. Ctrl-C writes\n"
+      "partial results and ends with exit code 1; --resume continues after the finished runs.\n"
+      "Keep the machine free of other work, which distorts the figures.",
       exit_code, Declare, [&terminal, command_line](const CommandOptions& options) {
         return RunExperiment(options, command_line, terminal);
       });

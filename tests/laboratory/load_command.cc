@@ -1,4 +1,5 @@
-// `sweepstake-lab load`: thousands of made-up games on one daemon, and how it bears them.
+// `sweepstake-lab load`: thousands of simulated games on one daemon, with the daemon's rates and
+// latencies.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/io/duration.h"
@@ -41,33 +42,33 @@ void Declare(CLI::App& command, LoadOptions& options) {
       ->capture_default_str();
   command
       .add_option("--rate", plan.batches_per_second,
-                  "Batches a second of each game; a daemon ends one with more than its "
+                  "Batches per second of each game; a daemon ends a game that exceeds its "
                   "--max-messages-per-s")
       ->check(RealFrom(0.01, 1000))
       ->capture_default_str();
   command.add_option("--frames-per-batch", plan.batch_frames, "Frames in a batch")
       ->check(WholeFrom(1, 240))
       ->capture_default_str();
-  command.add_option("--duration", options.duration, "How long to measure, once all have begun")
+  command.add_option("--duration", options.duration, "Measured time after all games have begun")
       ->capture_default_str();
-  command.add_option("--project", plan.project, "Project that what the games send is learnt under")
+  command.add_option("--project", plan.project, "Project of the games")
       ->capture_default_str();
   command
       .add_option("--channels", plan.channel_count,
-                  "Connections; 0 takes one for each 100 streams, which is what one can carry")
+                  "Connections; 0: one per 100 streams, the maximum of a connection")
       ->check(WholeUpTo(10'000))
       ->capture_default_str();
-  command.add_option("--scenes", plan.scene_count, "Scenes that the games take turns with")
+  command.add_option("--scenes", plan.scene_count, "Scenes, assigned to the games in turn")
       ->check(WholeFrom(1, 100'000))
       ->capture_default_str();
   command
       .add_option("--bail-out-share", plan.bail_out_share,
-                  "Share of the batches that a bail-out follows")
+                  "Share of the batches that are followed by a bail-out")
       ->check(RealFrom(0, 1))
       ->capture_default_str();
   command
       .add_option("--server-pid", plan.server_pid,
-                  "The daemon's process, where it runs on this machine, for its CPU time")
+                  "Process id of a daemon on this machine, to measure its CPU time")
       ->check(WholeUpTo(1u << 30));
   AddJsonFlag(command, options.json);
 }
@@ -76,21 +77,17 @@ void Declare(CLI::App& command, LoadOptions& options) {
 
 void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
   AddCommand<LoadOptions>(
-      app, "load", "Load a daemon with thousands of made-up games",
+      app, "load", "Load a daemon with thousands of simulated games",
       "  sweepstake-lab load --daemon 127.0.0.1:7433 --streams 1000 --duration 30s\n"
       "  sweepstake-lab load --daemon 127.0.0.1:7433 --streams 10000 --server-pid PID --json\n"
-      "batches_per_s were given to gRPC, acknowledged_per_s of the messages of that time "
-      "(bail-outs\n"
-      "and switches, too) reached the daemon's disk, at most 2.5 s after its end: where that is "
-      "less,\n"
-      "the daemon does not keep up.\n"
-      "hello_latency is the time from a connection begun to its welcome, decision_latency the one\n"
-      "from a bail-out sent to its switch command, commit_lag the one from a batch sent to the "
-      "word\n"
-      "that it is on the daemon's disk, tick_lateness how late this program's own timer was: "
-      "where\n"
-      "that is large, the other figures are not the daemon's. Ctrl-C ends the run early.\n"
-      "Exit code 3 when no daemon answers, or when games were refused or lost at the end.",
+      "batches_per_s were passed to gRPC. acknowledged_per_s messages (batches, bail-outs, switches)\n"
+      "reached the daemon's disk at most 2.5 s after the measured time; if they are fewer, the\n"
+      "daemon does not keep up.\n"
+      "hello_latency is the time from the start of a connection to its welcome, decision_latency\n"
+      "from a bail-out to its switch command, commit_lag from a batch to the acknowledgement that\n"
+      "it is on disk. tick_lateness is the delay of this program's own timer: if it is large, the\n"
+      "other figures do not describe the daemon. Ctrl-C ends the run early.\n"
+      "Exit code 3 if no daemon answers, or if games were refused or lost at the end.",
       exit_code, Declare,
       [&terminal](const LoadOptions& options) { return Run(options, terminal); });
 }

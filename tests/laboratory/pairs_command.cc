@@ -17,7 +17,7 @@ struct PairsOptions {
   bool json = false;
 };
 
-// Shows the arm every frame up to `frame`, so that its incremental path finds the pairs.
+// Runs the arm on every frame up to `frame`, so that its incremental path finds the pairs.
 PairBuffer FindPairsOfFrame(Scene& scene, BroadPhase& arm, uint64_t frame) {
   PairBuffer pairs;
   arm.Build(scene.aabbs());

@@ -17,8 +17,8 @@ struct RecordOptions {
   bool json = false;
 };
 
-// Shows how far the recording is and counts the objects of the fullest frame. Recording calls Step
-// once per frame.
+// Shows the progress of the recording and counts the objects of the fullest frame. Recording calls
+// Step once per frame.
 class ObservedScene : public Scene {
  public:
   ObservedScene(Scene& scene, Progress& progress)

@@ -72,8 +72,9 @@ std::string TitleWithPairs(const BenchReport& report, size_t cell) {
   return title + ", " + Fixed(arm->pairs_mean, 1) + " pairs per frame";
 }
 
-// The table must fit a terminal, so what all rows of a cell share is in the cell's title, and the
-// columns that only peers or several instruction sets need are shown only if there are any.
+// The table must fit a terminal. Values that all rows of a cell share are therefore in the cell's
+// title. Columns for peers and for instruction sets appear only if the run has peers or several
+// instruction sets.
 std::vector<std::string> RowHeader(const BenchReport& report) {
   std::vector<std::string> header;
   if (report.options.peers) header.emplace_back("family");

@@ -210,8 +210,9 @@ Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
   return {};
 }
 
-// Resolves `all` or names of instruction sets, the best first and each at most once, and chooses
-// the best. No name stands for the one that is chosen already. Errors: those of UseSimdTarget.
+// Resolves `all` or names of instruction sets and chooses the best one. Returns them without
+// repetitions, the best first. An empty list means the instruction set that is already chosen.
+// Errors: those of UseSimdTarget.
 Result<std::vector<std::string>> ChooseSimd(const std::vector<std::string>& names) {
   if (names.empty()) return std::vector<std::string>{std::string(SimdTarget())};
   const auto usable = SimdTargets();

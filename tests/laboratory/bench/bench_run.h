@@ -12,9 +12,10 @@
 
 namespace sweepstake::cli {
 
-// Calls `on_progress` with the share that is done and with what runs. Errors: those of
-// UseSimdTarget, ChooseArms and OpenScene. Afterwards the best of the instruction sets that were
-// measured is the chosen one. Wrong pairs of an arm or a peer are not an error; its row says so.
+// Calls `on_progress` with the finished share and the name of the current cell. Afterwards the best
+// measured instruction set is the chosen one. If an arm or a peer finds wrong pairs, its row
+// contains the difference; this is not an error. Errors: those of UseSimdTarget, ChooseArms and
+// OpenScene.
 Result<BenchReport> RunBench(
     const BenchOptions& options,
     const std::function<void(double share, const std::string& text)>& on_progress);

@@ -67,7 +67,8 @@ bool IsArm(const FlightLog& log, std::optional<uint32_t> arm) {
   return !arm || *arm < log.arms.size();
 }
 
-// What is read is shown, and arms are looked up.
+// Returns whether all arm indices and box numbers are in range, since later code uses them as
+// indices without checks.
 bool IsSound(const FlightLog& log) {
   size_t box_frame_count = 0;
   for (const FlightFrameRow& frame : log.frames) {
@@ -87,7 +88,8 @@ size_t BoxFrameCount(const FlightLog& log) {
                     [](const FlightFrameRow& frame) { return frame.boxes.has_value(); }));
 }
 
-// The number of the boxes of the longest frame or, where they were not recorded, the next ones.
+// Returns the number of the boxes of the longest frame. If these were not recorded, returns the
+// next recorded ones.
 size_t WorstBoxes(const FlightLog& log) {
   for (size_t index = log.worst; index < log.frames.size(); ++index) {
     if (log.frames[index].boxes) return *log.frames[index].boxes;
@@ -109,7 +111,7 @@ Result<std::vector<std::vector<double>>> TimeOnce(const std::string& file, uint6
   return times;
 }
 
-// Other work of the machine only adds time, so that the minimum of several passes is without it.
+// Takes the minimum of several passes, because other work on the machine can only add time.
 Result<std::vector<std::vector<double>>> TimeArms(const std::string& file, uint64_t steps) {
   auto least = TimeOnce(file, steps);
   for (int pass = 1; pass < kFlightPasses && least.ok(); ++pass) {
@@ -190,7 +192,7 @@ Result<FlightLog> ReadFlightLog(const std::string& file) {
             "--scene` times any .aabbs file");
   }
   std::optional<FlightLog> log;
-  std::string broken = "an arm or the boxes of a frame are not those of the file";
+  std::string broken = "an arm index or a box number is out of range";
   try {
     log = LogOf(document);
   } catch (const Json::exception& error) {
@@ -206,7 +208,7 @@ Result<FlightReplay> ReplayFlight(const std::string& file) {
   if (!log.ok()) return log.status();
   FlightReplay replay{.log = std::move(*log), .box_frame_count = 0, .arms = {}};
   replay.box_frame_count = BoxFrameCount(replay.log);
-  // The structures are built on the first boxes; step k searches the boxes of number k.
+  // Structures are built on the boxes with number 0; step k searches the boxes with number k.
   const size_t steps = std::max<size_t>(replay.box_frame_count - 1, 1);
   const size_t worst = std::clamp<size_t>(WorstBoxes(replay.log), 1, steps) - 1;
   const auto times = TimeArms(file, steps);

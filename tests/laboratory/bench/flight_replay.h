@@ -1,5 +1,5 @@
-// Replays what a flight recorder has written (`sweepstake-lab replay --recording`): what happened
-// in those frames, and what every arm takes for them on this machine.
+// Replays the file of a flight recorder (`sweepstake-lab replay --recording`). Shows what happened
+// in the recorded frames, and times every arm on them on this machine.
 //
 // Not thread-safe. Cost: kFlightPasses times the arms' own time.
 #pragma once
@@ -27,13 +27,13 @@ struct FlightFrameRow {
 };
 
 struct FlightDecisionRow {
-  uint64_t frame = 0;  // the latest one when it was seen
+  uint64_t frame = 0;  // the latest frame at the time of the decision
   std::string outcome;
   std::string verdict;
-  std::string reason;  // empty: nothing was commanded
+  std::string reason;  // of the switch command; empty: none
   std::optional<uint32_t> candidate_arm;
   std::optional<uint32_t> commanded_arm;
-  std::vector<double> best_probability;  // of each arm; empty: not known
+  std::vector<double> best_probability;  // per arm; empty: unknown
 };
 
 // The notes of a recording.
@@ -50,7 +50,7 @@ struct FlightLog {
   std::vector<FlightDecisionRow> decisions;
 };
 
-// What an arm takes for the recorded boxes here, and what it took in the game.
+// The times of an arm on the recorded boxes on this machine, and its times in the game.
 struct FlightArm {
   std::string name;
   double ms_mean = 0;
@@ -63,7 +63,7 @@ struct FlightArm {
 struct FlightReplay {
   FlightLog log;
   size_t box_frame_count = 0;
-  std::vector<FlightArm> arms;  // all of this program, the cheapest first
+  std::vector<FlightArm> arms;  // all arms of this program, the cheapest first
 };
 
 // Reads the notes. kNotFound and kDataLoss as of MakeScene; kInvalidArgument: the file was not
@@ -73,7 +73,7 @@ Result<FlightLog> ReadFlightLog(const std::string& file);
 // Reads the file and times all arms on its boxes. Errors: those of ReadFlightLog.
 Result<FlightReplay> ReplayFlight(const std::string& file);
 
-// Return the replay as one document and as whole lines.
+// Return the replay as one JSON document and as lines of text.
 nlohmann::ordered_json FlightReplayJson(const FlightReplay& replay, const std::string& file);
 std::string FlightReplayText(const FlightReplay& replay, const std::string& file);
 

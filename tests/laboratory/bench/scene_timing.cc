@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// The boxes of a frame that one contestant gets.
+// The boxes of a frame that are passed to one contestant.
 class ShownBoxes {
  public:
   void Show(std::span<const Aabb> boxes, bool valid_only) {
@@ -39,7 +39,7 @@ class ShownBoxes {
   std::vector<uint32_t> ids_;  // empty if all boxes are shown
 };
 
-// Takes the place of everything else in the caches.
+// Evicts everything else from the caches.
 class CacheFiller {
  public:
   void Fill() {
@@ -72,7 +72,8 @@ void Wake(Executor* executor) {
       &barrier);
 }
 
-// Chooses the instruction sets of contestants, and at the end the one from before.
+// Chooses each contestant's instruction set before its turn. The destructor restores the previous
+// one.
 class SimdTurns {
  public:
   SimdTurns() = default;

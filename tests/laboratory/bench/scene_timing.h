@@ -5,14 +5,14 @@
 // them alike, and each still runs with the warm caches that it would have alone. Before each
 // measured call the boxes are written to memory and the threads of the executor are woken, as in a
 // game that has just moved its objects in parallel jobs. A cold run reads and writes 32 MiB before
-// that, as the rest of a game's frame might: what a broad phase keeps is then no longer in the
+// that, as the rest of a game's frame might. This evicts the data of the broad phase from the
 // caches of one core.
 //
 // Not thread-safe. Times in milliseconds of the steady clock. Memory: up to 32 MiB of boxes, and
 // 32 bytes per frame and broad phase.
 //
-// Contestants may have different instruction sets (simd.h). Theirs is chosen before their turn,
-// outside of the measured time.
+// Contestants may have different instruction sets (simd.h). The instruction set of a contestant is
+// chosen before its turn, outside the measured time.
 #pragma once
 
 #include <cstdint>
@@ -35,9 +35,10 @@ struct Contestant {
   Executor* executor = nullptr;  // the broad phase's own; null if it has none
   // The contestant stops after the frame in which its own time, Build included, exceeds this.
   double cap_s = std::numeric_limits<double>::infinity();
-  // The contestant gets only valid boxes (aabb.h); the ids of its pairs are mapped back afterwards.
+  // If true, only valid boxes (aabb.h) are passed to the contestant, and the ids of its pairs are
+  // mapped back afterwards.
   bool valid_boxes_only = false;
-  // The only one that the broad phase ever runs with: one of SimdTargets(), or empty for the one
+  // The instruction set of this contestant for the whole run: one of SimdTargets(). Empty: the one
   // that is chosen when the run begins.
   std::string simd{};
 };

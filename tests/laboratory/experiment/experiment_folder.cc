@@ -85,15 +85,15 @@ std::filesystem::path ExperimentFolder::TraceFile(const ExperimentCell& cell) co
 Status ExperimentFolder::Create() const {
   if (std::filesystem::exists(path_ / kManifestName)) {
     return {StatusCode::kInvalidArgument,
-            path_.string() + " holds an experiment already; go on with it by --resume " +
-                path_.string() + ", or give another folder"};
+            path_.string() + " already contains an experiment; continue it with --resume " +
+                path_.string() + ", or choose another folder"};
   }
   for (const char* part : {"runs", "traces", "frames"}) {
     std::error_code error;
     std::filesystem::create_directories(path_ / part, error);
     if (error) {
       return {StatusCode::kInvalidArgument,
-              path_.string() + " cannot be made a folder: " + error.message()};
+              path_.string() + " could not be created: " + error.message()};
     }
   }
   return {};

@@ -1,6 +1,6 @@
-// The folder of an experiment: the path of each file, the manifest with what is to be run, and the
-// runs that are finished. Files appear whole or not at all, so that an experiment whose program was
-// killed can be resumed.
+// The folder of an experiment: the path of each file, the manifest with the plan, and the finished
+// runs. Files are written atomically, so that an experiment can be resumed after its program was
+// killed.
 //
 //   manifest.json   options, seeds, machine, versions, command lines, state
 //   runs/           one record per finished run
@@ -40,8 +40,8 @@ class ExperimentFolder {
   std::filesystem::path FramesFile(const PlannedRun& run) const;
   std::filesystem::path TraceFile(const ExperimentCell& cell) const;
 
-  // Creates the folders. Error: kInvalidArgument (this is not possible, or the folder already has
-  // an experiment).
+  // Creates the folders. Error: kInvalidArgument (a folder cannot be created, or the folder already
+  // contains an experiment).
   Status Create() const;
   // Reads the manifest. Errors: kNotFound (it is missing), kDataLoss (it is invalid).
   Result<ExperimentManifest> ReadManifest() const;

@@ -232,7 +232,7 @@ Json SessionJson(const ExperimentSession& session) {
           {"end_utc", session.end_utc}};
 }
 
-// Returns what the paper printed of a cell, under the names that our own rows have.
+// Returns the paper's printed values of a cell, with the keys of our own rows.
 Json PaperJson(const PaperCell& cell) {
   return {{"scene", cell.scene},
           {"objects", cell.object_count},

@@ -25,9 +25,9 @@ constexpr uint64_t kGoOnIntervalNs = 2'000'000;
 constexpr uint32_t kQueueFrames = 16'384;
 
 // The controls run the arms in turn, in kControlRounds rounds of one block per arm. A block lasts
-// for 1/kBlocksPerWindow of the window, and longer if it has fewer than kBlockFrames frames by then
-// (two turns of rotating gravity), but at most kBlockPatience times as long. The first fifth of
-// each block is warm-up.
+// for 1/kBlocksPerWindow of the window. If it has fewer than kBlockFrames frames by then (two turns
+// of rotating gravity), it lasts longer, but at most kBlockPatience times as long. The first fifth
+// of each block is warm-up.
 constexpr uint64_t kControlRounds = 2;
 constexpr uint64_t kBlocksPerWindow = 210;  // 7 arms × 2 rounds take a fifteenth of the window
 constexpr uint64_t kBlockFrames = 360;
@@ -53,8 +53,8 @@ RecordedDecision Recorded(const DecisionEvent& event, uint64_t begin_ns) {
 }
 
 // Records the decisions, which arrive on the sender thread and are read after the session has
-// stopped. The observation window begins with the decision that ends the exploration or, if there
-// is no exploration, with the run.
+// stopped. The observation window begins with the decision that ends the exploration. Without an
+// exploration it begins with the run.
 class DecisionRecorder {
  public:
   static constexpr uint64_t kNotYet = ~uint64_t{0};
@@ -123,7 +123,7 @@ class LiveRun {
   }
 
   Status Prepare();
-  // Returns whether the run was finished, false if it was stopped.
+  // Returns true if the run finished and false if it was stopped.
   Result<bool> Play();
   RunRecord Take() { return std::move(record_); }
 

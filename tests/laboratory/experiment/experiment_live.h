@@ -23,7 +23,8 @@ struct LiveOptions {
   uint64_t window_ns = 0;  // in real time
   double time_scale = 1;
   std::filesystem::path frames_file;  // CSV file for every frame's metrics; empty: none
-  // Called between frames with the real time since the run began. It returns whether to go on.
+  // Called between frames with the real time since the run began. The run stops if it returns
+  // false.
   std::function<bool(uint64_t elapsed_ns)> go_on;
 };
 

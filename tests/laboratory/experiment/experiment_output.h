@@ -15,7 +15,7 @@
 
 namespace sweepstake::cli {
 
-// All outputs are made from this alone.
+// Contains all data that the outputs are made from.
 struct ExperimentReport {
   ExperimentPlan plan;
   std::vector<ExperimentSession> sessions;  // the last one made this report

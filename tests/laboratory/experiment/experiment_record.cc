@@ -77,15 +77,15 @@ Result<RunRecord> ReadRecord(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Status(StatusCode::kNotFound, path.string() + " cannot be read");
   const auto broken = [&](const std::string& what) {
-    return Status(StatusCode::kDataLoss, path.string() + " is no record of a run: " + what);
+    return Status(StatusCode::kDataLoss, path.string() + " is not a record of a run: " + what);
   };
   try {
     const nlohmann::json document = nlohmann::json::parse(file);
     if (document.at("format") != kRunFormat || document.at("version") != kRunVersion) {
-      return broken("its format is another one");
+      return broken("its format or version is not supported");
     }
     RunRecord record = document.at("run").get<RunRecord>();
-    if (!IsConsistent(record)) return broken("its lists do not fit one another");
+    if (!IsConsistent(record)) return broken("the lengths of its lists do not match");
     return record;
   } catch (const nlohmann::json::exception& error) {
     return broken(error.what());

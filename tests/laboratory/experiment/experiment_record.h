@@ -79,7 +79,8 @@ struct TimeShares {
   uint64_t lane_ns = 0;  // the shadow lane's visits and preparations
 };
 
-// What an arm costs under the run's conditions: it ran alone on the same scene right after the run.
+// The cost of an arm under the run's conditions, measured alone on the same scene right after the
+// run.
 struct ArmControl {
   uint64_t frame_count = 0;
   double detection_ns_mean = 0;

@@ -17,12 +17,13 @@ namespace {
 
 constexpr uint64_t kSecondNs = 1'000'000'000;
 
-// Returns the share of all cells that is done after `cells` of them and a share of the next.
+// Returns the finished share of all cells after `cells` cells and `share` of the next one.
 double Share(const ExperimentPlan& plan, size_t cells, double share) {
   return (static_cast<double>(cells) + share) / static_cast<double>(plan.cells.size());
 }
 
-// Returns whether the trace was made with this experiment's options; any other is measured again.
+// Returns whether the trace was made with this experiment's options. If not, the scene is traced
+// again.
 bool IsTraceOf(const Result<CostTrace>& trace, const ExperimentPlan& plan) {
   return trace.ok() && trace->frame_count == plan.options.trace_frame_count;
 }

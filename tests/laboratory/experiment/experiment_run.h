@@ -1,7 +1,7 @@
 // Runs an experiment: traces the scenes, plays the missing runs, and judges them by the traces.
 // Each trace and each run is written to disk when it ends. All functions call `on_progress` with
-// the share that is done and with what runs, and return early, without an error, if a stop was
-// requested (stop_signal.h).
+// the finished share and the name of the current cell or run. They return early, without an error,
+// if a stop was requested (stop_signal.h).
 #pragma once
 
 #include <cstdint>

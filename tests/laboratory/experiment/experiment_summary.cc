@@ -62,9 +62,9 @@ void FillSpreads(CellSummary& summary) {
 std::string Doubt(Verdict verdict) {
   switch (verdict) {
     case Verdict::kTie:
-      return "; others are as good as equal";
+      return "; other arms are practically equal";
     case Verdict::kAmbiguous:
-      return "; it is not settled which arm is the best";
+      return "; the best arm is not known with confidence";
     case Verdict::kDegraded:
       return "; even the best misses the frame-rate floor";
     case Verdict::kUnknown:

@@ -164,7 +164,7 @@ void PrintAgreement(const ExperimentTruths& truths, std::ostream& out) {
 void PrintComparisons(const ExperimentTruths& truths, std::ostream& out) {
   out << "\n"
       << PolicyTitle("default")
-      << " against each baseline over the cells (negative: loses less)\n\n";
+      << " against each baseline over the cells (negative: less regret)\n\n";
   TextTable table({"baseline", "difference", "95 %", "p (Wilcoxon)", "p (Holm)", "effect"});
   for (const PairedComparison& each : truths.over_cells) {
     table.AddRow({each.baseline, PercentText(each.difference), IntervalText(each.ci95),
@@ -194,7 +194,7 @@ void PrintExperiment(const ExperimentReport& report, const std::filesystem::path
                      std::ostream& out) {
   if (!report.complete()) {
     out << "PARTIAL: " << report.records.size() << " of " << report.plan.runs.size()
-        << " runs; --resume " << folder.string() << " goes on with it\n";
+        << " runs; continue with --resume " << folder.string() << "\n";
   }
   PrintTables(report.cells, out);
   PrintTruth(report.truths, out);

@@ -90,7 +90,8 @@ std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& p
   return comparisons;
 }
 
-// The scale of the live runs of one cell and policy, which replay's virtual game is given too.
+// The time scale of the live runs of one cell and policy. Replay's virtual game uses the same
+// values.
 struct LiveScale {
   uint64_t frame_ns = 1;       // the best arm's frame, all work included
   uint64_t other_work_ns = 0;  // the part of it that is not detection
@@ -163,7 +164,7 @@ std::vector<double> Column(const std::vector<LiveRegret>& runs, double LiveRegre
   return values;
 }
 
-// Returns the live runs' own figures. Replay adds the intervals.
+// Returns the figures of the live runs alone. Agree adds the intervals from replay.
 Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double other_work_ns) {
   const std::vector<double> costs = MeanCosts(trace);
   const auto best =

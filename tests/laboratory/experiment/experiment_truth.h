@@ -1,6 +1,6 @@
-// Assesses what live runs alone cannot show: the true cost of each arm on a cell's scene, by a
-// trace of it, and the regret of each policy against the best fixed arm, by replay on that trace.
-// It compares these with the live runs' own regret.
+// Computes figures that live runs alone cannot give. A trace of a cell's scene gives the true cost
+// of each arm. Replay on that trace gives the regret of each policy against the best fixed arm.
+// Both are compared with the regret of the live runs.
 //
 // Regret is frame time ÷ that of the best fixed arm, minus 1. The functions are pure: the same
 // traces and records give the same figures.
@@ -101,11 +101,11 @@ struct TruthOptions {
   double time_scale = 1;  // the live runs'
 };
 
-// Returns what the trace alone shows: ranking and control.
+// Returns the figures that need only the trace: ranking and control.
 CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace);
 
-// Adds what replay shows. `cells` are the live summaries of this cell, one per policy; `done` is
-// called with the share that is done.
+// Adds the figures that need replay. `cells` are the live summaries of this cell, one per policy.
+// `done` is called with the finished share.
 Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> cells,
                   const TruthOptions& options, const std::function<void(double share)>& done,
                   CellTruth& truth);

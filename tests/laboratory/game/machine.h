@@ -26,7 +26,8 @@ struct Machine {
   std::vector<std::string> absent_peers;  // per peer left out: library and its package
 };
 
-// Describes this machine. Of the libraries it knows Highway; RunBench adds those of the peers.
+// Describes this machine. Lists Highway as the only library; RunBench adds the libraries of the
+// peers.
 Machine DescribeMachine();
 
 // Returns the object that the JSON documents of bench and experiment contain.

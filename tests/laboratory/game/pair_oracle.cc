@@ -45,8 +45,8 @@ PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const Overla
   std::sort(found.begin(), found.end());
   PairDifference difference;
   if (std::equal(found.begin(), found.end(), right.begin(), right.end())) return difference;
-  // set_difference keeps the surplus of repeated elements, so a pair that is found twice is extra
-  // once.
+  // set_difference keeps surplus repetitions, so a pair that is found twice appears once in
+  // `extra`.
   std::set_difference(found.begin(), found.end(), right.begin(), right.end(),
                       std::back_inserter(difference.extra));
   std::set_difference(right.begin(), right.end(), found.begin(), found.end(),

@@ -52,7 +52,7 @@ Result<std::vector<ArmCheck>> CheckScene(Scene& scene,
     if (!right.ok()) {
       return Status(right.status().code(),
                     "frame " + std::to_string(frame) +
-                        " is too crowded to check: " + right.status().message());
+                        " has too many pairs to check: " + right.status().message());
     }
     for (Candidate& candidate : candidates) {
       if (candidate.check.first_difference) continue;

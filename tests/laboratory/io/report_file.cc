@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::string_view kMarker = "SWEEPSTAKE_DOCUMENTS";
 
-// In JSON a '<' occurs only within strings, where an escape has the same meaning.
+// Replaces each '<' by its escape. In JSON a '<' occurs only within strings, where the escape has
+// the same meaning.
 void AppendWithoutTags(std::string& text, std::string_view json) {
   for (const char character : json) {
     if (character == '<') {
@@ -39,7 +40,7 @@ std::string FillReportPage(std::string_view page, std::span<const std::string> d
 Result<std::unique_ptr<ReportFile>> ReportFile::Create(const std::string& path) {
   if (ReportPage().empty()) {
     return Status(StatusCode::kUnavailable,
-                  "no report can be written: " + std::string(ReportPageProblem()));
+                  "the report cannot be written: " + std::string(ReportPageProblem()));
   }
   auto file = WholeFile::Create(path);
   if (!file.ok()) return file.status();

@@ -50,7 +50,8 @@ std::optional<double> CpuSeconds(int64_t pid) {
   return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-// Many refusals of tokens bring it about: the first of them says why.
+// Returns whether the status only follows from many earlier refusals of tokens. The first of those
+// has the reason.
 bool IsFollowUp(const grpc::Status& status) {
   return ReasonOf(status) == v1::ERROR_REASON_TOO_MANY_FAILURES;
 }
@@ -70,8 +71,8 @@ v1::FrameBatch MakeBatch(uint32_t frame_count) {
   return batch;
 }
 
-// The streams of a run and its timer. Its own thread calls Run; what gRPC's threads tell is guarded
-// by mutex_.
+// The streams of a run and their timer. The owner's thread calls Run. mutex_ guards the state that
+// gRPC's threads change.
 class LoadRun final : public LoadEvents {
  public:
   LoadRun(const LoadPlan& plan, const std::function<bool()>& stop,
@@ -108,12 +109,12 @@ class LoadRun final : public LoadEvents {
   Status Shortfall();
   void SayGoodbye();
   uint64_t UpCount();
-  // Returns whether every stream has its welcome, or was kicked, so that it does not come back.
+  // Returns whether every stream has its welcome or was kicked; a kicked stream does not reconnect.
   // REQUIRES: mutex_ is held.
   bool AllThere() const { return up_count_ + kicked_count_ == plan_.stream_count; }
-  // Returns whether all are there, or none ever had a welcome and all have failed.
+  // Returns whether AllThere holds, or all streams have failed without any welcome.
   bool AllUpOrRefused();
-  // Waits until no connection is open, also when the run was told to stop.
+  // Waits until no connection is open, even if the run was stopped.
   void AwaitEnd(int64_t end_ns);
 
   const LoadPlan& plan_;
@@ -125,7 +126,7 @@ class LoadRun final : public LoadEvents {
   std::minstd_rand random_{1};  // of the jitter
   int64_t progress_due_ns_ = 0;
   std::atomic<bool> measuring_{false};
-  std::atomic<bool> counting_{true};  // acknowledgements; until they have been waited for
+  std::atomic<bool> counting_{true};  // acknowledgements; false once the wait for them is over
 
   std::atomic<uint64_t> open_count_{0};  // connections
 
@@ -160,7 +161,7 @@ void LoadRun::OnWelcome(int64_t latency_ns) {
 
 void LoadRun::OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) {
   const std::lock_guard lock(mutex_);
-  if (!counting_) return;  // a goodbye brings the rest to the disk, however late
+  if (!counting_) return;  // acknowledgements after the measurement, up to the goodbye
   result_.acknowledged_count += message_count;
   if (lag_ns) result_.commit_lag_ms.push_back(static_cast<double>(*lag_ns) * 1e-6);
 }
@@ -168,7 +169,7 @@ void LoadRun::OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_
 void LoadRun::OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
                     uint32_t delay_ms) {
   const std::lock_guard lock(mutex_);
-  --open_count_;  // the destructor, which waits for it, then waits for the lock
+  --open_count_;  // the destructor waits for 0 and then for the lock
   if (was_up) --up_count_;
   if (!status.ok() && (last_error_.ok() || !IsFollowUp(status))) last_error_ = status;
   if (ending_) {
@@ -212,8 +213,8 @@ Status LoadRun::OpenStreams() {
   return {};
 }
 
-// The starts are even over one interval of batches, or more where that would be too many at once,
-// or less where streams that hardly send would take minutes to begin.
+// Spreads the starts evenly over one interval of batches. The time is longer if more than
+// kMaxHellosPerSecond streams would start per second, and at most kLongestSpreadS otherwise.
 void LoadRun::ScheduleStarts() {
   const auto count = static_cast<double>(plan_.stream_count);
   const double spread_s = std::max(std::min(1 / plan_.batches_per_second, kLongestSpreadS),
@@ -227,7 +228,7 @@ void LoadRun::ScheduleStarts() {
 
 template <typename Done>
 bool LoadRun::RunUntil(int64_t end_ns, Done done) {
-  constexpr int64_t kLongestSleepNs = 5'000'000;  // until a lost stream is looked at
+  constexpr int64_t kLongestSleepNs = 5'000'000;  // maximum delay before lost streams are checked
   while (true) {
     const int64_t now_ns = NowNs();
     RunDue(now_ns);
@@ -256,8 +257,8 @@ void LoadRun::Fire(const Timer& timer, int64_t due_ns) {
     ++open_count_;
     return stream.Connect();
   }
-  // Every n-th batch of a stream has one, and the streams take turns. Those that are n apart
-  // differ, too, since many of them send at the same moment.
+  // Every n-th batch of a stream is followed by a bail-out, and the streams take turns. Streams
+  // whose indices differ by n are offset too, because many streams send at the same moment.
   const double share = plan_.bail_out_share;
   const uint64_t period = share > 0 ? std::max<uint64_t>(1, std::llround(1 / share)) : 0;
   const bool with_bail_out =
@@ -345,7 +346,7 @@ Status LoadRun::Shortfall() {
       (last_error_.ok() && lost_.empty() && stop_()))
     return {};
   const std::string reason = last_error_.ok()
-                                 ? "the daemon ended them, or did not answer their goodbye in time"
+                                 ? "the daemon ended the others or did not answer their goodbye in time"
                                  : "the last error: " + MessageWithReason(last_error_);
   return {StatusCode::kUnavailable, std::to_string(result_.finished_count) + " of " +
                                         std::to_string(plan_.stream_count) + " games finished; " +
@@ -364,8 +365,8 @@ void LoadRun::SayGoodbye() {
 Result<LoadResult> LoadRun::Run() {
   if (plan_.server_pid != 0 && !CpuSeconds(plan_.server_pid)) {
     return Status(StatusCode::kInvalidArgument,
-                  "no process of this machine has the id " + std::to_string(plan_.server_pid) +
-                      "; give --server-pid that of the daemon, or leave it out");
+                  "there is no process on this machine with the id " + std::to_string(plan_.server_pid) +
+                      "; give --server-pid the id of the daemon, or leave it out");
   }
   if (Status status = OpenStreams(); !status.ok()) return status;
   ScheduleStarts();

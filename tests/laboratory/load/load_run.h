@@ -1,8 +1,9 @@
-// A load on a daemon: thousands of streams that send batches of frames at a fixed rate, and what
-// comes of it.
+// Puts load on a daemon: thousands of streams send batches of frames at a fixed rate. Measures
+// rates, latencies and errors.
 //
-// RunLoad blocks: its thread is the one timer of all streams. How late that timer is is measured as
-// a figure of its own, because a generator that cannot keep its rate says nothing about the daemon.
+// RunLoad blocks: its thread is the only timer of all streams. The lateness of that timer is a
+// figure of its own, because a generator that cannot keep its rate gives no valid figures about the
+// daemon.
 #pragma once
 
 #include <cstdint>
@@ -17,24 +18,24 @@
 namespace sweepstake::cli {
 
 struct LoadPlan {
-  static constexpr uint64_t kMaxStreamsPerChannel = 100;  // the daemon lets further ones wait
+  static constexpr uint64_t kMaxStreamsPerChannel = 100;  // the daemon queues further streams
 
   DaemonOptions daemon;
   std::string project = "load";
   uint64_t stream_count = 1000;
   uint64_t channel_count = 0;  // connections; 0: as few as can carry the streams
-  uint64_t scene_count = 10;   // the streams take turns with them
+  uint64_t scene_count = 10;   // assigned to the streams in turn
   double batches_per_second = 1;
   uint32_t batch_frames = 60;
   uint64_t duration_ns = 30'000'000'000;  // from the moment when all streams have begun
-  // How long the last acknowledgements are waited for: a daemon gives one every two seconds.
+  // Maximum wait for the last acknowledgements. A daemon sends one every two seconds.
   uint64_t commit_patience_ns = 2'500'000'000;
   double bail_out_share = 0.01;  // of the batches
-  int64_t server_pid = 0;        // of the daemon, where it runs here; 0: unknown
+  int64_t server_pid = 0;        // process id of the daemon if it runs on this machine; 0: unknown
 };
 
 struct LoadResult {
-  uint64_t welcome_count = 0;   // streams that got a welcome, again after a loss
+  uint64_t welcome_count = 0;   // welcomes received, including those after a reconnection
   uint64_t batch_count = 0;     // sent while measuring or before
   uint64_t bail_out_count = 0;  // sent
   uint64_t switch_count = 0;    // commands received, and outcomes sent
@@ -44,7 +45,7 @@ struct LoadResult {
   uint64_t measured_batch_count = 0;
   uint64_t acknowledged_count = 0;  // messages sent while measuring, on the daemon's disk
   double measured_s = 0;
-  std::vector<double> hello_latency_ms;     // sorted; from a connection begun to its welcome
+  std::vector<double> hello_latency_ms;     // sorted; from the start of a connection to its welcome
   std::vector<double> decision_latency_ms;  // sorted
   // Sorted; from a batch that was sent while measuring to its acknowledgement.
   std::vector<double> commit_lag_ms;
@@ -52,14 +53,14 @@ struct LoadResult {
   std::optional<double> reconnect_s;      // the longest time until all streams were back
   std::optional<double> server_cpu_s;     // while measuring
   std::optional<double> generator_cpu_s;  // this process's, while measuring
-  // kUnavailable if sessions did not finish, with the last error; a run that was stopped before all
-  // had begun is ok without one.
+  // kUnavailable with the last error if sessions did not finish. Ok if the run was stopped before
+  // all streams had begun and there was no error.
   Status shortfall;
 };
 
-// Errors: kInvalidArgument (an option, or the daemon says that one is not valid), kUnavailable
-// (nobody answered, or the daemon refused every stream).
-// `progress` is called about once a second.
+// Runs the load. Calls `progress` about once a second. Errors: kInvalidArgument (this function or
+// the daemon rejects an option), kUnavailable (no daemon answered, or the daemon refused every
+// stream).
 Result<LoadResult> RunLoad(const LoadPlan& plan, const std::function<bool()>& stop,
                            const std::function<void(const std::string&)>& progress);
 

@@ -11,8 +11,8 @@ int64_t NowNs() {
       .count();
 }
 
-// One connection. It deletes itself when gRPC is done with it; the hold lasts until the last read,
-// so that the timer thread may write until then.
+// One connection. It deletes itself when gRPC has finished the call. A hold keeps the call alive
+// until the last read, so that the timer thread may write until then.
 class LoadStream::Call final
     : public grpc::ClientBidiReactor<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse> {
  public:

@@ -26,27 +26,28 @@ int64_t NowNs();
 
 class LoadStream;
 
-// Receives what happens to the streams, on any thread.
+// Callbacks for events of the streams; called on any thread.
 class LoadEvents {
  public:
   virtual ~LoadEvents() = default;
-  // `latency_ns` is the time since the connection was begun.
+  // `latency_ns` is the time since the start of the connection.
   virtual void OnWelcome(int64_t latency_ns) = 0;
-  // So many more of the messages that were sent while measuring are on the daemon's disk. `lag_ns`
-  // is the time since one of their batches was sent: at most one in flight is timed.
+  // The daemon has written `message_count` more of the measured messages to disk. `lag_ns` is the
+  // time since one of their batches was sent. It is absent if none of them was timed; at most one
+  // batch in flight is timed.
   virtual void OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) = 0;
-  // `delay_ms` is the min time before the next connection that the daemon asked for. `was_up` says
-  // that the stream had its welcome.
+  // `delay_ms` is the minimum time before the next connection, as requested by the daemon. `was_up`
+  // is true if the stream had its welcome.
   virtual void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
                      uint32_t delay_ms) = 0;
-  // A switch command came; its outcome is sent. `latency_ns` is the time since the bail-out that it
-  // answers, if any.
+  // A switch command was received and its outcome sent. `latency_ns` is the time since the bail-out
+  // that it answers, if any.
   virtual void OnSwitch(std::optional<int64_t> latency_ns) = 0;
 };
 
 class LoadStream {
  public:
-  // Messages that may wait for the connection; a batch beyond is not sent.
+  // Maximum number of messages that wait for the connection; further batches are not sent.
   static constexpr size_t kMaxWaiting = 16;
 
   LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string project, std::string scene,
@@ -55,14 +56,15 @@ class LoadStream {
   // Opens a connection. REQUIRES: there is none.
   void Connect();
   // Sends `frames` with the arm, epoch and indices of this stream, and a bail-out after them if
-  // wanted. Returns false if there is no welcome yet or too much waits.
+  // wanted. Returns false if there is no welcome yet or kMaxWaiting messages wait.
   bool SendBatch(const v1::FrameBatch& frames, bool with_bail_out);
-  // What is sent between these two is measured.
+  // Messages sent between these two calls are measured.
   void BeginMeasuring();
   void EndMeasuring();
-  // Returns whether measured messages wait for their acknowledgement, and it may come.
+  // Returns whether measured messages have no acknowledgement yet and the connection can still
+  // deliver it.
   bool AwaitsAcknowledgement();
-  // Ends the session; the connection ends when all is on disk.
+  // Ends the session. The connection ends when the daemon has written everything to disk.
   void SayGoodbye();
   // Ends the connection at once.
   void Cancel();
@@ -89,7 +91,7 @@ class LoadStream {
 
   std::mutex mutex_;  // guards all below
   Call* call_ = nullptr;
-  std::deque<v1::StreamTelemetryRequest> waiting_;  // the first one is being written
+  std::deque<v1::StreamTelemetryRequest> waiting_;  // the front message is being written
   std::string session_id_;
   std::string resume_token_;
   uint64_t acknowledged_sequence_ = 0;
@@ -100,14 +102,14 @@ class LoadStream {
   uint32_t switch_epoch_ = 0;
   uint32_t reconnect_delay_ms_ = 0;
   bool measuring_ = false;
-  uint64_t first_measured_ = 1;   // the sequences of what is measured
+  uint64_t first_measured_ = 1;   // range of sequence numbers that are measured
   uint64_t last_measured_ = 0;    // 0: nothing
   int64_t begun_ns_ = 0;          // of the connection
   int64_t bail_out_sent_ns_ = 0;  // 0: none is unanswered
   uint64_t timed_sequence_ = 0;   // of the batch whose commit is timed
   int64_t timed_sent_ns_ = 0;     // 0: none is
   bool up_ = false;               // the welcome has come
-  bool leaving_ = false;          // goodbye was said: nothing follows it
+  bool leaving_ = false;          // the goodbye was sent; no message may follow
 };
 
 }  // namespace sweepstake::cli

@@ -8,7 +8,7 @@
 
 namespace sweepstake::cli {
 
-// A figure that was not measured is absent.
+// Omits figures that were not measured.
 nlohmann::ordered_json LoadJson(const LoadPlan& plan, const LoadResult& result);
 // The same figures, one per line.
 std::string LoadText(const LoadPlan& plan, const LoadResult& result);

@@ -89,7 +89,7 @@ class BulletPeer : public Peer {
     broadphase_.reset();
   }
 
-  // False if the broad phase allocates all proxies in one block.
+  // Returns false if the broad phase allocates all proxies in one block.
   virtual bool owns_proxies() const { return true; }
 
  private:

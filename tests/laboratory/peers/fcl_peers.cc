@@ -69,7 +69,7 @@ double CellEdge(std::span<const Aabb> boxes) {
   return sum > 0 ? sum / static_cast<double>(boxes.size()) : 1;
 }
 
-// Some managers treat boxes as open at their faces, so every box is enlarged by this margin: some
+// Some managers treat boxes as open at their faces, so every box is enlarged by this margin, about
 // 500 times the rounding error of a world of this size.
 double MarginFor(std::span<const Aabb> boxes) {
   const Aabb world = RoomyBounds(boxes);
@@ -115,7 +115,7 @@ class FclPeer final : public Peer {
     manager_->setup();
   }
 
-  // If many objects come or go, registering all of them anew is faster than one by one.
+  // If many objects come or go, registering all of them again is faster than one by one.
   void Update(std::span<const Aabb> boxes) override {
     if (boxes.size() != bodies_.size()) return Build(boxes);
     for (size_t i = 0; i < boxes.size(); ++i) bodies_[i]->Take(boxes[i], margin_);

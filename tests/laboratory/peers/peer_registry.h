@@ -21,10 +21,10 @@ void AddBulletPeers(PeerLibrary& library);
 void AddFclPeers(PeerLibrary& library);
 // ODE: its collision spaces (simple, sweep and prune, quadtree), on boxes in double precision.
 void AddOdePeers(PeerLibrary& library);
-// Embree: rtcCollide of a scene of user geometry with itself. Its BVH is built anew or refitted
-// every frame.
+// Embree: rtcCollide of a scene of user geometry with itself. Its BVH is rebuilt or refitted every
+// frame.
 void AddEmbreePeers(PeerLibrary& library);
-// Boost.Geometry: an R-tree that is packed anew every frame, and a query per box.
+// Boost.Geometry: an R-tree that is packed again every frame, and a query per box.
 void AddBoostPeers(PeerLibrary& library);
 // CGAL: box_self_intersection_d, a streamed segment tree that scans where few boxes are left.
 void AddCgalPeers(PeerLibrary& library);

@@ -6,10 +6,10 @@
 //
 // v = 0.1, a tenth of the reward's range. The arm's Beta prior counts as α+β observations of the
 // constant feature with mean μ; the other coefficients have the unit prior of that paper. A
-// bail-out counts as its penalty's number of observations of reward 0. Features that are not
-// measured are 0; before the first descriptor all features except the constant are 0. Each choice
-// takes one 8 × 8 Cholesky factorization per arm. The results have the same bits on every platform
-// (Eigen without vectorization).
+// bail-out counts as its penalty's number of observations of reward 0. Features without a
+// measurement are 0. Before the first descriptor all features except the constant are 0. Each
+// choice takes one 8 × 8 Cholesky factorization per arm. The results have the same bits on every
+// platform (Eigen without vectorization).
 #pragma once
 
 #include <array>

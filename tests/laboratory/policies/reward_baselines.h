@@ -14,7 +14,7 @@
 namespace sweepstake::decision {
 
 // Chooses any arm with equal probability, once per cooldown (`random`), to measure what choosing
-// without any knowledge costs. The active arm is among them. The learnt rewards are not used.
+// without any knowledge costs. The active arm is one of them. The learnt rewards are not used.
 class RandomPolicy : public RewardPolicy {
  public:
   explicit RandomPolicy(const PolicySetup& setup)
@@ -33,21 +33,22 @@ class RandomPolicy : public RewardPolicy {
 //
 // where x̄ is an arm's mean reward, nₐ the number of its windows and n that of all arms. Mean and
 // count are the posterior's μ and α+β, so that loaded priors and bail-outs count as evidence; the
-// flat prior counts as two windows of reward ½. Nothing is random. It is asked at every tick, and
-// only the cooldown holds it back.
+// flat prior counts as two windows of reward ½. Nothing is random. It chooses at every tick, and
+// only the cooldown delays its switches.
 class Ucb1Policy : public RewardPolicy {
  public:
   using RewardPolicy::RewardPolicy;
-  // The draws are the bounds; the first one of equals is chosen.
+  // The draws are the bounds; among equal bounds the first arm is chosen.
   Choice Choose(const ChoiceInput& input) const override;
 };
 
 // ε-greedy (R. Sutton, A. Barto, "Reinforcement Learning", 2nd ed., §2.4) chooses the arm with the
 // highest mean reward, but with probability ε any arm with equal probability.
 //
-// ε = 0.1, the book's usual value, is constant: a decaying ε would have done its exploring within
-// the first of some 22 choices that a run of 15 minutes has. It chooses once per cooldown, because
-// a coin tossed every 2 s until it says "leave" would turn ε = 0.1 into 88 % over 20 ticks.
+// ε = 0.1, the book's usual value, is constant: a decaying ε would finish its exploration within
+// the first few of the 22 choices in a run of 15 minutes. It chooses once per cooldown, because
+// exploring with ε = 0.1 at each tick of 2 s would leave the arm with probability 88 % within 20
+// ticks.
 class EpsilonGreedyPolicy : public RewardPolicy {
  public:
   static constexpr double kEpsilon = 0.1;
@@ -55,7 +56,7 @@ class EpsilonGreedyPolicy : public RewardPolicy {
   explicit EpsilonGreedyPolicy(const PolicySetup& setup)
       : RewardPolicy(setup), cooldown_ns_(setup.options.cooldown_ns) {}
 
-  // The draws are the means; the first one of equals is the greedy arm.
+  // The draws are the means; among equal means the first arm is the greedy one.
   Choice Choose(const ChoiceInput& input) const override;
 
  private:
@@ -101,8 +102,8 @@ class ThresholdsPolicy : public RewardPolicy {
   double density_ratio_ = 0;  // the scene counts as sparse until one is measured
 };
 
-// Runs the arm that the shadow lane finds the cheapest (`lane-argmin`), the trivial policy that
-// anything cleverer which learns from the lane has to beat.
+// Runs the arm that is cheapest in the shadow lane (`lane-argmin`). This trivial policy is the
+// baseline for all policies that learn from the lane.
 //
 // Each arm has a smoothed log-cost of its visits, and the cheapest one is chosen if it is cheaper
 // than the active arm by a small margin; the cooldown is settling and one window. The learnt

@@ -26,11 +26,11 @@ class OneDrawPolicy : public ThompsonPolicy {
 
 // Thompson sampling that forgets (`discounted-ts`; V. Raj, S. Kalyani, "Taming non-stationary
 // bandits: a Bayesian approach", arXiv:1707.09727, 2017). At every window the evidence of ALL arms
-// is multiplied by γ before the active arm gains the new window's, so that arms that were not seen
-// for long are drawn from nearly flat posteriors again.
+// is multiplied by γ before the active arm gains the new window's, so that arms without recent
+// windows are drawn from nearly flat posteriors again.
 //
-// γ = 0.99 per window of 2 s is a memory of 100 windows, five cooldowns. A shorter memory forgets
-// an arm before its turn can come again. Loaded priors are forgotten like evidence, down to
+// γ = 0.99 per window of 2 s is a memory of 100 windows, five cooldowns. A shorter memory would
+// forget an arm before it can be chosen again. Loaded priors are forgotten like evidence, down to
 // Beta(1,1). The stored increments are not discounted, because each reader decides how to forget.
 class DiscountedPolicy : public ThompsonPolicy {
  public:
