@@ -23,7 +23,7 @@ bool IsPrivate(const fs::path& path) {
   return (fs::status(path, error).permissions() & kOthers) == fs::perms::none;
 }
 
-// Returns whether only the owner can reach the file now, or there is none.
+// Returns whether only the owner can reach the file, or the file is missing.
 bool MakePrivate(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error) || IsPrivate(file)) return true;
@@ -48,7 +48,7 @@ absl::Status CannotCreate(const fs::path& path, const std::error_code& why) {
 absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
   std::error_code error;
   if (mkdir(path.c_str(), 0700) != 0) error = std::error_code(errno, std::system_category());
-  std::error_code unknown;  // a failure here too counts as no directory
+  std::error_code unknown;  // an error here counts as a missing directory
   if (!fs::is_directory(path, unknown)) {
     return CannotCreate(path, error);
   }

@@ -1,6 +1,6 @@
 // The daemon's data directory, which one process at a time holds.
 //
-// The object owns the lock until it is destroyed; if the process is killed, the system releases the
+// The object owns the lock until it is destroyed. If the process is killed, the system releases the
 // lock. Movable.
 #pragma once
 
@@ -16,15 +16,15 @@ class DataDirectory {
   static constexpr const char* kTokensName = "tokens.db";
   static constexpr const char* kOutboxName = "outbox.db";
 
-  // Creates the directory, but not its parents, if it is missing. Only the owner can read it and
-  // its files; a directory that exists keeps its mode, its files do not. Errors: UNAVAILABLE
+  // Creates the directory if it is missing, but not its parents. Only the owner can read it and its
+  // files. A directory that exists keeps its mode, but its files do not. Errors: UNAVAILABLE
   // (cannot create or write it, or another daemon holds it).
   static absl::StatusOr<DataDirectory> Open(const std::filesystem::path& path);
   ~DataDirectory();
   DataDirectory(DataDirectory&& other) noexcept;
   DataDirectory& operator=(DataDirectory&&) = delete;
 
-  // Returns whether others than the owner can reach the directory, or a file of it.
+  // Returns whether others than the owner can reach the directory or one of its files.
   bool open_to_others() const { return open_to_others_; }
   std::filesystem::path database() const { return path_ / kDatabaseName; }
   std::filesystem::path resume_key() const { return path_ / "resume-key"; }

@@ -40,7 +40,7 @@ void GiveToOwner(int file, const fs::path& path) {
   struct stat made {};
   struct stat parent {};
   if (geteuid() != 0 || stat(ParentOf(path).c_str(), &parent) != 0) return;
-  // Whoever has the directory may have put a link to another file there.
+  // The owner of the directory may have put a link to another file there.
   if (fstat(file, &made) != 0 || made.st_nlink != 1) return;
   [[maybe_unused]] const int given = fchown(file, parent.st_uid, parent.st_gid);
 }

@@ -1,17 +1,16 @@
-// Runs the reads of a store on a thread and a connection of their own, so that no commit waits for
-// one.
+// Runs the reads of a store on a thread and a connection of their own, so that commits do not wait
+// for them.
 //
-// - A read is one job, and what it reads is one state of the store. Long answers are read page by
-//   page, a job each.
-// - What is committed gathers in the write-ahead log while states are being read, and only a commit
-//   that meets no read lets the log begin anew. Where reads follow one another without a pause, the
-//   next one therefore waits, once `max_crowded_commits` have met one, until a commit has met none;
-//   at most for `pause`, since without commits the log does not grow. Commits never wait.
-// - A read that does not come to its end holds up those behind it, and nothing else. stuck() tells
-//   it.
+// - A read is one job, and sees one state of the store. Long answers are read page by page, with a
+//   job for each.
+// - Commits accumulate in the write-ahead log while reads run. SQLite restarts the log only at a
+//   commit without a running read. If reads follow one another without a pause, the next read waits
+//   after `max_crowded_commits` commits that met a read, until a commit has met none, for at most
+//   `pause`. Commits never wait.
+// - A read that does not end blocks the reads behind it, and nothing else. stuck() detects it.
 //
-// Thread-safe. It owns the connection; the destructor runs what is queued, and then ends the thread
-// and the connection, in this order.
+// Thread-safe. It owns the connection. The destructor runs what is queued, then ends the thread and
+// the connection, in this order.
 #pragma once
 
 #include <chrono>
@@ -33,7 +32,7 @@ class ReadConnection {
  public:
   virtual ~ReadConnection() = default;
 
-  // Until End, all that is read is one state of the store, as it is at the first read.
+  // All reads until End see one state of the store, that of the first read.
   virtual priors::PriorReader& Begin() = 0;
   virtual void End() = 0;
 };
@@ -44,8 +43,8 @@ struct ReadThreadOptions {
   std::chrono::milliseconds max_read{10'000};  // a read that takes longer is stuck
   uint32_t max_crowded_commits = 32;
   std::chrono::milliseconds pause{500};
-  // Told on the reading thread how long each read took, its time in the queue included. May be
-  // empty.
+  // Called on the reading thread with the duration of each read, including its time in the queue.
+  // May be empty.
   std::function<void(std::chrono::nanoseconds)> on_read = {};
 };
 
@@ -60,17 +59,17 @@ class ReadThread {
 
   // Returns false if the queue is full or closed.
   bool Submit(Job job);
-  // Refuses further jobs; does not wait. Those in the queue run.
+  // Refuses further jobs and does not wait. Queued jobs run.
   void Close();
   // Waits for the last job after Close, and ends the connection.
   void Join();
-  // Runs the next job. Returns false if none is queued. REQUIRES: there is no own thread.
+  // Runs the next job. Returns false if none is queued. REQUIRES: own_thread is false.
   bool RunNext();
-  // To be called after each commit, by the thread that commits.
+  // Called after each commit, by the thread that commits.
   void OnCommitted();
 
   size_t queued_count() const;
-  // Returns whether the present read takes longer than it may.
+  // Returns whether the current read takes longer than max_read.
   bool stuck() const;
 
  private:
@@ -91,9 +90,9 @@ class ReadThread {
   std::condition_variable changed_;
   std::deque<Waiting> queue_;          // guarded by mutex_
   bool closing_ = false;               // guarded by mutex_
-  std::optional<TimePoint> reading_;   // guarded by mutex_; since when a read runs
+  std::optional<TimePoint> reading_;   // guarded by mutex_; start of the running read
   bool read_since_commit_ = false;     // guarded by mutex_
-  uint32_t crowded_commit_count_ = 0;  // guarded by mutex_; those in a row that met a read
+  uint32_t crowded_commit_count_ = 0;  // guarded by mutex_; consecutive commits that met a read
   std::thread thread_;                 // the last member, because it uses the others
 };
 

@@ -16,7 +16,7 @@ using priors::EvidenceKey;
 using text::IsName;
 using text::IsOptionalName;
 
-// Returns an empty text if all is valid. The comparisons are written so that NaN fails.
+// Returns an empty text if the evidence is valid. NaN fails these comparisons.
 absl::string_view WrongEvidence(const Evidence& evidence) {
   if (!(evidence.alpha >= 0 && evidence.alpha < kMaxEvidence))
     return "alpha must be finite, 0 to 1e15";
@@ -75,7 +75,7 @@ absl::string_view WrongRecord(const priors::PriorRecord& record) {
 
 constexpr uint64_t kAuditChunks = 32;
 
-// 0 if the wall clock was set back.
+// Returns 0 if the wall clock was set back.
 uint64_t AgeS(const AuditChunk& chunk, uint64_t unix_now_s) {
   return unix_now_s > chunk.unix_start_s ? unix_now_s - chunk.unix_start_s : 0;
 }

@@ -62,7 +62,7 @@ const SqliteAuditLog::StatementText SqliteAuditLog::kStatements[] = {
                             9223372036854775807)
           AND segment_id NOT IN (SELECT id FROM audit_segment WHERE session = ?2)
         RETURNING segment_id)sql"},
-    // The unary plus keeps SQLite from walking over all rows by their ids.
+    // The unary plus keeps SQLite from reading all rows by id.
     {&Statements::delete_admin_rows, R"sql(
         DELETE FROM audit_row
         WHERE segment_id IN (SELECT id FROM audit_segment WHERE session = ?1)
@@ -89,8 +89,8 @@ absl::Status SqliteAuditLog::Prepare(SqliteDatabase& database) {
     if (!statement.ok()) return statement.status();
     statements_.*text.statement = *std::move(statement);
   }
-  // The limits may be lower than before, and a file that may not grow needs the room. Where the
-  // disk does not allow it now, the rows go with a later commit.
+  // The limits may be lower than before, and a file that may not grow needs the room. If the disk
+  // cannot remove the rows now, a later commit does.
   SqliteTransaction transaction(database);
   if (transaction.begun().ok() && Trim(/*unix_now_s=*/0).ok()) transaction.Commit().IgnoreError();
   return absl::OkStatus();
@@ -117,7 +117,7 @@ absl::Status SqliteAuditLog::AppendAll(std::span<const priors::SourceUpdate* con
   uint64_t unix_now_s = 0;
   for (const priors::SourceUpdate* update : updates)
     unix_now_s = std::max(unix_now_s, update->unix_time_s);
-  // A database that may not grow takes rows in the place of those that go first.
+  // A database that may not grow reuses the space of removed rows.
   absl::Status status = Trim(unix_now_s);
   for (size_t i = 0; i < updates.size() && status.ok(); ++i) status = AppendOne(*updates[i], lost);
   return status.ok() ? Trim(unix_now_s) : status;

@@ -1,10 +1,9 @@
-// The audit log in the prior store's SQLite file: a table of segments, a table of their rows, whose
-// ids grow in the order in which they come, and a table of chunks, each a range of those ids. The
-// oldest chunk is removed as a whole, whichever sessions its rows are of, but for the rows of
-// kAdminSession, which count in no chunk and of which the oldest are removed. Used by one thread at
-// a time; the database must outlive it.
+// The audit log in the prior store's SQLite file. It has a table of segments, a table of rows,
+// whose ids grow in the order of arrival, and a table of chunks, each a range of those ids. The
+// oldest chunk is removed as a whole. Rows of kAdminSession are in no chunk, and have a limit of
+// their own. Used by one thread at a time; the database must outlive it.
 //
-// The space of removed rows is used again, but the file does not shrink.
+// Removed rows free space for new ones, but the file does not shrink.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +17,7 @@
 
 namespace sweepstake::storage {
 
-// The part that reads.
+// Reads the log.
 class SqliteAuditReader {
  public:
   static absl::StatusOr<SqliteAuditReader> Open(SqliteDatabase& database);
@@ -38,18 +37,18 @@ class SqliteAuditLog {
   static absl::StatusOr<SqliteAuditLog> Open(SqliteDatabase& database,
                                              const priors::AuditLimits& limits);
 
-  // Changes the limits. What is beyond them goes with Trim, or when rows are appended.
+  // Changes the limits. Trim and Append remove rows beyond them.
   void Limit(const priors::AuditLimits& limits) { limits_ = limits; }
-  // Removes what is beyond the limits at that time, inside the caller's transaction.
+  // Removes rows beyond the limits, in the caller's transaction.
   absl::Status Trim(uint64_t unix_now_s);
 
-  // Appends the rows of the updates inside the caller's transaction, and returns how many of them
-  // could not be written: those that are invalid or, after an error, all; then the transaction is
-  // as before, or SQLite has ended it.
+  // Appends the rows of the updates in the caller's transaction. Returns how many could not be
+  // written: invalid rows or, after an error, all rows. After an error the transaction is as
+  // before, or SQLite has ended it.
   uint64_t Append(SqliteDatabase& database, std::span<const priors::SourceUpdate* const> updates);
 
  private:
-  // A segment as it is stored.
+  // A stored segment.
   struct Segment {
     int64_t id = 0;
     uint64_t last_row = 0;
@@ -59,15 +58,15 @@ class SqliteAuditLog {
   absl::Status Prepare(SqliteDatabase& database);
   absl::Status AppendAll(std::span<const priors::SourceUpdate* const> updates, uint64_t& lost);
   absl::Status AppendOne(const priors::SourceUpdate& update, uint64_t& lost);
-  // If there is no such segment, its id is 0.
+  // Returns a segment with id 0 if it is missing.
   absl::StatusOr<Segment> Find(const std::string& session_id, uint32_t segment);
   absl::StatusOr<int64_t> Add(const std::string& session_id, const priors::AuditRows& rows);
   // Adds to the bytes of the latest chunk, or of a new one if that is full.
   absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
   absl::Status TrimAdmin();
   absl::Status RemoveChunk(int64_t first_row_id);
-  // Runs a statement that returns the segments of the rows that it has removed, and removes those
-  // that have no rows any more.
+  // Runs a statement that removes rows and returns their segments. Removes the segments that are
+  // empty then.
   template <typename... Args>
   absl::Status RemoveRows(SqliteStatement& statement, const Args&... args);
 

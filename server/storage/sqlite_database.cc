@@ -52,7 +52,7 @@ uint64_t HashOf(uint64_t hash, sqlite3_value* value) {
   hash = math::Fnv1a(hash, static_cast<uint8_t>(type));
   if (type == SQLITE_INTEGER)
     return HashOf(hash, static_cast<uint64_t>(sqlite3_value_int64(value)));
-  // A file keeps -0 as 0.
+  // A file stores -0 as 0.
   if (type == SQLITE_FLOAT)
     return HashOf(hash, std::bit_cast<uint64_t>(sqlite3_value_double(value) + 0.0));
   const auto* text = static_cast<const char*>(sqlite3_value_blob(value));
@@ -80,8 +80,8 @@ int AddFunctions(sqlite3* database) {
                                     nullptr, nullptr, nullptr);
 }
 
-// Writes the file's bytes once more where they are. What a failed sync has left behind is found by
-// readers, and a later sync takes it for written; after this it is not.
+// Writes the bytes of the file again. After a failed sync, readers see them though they may not be
+// on the disk, and a later sync would report success without writing them.
 int WriteAgain(sqlite3_file& file) {
   sqlite3_int64 size = 0;
   int code = file.pMethods->xFileSize(&file, &size);
@@ -111,7 +111,7 @@ std::string LineList(std::span<const std::string> lines) {
 }
 
 void SqliteStatement::Bind(int index, std::string_view text) {
-  // An empty view may have a null pointer, which SQLite would take for NULL.
+  // SQLite takes the null pointer of an empty view for NULL.
   const char* begin = text.empty() ? "" : text.data();
   sqlite3_bind_text64(statement_.get(), index, begin, text.size(), SQLITE_STATIC, SQLITE_UTF8);
 }
@@ -124,7 +124,7 @@ absl::Status Explain(const std::filesystem::path& path, const absl::Status& stat
   return {status.code(), absl::StrCat(path.string(), ": ", status.message())};
 }
 
-// The functions of an open file, with a clock around the one that syncs.
+// The methods of an open file, with a timer around xSync.
 struct SqliteDatabase::TimedFile {
   sqlite3_io_methods methods{};  // first, so that Sync finds the rest
   const sqlite3_io_methods* untimed = nullptr;
@@ -205,8 +205,8 @@ absl::Status SqliteDatabase::CopyPagesTo(SqliteDatabase& copy) {
   sqlite3_backup* backup =
       sqlite3_backup_init(copy.database_.get(), "main", database_.get(), "main");
   if (backup == nullptr) return copy.Error(sqlite3_errcode(copy.database_.get()));
-  // The steps read one state of the database; without that a commit between two of them would let
-  // the copy begin anew.
+  // A read transaction makes all steps see one state. Otherwise a commit between two steps would
+  // restart the copy.
   absl::Status status = Execute("BEGIN; SELECT count(*) FROM sqlite_schema");
   int code = status.ok() ? SQLITE_OK : SQLITE_ABORT;
   while (code == SQLITE_OK && !(stop_ != nullptr && *stop_))
@@ -215,8 +215,8 @@ absl::Status SqliteDatabase::CopyPagesTo(SqliteDatabase& copy) {
   if (in_transaction()) Execute("COMMIT").IgnoreError();
   if (!status.ok()) return status;
   if (error != SQLITE_OK) return copy.Error(error);
-  if (code != SQLITE_DONE) return absl::CancelledError("the copy was told to end");
-  // A file in WAL mode could not be read where nothing can be written beside it.
+  if (code != SQLITE_DONE) return absl::CancelledError("the copy was cancelled");
+  // A file in WAL mode cannot be read on a read-only file system.
   return copy.QueryText("PRAGMA journal_mode = DELETE").status();
 }
 
@@ -248,7 +248,7 @@ absl::Status SqliteDatabase::LimitSize(uint64_t max_bytes) {
   const auto page_bytes = QueryInteger("PRAGMA page_size");
   if (!page_bytes.ok()) return page_bytes.status();
   const uint64_t pages = max_bytes / static_cast<uint64_t>(*page_bytes);
-  // SQLite takes 0 for a question.
+  // SQLite takes 0 for a query of the limit.
   return QueryInteger(absl::StrCat("PRAGMA max_page_count = ", std::max<uint64_t>(pages, 1)))
       .status();
 }
@@ -300,7 +300,7 @@ absl::Status SqliteDatabase::TimeSyncs(OnSync on_sync) {
 }
 
 SqliteTransaction::~SqliteTransaction() {
-  // After some errors SQLite has rolled back already; then this rollback fails, which is harmless.
+  // After some errors SQLite has rolled back already. Then this rollback fails, which is harmless.
   if (begun_.ok() && !committed_) database_.Execute("ROLLBACK").IgnoreError();
 }
 

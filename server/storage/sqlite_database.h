@@ -7,8 +7,8 @@
 // SQLite's.
 //
 // Every connection has two functions of its own. row_hash(values...) is a 64-bit hash of numbers
-// and texts. next_hash(hash, before, after) is `after` for a row whose hash was right, that is,
-// equal to `before`; otherwise it is wrong again, so that a change does not hide a damage.
+// and texts. next_hash(hash, before, after) is `after` if hash equals `before`, that is, if the row
+// was undamaged. Otherwise it is a wrong hash, so that a change does not hide the damage.
 #pragma once
 
 #include <sqlite3.h>
@@ -43,8 +43,8 @@ class SqliteRow {
   sqlite3_stmt* statement_;
 };
 
-// Returns the lines with a line end before and after each, for instr() in SQL; empty if there are
-// none. REQUIRES: no line has a line end, as no name does.
+// Returns the lines with a line end before and after each, for instr() in SQL; empty for no lines.
+// REQUIRES: no line contains a line end, as no name does.
 std::string LineList(std::span<const std::string> lines);
 
 // A prepared statement, whose first argument is `?1`.
@@ -96,10 +96,10 @@ class SqliteStatement {
   std::unique_ptr<sqlite3_stmt, Finalizer> statement_;
 };
 
-// Returns the error with the file that it is about.
+// Adds the name of the file to an error.
 absl::Status Explain(const std::filesystem::path& path, const absl::Status& status);
 
-// Told how long an fsync took.
+// Receives the duration of an fsync.
 using OnSync = std::function<void(std::chrono::nanoseconds)>;
 
 class SqliteDatabase {
@@ -110,42 +110,42 @@ class SqliteDatabase {
   SqliteDatabase(SqliteDatabase&&) noexcept;
   SqliteDatabase& operator=(SqliteDatabase&&) = delete;
 
-  // If the file exists, it is not read before the first statement.
+  // An existing file is not read before the first statement.
   static absl::StatusOr<SqliteDatabase> Open(const std::string& path, OpenMode mode);
 
-  // Reads the schema, and sets what holds for every connection that writes: how long it waits for
-  // others, how it checks what it reads, and that a commit is on disk when it ends.
+  // Reads the schema, and sets the pragmas of every connection that writes: the timeout for locks,
+  // the checks of what is read, and that a commit is on disk when it returns.
   absl::Status Configure();
   absl::StatusOr<SqliteStatement> Prepare(std::string_view sql);
-  // Runs several statements that have no arguments and no rows.
+  // Runs several statements without arguments and rows.
   absl::Status Execute(const std::string& sql);
-  // These return the single value of a pragma or query.
+  // Return the single value of a pragma or query.
   absl::StatusOr<int64_t> QueryInteger(std::string_view sql);
   absl::StatusOr<std::string> QueryText(std::string_view sql);
-  // Writes all that is committed to a new file at `path`, in place of one that is there. Others may
-  // write meanwhile; the whole database is read once. The file appears whole or not at all, and
-  // after `edit`, if any, has changed it.
+  // Writes all that is committed to a new file at `path`, replacing an existing one. Others may
+  // write meanwhile. Reads the whole database once. The file appears whole or not at all, after
+  // `edit`, if any, has changed it.
   using Edit = std::function<void(SqliteDatabase&)>;
   absl::Status CopyTo(const std::string& path, const Edit& edit = {});
-  // Lets statements and copies end with CANCELLED soon after the flag is set, which must outlive
-  // the connection.
+  // Makes statements and copies end with CANCELLED soon after the flag is set. The flag must
+  // outlive the connection.
   void StopWhen(const std::atomic<bool>& flag);
-  // Returns false also if an error has ended the transaction, as a full disk does.
+  // Returns false also if an error, such as a full disk, has ended the transaction.
   bool in_transaction() const { return sqlite3_get_autocommit(database_.get()) == 0; }
-  // Lets the file grow to so many bytes, or not at all if it is as large; then writes that need
-  // more fail as if the disk were full.
+  // Limits the size of the file, at least to its present size. Writes that need more fail as on a
+  // full disk.
   absl::Status LimitSize(uint64_t max_bytes);
-  // Returns the bytes that are in use, those in the log included: what LimitSize bounds, since the
-  // others of the file are used before it grows.
+  // Returns the bytes in use, including those in the log: what LimitSize bounds. The file grows
+  // only when its unused bytes are used up.
   absl::StatusOr<uint64_t> UsedBytes();
   // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
-  // Makes everything durable that a reader can see, whoever wrote it. A process that was killed may
-  // have left commits in the log that never reached the disk, also where its sync failed. Needs no
-  // room. REQUIRES: the database is in WAL mode and was read before.
+  // Makes everything durable that a reader can see. A killed process may have left commits in the
+  // log that never reached the disk. Needs no space. REQUIRES: the database is in WAL mode and was
+  // read before.
   absl::Status SyncLog();
-  // Tells `on_sync` the duration of each fsync of the write-ahead log from now on. REQUIRES: the
-  // database is in WAL mode and was read before.
+  // Calls `on_sync` after each fsync of the write-ahead log from now on. REQUIRES: the database is
+  // in WAL mode and was read before.
   absl::Status TimeSyncs(OnSync on_sync);
 
  private:
@@ -165,7 +165,7 @@ class SqliteDatabase {
   std::unique_ptr<sqlite3, Closer> database_;
 };
 
-// Runs BEGIN IMMEDIATE now, and ROLLBACK at the end of the scope unless it was committed.
+// Runs BEGIN IMMEDIATE at once, and ROLLBACK at the end of the scope unless it was committed.
 class SqliteTransaction {
  public:
   explicit SqliteTransaction(SqliteDatabase& database)

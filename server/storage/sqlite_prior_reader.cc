@@ -128,7 +128,7 @@ absl::Status SqlitePriorReader::AppendSources(int64_t scene_id, const SceneKey& 
     if (!chosen.ok()) return chosen.status();
     for (const int64_t number : *chosen) {
       if (!status.ok()) return status;
-      // What is not what was written is in no sum either.
+      // Rows with a wrong hash were excluded from the sums too.
       status = statements_.evidence_of_source.ForEachRow(
           [&, key = key](const SqliteRow& row) {
             priors::SceneSource& source = by_number[number];
@@ -193,7 +193,7 @@ absl::Status SqlitePriorReader::LoadArms(int64_t scene_id, SceneEvidence& scene)
   absl::Status status = statements_.scene_arms.ForEachRow(
       [&](const SqliteRow& row) { arm_of(row).of(row.Text(2)) += EvidenceOf(row, 3); }, scene_id);
   if (!status.ok()) return status;
-  // The sums can be read where the sources cannot; their times are unknown then.
+  // If only the sources are unreadable, the sums are returned and the times are unknown.
   statements_.scene_ages
       .ForEachRow(
           [&](const SqliteRow& row) {
@@ -207,8 +207,8 @@ absl::Status SqlitePriorReader::LoadArms(int64_t scene_id, SceneEvidence& scene)
 
 absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorReader::List(
     const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
-  // It comes before all that are wanted: an empty project before every project, since none is
-  // empty, and a key without a reward version before those of its scene.
+  // The start is before all wanted scenes: an empty project is before every project, and a key
+  // without a reward version before those of its scene.
   const SceneKey start = after.value_or(SceneKey{filter.project, filter.scene, "", 0});
   std::vector<SceneEvidence> scenes;
   std::vector<int64_t> ids;
@@ -322,7 +322,7 @@ absl::StatusOr<priors::ExportPage> SqlitePriorReader::ExportAll(const SceneFilte
                                                                 uint32_t limit, bool quarantined) {
   priors::ExportPage page{.records = {}, .next = after};
   EvidenceKey first = after.key;
-  // The index begins where the filter's project does.
+  // Begins at the filter's project in the index.
   if (first.project < filter.project) {
     first = EvidenceKey{};
     first.project = filter.project;
@@ -335,7 +335,7 @@ absl::StatusOr<priors::ExportPage> SqlitePriorReader::ExportAll(const SceneFilte
     if (key->id == 0) break;
     if (absl::Status status = AppendEvidence(*key, limit, quarantined, page); !status.ok())
       return status;
-    // The version is the last in the order of keys, and a whole number.
+    // The version comes last in the order of keys, and is a whole number.
     first = key->key;
     first_reward_version = int64_t{first.reward_version} + 1;
   }
@@ -355,7 +355,7 @@ class SqliteReadConnection final : public ReadConnection {
     reader_ = *std::move(reader);
     return absl::OkStatus();
   }
-  // It reads nothing yet, and cannot fail but for want of memory; then each read stands alone.
+  // BEGIN reads nothing and fails only without memory. Then each read sees a state of its own.
   priors::PriorReader& Begin() override {
     database_.Execute("BEGIN").IgnoreError();
     return *reader_;

@@ -1,9 +1,8 @@
-// The reads of the prior store on SQLite: the store's own, and those of a second connection beside
-// it, which sees what the store has committed and is never in its way. Used by one thread at a
-// time.
+// The reads of the prior store on SQLite, for the store itself and for a second connection, which
+// sees what the store has committed and does not block it. Used by one thread at a time.
 //
-// LoadScene and List read sums that the writers keep, and LoadSources some of the latest sources
-// alone, so their cost does not depend on the number of sources.
+// LoadScene and List read stored sums, and LoadSources reads some of the latest sources, so that
+// their cost does not depend on the number of sources.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +24,7 @@
 
 namespace sweepstake::storage {
 
-// A key's row.
+// The row of a key.
 struct StoredKey {
   int64_t id = 0;
   int64_t scene_id = 0;
@@ -36,11 +35,11 @@ class SqlitePriorReader final : public priors::PriorReader {
  public:
   static absl::StatusOr<SqlitePriorReader> Prepare(SqliteDatabase& database);
 
-  // Whether the project's scene of that name has evidence in another row than that one, as of
-  // another machine class.
+  // Returns whether the project's scene of that name has evidence in another row than `scene_id`,
+  // such as of another machine class.
   absl::StatusOr<bool> HasOtherKeys(const std::string& project, const std::string& scene,
                                     int64_t scene_id);
-  // If there is no such key, its id is 0.
+  // Returns a key with id 0 if it is missing.
   absl::StatusOr<StoredKey> FindKey(const priors::EvidenceKey& key);
 
   absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
@@ -74,7 +73,7 @@ class SqlitePriorReader final : public priors::PriorReader {
  private:
   struct ExportKey {
     priors::EvidenceKey key;
-    int64_t id = 0;  // 0: there is none
+    int64_t id = 0;  // 0: missing
     bool damaged = false;
   };
 
@@ -83,14 +82,14 @@ class SqlitePriorReader final : public priors::PriorReader {
 
   absl::Status LoadArms(int64_t scene_id, priors::SceneEvidence& scene);
   using SourceNumbers = std::vector<int64_t>;
-  // Returns which sources speak of the key. Most keys of a scene have the same latest sources;
-  // `known` has what was chosen of those of its other keys.
+  // Returns the sources to use for the key. Most keys of a scene have the same latest sources;
+  // `known` holds the choice for the other keys.
   absl::StatusOr<SourceNumbers> ChooseSources(int64_t key_id, uint32_t limit,
                                               std::map<SourceNumbers, SourceNumbers>& known);
-  // Appends what up to `limit` sources of each key say of the scene in that row.
+  // Appends the evidence of up to `limit` sources about each key of the scene.
   absl::Status AppendSources(int64_t scene_id, const priors::SceneKey& scene, uint32_t limit,
                              std::vector<priors::SceneSource>& sources);
-  // What counts, or what waits in quarantine.
+  // Exports the evidence that counts, or that in quarantine.
   absl::StatusOr<priors::ExportPage> ExportAll(const priors::SceneFilter& filter,
                                                const priors::ExportPlace& after, uint32_t limit,
                                                bool quarantined);
@@ -98,7 +97,7 @@ class SqlitePriorReader final : public priors::PriorReader {
   absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
                                     const priors::EvidenceKey& first, int64_t first_reward_version,
                                     bool quarantined);
-  // Appends the key's records behind the page's place, until the page has `limit` of them.
+  // Appends the key's records behind the page's place until the page has `limit` of them.
   absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
                               priors::ExportPage& page);
 
@@ -106,8 +105,8 @@ class SqlitePriorReader final : public priors::PriorReader {
   SqliteAuditReader audit_;
 };
 
-// Opens a connection that only reads, beside the store of that file. It must end before the store
-// does, and be opened anew with it. The errors are those of OpenPriorDatabase.
+// Opens a connection that only reads, beside the store of that file. It must end before the store,
+// and be opened again with it. The errors are those of OpenPriorDatabase.
 absl::StatusOr<std::unique_ptr<ReadConnection>> OpenSqliteReadConnection(
     const std::filesystem::path& path);
 

@@ -11,17 +11,14 @@ struct StatementText {
   const char* sql;
 };
 
-// An upsert returns a row exactly if it changed something; this is how repeated updates and revoked
-// sources are recognised, and the sessions of this store, which imports leave alone.
+// An upsert returns a row exactly if it changed something. This shows repeated updates, revoked
+// sources, and the sessions of this store, which imports leave alone.
 //
-// evidence_key has the sums of its rows of evidence, and scene the number of its sources, so that
-// readers need not visit the sources. Counts are added by total() or up to their max, because an
-// overflow would make a scene unreadable after two imported records.
+// Counts are added by total() or up to their maximum, because an overflow would make a scene
+// unreadable after two imported records.
 //
-// What waits in quarantine is in a table of its own, which only the statements that name it read.
-//
-// Whoever writes a row writes its hash (sqlite_schema.h): row_hash of the new values where the row
-// is new, and where it is changed next_hash, which leaves a wrong hash wrong.
+// Each statement that writes a row writes its hash (sqlite_schema.h): row_hash of the values of a
+// new row, and next_hash for a changed one, which keeps a wrong hash wrong.
 constexpr StatementText<PriorStatements> kStatements[] = {
     {&PriorStatements::advance_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
@@ -184,7 +181,7 @@ constexpr StatementText<PriorStatements> kStatements[] = {
 };
 
 constexpr StatementText<PriorReadStatements> kReadStatements[] = {
-    // The scene's classes of machines: the given one first, then the ones that came last.
+    // The scene's classes of machines: the given one first, then the newest ones.
     {&PriorReadStatements::scene_classes, R"sql(
         SELECT id, machine_class, hash = content_hash FROM scene
         WHERE project = ?1 AND scene = ?2 AND reward_version = ?4 AND source_count > 0
@@ -216,8 +213,8 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         WHERE source_id = ?1
         ORDER BY project, scene, measured_by, arm, backend_version, machine_class,
                  reward_version)sql"},
-    // The index is read from the row value up to the project and the scene, if there are these; a
-    // blob is after every text.
+    // The row value ends the range of the index at the project and the scene, if given. A blob
+    // sorts after every text.
     {&PriorReadStatements::list_scenes, R"sql(
         SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
         WHERE (project, scene) <= (iif(?1 = '', x'', ?1), iif(?2 = '', x'', ?2))
@@ -234,7 +231,7 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
     {&PriorReadStatements::other_keys_of_name, R"sql(
         SELECT 1 FROM scene
         WHERE project = ?1 AND scene = ?2 AND source_count > 0 AND id <> ?3 LIMIT 1)sql"},
-    // It jumps from one project to the next in the index, however many scenes they have.
+    // Jumps from one project to the next in the index, however many scenes they have.
     {&PriorReadStatements::count_projects, R"sql(
         WITH RECURSIVE known(project) AS (
           SELECT min(project) FROM scene
@@ -263,7 +260,7 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
                       ORDER BY source_id DESC LIMIT ?2) e
                      CROSS JOIN source s ON s.id = e.source_id AND s.hash = s.content_hash)
         FROM evidence_key WHERE scene_id = ?1 AND source_count > 0)sql"},
-    // The row value finds its place in the index, whatever comes before it.
+    // The row value finds its place in the index without reading what comes before it.
     {&PriorReadStatements::next_key, R"sql(
         SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
                id, hash = content_hash

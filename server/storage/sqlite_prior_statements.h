@@ -1,4 +1,4 @@
-// Every statement of the prior store on SQLite, prepared once. The database must outlive them.
+// All statements of the prior store on SQLite, prepared once. The database must outlive them.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -6,7 +6,7 @@
 
 namespace sweepstake::storage {
 
-// Those that write.
+// Statements that write, and reads of the writer.
 struct PriorStatements {
   static absl::StatusOr<PriorStatements> Prepare(SqliteDatabase& database);
 

@@ -33,7 +33,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
 
   absl::Status Prepare(const priors::AuditLimits& audit_limits);
-  // Says which file the database is in. CheckPlace compares it from then on.
+  // Sets the file of the database, which CheckPlace compares from then on.
   absl::Status SetPlace(const std::filesystem::path& path);
   absl::Status Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes);
   absl::StatusOr<uint64_t> UsedBytes() { return database_.UsedBytes(); }
@@ -89,8 +89,8 @@ class SqlitePriorStore final : public priors::PriorStore {
   }
 
  private:
-  // Runs `body` in a transaction, which is rolled back if it fails. Nothing runs where what it
-  // commits would be lost.
+  // Runs `body` in a transaction, which is rolled back if it fails. Returns an error instead if
+  // commits would be lost (CheckPlace).
   template <typename Body>
   absl::Status InTransaction(Body body);
   // Appends the updates that were applied and have audit rows to `audited`.
@@ -99,19 +99,19 @@ class SqlitePriorStore final : public priors::PriorStore {
   // Returns false if the update was applied before or its source is revoked.
   absl::StatusOr<bool> Apply(const priors::SourceUpdate& update);
   absl::Status Add(int64_t source, uint64_t sequence, const priors::KeyedEvidence& increment);
-  // Runs `apply` of its source's id, its key and its row for each record that a source of imports
-  // has, and counts those for which it is true.
+  // Runs `apply` for each record whose source takes imports, and counts those for which it returns
+  // true.
   template <typename Body>
   absl::Status ForEachImported(std::span<const PriorRecord> records, priors::ImportResult& result,
                                Body apply);
-  // Puts the evidence where it counts, and inserts its key into `changed`. Returns false if what
-  // is there is as new.
+  // Moves the evidence to where it counts, and inserts its key into `changed`. Returns false if the
+  // evidence there is as new.
   absl::StatusOr<bool> Take(const QuarantinedRow& row, KeyIds& changed);
-  // Counts the source in the scene, once, and the scene if this is its first.
+  // Counts the source in the scene, once. Counts the scene if this is its first source.
   absl::Status JoinScene(int64_t source, int64_t scene);
   absl::Status CountSource(int64_t scene);
   absl::StatusOr<priors::PromoteResult> PromoteAll(const priors::SourceFilter& filter);
-  // Shows a preview, and returns an error then, which undoes what the transaction has changed.
+  // Shows a preview and then returns an error, which rolls the transaction back.
   absl::Status KeepUnless(const priors::Preview& preview) {
     if (!preview) return absl::OkStatus();
     preview.Show(*reader_);
@@ -121,14 +121,14 @@ class SqlitePriorStore final : public priors::PriorStore {
   // Returns 0 for a source that is a session of the store, or revoked.
   absl::StatusOr<int64_t> FindOrAddImported(const PriorRecord& record);
   SqliteDatabase database_;
-  // Statements must be destroyed before the database, so they stand after it.
+  // Statements must be destroyed before the database, so they are declared after it.
   PriorStatements statements_;
   std::optional<SqlitePriorReader> reader_;  // present from Prepare on
   std::optional<SqliteAuditLog> audit_;      // present from Prepare on
   uint64_t lost_audit_row_count_ = 0;
-  // By project: those that have scenes and were asked for, so that a count visits the rows once.
+  // Counts by project that were asked for, if the project has scenes. Each is read once.
   SceneCounts scene_counts_;
-  SceneCounts added_counts_;  // by the transaction that runs
+  SceneCounts added_counts_;  // by the running transaction
   FilesInUse files_;          // the database and its log; none in memory
 };
 
@@ -152,7 +152,7 @@ absl::Status SqlitePriorStore::SetPlace(const std::filesystem::path& path) {
 
 absl::Status SqlitePriorStore::CopyTo(const std::filesystem::path& file,
                                       const SqliteDatabase::Edit& edit) {
-  // A read that does not end keeps the log where it is; the copy has what is in it all the same.
+  // A read that does not end prevents the checkpoint. The copy includes the log all the same.
   database_.Execute("PRAGMA wal_checkpoint(TRUNCATE)").IgnoreError();
   return database_.CopyTo(file.string(), edit);
 }
@@ -180,7 +180,7 @@ absl::StatusOr<priors::SceneCount> SqlitePriorStore::CountScenes(const std::stri
   if (const auto known = scene_counts_.find(project); known != scene_counts_.end())
     return known->second;
   auto count = reader_->CountScenes(project);
-  // Clients ask for projects that there are not, too, as many as they like.
+  // Unknown projects are not kept, because clients may ask for any number of them.
   if (count.ok() && count->keys > 0) scene_counts_.emplace(project, *count);
   return count;
 }
@@ -188,7 +188,7 @@ absl::StatusOr<priors::SceneCount> SqlitePriorStore::CountScenes(const std::stri
 absl::Status SqlitePriorStore::Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes) {
   absl::Status status = database_.LimitSize(max_bytes);
   audit_->Limit(audit_limits);
-  // Where the disk does not allow it now, the rows go with a later commit.
+  // If the disk cannot remove the rows now, a later commit does.
   InTransaction([&] { return audit_->Trim(/*unix_now_s=*/0); }).IgnoreError();
   return status;
 }
@@ -205,8 +205,8 @@ absl::Status SqlitePriorStore::Commit(std::span<const priors::SourceUpdate> upda
     ended = !database_.in_transaction();
     return absl::OkStatus();
   });
-  // The log must not cost evidence. If the file has no room for its rows, SQLite ends the
-  // transaction, and another one writes the evidence alone.
+  // The log must not cost evidence. If the file has no room for the rows, SQLite ends the
+  // transaction, and a second one writes the evidence alone.
   if (ended) {
     status = InTransaction([&] {
       std::vector<const priors::SourceUpdate*> audited;
@@ -318,7 +318,7 @@ absl::StatusOr<int64_t> SqlitePriorStore::FindOrAddImported(const PriorRecord& r
 template <typename Body>
 absl::Status SqlitePriorStore::ForEachImported(std::span<const PriorRecord> records,
                                                priors::ImportResult& result, Body apply) {
-  // A file has many records of each, and the database is asked once.
+  // A file has many records of each source and key; each is looked up once.
   std::map<std::string_view, int64_t> sources;
   std::map<EvidenceKey, StoredKey> keys;
   for (const PriorRecord& record : records) {
@@ -385,7 +385,7 @@ absl::StatusOr<priors::ImportResult> SqlitePriorStore::Quarantine(
   return result;
 }
 
-// A preview is a change that is not committed.
+// A preview is a change that is rolled back.
 absl::StatusOr<priors::PromoteResult> SqlitePriorStore::Promote(const priors::SourceFilter& filter,
                                                                 const priors::Preview& preview) {
   absl::StatusOr<priors::PromoteResult> result;
@@ -421,7 +421,7 @@ absl::StatusOr<priors::PromoteResult> SqlitePriorStore::PromoteAll(
 
 absl::StatusOr<priors::RevokeResult> SqlitePriorStore::Revoke(const priors::SourceFilter& filter,
                                                               const priors::Preview& preview) {
-  scene_counts_.clear();  // fewer may have evidence then
+  scene_counts_.clear();  // fewer scenes may have evidence then
   absl::StatusOr<priors::RevokeResult> result;
   absl::Status status = InTransaction([&] {
     result = RevokeSources(statements_, filter);

@@ -1,12 +1,11 @@
 // The prior store on SQLite: one file with a write-ahead log and synchronous commits. Used by one
 // thread at a time.
 //
-// Before each change it is looked whether the file and its log still are what their names mean:
-// what is written to a file without a name is lost with the process. Then nothing is written until
-// they are back.
+// Before each change the store checks that the file and its log still have their names, because
+// data in a file without a name is lost with the process. Nothing is written until they are back.
 //
-// A commit takes one fsync, however many increments it has. Import and Revoke add the sums of the
-// keys they change anew, from one row per source. What it reads it reads as SqlitePriorReader does.
+// A commit takes one fsync, for any number of increments. Import and Revoke compute the sums of the
+// changed keys from one row per source. Reads are those of SqlitePriorReader.
 #pragma once
 
 #include <chrono>
@@ -22,9 +21,9 @@
 
 namespace sweepstake::storage {
 
-// Opens the store, whose file does not grow beyond `max_bytes` (0: any size): then commits that
-// need more are UNAVAILABLE. `on_sync`, if there is one, is told on the using thread how long each
-// fsync of the write-ahead log took. The errors are those of OpenPriorDatabase.
+// Opens the store. Its file does not grow beyond `max_bytes` (0: any size); commits that need more
+// return UNAVAILABLE. `on_sync`, if any, is called on the using thread with the duration of each
+// fsync of the write-ahead log. The errors are those of OpenPriorDatabase.
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {},
     uint64_t max_bytes = 0, std::function<void(std::chrono::nanoseconds)> on_sync = {});
@@ -33,19 +32,19 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenMemoryPriorStore(
     const priors::AuditLimits& audit_limits = {});
 
-// Changes the limits of the audit log, whose rows beyond them are removed, and how large the file
-// may grow, at least to its present size. REQUIRES: `store` is of OpenSqlitePriorStore.
+// Changes the limits of the audit log, whose rows beyond them are removed, and the maximum size of
+// the file, at least to its present size. REQUIRES: `store` is of OpenSqlitePriorStore.
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
                         uint64_t max_bytes);
 
-// Returns how many bytes of what the file may grow to are in use; what was removed is used again.
-// Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of OpenSqlitePriorStore.
+// Returns the bytes of the file that are in use. Removed rows free bytes. Errors: UNAVAILABLE,
+// DATA_LOSS. REQUIRES: `store` is of OpenSqlitePriorStore.
 absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store);
 
-// Writes all that is committed to `file`, in place of one that is there, also where the store's own
-// has no name any more; and takes the log into the store's file, so that an empty log stays beside
-// whatever has its name now. The file appears after `edit`. Errors: UNAVAILABLE, DATA_LOSS.
-// REQUIRES: `store` is of OpenSqlitePriorStore.
+// Writes all that is committed to `file`, replacing an existing one, even if the store's own file
+// has no name any more. Moves the log into the store's file, so that the log beside a new file of
+// that name is empty. The file appears after `edit`. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES:
+// `store` is of OpenSqlitePriorStore.
 absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,
                        const SqliteDatabase::Edit& edit);
 

@@ -7,8 +7,8 @@
 namespace sweepstake::storage {
 namespace {
 
-// A commit may take milliseconds of a processor. Where all are busy, the threads that answer games
-// go first: acknowledgements can wait, decisions cannot.
+// A commit may take milliseconds of a processor. If all are busy, the threads that answer games go
+// first: acknowledgements can wait, decisions cannot.
 constexpr int kNiceness = 10;
 
 // Returns the number of rows that an update writes: its own and one per increment.
@@ -146,7 +146,8 @@ void StoreThread::RunFront(std::unique_lock<std::mutex>& lock) {
 
 void StoreThread::CommitGroup(std::vector<PendingCommit> group, bool closing) {
   if (closing && !can_write()) {
-    const absl::Status status = absl::UnavailableError("the prior store closes, and cannot write");
+    const absl::Status status =
+        absl::UnavailableError("the prior store is closing; nothing more can be written");
     for (PendingCommit& commit : group) commit.done(status);
     return;
   }
@@ -164,7 +165,7 @@ void StoreThread::CommitOrHalve(std::span<PendingCommit> group,
     CommitOrHalve(group.first(half), updates.first(half));
     return CommitOrHalve(group.subspan(half), updates.subspan(half));
   }
-  // First, so that whoever hears of the failure can find out why.
+  // First, so that callbacks of the failed commits can find the cause.
   if (absl::IsUnavailable(status)) CheckPlace(/*last=*/false);
   for (PendingCommit& commit : group) Finish(commit, status);
 }
@@ -178,12 +179,12 @@ absl::Status StoreThread::CommitNow(std::span<const priors::SourceUpdate> update
 }
 
 void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
-  // An update that is refused says nothing about the disk.
+  // A refused update says nothing about the disk.
   if (priors::IsRefusal(status)) {
     if (options_.on_refusal) options_.on_refusal(commit.update, status);
   } else {
-    // One that succeeds finds the place right; one that fails where that is wrong says nothing
-    // about the disk.
+    // A successful commit shows that the place is right. A failed one says nothing about the disk
+    // if the place is wrong.
     if (status.ok()) place_ = absl::OkStatus();
     if (place_.ok()) disk_ = status;
     TellHealth();
@@ -196,13 +197,13 @@ void StoreThread::TellHealth() {
   const absl::Status& status = place_.ok() ? disk_ : place_;
   if (status.ok() == told_.ok() && absl::IsNotFound(status) == absl::IsNotFound(told_)) return;
   told_ = status;
-  options_.on_health(status);  // first, so that whoever sees that it is not healthy finds out why
+  options_.on_health(status);  // first, so that observers of healthy() can find the cause
   can_write_ = status.ok();
 }
 
 void StoreThread::CheckPlace(bool last) {
   const absl::Status status = store_->CheckPlace();
-  if (!status.ok() && !absl::IsNotFound(status)) return;  // commits find out whether the disk works
+  if (!status.ok() && !absl::IsNotFound(status)) return;  // commits show whether the disk works
   place_ = status;
   TellHealth();
   if (!place_.ok() && options_.on_misplaced) options_.on_misplaced(*store_, last);

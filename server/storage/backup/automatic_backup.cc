@@ -27,7 +27,7 @@ constexpr absl::string_view kBackup = ".backup-";
 constexpr absl::string_view kQuarantine = ".quarantine-";
 constexpr size_t kMaxQuarantined = 2;
 
-// Returns the time (UTC) in a form whose order is that of time.
+// Returns the time (UTC) as text that sorts in the order of time.
 std::string TimeText() {
   const std::time_t now = priors::UnixNowS();
   std::tm utc{};
@@ -37,8 +37,8 @@ std::string TimeText() {
   return text;
 }
 
-// Returns the copies of a kind that lie beside the database, the newest first. Times end with Z;
-// `end` is what may follow.
+// Returns the copies of a kind that lie beside the database, the newest first. Their names end with
+// a Z and then `end`.
 std::vector<fs::path> ListCopies(const fs::path& path, absl::string_view kind,
                                  absl::string_view end = "Z") {
   const std::string begin = absl::StrCat(path.filename().string(), kind);
@@ -61,7 +61,7 @@ void RemoveOldest(const fs::path& path, absl::string_view kind, size_t max) {
   }
 }
 
-// What a daemon that was killed left of a backup: no later one has its name.
+// Removes what a killed daemon left of an unfinished backup. No later backup has its name.
 void RemoveUnfinished(const fs::path& path) {
   std::error_code ignored;
   for (const char* end : {"Z.new", "Z.new-journal"}) {
@@ -69,7 +69,7 @@ void RemoveUnfinished(const fs::path& path) {
   }
 }
 
-// Returns whether the file is no whole database, whoever made it.
+// Returns whether the file is damaged or not a database.
 bool IsDamaged(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return false;
@@ -85,7 +85,7 @@ std::optional<fs::path> LastWholeBackup(const fs::path& path) {
   return std::nullopt;
 }
 
-// Gives the file another name, too. On a file system without hard links (FAT) that is a copy.
+// Gives the file a second name. On a file system without hard links (FAT) it makes a copy.
 absl::Status Keep(const fs::path& path, const fs::path& kept) {
   std::error_code error;
   fs::create_hard_link(path, kept, error);
@@ -99,8 +99,8 @@ absl::Status Keep(const fs::path& path, const fs::path& kept) {
   return absl::UnavailableError(absl::StrCat("cannot keep ", kept.string(), ": ", error.message()));
 }
 
-// Puts a copy of the backup in the place of the database, which is kept. After a crash in between
-// the damaged file is still there, and the next start begins anew.
+// Puts a copy of the backup in the place of the database, and keeps the database. After a crash in
+// between, the damaged file is still there and the next start tries again.
 absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::path& kept) {
   const std::string unfinished = path.string() + ".restored";
   auto source = SqliteDatabase::Open(backup.string(), SqliteDatabase::OpenMode::kReadOnly);
@@ -117,7 +117,7 @@ absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::pat
   return PublishFile(unfinished, path);
 }
 
-// Returns an empty text if all rows of the evidence are what was written.
+// Returns an empty text if no row of the evidence is damaged.
 std::string DescribeDamagedRows(const fs::path& path) {
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return {};
@@ -130,14 +130,14 @@ std::string DescribeDamagedRows(const fs::path& path) {
       "backup");
 }
 
-// What can be done where there is no database to go on with.
+// Says what an operator can do if there is no usable database.
 absl::Status WithAdvice(const absl::Status& problem, const fs::path& path, bool damaged) {
   const std::string name = path.filename().string();
   std::string text(problem.message());
   if (damaged) absl::StrAppend(&text, ", and no whole ", name, kBackup, "TIME is beside it");
   absl::StrAppend(&text, "; move away what is there of ", name, ", ", name, "-wal and ", name,
                   "-shm, and then put a backup in its place with `sweepstaked restore`, or delete ",
-                  StoreIdFile(path).string(), ", too, to begin anew");
+                  StoreIdFile(path).string(), " too, to start with an empty store");
   return {problem.code(), text};
 }
 
@@ -184,7 +184,7 @@ std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {
 }
 
 absl::StatusOr<fs::path> SaveMisplacedStore(priors::PriorStore& store, const fs::path& path) {
-  mkdir(path.parent_path().c_str(), 0700);  // what fails here, the copy finds out
+  mkdir(path.parent_path().c_str(), 0700);  // an error shows when the copy is written
   const fs::path file = absl::StrCat(path.string(), kBackup, TimeText());
   absl::Status status =
       CopyStore(store, file, [](SqliteDatabase& copy) { LeaveOutDamagedRows(copy); });
@@ -242,7 +242,7 @@ absl::StatusOr<MadeBackup> AutomaticBackups::MakeOne() {
       return absl::UnavailableError(
           absl::StrCat(path_.string(), " is not the file that the daemon uses"));
   }
-  // A backup that fills the disk would cost the evidence its place.
+  // A backup must not fill the disk that the evidence needs.
   std::error_code unknown;
   std::error_code missing;
   const fs::space_info space = fs::space(path_.parent_path(), unknown);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Sums are added in another order than here, and counts go up to their max only.
+// The rows are added in another order here than by the store, and counts end at their maximum.
 constexpr const char* kWrongSums = R"sql(
   SELECT count(*) FROM evidence_key LEFT JOIN
     (SELECT key_id, total(alpha) AS a, total(beta) AS b, total(window_count) AS w,
@@ -42,9 +42,9 @@ constexpr const char* kSourcesOfNothing = R"sql(
   SELECT source_id, scene_id FROM scene_source
   EXCEPT SELECT source_id, k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id)sql";
 
-// The names of sources, keys and scenes, and what evidence refers to, are in an index as well, and
-// so right where SQLite's own check finds no fault. What else a key or a scene has, follows from
-// the rows that are right.
+// The names of sources, keys and scenes, and the ids in evidence, are in an index as well. They are
+// right if SQLite's own check finds no fault. The other columns of a key or a scene are computed
+// from the undamaged rows.
 constexpr const char* kMarkDamagedRows = R"sql(
   CREATE TEMP TABLE wrong_source AS SELECT id FROM source WHERE hash <> content_hash;
   CREATE TEMP TABLE wrong_evidence AS
@@ -133,7 +133,7 @@ absl::Status CheckAbsent(const fs::path& file, absl::string_view what_to_do) {
 
 // Returns a connection that has not read the file yet.
 absl::StatusOr<SqliteDatabase> OpenToRead(const fs::path& file) {
-  std::error_code unknown;  // what cannot be examined cannot be opened either, and that says why
+  std::error_code unknown;  // a file that cannot be examined gives an error when it is opened
   if (!fs::exists(file, unknown) && !unknown)
     return absl::NotFoundError(absl::StrCat(file.string(), ": there is no such file"));
   auto database = SqliteDatabase::Open(file.string(), SqliteDatabase::OpenMode::kReadOnly);

@@ -1,12 +1,12 @@
-// What a daemon that shares its store with others could not commit there: a file in its data
-// directory, so that it outlives the daemon.
+// The updates that a daemon could not commit to the store that it shares with others. They are kept
+// in a file of its data directory, so that they outlive the daemon.
 //
-// Nothing in it is acknowledged. A client whose session goes on at another daemon sends it again
-// there, and the store then refuses what the outbox has of it (SourceWriter); what the store has
-// already it recognises by its number. So each message counts once, whoever delivers it.
+// None of them is acknowledged. If a session continues at another daemon, its client sends the
+// updates again there, and the store refuses those in the outbox (SourceWriter). The store ignores
+// an update that it has already, by its number. So each message counts once.
 //
-// An SQLite database of one table, a row per update, in the order in which they are to be
-// committed. Used by one thread at a time.
+// The file is an SQLite database of one table, with a row per update in the order of commits. Used
+// by one thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -24,21 +24,21 @@ namespace sweepstake::storage {
 
 class Outbox {
  public:
-  // Makes the file if there is none. Errors: UNAVAILABLE (it cannot be read or made), DATA_LOSS (it
-  // is no outbox, of a newer daemon, or damaged).
+  // Makes the file if it is missing. Errors: UNAVAILABLE (it cannot be read or made), DATA_LOSS (it
+  // is not an outbox, has another version, or is damaged).
   static absl::StatusOr<Outbox> Open(const std::filesystem::path& path);
 
-  // Keeps these in place of all that is in it. Error: UNAVAILABLE; then it is as it was.
+  // Replaces the content by these updates. Error: UNAVAILABLE; then the content is unchanged.
   absl::Status Replace(std::span<const priors::SourceUpdate> updates);
   // Error: DATA_LOSS (a row is damaged).
   absl::StatusOr<std::vector<priors::SourceUpdate>> Load();
 
   struct Delivery {
     size_t committed_count = 0;  // now, or before
-    size_t refused_count = 0;    // their sessions went on elsewhere, or were revoked
+    size_t refused_count = 0;    // their sessions continued elsewhere, or were revoked
   };
-  // Commits all that is in it, one after the other, and empties it. Errors: those of the store but
-  // refusals, and of Load; then it is as it was.
+  // Commits all updates in order and empties the outbox. Errors: those of Load, and those of the
+  // store but refusals; then the content is unchanged.
   absl::StatusOr<Delivery> DeliverTo(priors::PriorStore& store);
 
  private:
@@ -49,8 +49,8 @@ class Outbox {
   SqliteDatabase database_;
 };
 
-// For those who do without the shared store from now on. Errors: FAILED_PRECONDITION (there is an
-// outbox with something in it), and those of Open and Load.
+// Checks that nothing waits for a shared store that is not used any more. Errors:
+// FAILED_PRECONDITION (the outbox has updates), and those of Open and Load.
 absl::Status CheckDelivered(const std::filesystem::path& path);
 
 }  // namespace sweepstake::storage

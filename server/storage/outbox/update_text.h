@@ -1,4 +1,4 @@
-// An update of a source as text (JSON), and back: exactly, to the last bit of its numbers.
+// Converts an update of a source to text (JSON) and back, exactly to the last bit of its numbers.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace sweepstake::storage {
 
-// REQUIRES: its texts are UTF-8; other bytes are lost.
+// REQUIRES: the strings are UTF-8; other bytes are lost.
 std::string UpdateText(const priors::SourceUpdate& update);
-// Error: DATA_LOSS (it is no such text).
+// Error: DATA_LOSS (the text is not an update).
 absl::StatusOr<priors::SourceUpdate> UpdateIn(const std::string& text);
 
 }  // namespace sweepstake::storage

@@ -11,7 +11,7 @@ namespace {
 using priors::AuditRow;
 using priors::AuditRows;
 
-// One daemon writes at a time, so that the rows of a chunk have the ids behind its first one's.
+// One daemon writes at a time, so that the rows of a chunk have consecutive ids.
 constexpr const char* kLockLog = "SELECT pg_advisory_xact_lock(7743300016)";
 constexpr const char* kFindSegment = R"sql(
     SELECT id, (SELECT coalesce(max(number), 0) FROM audit_row WHERE segment_id = s.id)

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kUnitsPerOne = 0x1p20;
 
-// What a connection has unless its URL says otherwise. A server that vanished without a word is
-// given up after ten seconds, and none waits longer for another daemon's row.
+// The defaults of a connection; its URL may set others. A server that does not answer is given up
+// after ten seconds, and a lock of another daemon after the same time.
 constexpr std::array kDefaults = {
     std::pair("connect_timeout", "5"), std::pair("tcp_user_timeout", "10000"),
     std::pair("application_name", "sweepstaked"), std::pair("client_encoding", "UTF8")};
@@ -94,7 +94,7 @@ absl::Status PostgresConnection::Connect() {
   if (connection_ != nullptr && PQstatus(connection_.get()) == CONNECTION_OK)
     return absl::OkStatus();
   prepared_.clear();
-  // The URL stands where a database's name could, and overrides what stands before it.
+  // A URL in the place of a database name overrides the parameters before it.
   std::vector<const char*> names;
   std::vector<const char*> values;
   for (const auto& [name, value] : kDefaults) {
@@ -111,7 +111,7 @@ absl::Status PostgresConnection::Connect() {
         "PostgreSQL cannot be reached: ", why,
         "; see that the server runs, that the URL is its, and that it lets this user in"));
   }
-  // Warnings would come out on stderr, where the daemon's log is.
+  // libpq would print warnings to stderr, which the daemon uses for its log.
   PQsetNoticeProcessor(
       connection_.get(), [](void*, const char*) {}, nullptr);
   ++incarnation_;

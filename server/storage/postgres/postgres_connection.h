@@ -1,8 +1,8 @@
-// A connection to a PostgreSQL server, opened when it is first used and again after it was lost.
+// A connection to a PostgreSQL server. It is opened at its first use, and again after it was lost.
 // Used by one thread at a time.
 //
-// Errors: UNAVAILABLE (the server cannot be reached, ends, or refuses; trying again may help),
-// ABORTED (another daemon was in the way; the transaction can be tried again at once),
+// Errors: UNAVAILABLE (the server cannot be reached, stops, or refuses; trying again may help),
+// ABORTED (a conflict with another daemon; the transaction can be repeated at once),
 // INVALID_ARGUMENT (a value is out of a column's bounds), DATA_LOSS (the server found damage).
 #pragma once
 
@@ -25,21 +25,21 @@
 
 namespace sweepstake::storage {
 
-// Evidence in the database: whole units of 2⁻²⁰, whose sums have no rounding. A store keeps below
-// 1e15, which is 2⁷⁰ of them.
+// Evidence in the database, in whole units of 2⁻²⁰, whose sums have no rounding errors. An amount
+// is below 1e15, which is 2⁷⁰ units.
 using Units = absl::int128;
 // REQUIRES: `amount` is finite, and InUnits.
 Units UnitsOf(double amount);
 double AmountOf(Units units);
 std::string TextOf(Units value);
 
-// An array of a column's values, for a parameter such as `$1::bigint[]`.
+// An array of values of one column, for a parameter such as `$1::bigint[]`.
 class PostgresArray {
  public:
   void Add(std::integral auto number) { Append(absl::StrCat(number)); }
   void Add(Units number) { Append(TextOf(number)); }
   void Add(std::string_view text);
-  // The bytes of a `bytea`.
+  // Adds bytes for a `bytea` column.
   void AddBytes(std::string_view bytes);
   std::string text() const { return text_ + "}"; }
 
@@ -50,7 +50,7 @@ class PostgresArray {
   std::string text_ = "{";
 };
 
-// One row of a result; columns count from 0.
+// One row of a result. Columns count from 0.
 class PostgresRow {
  public:
   PostgresRow(const PGresult* result, int row) : result_(result), row_(row) {}
@@ -58,10 +58,10 @@ class PostgresRow {
   int64_t Integer(int column) const;
   uint64_t Unsigned(int column) const { return static_cast<uint64_t>(Integer(column)); }
   bool Boolean(int column) const { return *PQgetvalue(result_, row_, column) == 't'; }
-  // Of a numeric column.
+  // Reads a numeric column.
   Units Number(int column) const;
   std::string Text(int column) const;
-  // Of a bytea column.
+  // Reads a bytea column.
   std::string Bytes(int column) const;
 
  private:
@@ -74,14 +74,14 @@ class PostgresConnection {
   // `url` is a postgresql:// URL or a conninfo string of libpq.
   explicit PostgresConnection(std::string url) : url_(std::move(url)) {}
 
-  // Connects if there is no connection, or the one that was is lost. Then what was prepared is
-  // forgotten, and incarnation() grows.
+  // Connects if the connection is missing or lost. Then prepared statements are forgotten, and
+  // incarnation() grows.
   absl::Status Connect();
   uint64_t incarnation() const { return incarnation_; }
-  // Runs several statements that have no parameters; what they return is ignored.
+  // Runs several statements without parameters, and ignores their results.
   absl::Status Execute(const std::string& sql);
-  // Runs a statement, which is prepared at its first use, and calls `on_row(const PostgresRow&)`
-  // for each row.
+  // Runs a statement and calls `on_row(const PostgresRow&)` for each row. The statement is prepared
+  // at its first use.
   template <typename OnRow, typename... Args>
   absl::Status ForEachRow(const char* sql, OnRow on_row, const Args&... args) {
     const std::vector<std::string> texts = {ParameterOf(args)...};
@@ -96,7 +96,7 @@ class PostgresConnection {
     return ForEachRow(
         sql, [](const PostgresRow&) {}, args...);
   }
-  // The same, and returns how many rows the statement has changed.
+  // Runs a statement and returns how many rows it has changed.
   template <typename... Args>
   absl::StatusOr<uint64_t> Change(const char* sql, const Args&... args) {
     const std::vector<std::string> texts = {ParameterOf(args)...};
@@ -104,7 +104,7 @@ class PostgresConnection {
     if (!result.ok()) return result.status();
     return std::strtoull(PQcmdTuples(result->get()), nullptr, 10);
   }
-  // Runs a statement that was made for this once, with an array for each parameter.
+  // Runs a statement that is used once, with an array for each parameter.
   absl::Status RunOnce(const std::string& sql, const std::vector<PostgresArray>& arrays);
 
  private:
@@ -122,19 +122,19 @@ class PostgresConnection {
   static std::string ParameterOf(std::integral auto number) { return absl::StrCat(number); }
 
   absl::StatusOr<Result> RunPrepared(const char* sql, const std::vector<std::string>& texts);
-  // Returns the error of a result that is none of success.
+  // Returns OK for a successful result, and otherwise its error.
   absl::Status Check(const PGresult* result) const;
 
   friend class PostgresSnapshot;
 
   const std::string url_;
   std::unique_ptr<PGconn, Closer> connection_;
-  std::unordered_map<std::string, std::string> prepared_;  // their names, by their texts
+  std::unordered_map<std::string, std::string> prepared_;  // names by statement text
   uint64_t incarnation_ = 0;
 };
 
-// Connects, and lets all that is read in its scope be one state of the database; in the scope of
-// another one that is already so.
+// Connects, and makes all reads in its scope see one state of the database. A nested scope uses the
+// state of the outer one.
 class PostgresSnapshot {
  public:
   explicit PostgresSnapshot(PostgresConnection& connection);

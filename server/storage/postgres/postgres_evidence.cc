@@ -9,7 +9,7 @@ using priors::EvidenceKey;
 
 constexpr size_t kMaxKnownKeys = 100'000;  // some 200 bytes each
 
-// Whatever is there already, from whomever, is found by the last of the three.
+// The last of the three also finds the keys that another daemon has added meanwhile.
 constexpr const char* kAddScenes = R"sql(
     INSERT INTO scene (project, scene, machine_class, reward_version)
     SELECT DISTINCT project COLLATE "C", scene COLLATE "C", machine_class COLLATE "C",
@@ -47,7 +47,7 @@ constexpr const char* kChangeRows = R"sql(
                 $6::numeric[], $7::numeric[])
          AS g(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)
     WHERE e.key_id = g.key_id AND e.source_id = g.source_id)sql";
-// Adds those of the same rows that there are not. Nobody else does, since the sources are locked.
+// Adds the missing ones of the same rows. No one else adds them, since the sources are locked.
 constexpr const char* kAddEvidence = R"sql(
     INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)
     SELECT *
@@ -57,7 +57,7 @@ constexpr const char* kAddEvidence = R"sql(
     WHERE NOT EXISTS (SELECT FROM evidence e
                       WHERE e.key_id = g.key_id AND e.source_id = g.source_id)
     RETURNING key_id, source_id)sql";
-// Returns the scenes that got a source.
+// Returns the scenes that gained a source.
 constexpr const char* kJoinScenes = R"sql(
     INSERT INTO scene_source (source_id, scene_id)
     SELECT DISTINCT source_id, scene_id
@@ -91,7 +91,7 @@ constexpr const char* kLeaveScenes = R"sql(
     WHERE s.id = j.scene_id AND j.source_id = ANY($1::bigint[]) AND ($2 = '' OR s.project = $2)
     RETURNING scene_id)sql";
 
-// The columns of keys.
+// The columns of keys, as parameters.
 class KeyArrays {
  public:
   explicit KeyArrays(const std::set<EvidenceKey>& keys) {

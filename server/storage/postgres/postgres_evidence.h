@@ -1,9 +1,9 @@
-// The rows of evidence in PostgreSQL, and the sums and counts over them, changed within the
-// transaction of whoever calls.
+// The rows of evidence in PostgreSQL, and the sums and counts over them, changed in the transaction
+// of the caller.
 //
-// Amounts are added as they come, as whole units, so that sums are the same to the bit in whatever
-// order daemons add and take off. Rows are locked in this order, so that daemons do not wait for
-// one another in a circle: sources by name (by the caller), keys by id, scenes by id.
+// Amounts are added in whole units, so that sums are the same to the bit in any order. Rows are
+// locked in this order, so that daemons do not deadlock: sources by name (by the caller), keys by
+// id, scenes by id.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 
 namespace sweepstake::storage {
 
-// An amount of evidence that is added, or taken off where it is negative.
+// An amount of evidence that is added, or subtracted if it is negative.
 struct EvidenceUnits {
   Units alpha = 0;
   Units beta = 0;
@@ -33,10 +33,10 @@ struct EvidenceUnits {
   EvidenceUnits& operator-=(const EvidenceUnits& other);
 };
 EvidenceUnits UnitsOf(const priors::Evidence& evidence);
-// Of the columns alpha, beta, window_count and bail_out_count, which begin with the first one.
+// Reads the columns alpha, beta, window_count and bail_out_count, from column `first` on.
 EvidenceUnits UnitsOf(const PostgresRow& row, int first);
 
-// These columns, to be parameters.
+// The same columns, as parameters.
 struct UnitArrays {
   PostgresArray alpha, beta, window_count, bail_out_count;
 
@@ -45,13 +45,13 @@ struct UnitArrays {
 
 // The change of one source's row about one key.
 struct RowChange {
-  uint64_t sequence = 0;  // of the source, which the row has then
+  uint64_t sequence = 0;  // of the source, after the change
   EvidenceUnits units;
 };
 using RowPlace = std::pair<int64_t, int64_t>;  // the ids of the key and the source
 using RowChanges = std::map<RowPlace, RowChange>;
 
-// What was removed of sources' evidence.
+// The removed evidence of sources.
 struct RemovedEvidence {
   uint64_t record_count = 0;
   uint64_t window_count = 0;
@@ -62,19 +62,19 @@ class PostgresEvidence {
   // `connection` must outlive it.
   explicit PostgresEvidence(PostgresConnection& connection) : connection_(connection) {}
 
-  // Returns the ids of the keys, in their order; those that are not there are added.
+  // Returns the ids of the keys, in the order given. Missing keys are added.
   absl::StatusOr<std::vector<int64_t>> FindOrAddKeys(
       std::span<const priors::EvidenceKey* const> keys);
-  // Returns what the rows have; those that there are not are left out. The sequence is theirs.
+  // Returns the stored rows, with their sequences. Missing rows are left out.
   absl::StatusOr<RowChanges> Load(const std::set<RowPlace>& places);
   // REQUIRES: the sources are locked.
   absl::Status Apply(const RowChanges& changes);
   // Removes the evidence of the sources about a project, or all if that is empty. REQUIRES: the
   // sources are locked.
   absl::StatusOr<RemovedEvidence> Remove(const PostgresArray& sources, const std::string& project);
-  // Ends a transaction: the keys that it added are there, or are not.
+  // Ends a transaction. If it was committed, the keys that it added exist.
   void OnEnd(bool committed);
-  // The connection is another one, maybe to a server that has lost what it said last.
+  // Forgets the known keys: a new connection may be to a server that has lost some.
   void OnReconnected() { known_keys_.clear(); }
 
  private:
@@ -92,16 +92,16 @@ class PostgresEvidence {
 
   // Puts their ids into `new_keys_`.
   absl::Status AddKeys(const std::set<priors::EvidenceKey>& keys);
-  // How many sources scenes gain, by their ids.
+  // How many sources each scene gains, by the ids of the scenes.
   using SceneChanges = std::map<int64_t, int64_t>;
-  // Inserts the keys' scenes into `scenes`.
+  // Also inserts the keys' scenes into `scenes`.
   absl::Status AddToSums(const std::map<int64_t, KeyChange>& changes, SceneChanges& scenes);
-  // Adds the numbers, and notes that this transaction has changed the scenes.
+  // Adds the numbers, and marks the scenes as changed by this transaction.
   absl::Status ChangeScenes(const SceneChanges& changes);
 
   PostgresConnection& connection_;
-  KeyIds known_keys_;  // committed ones, which stay
-  KeyIds new_keys_;    // found or added by the transaction that runs
+  KeyIds known_keys_;  // committed, so that they stay
+  KeyIds new_keys_;    // found or added by the running transaction
 };
 
 }  // namespace sweepstake::storage

@@ -27,8 +27,8 @@ struct Column {
   Kind kind = Kind::kInteger;
 };
 
-// A table that both have, in the order in which rows refer to one another. The first columns, which
-// are numbers, are its key.
+// A table of both stores. Tables are listed so that rows refer to earlier ones only. The first
+// columns are its key, and are numbers.
 struct Table {
   const char* name;
   size_t key_columns;
@@ -120,7 +120,7 @@ constexpr const char* kMakeSums = R"sql(
                  sum(bail_out_count) AS o, count(*) AS n
           FROM evidence GROUP BY key_id) s
     WHERE key_id = id)sql";
-// Counts do not grow beyond what a column holds.
+// Counts end at a column's maximum.
 constexpr const char* kMakeSqliteSums = R"sql(
     UPDATE evidence_key
     SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count) =
@@ -157,7 +157,7 @@ const char* ArrayTypeOf(Kind kind) {
   }
 }
 
-// The statement that inserts arrays of the table's columns into PostgreSQL.
+// Returns the statement that inserts arrays of the columns into PostgreSQL.
 std::string InsertSql(const Table& table) {
   std::string parameters;
   for (size_t i = 0; i < table.columns.size(); ++i)
@@ -198,7 +198,7 @@ absl::StatusOr<uint64_t> CountRows(const Table& table, PostgresConnection& serve
   return count;
 }
 
-// How far a table is.
+// The progress of copying one table.
 class Progress {
  public:
   Progress(const Table& table, uint64_t row_count, const OnMigrated& on_migrated)
@@ -244,7 +244,7 @@ absl::Status CopyTable(const Table& table, SqliteDatabase& from, PostgresConnect
   return status.ok() ? written : status;
 }
 
-// An expression that JSON has exactly, and SQLite as it keeps it.
+// Returns an expression whose value is exact in JSON, in the form that SQLite stores.
 std::string ToJson(const Column& column) {
   switch (column.kind) {
     case Kind::kBoolean:
@@ -256,7 +256,7 @@ std::string ToJson(const Column& column) {
   }
 }
 
-// The statement that reads a page of the table as a JSON array of its rows.
+// Returns the statement that reads a page of the table as a JSON array of its rows.
 std::string PageSql(const Table& table) {
   const std::string values = absl::StrJoin(
       table.columns, ", ",
@@ -268,14 +268,14 @@ std::string PageSql(const Table& table) {
                       " LIMIT $1::bigint OFFSET $2::bigint) page");
 }
 
-// The statement that inserts such a page into SQLite.
+// Returns the statement that inserts such a page into SQLite.
 std::string InsertPageSql(const Table& table) {
   std::string values;
   for (size_t i = 0; i < table.columns.size(); ++i) {
     absl::StrAppend(&values, i == 0 ? "" : ", ", "json_extract(value, '$[", i, "]')",
                     table.columns[i].kind == Kind::kUnits ? " * 1.0 / 1048576.0" : "");
   }
-  // The hashes are made when all is there.
+  // The hashes are computed when all rows are there.
   return absl::StrCat("INSERT INTO ", table.name, " (", NamesOf(table),
                       table.is_hashed ? ", hash" : "", ") SELECT ", values,
                       table.is_hashed ? ", 0" : "", " FROM json_each(?1)");
@@ -369,7 +369,7 @@ absl::Status Prepare(PostgresConnection& connection) {
   return status.ok() ? PreparePostgresSchema(connection).status() : status;
 }
 
-// A directory beside the data, removed with all in it.
+// A directory beside the data, removed with its content.
 class Workplace {
  public:
   explicit Workplace(const fs::path& directory) : path_(directory.string() + ".migration") {
@@ -388,7 +388,7 @@ class Workplace {
   const fs::path path_;
 };
 
-// Makes a database in the directory of what PostgreSQL has.
+// Makes a database in the directory from the store in PostgreSQL.
 absl::Status MakeDatabase(PostgresConnection& connection, const fs::path& directory,
                           const OnMigrated& on_migrated) {
   auto data = DataDirectory::Open(directory);
@@ -402,7 +402,7 @@ absl::Status MakeDatabase(PostgresConnection& connection, const fs::path& direct
 
 absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const std::string& url,
                                                 const OnMigrated& on_migrated) {
-  auto data = DataDirectory::Open(directory);  // no daemon learns meanwhile
+  auto data = DataDirectory::Open(directory);  // keeps daemons from starting meanwhile
   if (!data.ok()) return data.status();
   if (absl::Status delivered = CheckDelivered(data->outbox()); !delivered.ok()) return delivered;
   const Workplace workplace(directory);
@@ -422,7 +422,7 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
 
 absl::StatusOr<StoreContents> MigrateFromPostgres(const std::string& url, const fs::path& directory,
                                                   const OnMigrated& on_migrated) {
-  // No daemon uses it, which RestoreStore asks again.
+  // Checks that no daemon uses it. RestoreStore checks again.
   absl::Status status = DataDirectory::Open(directory).status();
   if (status.ok()) status = CheckNoDatabase(directory);
   if (status.ok()) status = CheckDelivered(directory / DataDirectory::kOutboxName);

@@ -1,9 +1,8 @@
-// Copies all that a prior store has from a data directory to PostgreSQL, and back: sources with
-// what is known of them, revoked ones too, evidence, and the audit log. Sums are
-// made anew from the rows, and are the same.
+// Copies a prior store from a data directory to PostgreSQL, and back: sources, including revoked
+// ones, evidence, and the audit log. Sums are computed from the rows, and are the same.
 //
-// Either all is there in the end, as the counts of rows on both sides say, or nothing; where it was
-// it stays.
+// On success all rows are there, as their counts on both sides confirm; otherwise nothing is. The
+// original is not changed.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +15,7 @@
 
 namespace sweepstake::storage {
 
-// Is told when a tenth more of a table's rows, or all, are there.
+// Called after each tenth of a table's rows, and after the last one.
 using OnMigrated = std::function<void(const std::string& table, uint64_t rows, uint64_t of)>;
 
 // Errors: those of BackUpStore, DataDirectory::Open, CheckDelivered and OpenPostgresPriorStore,

@@ -31,14 +31,14 @@ using priors::SceneKey;
 using priors::SourceUpdate;
 
 constexpr const char* kFirstTransaction = "0";
-constexpr int kAttempts = 20;  // of a transaction that others are in the way of
+constexpr int kAttempts = 20;  // of a transaction that conflicts with others
 
-// Commits join a few hundred given rows with tables by their keys. Where the server has not counted
-// a table's rows yet it would read all of it for that.
+// Commits join a few hundred given rows with tables by their keys. Without statistics about a table
+// the server would read all of it.
 constexpr const char* kPlans =
     "SET enable_hashjoin = off; SET enable_mergejoin = off; SET jit = off";
 
-// Rows that are given, several of a place maybe: whole amounts, not changes.
+// Given rows, maybe several for one place: whole amounts, not changes.
 using RowList = std::vector<std::pair<RowPlace, RowChange>>;
 
 template <typename Rows>
@@ -48,7 +48,8 @@ std::set<RowPlace> PlacesOf(const Rows& rows) {
   return places;
 }
 
-// Returns the newest row of each place that is newer than what is stored there, and counts.
+// Returns the newest given row of each place that is newer than the stored one, and counts both
+// kinds of rows.
 template <typename Rows>
 RowChanges NewerThan(const RowChanges& stored, const Rows& rows, priors::ImportResult& result) {
   RowChanges newest;
@@ -130,10 +131,10 @@ class PostgresPriorStore final : public priors::PriorStore {
   }
 
  private:
-  // Connects if need be, to the same database as before.
+  // Connects if necessary, and only to the same database as before.
   absl::Status Connect();
-  // Runs `body` in a transaction, again from its start where other daemons were in the way; it is
-  // rolled back if it fails.
+  // Runs `body` in a transaction, which is rolled back if it fails. After a conflict with another
+  // daemon it runs again from the start.
   template <typename Body>
   absl::Status InTransaction(Body body);
   template <typename Body>
@@ -142,17 +143,17 @@ class PostgresPriorStore final : public priors::PriorStore {
   absl::Status CommitAll(std::span<const SourceUpdate> updates, uint64_t& lost);
   absl::Status AddIncrements(std::span<const SourceUpdate* const> updates,
                              const LockedSources& sources);
-  // Returns a row for each record, in their order: what it says of its place. That is {} where its
-  // source takes no imports.
+  // Returns a row for each record, in the same order. The row is {} if its source takes no
+  // imports.
   absl::StatusOr<RowList> RowsOf(std::span<const PriorRecord> records);
-  // Puts whole amounts in the place of what is stored.
+  // Replaces the stored rows by whole amounts.
   absl::Status Replace(const RowChanges& stored, RowChanges newer);
   absl::Status ImportAll(std::span<const PriorRecord> records, priors::ImportResult& result);
   absl::Status QuarantineAll(std::span<const PriorRecord> records, uint64_t max_records,
                              priors::ImportResult& result);
   absl::StatusOr<priors::PromoteResult> PromoteAll(const priors::SourceFilter& filter);
   absl::StatusOr<priors::RevokeResult> RevokeAll(const priors::SourceFilter& filter);
-  // Runs `change`, which returns a result, in a transaction that a preview does not commit.
+  // Runs `change`, which returns a result, in a transaction. A preview does not commit it.
   template <typename Result, typename Change>
   absl::StatusOr<Result> ChangeUnless(const priors::Preview& preview, Change change);
 
@@ -163,7 +164,7 @@ class PostgresPriorStore final : public priors::PriorStore {
   PostgresQuarantine quarantine_;
   PostgresAuditLog audit_;
   std::string store_id_;
-  uint64_t incarnation_ = 0;  // of the connection that was found to be to this store
+  uint64_t incarnation_ = 0;  // of the connection that was checked to be to this store
   std::string changes_since_ = kFirstTransaction;
   uint64_t lost_audit_row_count_ = 0;
 };
@@ -178,7 +179,7 @@ absl::Status PostgresPriorStore::Prepare() {
 
 void PostgresPriorStore::Limit(const priors::AuditLimits& audit_limits) {
   audit_.Limit(audit_limits);
-  // Where the server does not allow it now, the rows go with a later commit.
+  // If the server cannot remove the rows now, a later commit does.
   InTransaction([&] { return audit_.Trim(/*unix_now_s=*/0); }).IgnoreError();
 }
 
@@ -205,7 +206,7 @@ absl::Status PostgresPriorStore::Connect() {
         "the database in PostgreSQL is not the one that was there before; put that one back, or "
         "restart the daemon to use this one");
   }
-  changes_since_ = kFirstTransaction;  // a server that was put back counts them anew
+  changes_since_ = kFirstTransaction;  // a restored server counts transactions from the start
   status = connection_.Execute(kPlans);
   if (status.ok()) incarnation_ = connection_.incarnation();
   return status;
@@ -253,7 +254,7 @@ absl::Status PostgresPriorStore::CommitAll(std::span<const SourceUpdate> updates
   if (!sources.ok()) return sources.status();
   std::vector<const SourceUpdate*> applied;
   std::vector<const SourceUpdate*> audited;
-  PostgresArray begun;  // of them no import will be taken any more
+  PostgresArray begun;  // sources that take no imports any more
   bool any_begun = false;
   for (const SourceUpdate& update : updates) {
     LockedSource& source = sources->at(update.progress.source_id);
@@ -343,7 +344,7 @@ absl::Status PostgresPriorStore::ImportAll(std::span<const PriorRecord> records,
                                            priors::ImportResult& result) {
   const auto rows = RowsOf(records);
   if (!rows.ok()) return rows.status();
-  RowChanges given;  // what waits and is no newer is dropped, whether the record is newer or not
+  RowChanges given;  // rows in quarantine that are not newer are dropped in either case
   for (const auto& [place, row] : *rows) {
     if (row.sequence > given[place].sequence) given[place] = row;
   }

@@ -29,7 +29,7 @@ constexpr const char* kTakeOut = R"sql(
     RETURNING q.key_id, q.source_id, q.sequence, q.alpha, q.beta, q.window_count,
               q.bail_out_count, k.scene_id)sql";
 
-// The columns that tell rows apart, to be parameters.
+// The columns that identify rows, as parameters.
 struct PlaceArrays {
   PostgresArray keys, sources, sequences;
 

@@ -1,5 +1,5 @@
-// The records in PostgreSQL that wait to be promoted, changed within the transaction of whoever
-// calls, who has locked their sources. They are in a table of their own, which no sum has.
+// The records in PostgreSQL that wait to be promoted. They are in a table of their own, which is in
+// no sum. They are changed in the transaction of the caller, who has locked their sources.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@
 
 namespace sweepstake::storage {
 
-// What was taken out of the quarantine: whole amounts, not changes.
+// Records taken out of the quarantine: whole amounts, not changes.
 struct QuarantinedRows {
   RowChanges rows;
-  std::set<int64_t> scenes;  // that they are about
+  std::set<int64_t> scenes;  // their scenes
   uint64_t window_count = 0;
 };
 
@@ -24,16 +24,16 @@ class PostgresQuarantine {
   // `connection` must outlive it.
   explicit PostgresQuarantine(PostgresConnection& connection) : connection_(connection) {}
 
-  // Returns what waits; what does not is left out.
+  // Returns the rows that wait. Missing ones are left out.
   absl::StatusOr<RowChanges> Load(const std::set<RowPlace>& places);
-  // Puts the rows in, where they are in the place of older ones of their key and source.
+  // Adds the rows, or replaces older rows of their keys and sources.
   absl::Status Put(const RowChanges& rows);
-  // Error: RESOURCE_EXHAUSTED (more than so many rows wait). What other daemons put in at the same
-  // time is not counted.
+  // Error: RESOURCE_EXHAUSTED (more than `max_rows` wait). Rows that other daemons add at the same
+  // time are not counted.
   absl::Status CheckSize(uint64_t max_rows);
-  // Removes what is no newer than the rows of the same key and source.
+  // Removes what is not newer than the given rows of the same key and source.
   absl::Status Drop(const RowChanges& newer);
-  // Takes out all that waits of the sources about a project, or all if that is empty.
+  // Takes out all rows of the sources about a project, or about all projects if that is empty.
   absl::StatusOr<QuarantinedRows> TakeOut(const PostgresArray& sources, const std::string& project);
 
  private:

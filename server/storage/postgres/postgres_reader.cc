@@ -15,12 +15,12 @@ using priors::SceneEvidence;
 using priors::SceneFilter;
 using priors::SceneKey;
 
-// The scene's classes of machines: the given one first, then the ones that came last.
+// The scene's classes of machines: the given one first, then the newest ones.
 constexpr const char* kSceneClasses = R"sql(
     SELECT id, machine_class FROM scene
     WHERE project = $1 AND scene = $2 AND reward_version = $4::bigint AND source_count > 0
     ORDER BY machine_class = $3 DESC, id DESC LIMIT $5::bigint)sql";
-// Each source is looked up by itself: a join may be a walk through all there are.
+// Each source is looked up by itself, because a join may read all sources.
 constexpr const char* kLatestSources = R"sql(
     SELECT k.id, source_id, (SELECT token_id FROM source WHERE id = source_id)
     FROM evidence_key k
@@ -65,7 +65,7 @@ constexpr const char* kSceneArms = R"sql(
     FROM evidence_key k WHERE scene_id = ANY($1::bigint[]) AND source_count > 0)sql";
 constexpr const char* kCountScenes =
     "SELECT count(DISTINCT scene), count(*) FROM scene WHERE project = $1 AND source_count > 0";
-// It jumps from one project to the next in the index, however many scenes they have.
+// Jumps from one project to the next in the index, however many scenes they have.
 constexpr const char* kCountProjects = R"sql(
     WITH RECURSIVE known(project) AS (
       SELECT min(project) FROM scene
@@ -74,7 +74,7 @@ constexpr const char* kCountProjects = R"sql(
       FROM known WHERE known.project IS NOT NULL)
     SELECT count(*) FROM known
     WHERE EXISTS (SELECT 1 FROM scene s WHERE s.project = known.project AND source_count > 0))sql";
-// The row value finds its place in the index, whatever comes before it.
+// The row value finds its place in the index without reading what comes before it.
 constexpr const char* kNextKey = R"sql(
     SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version, id
     FROM evidence_key
@@ -131,7 +131,7 @@ EvidenceKey KeyOf(const PostgresRow& row) {
           .reward_version = static_cast<uint32_t>(row.Integer(6))};
 }
 
-// Sums do not grow beyond what a store may have.
+// Limits a sum to the maximum of a count.
 uint64_t CountOf(const PostgresRow& row, int column) {
   return static_cast<uint64_t>(std::min(row.Number(column), Units(kMaxCount)));
 }
@@ -263,8 +263,8 @@ absl::StatusOr<std::vector<SceneEvidence>> PostgresReader::List(
     const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
   const PostgresSnapshot snapshot(connection_);
   if (!snapshot.status().ok()) return snapshot.status();
-  // It comes before all that are wanted: an empty project before every project, since none is
-  // empty, and a key without a reward version before those of its scene.
+  // The start is before all wanted scenes: an empty project is before every project, and a key
+  // without a reward version before those of its scene.
   const SceneKey start = after.value_or(SceneKey{filter.project, filter.scene, "", 0});
   std::vector<SceneEvidence> scenes;
   std::vector<int64_t> ids;
@@ -391,7 +391,7 @@ absl::StatusOr<priors::ExportPage> PostgresReader::ExportAll(const SceneFilter& 
   if (!snapshot.status().ok()) return snapshot.status();
   priors::ExportPage page{.records = {}, .next = after};
   EvidenceKey first = after.key;
-  // The index begins where the filter's project does.
+  // Begins at the filter's project in the index.
   if (first.project < filter.project) {
     first = EvidenceKey{};
     first.project = filter.project;
@@ -404,7 +404,7 @@ absl::StatusOr<priors::ExportPage> PostgresReader::ExportAll(const SceneFilter& 
     if (key->id == 0) break;
     absl::Status status = AppendEvidence(*key, limit, quarantined, page);
     if (!status.ok()) return status;
-    // The version is the last in the order of keys, and a whole number.
+    // The version comes last in the order of keys, and is a whole number.
     first = key->key;
     first_reward_version = int64_t{first.reward_version} + 1;
   }
@@ -459,7 +459,7 @@ class PostgresReadConnection final : public ReadConnection {
  public:
   explicit PostgresReadConnection(const std::string& url) : connection_(url) {}
 
-  // Where it cannot begin, each read tells why.
+  // If the snapshot fails, each read returns the error.
   priors::PriorReader& Begin() override {
     snapshot_.emplace(connection_);
     return reader_;

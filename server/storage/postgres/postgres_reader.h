@@ -1,5 +1,5 @@
-// What a prior store in PostgreSQL has, read over one connection. What a call reads is one state of
-// the store, and so is what several do in the scope of a PostgresSnapshot.
+// Reads a prior store in PostgreSQL over one connection. A call sees one state of the store, and so
+// do several calls in the scope of one PostgresSnapshot.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace sweepstake::storage {
 
 class PostgresReader : public priors::PriorReader {
  public:
-  // `connection` must outlive it. Each call connects if need be.
+  // `connection` must outlive it. Each call connects if necessary.
   explicit PostgresReader(PostgresConnection& connection) : connection_(connection) {}
 
   absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
@@ -45,36 +45,35 @@ class PostgresReader : public priors::PriorReader {
                                                           uint32_t limit,
                                                           size_t max_bytes) override;
 
-  // Returns the scenes whose evidence was changed by transactions from `since` on, and sets that to
-  // the first one that was not over yet, or comes later: no change is left out.
+  // Returns the scenes whose evidence was changed by transactions from `since` on. Sets `since` to
+  // the first transaction that was not finished yet, so that no change is left out.
   absl::StatusOr<std::vector<priors::SceneKey>> LoadChangedScenes(std::string& since);
 
  private:
   struct ExportKey {
     priors::EvidenceKey key;
-    int64_t id = 0;  // 0: there is none
+    int64_t id = 0;  // 0: missing
   };
 
-  // Appends what up to `limit` sources say of each arm of a scene, ordered by their numbers.
+  // Appends the evidence of up to `limit` sources about each arm of a scene, ordered by source.
   absl::Status AppendSources(int64_t scene_id, const priors::SceneKey& scene, uint32_t limit,
                              std::vector<priors::SceneSource>& sources);
   absl::Status LoadArms(const std::map<int64_t, priors::SceneEvidence*>& scenes);
   absl::StatusOr<priors::ExportPage> ExportAll(const priors::SceneFilter& filter,
                                                const priors::ExportPlace& after, uint32_t limit,
                                                bool quarantined);
-  // Returns the first key with evidence, there or in quarantine, that is not before `first`.
+  // Returns the first key from `first` on that has evidence, or evidence in quarantine.
   absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
                                     const priors::EvidenceKey& first, int64_t first_reward_version,
                                     bool quarantined);
-  // Appends the key's records up to `limit` of the page.
+  // Appends the key's records until the page has `limit` of them.
   absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
                               priors::ExportPage& page);
 
   PostgresConnection& connection_;
 };
 
-// Opens a connection that reads, for a ReadThread. Where the server does not answer, the reads are
-// UNAVAILABLE.
+// Opens a connection for a ReadThread. If the server does not answer, reads return UNAVAILABLE.
 std::unique_ptr<ReadConnection> OpenPostgresReadConnection(const std::string& url);
 
 }  // namespace sweepstake::storage

@@ -5,21 +5,21 @@
 namespace sweepstake::storage {
 namespace {
 
-// Keeps two daemons from making the tables at the same time; held until the transaction's end.
+// Keeps two daemons from making the tables at the same time, until the transaction's end.
 constexpr const char* kLock = "SELECT pg_advisory_xact_lock(7743300015)";
 
 constexpr int64_t kSchemaVersion = 1;
 
-// Names are compared byte by byte. Amounts of evidence are whole units of 2⁻²⁰, and all amounts and
-// counts of windows are numeric, whose sums are exact in every order. Their bounds have two sides,
-// because NaN is larger than every number here. A source's number is given by the store.
+// Names are compared byte by byte. Amounts of evidence are whole units of 2⁻²⁰. All amounts and
+// counts of windows are numeric, whose sums are exact in any order. Their bounds have two sides,
+// because PostgreSQL sorts NaN above every number. The store numbers the sources.
 //
-// Evidence refers to keys and sources without a REFERENCES: neither is ever deleted, and to look
-// both up for each row would take longer than to write it. A scene has the transaction that changed
-// its evidence last, and no index of that: it would have to be written at each commit.
+// Evidence refers to keys and sources without REFERENCES: neither is ever deleted, and the checks
+// would take longer than writing the row. A scene holds the last transaction that changed its
+// evidence, without an index, which each commit would have to update.
 //
-// A commit changes many rows of a page. Where the page is less than half full it has room for all
-// their new versions, and no index is written; the next commit takes the room of the old ones.
+// A commit changes many rows of a page. A page that is less than half full has room for their new
+// versions, so that no index is updated. The next commit uses the room of the old versions.
 constexpr const char* kSchema = R"sql(
   CREATE TABLE store (id text NOT NULL, resume_key bytea);
   INSERT INTO store VALUES (gen_random_uuid()::text);

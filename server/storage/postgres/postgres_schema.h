@@ -1,4 +1,4 @@
-// The tables of the prior store in PostgreSQL, in a schema of their own named "sweepstake".
+// The tables of the prior store in PostgreSQL, in a schema named "sweepstake".
 #pragma once
 
 #include <string>
@@ -8,14 +8,13 @@
 
 namespace sweepstake::storage {
 
-// Makes the tables if there are none, once where several daemons begin together, and returns the
-// random id that they got then, by which they can be told from those of another database. Errors:
-// those of the connection, FAILED_PRECONDITION (the tables have another schema version, or the
-// database keeps text other than as UTF-8). REQUIRES: the connection is connected, and in no
-// transaction.
+// Makes the tables if they are missing, once even if several daemons start together. Returns the
+// random id of the tables, which tells them from those of another database. Errors: those of the
+// connection, FAILED_PRECONDITION (the tables have another schema version, or the database does not
+// store text as UTF-8). REQUIRES: the connection is connected, and in no transaction.
 absl::StatusOr<std::string> PreparePostgresSchema(PostgresConnection& connection);
 
-// Returns that id. Errors: those of the connection (there are no tables: UNAVAILABLE).
+// Returns that id. Errors: those of the connection (UNAVAILABLE if the tables are missing).
 absl::StatusOr<std::string> PostgresStoreId(PostgresConnection& connection);
 
 }  // namespace sweepstake::storage

@@ -22,7 +22,7 @@ constexpr const char* kAddSources = R"sql(
     SELECT * FROM unnest($1::bigint[], $2::text[], $3::text[], $4::bigint[])
                   AS given(id, name, build, last_seen_unix_s)
     ORDER BY name COLLATE "C" ON CONFLICT (name) DO NOTHING RETURNING id)sql";
-// Where a source comes from and when it began is kept from its first commit on.
+// The origin of a source and its start are kept from its first commit on.
 constexpr const char* kUpdateSources = R"sql(
     UPDATE source s
     SET commit_sequence = g.commit_sequence, message_sequence = g.message_sequence,

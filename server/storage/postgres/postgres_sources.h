@@ -1,4 +1,4 @@
-// The sources in PostgreSQL, locked and changed within the transaction of whoever calls.
+// The sources in PostgreSQL, locked and changed in the transaction of the caller.
 #pragma once
 
 #include <cstdint>
@@ -13,27 +13,27 @@
 
 namespace sweepstake::storage {
 
-// A source, and what is known of one that is new.
+// A source that may be new, with its first values.
 struct NewSource {
   std::string name;
   std::string build = {};
   uint64_t last_seen_unix_s = 0;
 };
 
-// A source that nobody else can change until the transaction ends.
+// A source that is locked until the transaction ends.
 struct LockedSource {
   int64_t id = 0;
   bool is_session = false;
   bool revoked = false;
   uint64_t commit_sequence = 0;
   uint64_t writer = 0;
-  // Those of the transaction that apply; null if there is none.
+  // First and last applied update of the transaction, or null.
   const priors::SourceUpdate* first = nullptr;
   const priors::SourceUpdate* last = nullptr;
 
   bool takes_imports() const { return !is_session && !revoked; }
-  // Takes the update, which must outlive it. Returns false if it was applied before, or the source
-  // is revoked. Error: FAILED_PRECONDITION (PriorStore::Commit says when).
+  // Applies the update, which must outlive this object. Returns false if it was applied before or
+  // the source is revoked. Error: FAILED_PRECONDITION (see PriorStore::Commit).
   absl::StatusOr<bool> Advance(const priors::SourceUpdate& update);
 };
 using LockedSources = std::map<std::string, LockedSource>;  // by name
@@ -49,14 +49,14 @@ class PostgresSources {
   // `connection` must outlive it.
   explicit PostgresSources(PostgresConnection& connection) : connection_(connection) {}
 
-  // Locks the sources in the order of their names. New ones are added, with numbers in the order
-  // in which they are given; names may be given several times. Error: ABORTED (another daemon adds
-  // one of them at the same time).
+  // Locks the sources in the order of their names. Adds the missing ones, numbered in the order
+  // given. A name may be given several times. Error: ABORTED (another daemon adds one of them at
+  // the same time).
   absl::StatusOr<LockedSources> LockOrAdd(std::span<const NewSource> sources);
-  // Writes what the sources have taken.
+  // Writes the applied updates.
   absl::Status Update(const LockedSources& sources);
-  // Locks those that match and are not revoked or, with `quarantined`, those of which something
-  // waits: where they are revoked it is another project's, which that has left alone.
+  // Locks the matching sources that are not revoked. With `quarantined`, locks those with evidence
+  // in quarantine instead: a revocation for one project leaves that of other projects there.
   absl::StatusOr<MatchingSources> LockMatching(const priors::SourceFilter& filter,
                                                bool quarantined);
   // Revokes the sources with these ids.
@@ -64,7 +64,7 @@ class PostgresSources {
 
  private:
   absl::Status Lock(const LockedSources& names, LockedSources& found);
-  // `sources` are those that there are not, each once.
+  // REQUIRES: the sources are missing, and each is given once.
   absl::Status Add(std::span<const NewSource* const> sources, LockedSources& found);
 
   PostgresConnection& connection_;

@@ -6,7 +6,7 @@
 namespace sweepstake::storage {
 namespace {
 
-// Removes the source's evidence, and inserts the keys whose sums had it into `changed`.
+// Removes the source's evidence, and inserts the keys whose sums change into `changed`.
 absl::Status RemoveEvidence(PriorStatements& statements, int64_t source,
                             const priors::SourceFilter& filter, priors::RevokeResult& result,
                             KeyIds& changed) {

@@ -1,5 +1,5 @@
-// Which sources of the prior store on SQLite a filter means, and how they are revoked. Each of
-// these runs in the store's transaction.
+// Selects and revokes sources of the prior store on SQLite, and moves evidence into and out of the
+// quarantine. All of it runs in the store's transaction.
 #pragma once
 
 #include <cstdint>
@@ -18,20 +18,21 @@ namespace sweepstake::storage {
 
 using KeyIds = std::unordered_set<int64_t>;
 
-// Returns the ids and names of those that are not revoked or, with `quarantined`, of those of which
-// something waits: where they are revoked it is another project's, which that has left alone.
+// Returns the ids and names of the matching sources that are not revoked. With `quarantined`,
+// returns those with evidence in quarantine instead: a revocation for one project leaves that of
+// other projects there.
 absl::StatusOr<std::map<int64_t, std::string>> MatchingSources(PriorStatements& statements,
                                                                const priors::SourceFilter& filter,
                                                                bool quarantined);
 
-// Adds the sums of the keys anew.
+// Computes the sums of the keys from their rows.
 absl::Status RecountSums(PriorStatements& statements, const KeyIds& keys);
 
-// Does what PriorStore::Revoke says.
+// Implements PriorStore::Revoke.
 absl::StatusOr<priors::RevokeResult> RevokeSources(PriorStatements& statements,
                                                    const priors::SourceFilter& filter);
 
-// What a source taught about a key.
+// A source's evidence about a key.
 struct QuarantinedRow {
   int64_t source = 0;
   StoredKey key;
@@ -39,13 +40,13 @@ struct QuarantinedRow {
   priors::Evidence evidence;
 };
 
-// Returns false if what is in quarantine, or counts already, is as new.
+// Returns false if the stored evidence, in quarantine or not, is at least as new.
 absl::StatusOr<bool> SetAside(PriorStatements& statements, const QuarantinedRow& row);
 
-// Error: RESOURCE_EXHAUSTED (there are more rows).
+// Error: RESOURCE_EXHAUSTED (more than `max_rows` wait).
 absl::Status CheckQuarantineSize(PriorStatements& statements, uint64_t max_rows);
 
-// Returns the source's rows of the project, or of all if that is empty. A damaged one is left out.
+// Returns the source's rows of the project, or of all if that is empty, without damaged ones.
 absl::StatusOr<std::vector<QuarantinedRow>> QuarantinedOf(PriorStatements& statements,
                                                           int64_t source,
                                                           const std::string& project);

@@ -225,7 +225,7 @@ TEST_P(LostStoreTest, TheAdviceLeadsToABackupOrToABeginning) {
     const std::string advice(status.message());
     EXPECT_THAT(advice, HasSubstr("; move away what is there of priors.db, priors.db-wal and"));
     EXPECT_THAT(advice, HasSubstr("then put a backup in its place with `sweepstaked restore`, or"));
-    EXPECT_THAT(advice, HasSubstr("/store-id, too, to begin anew"));
+    EXPECT_THAT(advice, HasSubstr("/store-id too, to start with an empty store"));
     MoveAway();
     EXPECT_FALSE(OpenStoreOrBackup(path_).ok());
     if (restores) {
