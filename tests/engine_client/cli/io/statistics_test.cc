@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/laboratory/experiment/paper_tables.h"
-
 namespace sweepstake::cli {
 namespace {
 
@@ -120,18 +118,6 @@ TEST(HolmCorrected, StepsDownAndNeverFalls) {
                           DoubleNear(0.02, 1e-12)));
   const std::vector<double> large{0.9, 0.8};
   EXPECT_THAT(HolmCorrected(large), ElementsAre(1, 1));
-}
-
-TEST(PaperTables, HaveNineCellsWhoseTwoTablesAgree) {
-  EXPECT_EQ(PaperCells().size(), 9U);
-  for (const PaperCell& cell : PaperCells()) {
-    const std::string leader = std::string(cell.dominant) + " " +
-                               std::to_string(cell.dominant_run_count) + "/" +
-                               std::to_string(kPaperRunCount);
-    EXPECT_THAT(std::string(cell.dominance), testing::StartsWith(leader));
-    EXPECT_EQ(FindPaperCell(cell.scene, cell.object_count), &cell);
-  }
-  EXPECT_EQ(FindPaperCell("hurricane", 4000), nullptr);
 }
 
 }  // namespace
