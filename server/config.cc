@@ -143,6 +143,7 @@ absl::Status Settings::Assign(std::string Setting::*name_of, const std::string& 
     return absl::InvalidArgumentError(text::UnknownNameOfMany("setting", name, names));
   }
   absl::Status status;
+  found->option->clear();  // drops the value of a flag, which a later Parse restores
   try {
     found->option->add_result(value);
     found->option->run_callback();

@@ -87,13 +87,17 @@ TEST_F(ConfigTest, AFileSetsWhatItNames) {
 }
 
 TEST_F(ConfigTest, TheLaterSourceWins) {
-  std::ofstream(path_) << "max_scenes = 1\n[decision]\ncooldown_ms = 1\nsettling_ms = 1\n";
+  std::ofstream(path_)
+      << "max_scenes = 1\ninsecure = false\n[decision]\ncooldown_ms = 1\nsettling_ms = 1\n";
   Loaded loaded;
+  const Words flags = {"--decision-cooldown-ms", "3", "--insecure"};
+  EXPECT_EQ(loaded.Parse(flags), "");  // as the program does, to find the file
   ASSERT_TRUE(loaded.settings.ReadFile(path_).ok());
   EXPECT_EQ(loaded.ReadEnvironment(
                 {"SWEEPSTAKE_DECISION_COOLDOWN_MS=2", "SWEEPSTAKE_MAX_SCENES=2", "PATH=/bin"}),
             "");
-  EXPECT_EQ(loaded.Parse({"--decision-cooldown-ms", "3"}), "");
+  EXPECT_EQ(loaded.Parse(flags), "");
+  EXPECT_TRUE(loaded.config.insecure);
   EXPECT_EQ(loaded.config.rpc.decision.cooldown_ns, 3'000'000);
   EXPECT_EQ(loaded.config.rpc.max_scenes, 2u);
   EXPECT_EQ(loaded.config.rpc.decision.settling_ns, 1'000'000);
