@@ -5,19 +5,12 @@
 #include <openssl/sha.h>
 
 #include <algorithm>
-#include <functional>
-#include <iterator>
-#include <map>
-#include <span>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "engine_client/decider/pooling/scene_prior.h"
-#include "engine_client/decider/pooling/source_prior.h"
 #include "engine_client/decider/session/policy_registry.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
@@ -26,10 +19,11 @@
 namespace sweepstake::rpc {
 namespace {
 
-using decision::BetaPosterior;
+using decision::ArmRecord;
 using priors::EvidenceKey;
 
-// Of a project's other scenes so many are used, of so many pages of as many.
+// Bounds of the other scenes that are read for a prior: pages of kMaxOtherScenes, until as many are
+// of the session's machine class.
 constexpr uint32_t kMaxOtherScenes = 200;
 constexpr int kMaxOtherPages = 5;
 
@@ -61,156 +55,161 @@ std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
   return keys;
 }
 
-using Arm = priors::SceneEvidence::Arm;
-
-// Returns what the evidence has of the arm in Hello's version, or else in the latest other one;
-// nothing if it has neither.
-const Arm* FindArm(const priors::SceneEvidence& evidence, const v1::Arm& wanted) {
-  const Arm* found = nullptr;
-  for (const Arm& arm : evidence.arms) {  // ordered by version
-    if (arm.name != wanted.name()) continue;
-    found = &arm;
-    if (arm.backend_version == wanted.backend_version()) break;
-  }
-  return found;
+bool StartsFromPriors(const v1::Hello& hello) {
+  return decision::PolicyKindOf(hello.policy(), decision::ShippedPolicies()).starts_from_priors;
 }
 
-// Returns what it says of each of Hello's arms in Hello's version.
-std::vector<decision::EvidenceSum> PooledFor(const v1::Hello& hello,
-                                             const priors::SceneEvidence& evidence) {
-  std::vector<Arm> arms;
-  for (const v1::Arm& wanted : hello.arms()) {
-    const Arm* const found = FindArm(evidence, wanted);
-    const bool same = found != nullptr && found->backend_version == wanted.backend_version();
-    arms.push_back(same ? *found : Arm());
+decision::PriorKey PriorKeyOf(const v1::Hello& hello, const StoredStart& start) {
+  decision::PriorKey key{.project = hello.project(),
+                         .scene = hello.scene(),
+                         .machine_class = hello.machine_class(),
+                         .reward_version = FromProto(hello).reward_version,
+                         .build = hello.build(),
+                         .source = start.source ? start.source->progress.source_id : "",
+                         .arms = {},
+                         .backend_versions = {},
+                         .compares_sources = StartsFromPriors(hello)};
+  for (const v1::Arm& arm : hello.arms()) {
+    key.arms.push_back(arm.name());
+    key.backend_versions.push_back(arm.backend_version());
   }
-  return Pool(arms);
+  return key;
 }
 
-std::vector<decision::EvidenceSum> OwnEvidence(const v1::Hello& hello,
-                                               const std::optional<priors::SourceState>& source) {
-  priors::SceneEvidence own;
-  if (source) {
-    for (const auto& [key, evidence] : source->evidence)
-      own.ArmOf(key.arm, key.backend_version).of(key.measured_by) += evidence;
-  }
-  return PooledFor(hello, own);
-}
-
-decision::SourceRelation RelationOf(const v1::Hello& hello, const priors::SceneSource& source) {
-  return {.same_build = source.build == hello.build(),
-          .same_machine_class = source.evidence.key.machine_class == hello.machine_class()};
-}
-
-decision::SourceEvidence SourceEvidenceFor(const v1::Hello& hello,
-                                           const priors::SceneSource& source) {
-  const decision::SourceRelation relation = RelationOf(hello, source);
-  std::vector<Arm> arms;
-  decision::SourceEvidence result;
-  for (const v1::Arm& wanted : hello.arms()) {
-    const Arm* const found = FindArm(source.evidence, wanted);
-    arms.push_back(found != nullptr ? *found : Arm());
-    const bool same = arms.back().backend_version == wanted.backend_version();
-    result.push_back({.weight = decision::PowerPriorWeight(relation, same)});
-  }
-  const std::vector<decision::EvidenceSum> pooled = Pool(arms);
-  for (size_t arm = 0; arm < result.size(); ++arm) result[arm].sum = pooled[arm];
-  return result;
-}
-
-// Returns how many sources of each build and class of machines count how much, the heaviest first.
-std::vector<std::string> Describe(const v1::Hello& hello,
-                                  const std::vector<priors::SceneSource>& sources) {
-  constexpr size_t kMaxLines = 8;
-  using Group = std::tuple<double, std::string, std::string>;  // weight, build, class
-  std::map<Group, size_t, std::greater<>> counts;
-  for (const priors::SceneSource& source : sources) {
-    const double weight = decision::PowerPriorWeight(RelationOf(hello, source), true);
-    ++counts[{weight, source.build, source.evidence.key.machine_class}];
-  }
-  std::vector<std::string> lines;
-  for (const auto& [group, count] : counts) {
-    const auto& [weight, build, machine_class] = group;
-    if (lines.size() == kMaxLines) {
-      lines.push_back(absl::StrCat("and ", counts.size() - kMaxLines, " more groups"));
-      break;
+// What was read from the store, and records that borrow its strings.
+struct StoredEvidence {
+  // `source` must outlive the records.
+  void AddOwn(const priors::SourceState& source, std::string_view build) {
+    for (const auto& [key, evidence] : source.evidence) {
+      ArmRecord& record = records.emplace_back(
+          RecordOf(key, source.progress.source_id, build, key.arm, key.backend_version));
+      const bool is_live = key.measured_by.empty();
+      (is_live ? record.evidence.live : record.evidence.lane) = {evidence.alpha, evidence.beta};
+      if (is_live) record.evidence.bail_out_count = evidence.bail_out_count;
     }
-    const auto named = [](const std::string& name) { return name.empty() ? "unknown" : name; };
-    lines.push_back(absl::StrFormat("%d of build %s on %s at %g", count, named(build),
-                                    named(machine_class), weight));
   }
-  return lines;
-}
 
-// Adds what the sources of the scene say of it.
-absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello, StoredStart& start) {
-  const auto stored = store.LoadSources(FromProto(hello));
-  if (!stored.ok()) return stored.status();
-  std::vector<decision::SourceEvidence> sources;
-  for (const priors::SceneSource& source : *stored) {
-    if (source.id == hello.session_id() && start.source) continue;  // is the session's own
-    sources.push_back(SourceEvidenceFor(hello, source));
+  void Add(const priors::SceneEvidence& scene, std::string_view source, std::string_view build,
+           uint64_t source_count) {
+    for (const priors::SceneEvidence::Arm& arm : scene.arms) {
+      ArmRecord& record =
+          records.emplace_back(RecordOf(scene.key, source, build, arm.name, arm.backend_version));
+      record.evidence = EvidenceOf(arm);
+      record.source_count = source_count;
+    }
   }
-  start.prior_source_count = stored->size();
-  start.prior_sources = Describe(hello, *stored);
-  start.priors = decision::CombineSources(sources, start.priors);
+
+  // Reads the scene of `key`, which is a SceneKey or an EvidenceKey.
+  template <typename Key>
+  static ArmRecord RecordOf(const Key& key, std::string_view source, std::string_view build,
+                            std::string_view arm, uint32_t backend_version) {
+    return {.project = key.project,
+            .scene = key.scene,
+            .machine_class = key.machine_class,
+            .reward_version = key.reward_version,
+            .source = source,
+            .build = build,
+            .arm = arm,
+            .backend_version = backend_version};
+  }
+
+  std::vector<ArmRecord> records;
+  std::vector<priors::SceneSource> sources;
+  std::optional<priors::SceneEvidence> sum;
+  std::vector<std::vector<priors::SceneEvidence>> other_scenes;  // pages
+};
+
+// Adds the sources of the scene. The session's own evidence is already there.
+absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello,
+                        const StoredStart& start, StoredEvidence& stored) {
+  auto sources = store.LoadSources(FromProto(hello));
+  if (!sources.ok()) return sources.status();
+  stored.sources = *std::move(sources);
+  for (const priors::SceneSource& source : stored.sources) {
+    if (!start.source || source.id != hello.session_id())
+      stored.Add(source.evidence, source.id, source.build, /*source_count=*/1);
+  }
   return absl::OkStatus();
 }
 
-// The sums of all sources, for policies whose rewards cannot be compared between sources.
-absl::Status AddSums(priors::PriorReader& store, const v1::Hello& hello, StoredStart& start) {
-  const auto scene = store.LoadScene(FromProto(hello));
+// Reads the sums of all sources, for policies whose rewards cannot be compared between sources. The
+// session's own evidence is among them.
+absl::Status AddSums(priors::PriorReader& store, const v1::Hello& hello, StoredEvidence& stored) {
+  auto scene = store.LoadScene(FromProto(hello));
   if (!scene.ok()) return scene.status();
-  if (!scene->has_value()) return absl::OkStatus();
-  start.prior_source_count = (*scene)->source_count;
-  start.prior_sources = {absl::StrCat("the sums of ", start.prior_source_count, " sources")};
-  start.priors = PooledFor(hello, **scene);
+  stored.sum = *std::move(scene);
+  if (!stored.sum) return absl::OkStatus();
+  stored.records.clear();
+  stored.Add(*stored.sum, /*source=*/{}, /*build=*/{}, stored.sum->source_count);
   return absl::OkStatus();
 }
 
-// Fills in what the project's other scenes say of arms of which the scene's evidence says nothing:
-// those of this machine class, or of all classes where it has none.
 absl::Status AddOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
-                            StoredStart& start) {
+                            StoredEvidence& stored) {
   const priors::SceneKey scene = FromProto(hello);
-  struct Others {
-    std::vector<std::vector<decision::EvidenceSum>> scenes;
-    uint64_t source_count = 0;
-  };
-  Others of_class;
-  Others of_all;
+  uint32_t of_class_count = 0;
   std::optional<priors::SceneKey> after;
-  for (int page = 0; page < kMaxOtherPages && of_class.scenes.size() < kMaxOtherScenes; ++page) {
+  for (int page = 0; page < kMaxOtherPages && of_class_count < kMaxOtherScenes; ++page) {
     auto listed = store.List({.project = scene.project, .scene = {}}, after, kMaxOtherScenes);
     if (!listed.ok()) return listed.status();
     if (listed->empty()) break;
     after = listed->back().key;
-    for (const priors::SceneEvidence& other : *listed) {
+    stored.other_scenes.push_back(*std::move(listed));
+    for (const priors::SceneEvidence& other : stored.other_scenes.back()) {
       if (other.key.scene == scene.scene || other.key.reward_version != scene.reward_version)
         continue;
-      const bool is_of_class = other.key.machine_class == scene.machine_class;
-      for (Others* const others : {&of_all, is_of_class ? &of_class : nullptr}) {
-        if (others == nullptr) continue;
-        others->source_count += other.source_count;
-        others->scenes.push_back(PooledFor(hello, other));
-      }
+      if (other.key.machine_class == scene.machine_class) ++of_class_count;
+      stored.Add(other, /*source=*/{}, /*build=*/{}, other.source_count);
     }
   }
-  const Others& others = of_class.scenes.empty() ? of_all : of_class;
-  start.priors = decision::WithOtherScenes(std::move(start.priors), others.scenes);
-  if (!others.scenes.empty())
-    start.prior_sources.push_back(
-        absl::StrCat("what ", others.scenes.size(), " other scenes have in common"));
-  if (start.prior_source_count == 0 && decision::IsAnythingKnown(start.priors))
-    start.prior_source_count = others.source_count;
   return absl::OkStatus();
 }
 
-// Whether other scenes could tell something that the store's own evidence does not.
-bool LacksArms(const v1::Hello& hello, const StoredStart& start) {
-  return decision::PolicyKindOf(hello.policy(), decision::ShippedPolicies()).starts_from_priors &&
-         std::any_of(start.priors.begin(), start.priors.end(),
+// Returns lines that say which sources count how much, the heaviest first.
+std::vector<std::string> Describe(const decision::Prior& prior, bool compares_sources) {
+  constexpr size_t kMaxLines = 8;
+  std::vector<std::string> lines;
+  if (!compares_sources && prior.source_count > 0)
+    lines.push_back(absl::StrCat("the sums of ", prior.source_count, " sources"));
+  for (const decision::SourceGroup& group : prior.groups) {
+    if (lines.size() == kMaxLines) {
+      lines.push_back(absl::StrCat("and ", prior.groups.size() - kMaxLines, " more groups"));
+      break;
+    }
+    const auto named = [](const std::string& name) { return name.empty() ? "unknown" : name; };
+    lines.push_back(absl::StrFormat("%d of build %s on %s at %g", group.source_count,
+                                    named(group.build), named(group.machine_class), group.weight));
+  }
+  if (prior.other_scene_count > 0)
+    lines.push_back(absl::StrCat("what ", prior.other_scene_count, " other scenes have in common"));
+  return lines;
+}
+
+bool LacksArms(const decision::Prior& prior) {
+  return std::any_of(prior.evidence.begin(), prior.evidence.end(),
                      [](const auto& arm) { return !(arm.evidence() > 0); });
+}
+
+// Sets the prior, which includes the session's own evidence. Other scenes are read only if they can
+// say something new, and not on the writing thread, where reading them would delay commits.
+absl::Status LoadPrior(priors::PriorReader& store, const v1::Hello& hello, bool is_writing_thread,
+                       StoredStart& start) {
+  const decision::PriorKey key = PriorKeyOf(hello, start);
+  StoredEvidence stored;
+  if (start.source) stored.AddOwn(*start.source, hello.build());
+  absl::Status status;
+  if (!hello.ignore_priors()) {
+    status = key.compares_sources ? AddSources(store, hello, start, stored)
+                                  : AddSums(store, hello, stored);
+  }
+  start.prior = decision::PriorFor(stored.records, key);
+  const bool reads_others = status.ok() && !hello.ignore_priors() && !is_writing_thread;
+  if (reads_others && key.compares_sources && LacksArms(start.prior)) {
+    status = AddOtherScenes(store, hello, stored);
+    if (status.ok()) start.prior = decision::PriorFor(stored.records, key);
+  }
+  start.prior_sources = Describe(start.prior, key.compares_sources);
+  return status;
 }
 
 bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>& keys) {
@@ -249,26 +248,12 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start, int
   return identity;
 }
 
-// Returns Beta(1,1) plus the evidence. If imports have made the evidence larger than a session
-// accepts, it is scaled down in proportion.
-BetaPosterior PriorOf(const decision::EvidenceSum& evidence) {
-  constexpr double kMaxEvidence = decision::kMaxPriorEvidence / 2;
-  const double largest = std::max(evidence.alpha, evidence.beta);
-  const double scale = largest > kMaxEvidence ? kMaxEvidence / largest : 1;
-  return {1 + evidence.alpha * scale, 1 + evidence.beta * scale};
-}
-
 decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& identity,
                                const StoredStart& start, int64_t now_ns) {
   decision::SessionSetup setup;
   setup.options = identity.decision;
   setup.arms = identity.arms;
-  // Flat priors are not passed on, because a policy that starts from priors would take them for
-  // knowledge.
-  if (decision::IsAnythingKnown(start.priors)) {
-    std::transform(start.priors.begin(), start.priors.end(), std::back_inserter(setup.priors),
-                   PriorOf);
-  }
+  setup.priors = start.prior.posteriors();
   setup.seed = identity.seed;
   setup.mode = FromProto(hello.mode());
   setup.active_arm = hello.active_arm();
@@ -303,19 +288,7 @@ StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const 
       start.source = *std::move(source);
     }
   }
-  start.priors = OwnEvidence(hello, start.source);
-  if (hello.ignore_priors()) return start;
-  const bool compares =
-      decision::PolicyKindOf(hello.policy(), decision::ShippedPolicies()).starts_from_priors;
-  const absl::Status added =
-      compares ? AddSources(store, hello, start) : AddSums(store, hello, start);
-  start.status.Update(added);
-  if (!added.ok()) return start;
-  // Not where commits wait for it.
-  if (!counts && LacksArms(hello, start)) {
-    if (absl::Status status = AddOtherScenes(store, hello, start); !status.ok())
-      start.status = status;
-  }
+  start.status.Update(LoadPrior(store, hello, /*is_writing_thread=*/counts, start));
   return start;
 }
 
@@ -335,7 +308,7 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
   }
   stored.progress.source_id = identity.id;
   stored.progress.seed = identity.seed;
-  if (start.status.ok()) stored.prior_source_count = start.prior_source_count;
+  if (start.status.ok()) stored.prior_source_count = start.prior.source_count;
   return GameSession::Create(context, std::move(identity), setup, stored);
 }
 

@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/decider/pooling/prior.h"
 #include "server/sessions/game_session.h"
 #include "server/sessions/new_scenes.h"
 
@@ -35,9 +35,8 @@ namespace sweepstake::rpc {
 
 // The store's knowledge for a Hello.
 struct StoredStart {
-  std::vector<decision::EvidenceSum> priors;    // in Hello's order of arms, or none
-  uint64_t prior_source_count = 0;              // sources of that evidence
-  std::vector<std::string> prior_sources = {};  // what the audit log says of them
+  decision::Prior prior;                        // for Hello's arms
+  std::vector<std::string> prior_sources = {};  // describes its sources in the audit log
   std::optional<priors::SourceState> source;    // present if a session is resumed
   // Of a session that nothing of is stored yet, and which another daemon may have: it begins anew
   // under its id, so that the first of both to commit goes on with it, and no message counts twice.

@@ -4,23 +4,25 @@
 #include <utility>
 
 #include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/pooling/prior.h"
 #include "engine_client/decider/pooling/source_prior.h"
 
 namespace sweepstake::rpc {
 namespace {
 
-// Returns whether a session takes this part of the source for what the source says of the arm: it
-// takes the version that it has itself, or else the last one.
-bool IsLooked(const priors::SceneSource& source, const priors::EvidenceKey& key) {
-  bool has_newer = false;
+// Returns whether a session with the version `own` of the arm uses the source's evidence of the
+// key.
+bool IsUsed(const priors::SceneSource& source, const priors::EvidenceKey& key, uint32_t own) {
+  bool has_better = false;
   bool has_it = false;
   for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {
     if (arm.name != key.arm) continue;
-    has_newer = has_newer || arm.backend_version > key.backend_version;
+    has_better =
+        has_better || decision::IsBetterVersion(arm.backend_version, key.backend_version, own);
     if (arm.backend_version == key.backend_version)
       has_it = (key.measured_by.empty() ? arm.live : arm.lane) != priors::Evidence();
   }
-  return has_it && !has_newer;
+  return has_it && !has_better;
 }
 
 }  // namespace
@@ -31,14 +33,14 @@ absl::StatusOr<double> SourceWeights::Of(const priors::PriorRecord& record) {
   const auto scene = Find({key.project, key.scene, key.machine_class, key.reward_version});
   if (!scene.ok()) return scene.status();
   const auto newest = (*scene)->newest_versions.find(key.arm);
-  const bool is_newest =
-      newest != (*scene)->newest_versions.end() && newest->second == key.backend_version;
+  const uint32_t own = newest == (*scene)->newest_versions.end() ? 0 : newest->second;
+  const bool is_newest = key.backend_version == own;
   if (key.reward_version != decision::kLogCostRewardVersion) return is_newest ? 1 : 0;
   const auto source = (*scene)->sources.find(record.source_id);
-  if (source == (*scene)->sources.end() || !IsLooked(source->second, key)) return 0;
-  return decision::PowerPriorWeight(
-      {.same_build = source->second.build == (*scene)->newest_build, .same_machine_class = true},
-      is_newest);
+  if (source == (*scene)->sources.end() || !IsUsed(source->second, key, own)) return 0;
+  return decision::PowerPriorWeight({.same_build = source->second.build == (*scene)->newest_build,
+                                     .same_machine_class = true,
+                                     .same_backend_version = is_newest});
 }
 
 absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::SceneKey& key) {
@@ -50,7 +52,7 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
   uint64_t last_seen_unix_s = 0;
   for (priors::SceneSource& source : *sources) {
     if (source.evidence.key != key) continue;  // of another class
-    // Of several that were seen last, the one that came last.
+    // The last one in the order of sources wins a tie.
     if (source.last_seen_unix_s >= last_seen_unix_s) scene.newest_build = source.build;
     last_seen_unix_s = std::max(last_seen_unix_s, source.last_seen_unix_s);
     for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {

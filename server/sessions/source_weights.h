@@ -1,5 +1,5 @@
-// How much each source of stored evidence counts in sessions to come. It reads the store, and is
-// used on one of its threads.
+// The weight of each source of stored evidence in future sessions. It reads the store, and is used
+// on one of the store's threads.
 #pragma once
 
 #include <map>
@@ -10,25 +10,23 @@
 
 namespace sweepstake::rpc {
 
-// For people who look at the sources; a scene is read once.
+// For lists of sources that people read. A scene is read once.
 class SourceWeights {
  public:
   // `store` is borrowed.
   explicit SourceWeights(priors::PriorReader& store) : store_(store) {}
 
-  // Returns how much the record counts in a new session of its scene and class of machines, which
-  // plays the build of the source that was seen there last and has the newest version of the arm
-  // that is known there. It is the weight that session_start.cc gives; 0 for what no such session
-  // looks at: what waits in quarantine, or is not among the sources that LoadSources chooses of the
-  // arm. Where rewards do not tell costs, the sums of all sources count, which is 1. Errors: those
-  // of PriorReader::LoadSources.
+  // Returns the weight that PriorFor gives the record in a session of its scene and machine class,
+  // with the build that was seen there last and the newest version of the arm. 0 for records that
+  // such a session does not use: in quarantine, or not among the sources that LoadSources chooses.
+  // 1 if the policy sums rewards over all sources. Errors: those of PriorReader::LoadSources.
   absl::StatusOr<double> Of(const priors::PriorRecord& record);
 
  private:
   struct Scene {
     std::map<std::string, priors::SceneSource> sources;  // those of its class, by id
     std::map<std::string, uint32_t> newest_versions;     // by arm
-    std::string newest_build;                            // that of the source seen last
+    std::string newest_build;
   };
 
   absl::StatusOr<const Scene*> Find(const priors::SceneKey& key);

@@ -27,10 +27,11 @@ const char* WordOf(Fitness fitness) {
   return "foreign";
 }
 
-// Of what this machine and build measure with the same arm.
-double WeightOf(const decision::SourceRelation& relation, bool same_arm_version) {
-  return decision::PowerPriorWeight(relation, same_arm_version) /
-         decision::PowerPriorWeight({true, true}, true);
+// Relative to evidence that this machine and build measured with the same version of the arm.
+double WeightOf(decision::SourceRelation relation, bool same_arm_version) {
+  relation.same_backend_version = same_arm_version;
+  return decision::PowerPriorWeight(relation) /
+         decision::PowerPriorWeight({.same_build = true, .same_machine_class = true});
 }
 
 // Below 1 % with a decimal, since 0 % would be foreign.

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/pooling/prior.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -26,23 +26,17 @@ PriorsGroupKey GroupOf(const PriorRecord& record) {
 }
 
 PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions& own) {
-  // The one with the greatest rank is taken.
-  const auto rank = [&](const std::string& arm, uint32_t version) -> uint64_t {
-    const auto known = own.find(arm);
-    const bool is_own = known != own.end() && known->second == version;
-    return is_own ? std::numeric_limits<uint64_t>::max() : version;
-  };
   PriorsGroups groups;
   for (const PriorRecord& record : records) {
     PriorsGroup& group = groups[GroupOf(record)];
     group.sources.insert(record.source_id);
     group.last_seen_unix_s = std::max(group.last_seen_unix_s, record.last_seen_unix_s);
     PriorsArm& arm = group.arms[record.arm];
-    const uint64_t rank_here = rank(record.arm, record.backend_version);
-    const uint64_t rank_taken = rank(record.arm, arm.version);
-    if (rank_here < rank_taken) continue;
-    if (rank_here > rank_taken) arm = {.version = record.backend_version};
-    Add(record, arm);
+    const auto known = own.find(record.arm);
+    const uint32_t own_version = known == own.end() ? 0 : known->second;
+    if (decision::IsBetterVersion(record.backend_version, arm.version, own_version))
+      arm = {.version = record.backend_version};
+    if (record.backend_version == arm.version) Add(record, arm);
   }
   return groups;
 }

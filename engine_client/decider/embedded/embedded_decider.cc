@@ -80,7 +80,7 @@ std::string NewSourceId() {
   return name.data();
 }
 
-// What waits in a daemon's quarantine counts in no game either.
+// Records that wait in a daemon's quarantine do not count in a game either.
 std::vector<PriorRecord> WithoutQuarantined(std::vector<PriorRecord> records) {
   std::erase_if(records, [](const PriorRecord& record) { return record.is_quarantined; });
   return records;
@@ -107,18 +107,18 @@ std::string MachineClassOf(const EmbeddedOptions& options) {
   return options.machine_class.empty() ? MachineClass() : options.machine_class;
 }
 
-EvidenceLedger MakeLedger(std::vector<PriorRecord> records, const EmbeddedOptions& options,
-                          const decision::PolicyKind& policy, std::span<const std::string> arms,
-                          std::span<const uint32_t> arm_versions) {
-  EvidenceLedger::Key key{
-      .project = options.project,
-      .scene = options.scene,
-      .machine_class = MachineClassOf(options),
-      .reward_version = policy.reward_version,
-      .source_id = options.source_id.empty() ? NewSourceId() : options.source_id,
-      .build = options.build,
-      .compares_sources = policy.starts_from_priors};
-  return {std::move(records), std::move(key), arms, arm_versions};
+decision::PriorKey PriorKeyOf(const EmbeddedOptions& options, const decision::PolicyKind& policy,
+                              std::span<const std::string> arms,
+                              std::span<const uint32_t> arm_versions) {
+  return {.project = options.project,
+          .scene = options.scene,
+          .machine_class = MachineClassOf(options),
+          .reward_version = policy.reward_version,
+          .build = options.build,
+          .source = options.source_id.empty() ? NewSourceId() : options.source_id,
+          .arms = {arms.begin(), arms.end()},
+          .backend_versions = {arm_versions.begin(), arm_versions.end()},
+          .compares_sources = policy.starts_from_priors};
 }
 
 decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const std::string> arms,
@@ -266,10 +266,10 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
   }
   Result<std::vector<PriorRecord>> records = ReadPriors(options);
   if (!records.ok()) return records.status();
-  EvidenceLedger ledger =
-      MakeLedger(std::move(*records), options, decision::PolicyKindOf(options.policy, policies),
-                 arms, arm_versions);
-  if (ledger.prior_source_count() > 0) setup.priors = ledger.priors();
+  EvidenceLedger ledger(
+      std::move(*records),
+      PriorKeyOf(options, decision::PolicyKindOf(options.policy, policies), arms, arm_versions));
+  setup.priors = ledger.prior().posteriors();
   if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *error);
   }
@@ -285,7 +285,7 @@ Result<std::string> EmbeddedDecider::ArmOfPriors(const EmbeddedOptions& options,
   const auto decider = Create(options, arms, arm_versions, 0);
   if (!decider.ok()) return decider.status();
   std::optional<size_t> best;
-  const auto given = (*decider)->impl_->ledger().given();
+  const auto& given = (*decider)->impl_->ledger().prior().evidence;
   const auto mean = [&](size_t arm) { return given[arm].alpha / given[arm].evidence(); };
   for (size_t arm = 0; arm < given.size(); ++arm) {
     if (given[arm].evidence() > 0 && (!best || mean(arm) > mean(*best))) best = arm;
@@ -328,7 +328,7 @@ const std::optional<DecisionEvent>& EmbeddedDecider::last_decision() const {
 }
 uint64_t EmbeddedDecider::decision_count() const { return impl_->session().decision_count(); }
 uint64_t EmbeddedDecider::prior_source_count() const {
-  return impl_->ledger().prior_source_count();
+  return impl_->ledger().prior().source_count;
 }
 std::string EmbeddedDecider::ExportPriors() const {
   return FormatPriors(impl_->ledger().records());

@@ -24,12 +24,24 @@ struct EvidenceSum {
   double beta = 0;   // finite, >= 0
 
   double evidence() const { return alpha + beta; }
+  EvidenceSum& operator+=(const EvidenceSum& other) {
+    alpha += other.alpha;
+    beta += other.beta;
+    return *this;
+  }
 };
 
 struct ArmEvidence {
   EvidenceSum live = {};        // windows, and the penalties of bail-outs
-  EvidenceSum lane = {};        // visits; reward version 3 alone has some
-  uint64_t bail_out_count = 0;  // of those penalties
+  EvidenceSum lane = {};        // visits; only reward version 3 has any
+  uint64_t bail_out_count = 0;  // penalties in `live`
+
+  ArmEvidence& operator+=(const ArmEvidence& other) {
+    live += other.live;
+    lane += other.lane;
+    bail_out_count += other.bail_out_count;
+    return *this;
+  }
 };
 
 // Returns whether any arm has evidence.

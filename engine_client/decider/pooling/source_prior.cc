@@ -177,10 +177,10 @@ class MedianPolish {
 
 }  // namespace
 
-double PowerPriorWeight(const SourceRelation& relation, bool same_backend_version) {
+double PowerPriorWeight(const SourceRelation& relation) {
   return (relation.same_build ? kSameBuildWeight : kOtherBuildWeight) *
          (relation.same_machine_class ? 1 : kOtherMachineClassFactor) *
-         (same_backend_version ? 1 : kOtherBackendVersionFactor);
+         (relation.same_backend_version ? 1 : kOtherBackendVersionFactor);
 }
 
 std::vector<EvidenceSum> CombineSources(std::span<const SourceEvidence> sources,

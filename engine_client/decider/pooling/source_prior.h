@@ -21,11 +21,12 @@ namespace sweepstake::decision {
 struct SourceRelation {
   bool same_build = false;
   bool same_machine_class = false;
+  bool same_backend_version = true;  // of the arm
 };
 
-// Returns how much of what a source says of an arm counts: the weight of a power prior (J. Ibrahim,
+// Returns the weight of a source's evidence about an arm, that of a power prior (J. Ibrahim,
 // M.-H. Chen, "Power prior distributions for regression models", Statistical Science 15, 2000).
-double PowerPriorWeight(const SourceRelation& relation, bool same_backend_version);
+double PowerPriorWeight(const SourceRelation& relation);
 
 // What one source knows of an arm.
 struct SourceArm {

@@ -126,17 +126,19 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message) {
   message.set_reward_version(key.reward_version);
 }
 
-std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::Arm> arms) {
-  std::vector<decision::ArmEvidence> evidence;
-  for (const auto& arm : arms) {
-    evidence.push_back({.live = {arm.live.alpha, arm.live.beta},
-                        .lane = {arm.lane.alpha, arm.lane.beta},
-                        .bail_out_count = arm.live.bail_out_count});
-  }
-  return decision::PoolEvidence(evidence);
+decision::ArmEvidence EvidenceOf(const priors::SceneEvidence::Arm& arm) {
+  return {.live = {arm.live.alpha, arm.live.beta},
+          .lane = {arm.lane.alpha, arm.lane.beta},
+          .bail_out_count = arm.live.bail_out_count};
 }
 
 namespace {
+
+std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::Arm> arms) {
+  std::vector<decision::ArmEvidence> evidence;
+  for (const auto& arm : arms) evidence.push_back(EvidenceOf(arm));
+  return decision::PoolEvidence(evidence);
+}
 
 // Pools the newest version of each arm with those of the others, as sessions do, and older ones
 // alone.

@@ -44,8 +44,7 @@ void ToProto(const decision::DecisionRecord& record, uint32_t arm, v1::ArmStandi
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message);
 // Fills in the key only.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
-// Returns what the arms' evidence says together (priors/pooling/scene_prior.h).
-std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::Arm> arms);
+decision::ArmEvidence EvidenceOf(const priors::SceneEvidence::Arm& arm);
 // The posteriors are Beta(1,1) plus what that is. The caller sets active_session_count.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
 // The caller sets unix_ms.

@@ -40,7 +40,7 @@ std::vector<double> ClassRatios(uint32_t arm_count, uint64_t seed) {
 
 // What one source says to a session that nothing is known of.
 Sums OfSource(const Sums& taught, const decision::SourceRelation& relation) {
-  const double weight = decision::PowerPriorWeight(relation, /*same_backend_version=*/true);
+  const double weight = decision::PowerPriorWeight(relation);
   decision::SourceEvidence source;
   for (const EvidenceSum& sum : taught) source.push_back({sum, weight});
   return decision::CombineSources({&source, 1}, Sums(taught.size()));

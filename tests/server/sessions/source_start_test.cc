@@ -4,7 +4,9 @@
 #include <functional>
 #include <string>
 
+#include "engine_client/decider/embedded/priors_file.h"
 #include "engine_client/decider/policy/log_cost.h"
+#include "sweepstake/embedded_decider.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {
@@ -94,8 +96,8 @@ TEST_F(SourceStartTest, AnotherBuildClassOrVersionCountsLess) {
   EXPECT_LT(machine_class, version);
 }
 
-// Somebody changes the scene, and with it which arm is the cheapest: the latest sources are heard,
-// of which those of the new build count the more.
+// A change of the scene changes which arm is cheapest. The latest sources are used, and those of
+// the new build weigh more.
 TEST_F(SourceStartTest, WhatABuildTaughtBeforeTheSceneWasChangedFades) {
   for (int i = 0; i < 100; ++i) {
     PutSource("old " + std::to_string(i), 100, 300, [](auto& record) { record.build = "1.0"; });
@@ -120,6 +122,150 @@ TEST_F(SourceStartTest, ALoudSourceDoesNotOutshoutTheOthers) {
     record.evidence.beta *= 1e6;
   });
   EXPECT_NEAR(Begin().ratio, honest, 0.1);
+}
+
+// The record as it stands in a priors file.
+PriorRecord FileRecordOf(const priors::PriorRecord& record) {
+  return {.project = record.key.project,
+          .scene = record.key.scene,
+          .measured_by = record.key.measured_by,
+          .arm = record.key.arm,
+          .backend_version = record.key.backend_version,
+          .machine_class = record.key.machine_class,
+          .reward_version = record.key.reward_version,
+          .source_id = record.source_id,
+          .source_sequence = record.source_sequence,
+          .alpha_increment = record.evidence.alpha,
+          .beta_increment = record.evidence.beta,
+          .window_count = record.evidence.window_count,
+          .bail_out_count = record.evidence.bail_out_count,
+          .build = record.build};
+}
+
+class SamePriorTest : public SourceStartTest {
+ protected:
+  // A record of a live window.
+  static priors::PriorRecord WindowOf(const std::string& source, const std::string& arm,
+                                      double alpha, double beta) {
+    priors::PriorRecord record = RecordOf(source, arm, 100);
+    record.key.measured_by.clear();
+    record.evidence = priors::InUnits({.alpha = alpha, .beta = beta, .window_count = 4});
+    return record;
+  }
+
+  // Starts a session of the daemon and an embedded decider from the same evidence, and compares
+  // their priors bit by bit.
+  void ExpectSamePriors(std::vector<priors::PriorRecord> records, const std::string& policy) {
+    std::vector<PriorRecord> file;
+    for (priors::PriorRecord& record : records) {
+      record.evidence = priors::InUnits(record.evidence);  // as stores keep it
+      file.push_back(FileRecordOf(record));
+    }
+    Put(records);
+    v1::Hello hello = Hello();
+    hello.set_policy(policy);
+    const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
+    std::vector<std::string> arms;
+    std::vector<uint32_t> versions;
+    for (const v1::Arm& arm : hello.arms()) {
+      arms.push_back(arm.name());
+      versions.push_back(arm.backend_version());
+    }
+    EmbeddedOptions options;
+    options.project = hello.project();
+    options.scene = hello.scene();
+    options.machine_class = hello.machine_class();
+    options.build = hello.build();
+    options.policy = policy;
+    options.priors_data = FormatPriors(file);
+    const auto decider = EmbeddedDecider::Create(options, arms, versions, 0);
+    ASSERT_TRUE(decider.ok()) << decider.status().message();
+    EXPECT_EQ((*decider)->prior_source_count(), welcome.prior_source_count());
+    ASSERT_EQ(static_cast<size_t>(welcome.priors_size()), (*decider)->beliefs().size());
+    size_t best = 0;
+    for (size_t arm = 0; arm < arms.size(); ++arm) {
+      const v1::BetaPosterior& prior = welcome.priors(static_cast<int>(arm));
+      EXPECT_EQ(prior.alpha(), (*decider)->beliefs()[arm].alpha) << arms[arm];
+      EXPECT_EQ(prior.beta(), (*decider)->beliefs()[arm].beta) << arms[arm];
+      EXPECT_GT(prior.alpha(), 1) << "the evidence says nothing about " << arms[arm];
+      const auto mean = [&](size_t i) {
+        const v1::BetaPosterior& of_arm = welcome.priors(static_cast<int>(i));
+        return of_arm.alpha() / (of_arm.alpha() + of_arm.beta());
+      };
+      if (mean(arm) > mean(best)) best = arm;
+    }
+    // `sweepstake priors arm` prints this.
+    EXPECT_EQ(*EmbeddedDecider::ArmOfPriors(options, arms, versions), arms[best]);
+  }
+};
+
+TEST_F(SamePriorTest, OfSourcesThatDifferInBuildMachineClassAndVersion) {
+  std::vector<priors::PriorRecord> records;
+  int n = 0;
+  for (const char* build : {"1.1", "1.0", ""}) {
+    for (const char* machine_class : {"desktop", "laptop"}) {
+      for (const uint32_t version : {1u, 2u, 3u}) {
+        const std::string source = "z" + std::to_string(97 * ++n % 31);
+        for (priors::PriorRecord record :
+             {RecordOf(source, "Grid", 100 + n), RecordOf(source, "SAP", 190 + 3 * n),
+              RecordOf(source, "KDTree", 140 - n), WindowOf(source, "Grid", 10 + n, 11.3)}) {
+          record.build = build;
+          record.key.machine_class = machine_class;
+          if (record.key.arm == "SAP") record.key.backend_version = version;
+          records.push_back(record);
+        }
+      }
+    }
+  }
+  ExpectSamePriors(records, "adaptive");
+}
+
+TEST_F(SamePriorTest, OfASourceWithSeveralVersionsOfAnArm) {
+  std::vector<priors::PriorRecord> records = {
+      RecordOf("a", "Grid", 100), RecordOf("a", "Grid", 300), RecordOf("a", "SAP", 150),
+      RecordOf("a", "SAP", 250), RecordOf("a", "KDTree", 90)};
+  records[1].key.backend_version = 2;
+  records[2].key.backend_version = 2;
+  records[3].key.backend_version = 3;
+  ExpectSamePriors(records, "adaptive");
+}
+
+TEST_F(SamePriorTest, OfTheSceneAndOthers) {
+  std::vector<priors::PriorRecord> records = {RecordOf("a", "Grid", 100)};
+  for (const char* scene : {"desert", "forest", "mine"}) {
+    for (const char* arm : {"Grid", "SAP", "KDTree"}) {
+      records.push_back(RecordOf("b", arm, 100 + 10 * static_cast<double>(records.size())));
+      records.back().key.scene = scene;
+      records.push_back(RecordOf("c", arm, 70));
+      records.back().key.scene = scene;
+      records.back().key.machine_class = "laptop";
+    }
+  }
+  ExpectSamePriors(records, "adaptive");
+}
+
+TEST_F(SamePriorTest, OfOtherScenesAlone) {
+  std::vector<priors::PriorRecord> records;
+  for (const char* source : {"a", "b"}) {
+    for (const char* arm : {"Grid", "SAP", "KDTree"}) {
+      records.push_back(RecordOf(source, arm, 100 + 10 * static_cast<double>(records.size())));
+      records.back().key.scene = "desert";
+      records.back().key.machine_class = "laptop";
+    }
+  }
+  ExpectSamePriors(records, "adaptive");
+}
+
+TEST_F(SamePriorTest, OfSummedRewards) {
+  std::vector<priors::PriorRecord> records;
+  for (const char* source : {"a", "b", "c"}) {
+    for (const char* arm : {"Grid", "SAP", "KDTree"}) {
+      const auto n = static_cast<double>(records.size());
+      records.push_back(WindowOf(source, arm, 3.7 + n, 9.1 / (1 + n)));
+      records.back().key.reward_version = 1;
+    }
+  }
+  ExpectSamePriors(records, "paper");
 }
 
 }  // namespace
