@@ -1,5 +1,5 @@
-// The plain values that go into and come out of the decision core. There is no clock, no I/O and no
-// thread here.
+// The plain values of a decision session beside those of sweepstake/frame_sample.h. There is no
+// clock, I/O or thread here.
 //
 // Times are int64_t nanoseconds of the caller's steady clock, which may have any origin; they are
 // passed in as `now_ns`. Arms are indices into the session's list of names.
@@ -13,52 +13,13 @@
 #include <vector>
 
 #include "engine_client/math/beta_distribution.h"
+#include "sweepstake/frame_sample.h"
 
 namespace sweepstake::decision {
 
-// The bits of Frame::flags have the values of sweepstake.v1.FrameFlag; the last one is the daemon's
-// own and never comes from a client: a bail-out that is answered without being evidence, since
-// there were too many of its client's token or address.
-enum FrameFlag : uint32_t {
-  kFrameRebuild = 1,
-  kFramePaused = 2,
-  kFrameLoading = 4,
-  kFrameBailOut = 8,
-  kFrameNoEvidence = uint32_t{1} << 31
-};
-
-// The cost of one frame (paper §4: FPS, DET, MEM, CHK).
-struct Frame {
-  uint64_t frame_time_ns = 0;      // time of the whole frame, unscaled
-  uint64_t detection_time_ns = 0;  // time of update and search
-  uint64_t aabb_check_count = 0;
-  uint64_t native_bytes = 0;
-  uint32_t object_count = 0;
-  uint32_t arm = 0;
-  uint32_t switch_epoch = 0;
-  uint32_t flags = 0;
-};
-
-// One visit of the shadow lane measures what one arm costs off the frame thread, on copies of the
-// boxes of consecutive frames. Visits with the same first_frame_index were measured on the same
-// frames and form a sweep, which includes the arm that was active then.
-struct ShadowSample {
-  uint64_t first_frame_index = 0;
-  uint64_t detection_time_ns = 0;  // median of update and search over the measured frames
-  uint64_t build_time_ns = 0;      // build and search of the first frame
-  uint64_t aabb_check_count = 0;   // mean over the measured frames
-  uint64_t native_bytes = 0;
-  uint32_t arm = 0;
-  uint32_t object_count = 0;
-  uint32_t frame_count = 0;  // measured frames; the build and the warm-up are not counted
-  uint32_t flags = 0;        // bits of ShadowFlag
-};
-
-// The bits of ShadowSample::flags have the values of sweepstake.v1.ShadowFlag.
-enum ShadowFlag : uint32_t {
-  kShadowActive = 1,  // the arm was active on the frame thread
-  kShadowCapped = 2,  // a cap of the lane ended the visit; the times cover what ran until then
-};
+// A bit of FrameSample::flags that the daemon sets itself and never accepts from a client: the
+// bail-out is answered but is not evidence, because its client's token or address sent too many.
+inline constexpr uint32_t kFrameNoEvidence = uint32_t{1} << 31;
 
 // The properties of the scene that matter to a broad phase (sweepstake.v1.SceneDescriptor). A value
 // that was not measured is absent.
@@ -72,8 +33,8 @@ struct SceneDescriptor {
   std::optional<double> static_ratio;
 };
 
-// What has ended a trial (SwitchCommand): two frames, of which this is the shorter one, or all of
-// them, of which it is at most the mean. The arm may cost more, and was not let.
+// The early end of a trial (SwitchCommand). detection_time_ns is the shorter one of the two frames
+// that ended it, or at most the mean of all frames. It is a lower bound of the arm's cost.
 struct TrialEnd {
   uint32_t arm = 0;  // the arm that was tried
   uint64_t detection_time_ns = 0;
@@ -83,44 +44,20 @@ struct TrialEnd {
 struct SwitchCost {
   uint64_t rebuild_time_ns = 0;   // time of a build on the frame thread; 0 if it was built before
   uint64_t settling_cost_ns = 0;  // sum of the settling frames' time above the settled mean
-  std::optional<TrialEnd> ended_trial = {};  // with the client's own way back; it has no cost yet
+  // present if the client itself switched back; the switch has no cost yet
+  std::optional<TrialEnd> ended_trial = {};
 };
 
-enum class Mode : uint32_t { kManual = 1, kAi = 2 };
-enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
-
-// The words of an enumeration by value; an empty word means that there is no such value.
+// Words of an enumeration by value. An empty word means that the value does not exist.
 inline constexpr std::array<std::string_view, 3> kModeNames = {"", "manual", "ai"};
 inline constexpr std::array<std::string_view, 5> kSwitchReasonNames = {"", "policy", "exploration",
                                                                        "bail-out", "manual"};
 
-// The outcome of a tick's candidate. The values are those of sweepstake.v1.DecisionOutcome; 10 and
-// 11 were used by older versions and must not be reused.
-enum class Outcome : uint32_t {
-  kKept = 1,
-  kSwitched = 2,
-  kHeldCooldown = 3,
-  kHeldSettling = 4,  // all frames were settling ones, or a commanded switch is under way
-  kNoFrames = 5,      // no frame to learn from has arrived since the last tick
-  kManual = 6,
-  kExploring = 7,  // there is no candidate; a command, if any, names the next arm of the order
-  kRejected = 8,   // a metric of the window is not finite
-  kHeldGate = 9,   // the expected gain does not pay for the switch
-  kHeldTie = 12,   // the expected gain is too small to matter
-};
 inline constexpr std::array<std::string_view, 13> kOutcomeNames = {
     "",          "kept",   "switched",  "held-cooldown", "held-settling",
     "no-frames", "manual", "exploring", "rejected",      "held-gate",
     "",          "",       "held-tie"};
 
-// What the posteriors say about the scene (paper §7.1 uses posteriors as a diagnosis).
-enum class Verdict : uint32_t {
-  kUnknown = 0,    // nothing is decided yet
-  kStable = 1,     // P(best) of the leader is 0.8 or more
-  kTie = 2,        // P(best) is lower, and choosing the leader loses 0.5 % or less
-  kAmbiguous = 3,  // P(best) is lower, and choosing the leader may lose more
-  kDegraded = 4,   // even the leader misses the frame-rate floor
-};
 inline constexpr std::array<std::string_view, 5> kVerdictNames = {"unknown", "stable", "tie",
                                                                   "ambiguous", "degraded"};
 
@@ -129,15 +66,13 @@ struct Diagnosis {
   std::vector<double> best_probability;  // has one per arm, sum 1; empty while nothing is learnt
   uint32_t leader = 0;                   // the arm with the highest best_probability
   double expected_loss_ratio = 0;        // loss of choosing the leader ÷ the best arm's cost
-  // What perfect information would gain over choosing the arm with the best mean, on the same
-  // scale.
+  // The gain of perfect information over choosing the arm with the best mean, on the same scale.
   double value_remaining_ratio = 0;
   double entropy = 0;  // entropy of best_probability, in nats
   Verdict verdict = Verdict::kUnknown;
 };
 
-// A cost ÷ another one, of which it is believed to have this median, and to be from low to high
-// with a probability of 95 %.
+// A ratio of two costs: its median, and the interval that contains it with a probability of 95 %.
 struct CostRatio {
   double median = 1;
   double low = 1;
@@ -145,39 +80,30 @@ struct CostRatio {
   bool operator==(const CostRatio&) const = default;
 };
 
-// What a session has measured of an arm, and what follows from it in units that people read.
+// What a session has measured of an arm, in units that people read.
 struct ArmStanding {
   uint64_t live_window_count = 0;  // windows learnt
   uint64_t lane_visit_count = 0;   // visits of the shadow lane learnt
-  // The number of live windows, of an arm that does not change, that would leave a posterior of
-  // this width; priors and visits count for what they tell, and so may windows for less than one.
+  // The width of the posterior, as the number of live windows of an unchanging arm that would give
+  // it. It includes priors and visits.
   double effective_window_count = 0;
-  // Cost ÷ the leader's; absent while nothing is learnt, and where rewards do not tell costs
-  // (log_cost.h).
+  // Cost ÷ the leader's cost. Absent while nothing is learnt, and if rewards do not depend on the
+  // cost alone (log_cost.h).
   std::optional<CostRatio> cost_ratio;
 };
 
-// The terms of the switch-cost gate for the candidate, which passes if
-// horizon_s · gain − cooldown_s · loss − cost_s > 0. The difference d is the log-cost of the active
-// arm minus that of the candidate.
+// The terms of the switch-cost gate for the candidate, which passes if horizon_s · gain −
+// cooldown_s · loss − cost_s > 0. The difference d is the log-cost of the active arm minus that of
+// the candidate.
 struct GateTerms {
   double gain = 0;  // E⁺ = E[max(d, 0)]
-  double loss = 0;  // E⁻ = E[max(−d, 0)]; of a trial at most what its budget allows
+  double loss = 0;  // E⁻ = E[max(−d, 0)]; for a trial, limited by its budget
   double horizon_s = 0;
   double cooldown_s = 0;
   double cost_s = 0;  // measured cost of the switch
 };
 
-struct SwitchCommand {
-  uint64_t command_id = 0;  // counts from 1 within the session
-  uint32_t arm = 0;
-  SwitchReason reason = SwitchReason::kPolicy;
-  // A trial: the client goes back by itself if the new arm makes frames longer than this share of
-  // the longest ones before the switch, in percent, or has spent the trial's budget. 0: no trial.
-  uint32_t trial_limit_percent = 0;
-};
-
-// The evidence about one arm that a tick or a bail-out adds, as it is stored.
+// The evidence about one arm that a tick or a bail-out adds to the store.
 struct Increment {
   uint32_t arm = 0;
   double alpha = 0;           // >= 0
@@ -191,8 +117,8 @@ struct DecisionRecord {
   uint64_t decision_id = 0;  // counts from 1 within the session
   int64_t time_ns = 0;
   uint32_t active_arm = 0;
-  std::optional<uint32_t> candidate;  // absent if the policy was not asked
-  Outcome outcome = Outcome::kKept;
+  std::optional<uint32_t> candidate;  // absent if the policy did not choose
+  DecisionOutcome outcome = DecisionOutcome::kKept;
   std::optional<SwitchReason> reason;     // reason of the commanded switch
   std::optional<double> reward;           // absent if there was no window to learn from
   std::vector<double> draws;              // has one per arm; empty if nothing was drawn

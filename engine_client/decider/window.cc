@@ -7,9 +7,9 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kTypicalStep = 1.02;  // by which each frame moves the typical one its way
+constexpr double kTypicalStep = 1.02;  // relative step of the typical time per frame
 constexpr double kMaxCalmRatio = 2;
-// Of a window's frames at most one in so many is longer because it was interrupted.
+// At most 1 in kFramesPerInterruption frames is assumed to be an interruption.
 constexpr uint64_t kFramesPerInterruption = 5;
 
 }  // namespace
@@ -19,7 +19,7 @@ bool WindowMetrics::IsFinite() const {
          std::isfinite(native_mib) && std::isfinite(check_ratio);
 }
 
-void Window::Add(const Frame& frame) {
+void Window::Add(const FrameSample& frame) {
   ++frame_count_;
   time_ns_ += static_cast<double>(frame.frame_time_ns);
   const double detection_ns = static_cast<double>(frame.detection_time_ns);
@@ -36,8 +36,7 @@ void Window::Add(const Frame& frame) {
   peak_bytes_ = std::max(peak_bytes_, frame.native_bytes);
 }
 
-// Moved by so much up or down, whichever way a frame lies, the typical time comes to rest where as
-// many frames lie above as below.
+// Stochastic-approximation median: steps up or down by a fixed ratio.
 void Window::AddCalm(double detection_ns) {
   if (detection_ns == 0) return;
   ++calm_frame_count_;

@@ -15,12 +15,12 @@ namespace sweepstake::decision {
 struct WindowMetrics {
   double fps = 0;           // frames ÷ unscaled time; infinite if the frames took no time
   double detection_ms = 0;  // mean of update and search per frame
-  // The same mean over the frames with a search alone, none of which counts for more than twice the
-  // typical one of the run, unless more than a fifth of them are longer: what interrupts the frame
-  // thread lengthens a few frames to many times their time, and is no arm's; nor is how often a
-  // game searches.
+  // The mean over the calm frames: frames with a search, each limited to twice the typical time of
+  // the run. If more than a fifth of the frames are longer, they are not limited. An interruption
+  // of the frame thread lengthens a few frames to many times their time, and is not a cost of the
+  // arm; nor is the number of searches that a game makes.
   double calm_detection_ms = 0;
-  double native_mib = 0;  // peak
+  double native_mib = 0;  // maximum
   // Checks ÷ n(n−1)/2, both summed over the frames. Without any pair it is 0 if nothing was
   // checked, else 1.
   double check_ratio = 0;
@@ -30,16 +30,16 @@ struct WindowMetrics {
 class Window {
  public:
   // A frame with kFrameRebuild counts in every metric except the detection means, which are those
-  // of the arm's ordinary frames. If every frame of the window rebuilt because the object count
-  // changes all the time, rebuilding is what the arm costs, and the mean is over all frames.
-  void Add(const Frame& frame);
-  // Begins the next window of the same run, which keeps what is typical of it.
+  // of the arm's ordinary frames. If every frame of the window rebuilt, because the object count
+  // changes all the time, the mean is over all frames: rebuilding is part of the arm's cost.
+  void Add(const FrameSample& frame);
+  // Begins the next window of the same run. The typical time is kept.
   void Clear();
 
   bool empty() const { return frame_count_ == 0; }
   uint64_t frame_count() const { return frame_count_; }
-  // Whether it says what its arm costs: a frame searched without a rebuild, or all of them rebuilt.
-  // In a menu none may have searched.
+  // Returns whether the window shows the cost of its arm: a frame searched without a rebuild, or
+  // all of them rebuilt. In a menu there may be none.
   bool tells_cost() const {
     return calm_frame_count_ > 0 || (ordinary_frame_count_ == 0 && rebuild_detection_ns_ > 0);
   }
@@ -64,9 +64,9 @@ class Window {
   uint64_t ordinary_frame_count_ = 0;  // frames that did not rebuild
   double time_ns_ = 0;
   double ordinary_detection_ns_ = 0;
-  double calm_detection_ns_ = 0;     // as far as a frame does not exceed twice the typical one
+  double calm_detection_ns_ = 0;     // each frame limited to twice the typical time
   uint64_t calm_frame_count_ = 0;    // ordinary frames with a search
-  uint64_t long_frame_count_ = 0;    // those that exceed it
+  uint64_t long_frame_count_ = 0;    // frames above twice the typical time
   double typical_detection_ns_ = 0;  // near the median of the run's searches; 0: none yet
   double rebuild_detection_ns_ = 0;
   double check_count_ = 0;

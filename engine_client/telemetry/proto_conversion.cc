@@ -50,38 +50,38 @@ ArmStanding FromProto(const v1::ArmStanding& standing) {
 
 v1::PriorRecord ToProto(const PriorRecord& record) {
   v1::PriorRecord message;
-  message.set_project(record.project);
-  message.set_scene(record.scene);
-  message.set_measured_by(record.measured_by);
-  message.set_arm(record.arm);
-  message.set_backend_version(record.backend_version);
-  message.set_machine_class(record.machine_class);
-  message.set_reward_version(record.reward_version);
+  message.set_project(record.key.project);
+  message.set_scene(record.key.scene);
+  message.set_measured_by(record.key.measured_by);
+  message.set_arm(record.key.arm);
+  message.set_backend_version(record.key.backend_version);
+  message.set_machine_class(record.key.machine_class);
+  message.set_reward_version(record.key.reward_version);
   message.set_source_id(record.source_id);
   message.set_source_sequence(record.source_sequence);
-  message.set_alpha_increment(record.alpha_increment);
-  message.set_beta_increment(record.beta_increment);
-  message.set_window_count(record.window_count);
-  message.set_bail_out_count(record.bail_out_count);
+  message.set_alpha_increment(record.evidence.alpha);
+  message.set_beta_increment(record.evidence.beta);
+  message.set_window_count(record.evidence.window_count);
+  message.set_bail_out_count(record.evidence.bail_out_count);
   message.set_build(record.build);
   message.set_unix_last_seen_s(static_cast<int64_t>(record.last_seen_unix_s));
   return message;
 }
 
 PriorRecord FromProto(const v1::PriorRecord& message) {
-  return {.project = message.project(),
-          .scene = message.scene(),
-          .measured_by = message.measured_by(),
-          .arm = message.arm(),
-          .backend_version = message.backend_version(),
-          .machine_class = message.machine_class(),
-          .reward_version = message.reward_version(),
+  return {.key = {.project = message.project(),
+                  .scene = message.scene(),
+                  .measured_by = message.measured_by(),
+                  .arm = message.arm(),
+                  .backend_version = message.backend_version(),
+                  .machine_class = message.machine_class(),
+                  .reward_version = message.reward_version()},
           .source_id = message.source_id(),
           .source_sequence = message.source_sequence(),
-          .alpha_increment = message.alpha_increment(),
-          .beta_increment = message.beta_increment(),
-          .window_count = message.window_count(),
-          .bail_out_count = message.bail_out_count(),
+          .evidence = {.alpha = message.alpha_increment(),
+                       .beta = message.beta_increment(),
+                       .window_count = message.window_count(),
+                       .bail_out_count = message.bail_out_count()},
           .build = message.build(),
           .last_seen_unix_s = static_cast<uint64_t>(message.unix_last_seen_s()),
           .is_quarantined = message.is_quarantined()};

@@ -17,7 +17,7 @@ constexpr int64_t kAskAgainNs = int64_t{BoxViews::kUntilMs} * 1'000'000 / 2;
 
 }  // namespace
 
-void BoxViews::Connect(SessionLink& link, bool shows) {
+void BoxViews::Connect(ClientStream& link, bool shows) {
   link_ = &link;
   shows_ = shows;
   if (shows) return Ask();

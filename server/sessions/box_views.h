@@ -17,7 +17,7 @@
 
 namespace sweepstake::rpc {
 
-class SessionLink;
+class ClientStream;
 
 // One who looks.
 class BoxViewer {
@@ -42,7 +42,7 @@ class BoxViews {
   BoxViews& operator=(const BoxViews&) = delete;
 
   // The game has connected; the link lives until Disconnect. `shows` says whether it shows boxes.
-  void Connect(SessionLink& link, bool shows);
+  void Connect(ClientStream& link, bool shows);
   void Disconnect();
   // The session has ended.
   void End();
@@ -61,7 +61,7 @@ class BoxViews {
 
   DecisionLoop& loop_;
   watch::WatchHub& hub_;
-  SessionLink* link_ = nullptr;  // null: the game is away
+  ClientStream* link_ = nullptr;  // null: the game is away
   bool shows_ = false;
   std::vector<BoxViewer*> viewers_;
   std::shared_ptr<uint64_t> turn_ = std::make_shared<uint64_t>(0);  // timers of others are ignored

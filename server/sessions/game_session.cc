@@ -104,7 +104,7 @@ void GameSession::StartAudit() {
                         .prior_sources = identity_.prior_sources});
 }
 
-void GameSession::Attach(SessionLink& link) {
+void GameSession::Attach(ClientStream& link) {
   if (link_ != nullptr) {
     link_->Abort(
         Refused(v1::ERROR_REASON_SESSION_TAKEN_OVER, "another connection took this session over"));
@@ -114,7 +114,7 @@ void GameSession::Attach(SessionLink& link) {
   link_ = &link;
   // The welcome message acknowledges this number.
   acknowledged_sequence_ = durable_sequence();
-  sent_verdict_ = decision::Verdict::kUnknown;
+  sent_verdict_ = Verdict::kUnknown;
 }
 
 void GameSession::Start(const v1::Hello& hello) {
@@ -132,7 +132,7 @@ void GameSession::Start(const v1::Hello& hello) {
   ScheduleTick(decisions_.next_tick_ns());
 }
 
-void GameSession::Detach(SessionLink& link) {
+void GameSession::Detach(ClientStream& link) {
   if (link_ != &link) return;
   link_ = nullptr;
   ++timer_generation_;
@@ -176,9 +176,9 @@ void GameSession::ApplyEvidence(const v1::StreamTelemetryRequest& request) {
 void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
   frames_.clear();
   for (int i = 0; i < batch.frame_time_ns_size(); ++i) {
-    decision::Frame frame = FrameFromProto(batch, i);
+    FrameSample frame = FrameFromProto(batch, i);
     // The flag is the client's word; only the time makes a bail-out.
-    if (!IsOverLimit(frame)) frame.flags &= ~decision::kFrameBailOut;
+    if (!IsOverLimit(frame)) frame.flags &= ~kFrameBailOut;
     if (!IsRejected(frame, context_.counters.rejected_frame_counts)) frames_.push_back(frame);
   }
   frame_count_ += static_cast<uint64_t>(batch.frame_time_ns_size());
@@ -194,8 +194,8 @@ void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
 }
 
 void GameSession::Measure() {
-  for (const decision::Frame& frame : frames_) {
-    if ((frame.flags & (decision::kFramePaused | decision::kFrameLoading)) != 0) continue;
+  for (const FrameSample& frame : frames_) {
+    if ((frame.flags & (kFramePaused | kFrameLoading)) != 0) continue;
     measured_->Add(frame.frame_time_ns, frame.detection_time_ns, frame.native_bytes);
   }
 }
@@ -203,7 +203,7 @@ void GameSession::Measure() {
 void GameSession::ApplyShadows(const v1::FrameBatch& batch) {
   shadows_.clear();
   for (const v1::ShadowSample& message : batch.shadow_samples()) {
-    const decision::ShadowSample sample = FromProto(message);
+    const ShadowSample sample = FromProto(message);
     if (!IsRejected(sample, context_.counters.rejected_shadow_counts)) shadows_.push_back(sample);
   }
   context_.counters.accepted_shadow_count += shadows_.size();
@@ -227,7 +227,7 @@ void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
 void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
   if (last_bail_out_frame_ && bail_out.frame_index() <= *last_bail_out_frame_) return;
   last_bail_out_frame_ = bail_out.frame_index();
-  decision::Frame frame = FromProto(bail_out);
+  FrameSample frame = FromProto(bail_out);
   if (IsRejected(frame, context_.counters.rejected_frame_counts)) return;
   if (!IsOverLimit(frame)) {
     Count(RejectionReason::kFrameTime, context_.counters.rejected_frame_counts);
@@ -246,7 +246,7 @@ void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
       decisions_.counts().surplus_bail_out_count - surplus_count;
 }
 
-bool GameSession::IsOverLimit(const decision::Frame& frame) const {
+bool GameSession::IsOverLimit(const FrameSample& frame) const {
   return frame.frame_time_ns > static_cast<uint64_t>(identity_.decision.bail_out_ns);
 }
 
@@ -372,7 +372,7 @@ void GameSession::CloseLink(const absl::Status& commit) {
   if (link_ == nullptr) return;
   LoseOrder();
   boxes_.Disconnect();
-  SessionLink* link = std::exchange(link_, nullptr);
+  ClientStream* link = std::exchange(link_, nullptr);
   if (!ended())
     return link->Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
   if (commit.ok()) return link->Close(absl::OkStatus());
@@ -392,7 +392,7 @@ void GameSession::Kick(bool may_return) {
   if (link_ == nullptr) return;
   LoseOrder();
   boxes_.Disconnect();
-  SessionLink* link = std::exchange(link_, nullptr);
+  ClientStream* link = std::exchange(link_, nullptr);
   link->Close(may_return ? Refused(v1::ERROR_REASON_CONNECTION_KICKED,
                                    "an operator ended the connection; connect again")
                          : SessionKicked());

@@ -39,11 +39,11 @@ namespace sweepstake::rpc {
 //
 // Used on the decision loop only. Nothing here waits; only the latest message of each kind is kept
 // until it can be written.
-class SessionLink {
+class ClientStream {
  public:
-  virtual ~SessionLink() = default;
+  virtual ~ClientStream() = default;
 
-  virtual void SendSwitch(const decision::SwitchCommand& command) = 0;
+  virtual void SendSwitch(const SwitchCommand& command) = 0;
   virtual void SendAcknowledgement(uint64_t sequence) = 0;
   // Leaves the decision's posteriors for the next message to take along, or Flush.
   virtual void PutSnapshot(const decision::DecisionRecord& record) = 0;
@@ -93,11 +93,11 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void Keep(NewScenes::Hold scene) { new_scene_.emplace(std::move(scene)); }
 
   // Attaches a link. The previous one, if any, is aborted.
-  void Attach(SessionLink& link);
+  void Attach(ClientStream& link);
   // Called after the welcome: sends what the client may have missed, and begins to tick.
   void Start(const v1::Hello& hello);
   // Called when the connection is lost. Does nothing if `link` is not the attached one.
-  void Detach(SessionLink& link);
+  void Detach(ClientStream& link);
 
   // Applies a request that has passed CheckRequest, or counts it as a replay.
   void Apply(const v1::StreamTelemetryRequest& request);
@@ -163,7 +163,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void ApplyShadows(const v1::FrameBatch& batch);
   void ApplySwitchOutcome(const v1::SwitchOutcome& outcome);
   void ApplyBailOut(const v1::BailOut& bail_out);
-  bool IsOverLimit(const decision::Frame& frame) const;
+  bool IsOverLimit(const FrameSample& frame) const;
   void Measure();
   void ApplyModeChange(const v1::ModeChange& change);
   void ApplyOrderRefusal(const v1::OrderRefusal& refusal);
@@ -192,16 +192,16 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   const std::optional<uint64_t> prior_source_count_;
   std::optional<NewScenes::Hold> new_scene_;
 
-  SessionLink* link_ = nullptr;
+  ClientStream* link_ = nullptr;
   uint64_t applied_sequence_;
   uint64_t frame_count_;            // frames in the messages up to applied_sequence_
   uint64_t acknowledged_sequence_;  // sent to the client
   uint32_t switch_epoch_;           // the latest in a message other than frames
   bool has_stored_evidence_;
   std::optional<uint64_t> last_bail_out_frame_;
-  std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that reconnects
-  decision::Verdict sent_verdict_ = decision::Verdict::kUnknown;  // sent to the client
-  bool takes_orders_ = false;                                     // says the latest Hello
+  std::optional<SwitchCommand> unanswered_;   // sent again to a client that reconnects
+  Verdict sent_verdict_ = Verdict::kUnknown;  // sent to the client
+  bool takes_orders_ = false;                 // says the latest Hello
   BoxViews boxes_;
   uint64_t order_id_ = 0;          // of the latest order
   OrderAnswer order_answer_;       // empty if the game has answered it
@@ -216,9 +216,9 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   bool draining_ = false;
   // What frames have cost since the watchers were told; absent while nobody watches the scene.
   std::optional<watch::FrameHistograms> measured_;
-  int64_t next_measurements_ns_ = 0;             // the watchers are told again from then on
-  std::vector<decision::Frame> frames_;          // reused
-  std::vector<decision::ShadowSample> shadows_;  // reused
+  int64_t next_measurements_ns_ = 0;   // the watchers are told again from then on
+  std::vector<FrameSample> frames_;    // reused
+  std::vector<ShadowSample> shadows_;  // reused
 };
 
 }  // namespace sweepstake::rpc

@@ -21,42 +21,14 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "engine_client/decider/pooling/prior_record.h"
 #include "server/sessions/audit_rows.h"
 
 namespace sweepstake::priors {
 
-// The subject of a piece of evidence. Evidence with different keys is never merged.
-struct EvidenceKey {
-  std::string project;
-  std::string scene;
-  std::string measured_by;  // empty for the frame thread, else "lane"
-  std::string arm;
-  uint32_t backend_version = 1;
-  std::string machine_class;  // empty for the unknown class
-  uint32_t reward_version = 1;
-
-  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
-  friend auto operator<=>(const EvidenceKey&, const EvidenceKey&) = default;
-};
-
-// An amount of evidence, which includes no prior.
-struct Evidence {
-  double alpha = 0;           // finite, 0 to < 1e15
-  double beta = 0;            // finite, 0 to < 1e15
-  uint64_t window_count = 0;  // windows, or visits of the lane
-  uint64_t bail_out_count = 0;
-
-  Evidence& operator+=(const Evidence& other);
-  friend bool operator==(const Evidence&, const Evidence&) = default;
-};
-
-inline Evidence& Evidence::operator+=(const Evidence& other) {
-  alpha += other.alpha;
-  beta += other.beta;
-  window_count += other.window_count;
-  bail_out_count += other.bail_out_count;
-  return *this;
-}
+using sweepstake::Evidence;
+using sweepstake::EvidenceKey;
+using sweepstake::PriorRecord;
 
 // Returns the evidence in whole units of 2⁻²⁰, as stores keep it: sums up to 2³³ are exact then, in
 // any order, so that what is taken out again leaves no trace.
@@ -202,20 +174,6 @@ struct SceneFilter {
 struct SceneCount {
   uint64_t names = 0;
   uint64_t keys = 0;  // a name counts once per machine class and reward version
-};
-
-// The evidence of one source about one key, for exchange between stores.
-struct PriorRecord {
-  EvidenceKey key;
-  std::string source_id;
-  uint64_t source_sequence = 0;  // the last commit of the source that is included, from 1
-  Evidence evidence;
-  std::string build = {};         // of the source; empty if unknown
-  uint64_t last_seen_unix_s = 0;  // when the source taught last; 0 if unknown
-  bool is_imported = false;       // no session of the store has it; imports take no notice
-  bool is_quarantined = false;    // it waits to be promoted; imports take no notice
-
-  friend bool operator==(const PriorRecord&, const PriorRecord&) = default;
 };
 
 // A place in an export: behind the record of a key and a source. By default before all records.

@@ -50,7 +50,7 @@ bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
   return true;
 }
 
-void SessionTable::Attach(GameSession& session, SessionLink& link, SessionClient client) {
+void SessionTable::Attach(GameSession& session, ClientStream& link, SessionClient client) {
   Entry& entry = entries_.at(session.identity().id);
   if (entry.link == nullptr) ++active_counts_[session.identity().scene];
   if (entry.lost) Recover(entry);
@@ -59,7 +59,7 @@ void SessionTable::Attach(GameSession& session, SessionLink& link, SessionClient
   session.Attach(link);
 }
 
-void SessionTable::Detach(GameSession& session, SessionLink& link) {
+void SessionTable::Detach(GameSession& session, ClientStream& link) {
   const auto found = entries_.find(session.identity().id);
   if (found == entries_.end() || found->second.link != &link) return;
   found->second.link = nullptr;

@@ -55,10 +55,10 @@ class SessionTable {
   // id is not in the table.
   absl::Status Add(std::shared_ptr<GameSession> session);
 
-  void Attach(GameSession& session, SessionLink& link, SessionClient client);
+  void Attach(GameSession& session, ClientStream& link, SessionClient client);
   // Detaches the link; does nothing if the session has another one. An ended session leaves the
   // table once its evidence is on disk.
-  void Detach(GameSession& session, SessionLink& link);
+  void Detach(GameSession& session, ClientStream& link);
 
   // Returns the session; absent if it is not in memory.
   std::optional<v1::SessionInfo> Describe(const std::string& id) const;
@@ -94,7 +94,7 @@ class SessionTable {
   using LostKey = std::pair<int64_t, uint64_t>;
   struct Entry {
     std::shared_ptr<GameSession> session;
-    SessionLink* link = nullptr;
+    ClientStream* link = nullptr;
     SessionClient client;            // the latest one
     std::optional<LostKey> lost;     // absent if connected or never connected
     int64_t resumable_until_ns = 0;  // end of the resume window of a lost session

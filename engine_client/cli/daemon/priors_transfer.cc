@@ -19,17 +19,17 @@ constexpr size_t kRecordsPerMessage = 200;
 uint64_t CountAbsent(const DaemonOptions& daemon, std::span<const PriorRecord> records) {
   using Place = std::tuple<std::string, std::string, std::string>;  // project, scene, source
   std::set<std::pair<std::string, std::string>> scenes;
-  for (const PriorRecord& record : records) scenes.emplace(record.project, record.scene);
+  for (const PriorRecord& record : records) scenes.emplace(record.key.project, record.key.scene);
   std::set<Place> known;
   for (const auto& [project, scene] : scenes) {
     const auto theirs = ExportPriors(daemon, project, scene);
     if (!theirs.ok()) return 0;
     for (const PriorRecord& record : *theirs)
-      known.emplace(record.project, record.scene, record.source_id);
+      known.emplace(record.key.project, record.key.scene, record.source_id);
   }
   return static_cast<uint64_t>(
       std::count_if(records.begin(), records.end(), [&](const PriorRecord& record) {
-        return !known.contains(Place(record.project, record.scene, record.source_id));
+        return !known.contains(Place(record.key.project, record.key.scene, record.source_id));
       }));
 }
 

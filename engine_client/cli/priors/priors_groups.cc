@@ -10,19 +10,19 @@ namespace sweepstake::cli {
 namespace {
 
 void Add(const PriorRecord& record, PriorsArm& arm) {
-  const bool by_lane = record.measured_by == decision::kLaneName;
+  const bool by_lane = record.key.measured_by == decision::kLaneName;
   decision::EvidenceSum& sum = by_lane ? arm.evidence.lane : arm.evidence.live;
-  sum.alpha += record.alpha_increment;
-  sum.beta += record.beta_increment;
-  if (!by_lane) arm.evidence.bail_out_count += record.bail_out_count;
-  (by_lane ? arm.visit_count : arm.window_count) += record.window_count;
+  sum.alpha += record.evidence.alpha;
+  sum.beta += record.evidence.beta;
+  if (!by_lane) arm.evidence.bail_out_count += record.evidence.bail_out_count;
+  (by_lane ? arm.visit_count : arm.window_count) += record.evidence.window_count;
 }
 
 }  // namespace
 
 PriorsGroupKey GroupOf(const PriorRecord& record) {
-  return {record.project,       record.scene,          record.build,
-          record.machine_class, record.reward_version, record.is_quarantined};
+  return {record.key.project,       record.key.scene,          record.build,
+          record.key.machine_class, record.key.reward_version, record.is_quarantined};
 }
 
 PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions& own) {
@@ -31,12 +31,12 @@ PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions
     PriorsGroup& group = groups[GroupOf(record)];
     group.sources.insert(record.source_id);
     group.last_seen_unix_s = std::max(group.last_seen_unix_s, record.last_seen_unix_s);
-    PriorsArm& arm = group.arms[record.arm];
-    const auto known = own.find(record.arm);
+    PriorsArm& arm = group.arms[record.key.arm];
+    const auto known = own.find(record.key.arm);
     const uint32_t own_version = known == own.end() ? 0 : known->second;
-    if (decision::IsBetterVersion(record.backend_version, arm.version, own_version))
-      arm = {.version = record.backend_version};
-    if (record.backend_version == arm.version) Add(record, arm);
+    if (decision::IsBetterVersion(record.key.backend_version, arm.version, own_version))
+      arm = {.version = record.key.backend_version};
+    if (record.key.backend_version == arm.version) Add(record, arm);
   }
   return groups;
 }

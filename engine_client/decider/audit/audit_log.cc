@@ -22,7 +22,7 @@ SessionSetup WithPolicyNamed(SessionSetup setup, const PolicyKind& policy) {
   return setup;
 }
 
-// Ends a row that has all its other cells. `hash` is that of the segment so far.
+// Ends a row whose other cells are complete. `hash` is the hash of the segment so far.
 void AppendLogHash(std::string& row, uint64_t& hash) {
   hash = math::Fnv1a(hash, row);
   char digits[16];
@@ -44,7 +44,7 @@ class AuditRecorder final : public DecisionObserver {
   void OnMode(Mode mode, uint32_t active_arm, int64_t now_ns, const ArmRuns& runs) override;
   void OnOrder(const OrderReport& order) override;
   void OnTick(const TickInput& input, const ArmRuns& runs) override;
-  void OnBailOut(const Frame& frame, int64_t now_ns, const ArmRuns& runs) override;
+  void OnBailOut(const FrameSample& frame, int64_t now_ns, const ArmRuns& runs) override;
   void OnDecision(const Decision& decision) override;
 
  private:
@@ -74,7 +74,7 @@ class AuditRecorder final : public DecisionObserver {
 
   uint64_t row_count_ = 0;
   uint64_t hash_;
-  // One for all sessions of a thread, since no other row is begun before this one is ended.
+  // Shared by all sessions of a thread: a row is always ended before the next one begins.
   static thread_local std::string row_;
   static thread_local std::string text_;  // the text of a cell that may need quotes
   size_t column_ = 0;                     // the column at the row's end
@@ -142,7 +142,7 @@ void AuditRecorder::OnTick(const TickInput& input, const ArmRuns& runs) {
   if (input.descriptor) Put(AuditColumn::kDescriptor, FieldsOf(*input.descriptor));
 }
 
-void AuditRecorder::OnBailOut(const Frame& frame, int64_t now_ns, const ArmRuns& runs) {
+void AuditRecorder::OnBailOut(const FrameSample& frame, int64_t now_ns, const ArmRuns& runs) {
   Begin(AuditKind::kBailOut, now_ns);
   PutRuns(runs);
   Put(AuditColumn::kFrame, FieldsOf(frame));

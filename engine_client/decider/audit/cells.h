@@ -21,10 +21,11 @@ namespace sweepstake::decision {
 template <typename T, typename Value>
 concept EitherConst = std::same_as<std::remove_const_t<T>, Value>;
 
-template <EitherConst<Frame> T>
+// Decisions do not depend on the frame's index and its pairs, which are not logged.
+template <EitherConst<FrameSample> T>
 auto FieldsOf(T& frame) {
-  auto& [frame_time_ns, detection_time_ns, check_count, native_bytes, object_count, arm, epoch,
-         flags] = frame;
+  auto& [index, frame_time_ns, detection_time_ns, check_count, native_bytes, pair_count,
+         object_count, arm, epoch, flags, reserved] = frame;
   return std::tie(frame_time_ns, detection_time_ns, check_count, native_bytes, object_count, arm,
                   epoch, flags);
 }
@@ -56,19 +57,19 @@ auto FieldsOf(T& scene) {
 // run, its members.
 void AppendRuns(std::string& out, const ArmRuns& runs);
 
-// Returns nothing if the text is not that of runs of so many arms. Sums that are negative or not
-// finite are refused.
+// Returns nothing if the text is not the runs of a session with `arm_count` arms, or if a sum is
+// negative or not finite.
 std::optional<ArmRuns> ParseRuns(std::string_view text, uint32_t arm_count);
 
-// The setup's cell has key=value pairs in a fixed order, separated by semicolons; the items of a
-// list are separated by commas. In a text each of \ ; , has a backslash before it. The session's id
-// and the segment have columns of their own.
+// The setup's cell has key=value pairs in a fixed order, separated by semicolons. Items of a list
+// are separated by commas. In a text each of \ ; , has a backslash before it. The session's id and
+// the segment have columns of their own.
 void AppendSetup(std::string& out, const SessionSetup& setup, const AuditOrigin& origin);
 
-// Appends a text so escaped.
+// Appends a text, escaped in this way.
 void AppendEscaped(std::string& out, std::string_view text);
 
-// Before the operator's name in the setup column of an order.
+// Precedes the operator's name in the setup column of an order.
 inline constexpr std::string_view kOperatorKey = "operator=";
 
 struct AuditSetup {

@@ -44,7 +44,7 @@ bool IsOfKind(const Cells& cells, AuditKind kind) {
 
 bool IsMissingRow(const Cells& cells) { return IsOfKind(cells, AuditKind::kMissing); }
 
-// Returns whether a segment that begins with this row is of what administrators did.
+// Returns whether the row belongs to a segment about administrators.
 bool IsOfAdmin(const Cells& cells) { return CellOf(cells, AuditColumn::kSession) == kAdminSession; }
 
 // Returns the part of a text around a difference.
@@ -179,7 +179,7 @@ std::optional<Problem> Segment::ApplyTick(const Cells& cells) {
 }
 
 std::optional<Problem> Segment::ApplyBailOut(const Cells& cells) {
-  Frame frame;
+  FrameSample frame;
   if (Result problem = RestoreRuns(cells)) return problem;
   if (Result problem = Read(cells, AuditColumn::kFrame, FieldsOf(frame))) return problem;
   session_->ObserveBailOut(frame, now_ns_);
@@ -257,7 +257,7 @@ std::optional<Problem> Segment::ReadTime(const Cells& cells) {
   constexpr int64_t kLatestNs = int64_t{1} << 62;  // 146 years; differences of two do not overflow
   if (Result problem = Read(cells, AuditColumn::kTimeNs, now_ns_)) return problem;
   if (now_ns_ >= -kLatestNs && now_ns_ <= kLatestNs) return std::nullopt;
-  return Problem{AuditColumn::kTimeNs, "is no time that a clock shows"};
+  return Problem{AuditColumn::kTimeNs, "is out of the range of a clock"};
 }
 
 std::optional<Problem> Segment::ReadArm(const Cells& cells, uint32_t& arm) const {
@@ -356,7 +356,7 @@ class Rederivation {
     return std::nullopt;
   }
 
-  // After a `missing` row the numbers go on anywhere.
+  // After a `missing` row the numbers may continue anywhere.
   std::optional<Problem> CheckNumber() {
     const uint64_t expected = row_in_segment_ + 1;
     if (const auto problem = Read(cells_, AuditColumn::kRow, row_in_segment_)) return problem;
@@ -377,7 +377,7 @@ class Rederivation {
     after_missing_ = true;
   }
 
-  // Of a row that cannot be derived: that its hash continues the one of the row before it.
+  // Checks that the hash of a row that cannot be derived continues the hash of the row before it.
   std::optional<Problem> CheckHash() {
     std::string text;
     for (size_t i = 0; i + 1 < cells_.size(); ++i) {

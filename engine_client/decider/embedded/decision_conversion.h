@@ -1,5 +1,5 @@
-// The only converter between the public plain structs and the values of the decision core.
-// ToDecision makes a value of the core, FromDecision makes a public one. Pure functions.
+// Converts between the structs of a decision session and those of the public interface. Pure
+// functions.
 #pragma once
 
 #include <span>
@@ -12,16 +12,10 @@
 
 namespace sweepstake {
 
-decision::Frame ToDecision(const FrameSample& sample);
-decision::ShadowSample ToDecision(const ShadowSample& sample);
-// A value that is negative or not finite was not measured.
+// A value that is negative or not finite counts as not measured.
 decision::SceneDescriptor ToDecision(const SceneDescriptor& descriptor);
-decision::SwitchCost ToDecision(const SwitchOutcome& outcome);
-decision::SwitchReason ToDecision(SwitchReason reason);
-decision::Mode ToDecision(Mode mode);
-decision::BetaPosterior ToDecision(const ArmBelief& belief);
+decision::SwitchCost SwitchCostOf(const SwitchOutcome& outcome);
 
-SwitchCommand FromDecision(const decision::SwitchCommand& command);
 SceneVerdict FromDecision(const decision::Diagnosis& diagnosis);
 std::vector<ArmBelief> FromDecision(std::span<const decision::BetaPosterior> posteriors,
                                     std::span<const decision::ArmStanding> standings,

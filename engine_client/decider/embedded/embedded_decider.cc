@@ -1,4 +1,4 @@
-// Step 9 in the game process: frames and outcomes go to the decision core, its commands come back.
+// Passes frames and outcomes of the game to the decision session, and its commands back.
 #include "sweepstake/embedded_decider.h"
 #include "engine_client/decider/session/policy_registry.h"
 
@@ -23,7 +23,7 @@
 namespace sweepstake {
 namespace {
 
-// An interval that is beyond the maximum stays beyond it.
+// Keeps an interval that exceeds the maximum above it.
 int64_t ToSigned(uint64_t interval_ns) {
   constexpr uint64_t kBeyond = decision::kMaxIntervalNs + 1;
   return static_cast<int64_t>(std::min(interval_ns, kBeyond));
@@ -71,7 +71,7 @@ Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t
   return {};
 }
 
-// Returns a name that no other source has.
+// Returns a random name that no other source has.
 std::string NewSourceId() {
   std::random_device random;
   std::array<char, 48> name;
@@ -86,7 +86,7 @@ std::vector<PriorRecord> WithoutQuarantined(std::vector<PriorRecord> records) {
   return records;
 }
 
-// Reads the priors of the file and of the text.
+// Reads the priors from the file and from the text, and unites them.
 Result<std::vector<PriorRecord>> ReadPriors(const EmbeddedOptions& options) {
   std::vector<PriorRecord> records;
   if (!options.priors_file.empty()) {
@@ -127,7 +127,7 @@ decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const
   setup.options = UnscaledOptions(options).Scaled(options.time_scale);
   setup.arms.assign(arms.begin(), arms.end());
   setup.seed = options.seed;
-  setup.mode = ToDecision(options.mode);
+  setup.mode = options.mode;
   setup.start_ns = static_cast<int64_t>(now_ns);
   return setup;
 }
@@ -175,7 +175,6 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   const std::optional<DecisionEvent>& last_decision() const { return last_decision_; }
 
  private:
-  void Fold();
   void Follow(const decision::Decision& decision);
   void OnAuditRow(std::string_view row) override { on_audit_row_(row); }
 
@@ -185,25 +184,20 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   const OnDecision on_decision_;
   std::function<void(std::string_view)> on_audit_row_;  // null: no log
   uint32_t latest_epoch_ = 0;                           // latest epoch of all frames and outcomes
-  std::vector<decision::Frame> run_;  // frames not yet folded in; its memory is kept
   std::optional<SwitchCommand> pending_command_;
   std::optional<DecisionEvent> last_decision_;
 };
 
 void EmbeddedDecider::Impl::Observe(std::span<const FrameSample> frames, int64_t now_ns) {
-  for (const FrameSample& sample : frames) {
-    latest_epoch_ = sample.switch_epoch;
-    run_.push_back(ToDecision(sample));
-    if ((sample.flags & kFrameBailOut) == 0) continue;
-    Fold();
-    Follow(session_.ObserveBailOut(ToDecision(sample), now_ns));
+  size_t first = 0;  // not yet observed
+  for (size_t i = 0; i < frames.size(); ++i) {
+    latest_epoch_ = frames[i].switch_epoch;
+    if ((frames[i].flags & kFrameBailOut) == 0) continue;
+    session_.ObserveFrames(frames.subspan(first, i + 1 - first));
+    first = i + 1;
+    Follow(session_.ObserveBailOut(frames[i], now_ns));
   }
-  Fold();
-}
-
-void EmbeddedDecider::Impl::Fold() {
-  session_.ObserveFrames(run_);
-  run_.clear();
+  session_.ObserveFrames(frames.subspan(first));
 }
 
 // The outcome of a switch arrives when the arm has settled, long after the first frame of its
@@ -214,15 +208,12 @@ void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns
   if (decision::IsLaterEpoch(latest_epoch_, outcome.switch_epoch)) return;
   if (std::max(outcome.arm, outcome.trial_arm) >= session_.arms().size()) return;
   latest_epoch_ = outcome.switch_epoch;
-  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, ToDecision(outcome.reason), now_ns,
-                         ToDecision(outcome));
+  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, outcome.reason, now_ns,
+                         SwitchCostOf(outcome));
 }
 
 void EmbeddedDecider::Impl::Observe(std::span<const ShadowSample> samples) {
-  for (const ShadowSample& sample : samples) {
-    const decision::ShadowSample shadow = ToDecision(sample);
-    session_.ObserveShadow({&shadow, 1});
-  }
+  session_.ObserveShadow(samples);
 }
 
 void EmbeddedDecider::Impl::Observe(const SceneDescriptor& descriptor) {
@@ -231,7 +222,7 @@ void EmbeddedDecider::Impl::Observe(const SceneDescriptor& descriptor) {
 
 void EmbeddedDecider::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
   if (active_arm >= session_.arms().size()) return;
-  session_.SetMode(ToDecision(mode), active_arm, now_ns);
+  session_.SetMode(mode, active_arm, now_ns);
   if (mode == Mode::kManual) pending_command_.reset();
 }
 
@@ -245,7 +236,7 @@ void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
   ledger_.Add(decision);
   last_decision_ = FromDecision(decision, session_.arms());
   if (on_decision_) on_decision_(*last_decision_);
-  if (decision.command) pending_command_ = FromDecision(*decision.command);
+  if (decision.command) pending_command_ = decision.command;
 }
 
 Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(

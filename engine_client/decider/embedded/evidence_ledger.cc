@@ -9,18 +9,17 @@ namespace sweepstake {
 namespace {
 
 decision::ArmRecord ArmRecordOf(const PriorRecord& record) {
-  decision::ArmRecord arm{.project = record.project,
-                          .scene = record.scene,
-                          .machine_class = record.machine_class,
-                          .reward_version = record.reward_version,
+  decision::ArmRecord arm{.project = record.key.project,
+                          .scene = record.key.scene,
+                          .machine_class = record.key.machine_class,
+                          .reward_version = record.key.reward_version,
                           .source = record.source_id,
                           .build = record.build,
-                          .arm = record.arm,
-                          .backend_version = record.backend_version};
-  const bool is_live = record.measured_by.empty();
-  (is_live ? arm.evidence.live : arm.evidence.lane) = {record.alpha_increment,
-                                                       record.beta_increment};
-  if (is_live) arm.evidence.bail_out_count = record.bail_out_count;
+                          .arm = record.key.arm,
+                          .backend_version = record.key.backend_version};
+  const bool is_live = record.key.measured_by.empty();
+  (is_live ? arm.evidence.live : arm.evidence.lane) = {record.evidence.alpha, record.evidence.beta};
+  if (is_live) arm.evidence.bail_out_count = record.evidence.bail_out_count;
   return arm;
 }
 
@@ -66,29 +65,29 @@ void EvidenceLedger::Add(const decision::Decision& decision) {
 void EvidenceLedger::Add(const decision::Increment& increment, std::string_view measured_by) {
   PriorRecord& record = OwnRecord(increment.arm, measured_by);
   record.source_sequence = ++sequence_;
-  record.alpha_increment += increment.alpha;
-  record.beta_increment += increment.beta;
-  record.window_count += increment.window_count;
-  record.bail_out_count += increment.bail_out_count;
+  record.evidence.alpha += increment.alpha;
+  record.evidence.beta += increment.beta;
+  record.evidence.window_count += increment.window_count;
+  record.evidence.bail_out_count += increment.bail_out_count;
 }
 
 PriorRecord& EvidenceLedger::OwnRecord(size_t arm, std::string_view measured_by) {
   const auto found = std::find_if(records_.begin(), records_.end(), [&](const PriorRecord& record) {
-    return record.source_id == key_.source && record.measured_by == measured_by &&
-           record.project == key_.project && record.scene == key_.scene &&
-           record.machine_class == key_.machine_class &&
-           record.reward_version == key_.reward_version && record.arm == key_.arms[arm] &&
-           record.backend_version == key_.backend_versions[arm];
+    return record.source_id == key_.source && record.key.measured_by == measured_by &&
+           record.key.project == key_.project && record.key.scene == key_.scene &&
+           record.key.machine_class == key_.machine_class &&
+           record.key.reward_version == key_.reward_version && record.key.arm == key_.arms[arm] &&
+           record.key.backend_version == key_.backend_versions[arm];
   });
   if (found != records_.end()) return *found;
   PriorRecord& record = records_.emplace_back();
-  record.project = key_.project;
-  record.scene = key_.scene;
-  record.measured_by = measured_by;
-  record.arm = key_.arms[arm];
-  record.backend_version = key_.backend_versions[arm];
-  record.machine_class = key_.machine_class;
-  record.reward_version = key_.reward_version;
+  record.key.project = key_.project;
+  record.key.scene = key_.scene;
+  record.key.measured_by = measured_by;
+  record.key.arm = key_.arms[arm];
+  record.key.backend_version = key_.backend_versions[arm];
+  record.key.machine_class = key_.machine_class;
+  record.key.reward_version = key_.reward_version;
   record.source_id = key_.source;
   record.build = key_.build;
   return record;

@@ -25,19 +25,19 @@ Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
 std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   FieldReader reader(json);
-  reader.Name("project", record.project, true);
-  reader.Name("scene", record.scene, true);
-  reader.MeasuredBy("measured_by", record.measured_by);
-  reader.Name("arm", record.arm, true);
-  reader.Count("backend_version", record.backend_version, true);
-  reader.Name("machine_class", record.machine_class, false);
-  reader.Count("reward_version", record.reward_version, true);
+  reader.Name("project", record.key.project, true);
+  reader.Name("scene", record.key.scene, true);
+  reader.MeasuredBy("measured_by", record.key.measured_by);
+  reader.Name("arm", record.key.arm, true);
+  reader.Count("backend_version", record.key.backend_version, true);
+  reader.Name("machine_class", record.key.machine_class, false);
+  reader.Count("reward_version", record.key.reward_version, true);
   reader.Name("source_id", record.source_id, true);
   reader.Count("source_sequence", record.source_sequence, true, kMaxSequence);
-  reader.Increment("alpha_increment", record.alpha_increment);
-  reader.Increment("beta_increment", record.beta_increment);
-  reader.Count("window_count", record.window_count, false);
-  reader.Count("bail_out_count", record.bail_out_count, false);
+  reader.Increment("alpha_increment", record.evidence.alpha);
+  reader.Increment("beta_increment", record.evidence.beta);
+  reader.Count("window_count", record.evidence.window_count, false);
+  reader.Count("bail_out_count", record.evidence.bail_out_count, false);
   reader.Name("build", record.build, false);
   reader.Count("unix_last_seen_s", record.last_seen_unix_s, false, kMaxSequence);
   reader.Flag("is_quarantined", record.is_quarantined);
@@ -79,7 +79,8 @@ class RecordsReader {
     if (error) error_ = RecordName(index) + ": " + *error;
   }
 
-  // Returns all of them, once. `document` has what is beside them, and an empty array for them.
+  // Returns all records, once. `document` is the rest of the file, with an empty array in place of
+  // the records.
   Result<std::vector<PriorRecord>> Take(const Json& document) {
     const auto array = document.find("records");
     if (array == document.end() || !array->is_array() || !array->empty())
@@ -99,19 +100,19 @@ class RecordsReader {
 };
 
 Json ToJson(const PriorRecord& record) {
-  Json json = {{"project", record.project},
-               {"scene", record.scene},
-               {"measured_by", record.measured_by},
-               {"arm", record.arm},
-               {"backend_version", record.backend_version},
-               {"machine_class", record.machine_class},
-               {"reward_version", record.reward_version},
+  Json json = {{"project", record.key.project},
+               {"scene", record.key.scene},
+               {"measured_by", record.key.measured_by},
+               {"arm", record.key.arm},
+               {"backend_version", record.key.backend_version},
+               {"machine_class", record.key.machine_class},
+               {"reward_version", record.key.reward_version},
                {"source_id", record.source_id},
                {"source_sequence", record.source_sequence},
-               {"alpha_increment", record.alpha_increment},
-               {"beta_increment", record.beta_increment},
-               {"window_count", record.window_count},
-               {"bail_out_count", record.bail_out_count},
+               {"alpha_increment", record.evidence.alpha},
+               {"beta_increment", record.evidence.beta},
+               {"window_count", record.evidence.window_count},
+               {"bail_out_count", record.evidence.bail_out_count},
                {"build", record.build},
                {"unix_last_seen_s", record.last_seen_unix_s}};
   if (record.is_quarantined) json["is_quarantined"] = true;
@@ -130,7 +131,8 @@ Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
   RecordsReader records;
   SumsReader sums;
   std::string key;
-  // Of what a file has many of, only one at a time is in memory as JSON: it is read, then left out.
+  // Limits memory: each record or scene is read as soon as it is parsed, then removed from the
+  // JSON.
   const auto keep = [&](int depth, Json::parse_event_t event, Json& parsed) {
     if (depth == 1 && event == Json::parse_event_t::key) key = parsed.get_ref<std::string&>();
     if (depth != 2 || event != Json::parse_event_t::object_end) return true;
@@ -183,7 +185,7 @@ Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesyst
 
 Status WritePriorsText(std::string_view text, const std::filesystem::path& path) {
   std::error_code error;
-  // A device or a pipe must not be replaced by a file.
+  // Does not replace a device or a pipe by a file.
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
     return Unwritable(path);
   }

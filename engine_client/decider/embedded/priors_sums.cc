@@ -30,7 +30,7 @@ std::string Hex(uint64_t number) {
   return digits;
 }
 
-// With five significant digits.
+// Rounds to five significant digits.
 double Rounded(double value) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.5g", value);
@@ -41,7 +41,7 @@ std::string Dump(const OrderedJson& json) {
   return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-// The checksum of an array of scenes, which are added one by one.
+// The checksum of an array of scenes, to which scenes are added one by one.
 class Checksum {
  public:
   void Add(const Json& scene) {
@@ -60,20 +60,21 @@ std::string NameOfSum(const std::string& build) {
 }
 
 auto SceneOf(const PriorRecord& record) {
-  return std::tie(record.project, record.scene, record.machine_class, record.reward_version);
+  return std::tie(record.key.project, record.key.scene, record.key.machine_class,
+                  record.key.reward_version);
 }
 
 std::string ArmOf(const PriorRecord& record) {
-  return record.arm + kVersionMark + std::to_string(record.backend_version);
+  return record.key.arm + kVersionMark + std::to_string(record.key.backend_version);
 }
 
 OrderedJson CellOf(const PriorRecord& record) {
-  OrderedJson cell = {record.alpha_increment, record.beta_increment, record.window_count};
-  if (record.bail_out_count > 0) cell.push_back(record.bail_out_count);
+  OrderedJson cell = {record.evidence.alpha, record.evidence.beta, record.evidence.window_count};
+  if (record.evidence.bail_out_count > 0) cell.push_back(record.evidence.bail_out_count);
   return cell;
 }
 
-// The line of one build.
+// The line of one build in a scene.
 struct BuildLine {
   uint64_t last_seen_unix_s = 0;
   OrderedJson live;
@@ -91,10 +92,10 @@ class SceneText {
   }
 
   std::string Text() const {
-    OrderedJson head = {{"project", first_.project},
-                        {"scene", first_.scene},
-                        {"machine_class", first_.machine_class},
-                        {"reward_version", first_.reward_version}};
+    OrderedJson head = {{"project", first_.key.project},
+                        {"scene", first_.key.scene},
+                        {"machine_class", first_.key.machine_class},
+                        {"reward_version", first_.key.reward_version}};
     for (const auto& [arm, index] : arms_) head["arms"].push_back(arm);
     std::string text = Dump(head);
     text.back() = ',';
@@ -114,12 +115,12 @@ class SceneText {
     for (OrderedJson* cells : {&line.live, &line.lane}) {
       if (cells->is_null()) *cells = OrderedJson(OrderedJson::array_t(arms_.size()));
     }
-    OrderedJson& cells = record.measured_by.empty() ? line.live : line.lane;
+    OrderedJson& cells = record.key.measured_by.empty() ? line.live : line.lane;
     cells[arms_.at(ArmOf(record))] = CellOf(record);
   }
 
   const PriorRecord& first_;
-  std::map<std::string, size_t> arms_;  // and their places
+  std::map<std::string, size_t> arms_;  // positions in the cells
   std::map<std::string, BuildLine> lines_;
 };
 
@@ -132,10 +133,10 @@ class SceneReader {
       return;
     }
     FieldReader fields(scene);
-    fields.Name("project", common_.project, true);
-    fields.Name("scene", common_.scene, true);
-    fields.Name("machine_class", common_.machine_class, false);
-    fields.Count("reward_version", common_.reward_version, true);
+    fields.Name("project", common_.key.project, true);
+    fields.Name("scene", common_.key.scene, true);
+    fields.Name("machine_class", common_.key.machine_class, false);
+    fields.Count("reward_version", common_.key.reward_version, true);
     const Json* const arms = fields.Structured("arms", /*array=*/true);
     const Json* const builds = fields.Structured("builds", /*array=*/false);
     fields.RejectUnknown();
@@ -148,7 +149,7 @@ class SceneReader {
   }
 
   const std::optional<std::string>& error() const { return error_; }
-  const PriorRecord& common() const { return common_; }  // what its records have in common
+  const PriorRecord& common() const { return common_; }  // common to the records of the scene
 
  private:
   void ReadArm(const Json& arm) {
@@ -175,7 +176,7 @@ class SceneReader {
     common_.source_id = NameOfSum(build);
     common_.last_seen_unix_s = line[0].get<uint64_t>();
     for (size_t by_lane = 0; by_lane < 2; ++by_lane) {
-      common_.measured_by = by_lane == 1 ? decision::kLaneName : "";
+      common_.key.measured_by = by_lane == 1 ? decision::kLaneName : "";
       for (size_t arm = 0; arm < arms_.size(); ++arm) ReadCell(arm, line[1 + by_lane][arm]);
     }
   }
@@ -187,13 +188,13 @@ class SceneReader {
                        cell.back().is_number_unsigned();
     if (!whole) return SetError("evidence is not [alpha, beta, count] or [.., bail-outs]");
     PriorRecord& sum = sums_.emplace_back(common_);
-    std::tie(sum.arm, sum.backend_version) = arms_[arm];
-    sum.alpha_increment = cell[0].get<double>();
-    sum.beta_increment = cell[1].get<double>();
-    sum.window_count = cell[2].get<uint64_t>();
-    sum.bail_out_count = cell.size() == 4 ? cell[3].get<uint64_t>() : 0;
-    sum.source_sequence = std::clamp<uint64_t>(sum.window_count, 1, kMaxSequence);
-    if (!IsIncrement(sum.alpha_increment) || !IsIncrement(sum.beta_increment))
+    std::tie(sum.key.arm, sum.key.backend_version) = arms_[arm];
+    sum.evidence.alpha = cell[0].get<double>();
+    sum.evidence.beta = cell[1].get<double>();
+    sum.evidence.window_count = cell[2].get<uint64_t>();
+    sum.evidence.bail_out_count = cell.size() == 4 ? cell[3].get<uint64_t>() : 0;
+    sum.source_sequence = std::clamp<uint64_t>(sum.evidence.window_count, 1, kMaxSequence);
+    if (!IsIncrement(sum.evidence.alpha) || !IsIncrement(sum.evidence.beta))
       SetError("evidence is not within 0 to 1e15");
   }
 
@@ -209,7 +210,7 @@ class SceneReader {
 
 Status Damaged(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
-// Returns pointers to the records, in the order of what `key` makes of them.
+// Returns pointers to the records, ordered by key(record).
 template <typename Key>
 std::vector<const PriorRecord*> OrderedBy(Key key, std::span<const PriorRecord> records) {
   std::vector<const PriorRecord*> ordered;
@@ -220,19 +221,17 @@ std::vector<const PriorRecord*> OrderedBy(Key key, std::span<const PriorRecord> 
   return ordered;
 }
 
-// Of the same key.
+// Adds a record with the key of the sum.
 void AddTo(PriorRecord& sum, const PriorRecord& record) {
-  sum.alpha_increment += record.alpha_increment;
-  sum.beta_increment += record.beta_increment;
-  sum.window_count += record.window_count;
-  sum.bail_out_count += record.bail_out_count;
+  sum.evidence += record.evidence;
   sum.last_seen_unix_s = std::max(sum.last_seen_unix_s, record.last_seen_unix_s);
 }
 
-// The document of scenes that are added one after the other.
+// A document to which scenes are added one after the other.
 class Document {
  public:
-  // REQUIRES: all are sums, no two of one key, and all of a scene on a class of machines.
+  // REQUIRES: all records are sums with distinct keys, and include all sums of their scenes and
+  // machine classes.
   void Add(std::span<const PriorRecord> sums) {
     const std::vector<const PriorRecord*> ordered = OrderedBy(SceneOf, sums);
     for (auto from = ordered.begin(); from != ordered.end();) {
@@ -273,9 +272,9 @@ std::vector<PriorRecord> SumByBuild(std::vector<PriorRecord> records) {
     }
   }
   for (PriorRecord& sum : sums) {
-    sum.alpha_increment = Rounded(sum.alpha_increment);
-    sum.beta_increment = Rounded(sum.beta_increment);
-    sum.source_sequence = std::clamp<uint64_t>(sum.window_count, 1, kMaxSequence);
+    sum.evidence.alpha = Rounded(sum.evidence.alpha);
+    sum.evidence.beta = Rounded(sum.evidence.beta);
+    sum.source_sequence = std::clamp<uint64_t>(sum.evidence.window_count, 1, kMaxSequence);
   }
   return sums;
 }
@@ -305,8 +304,8 @@ SumsWriter::~SumsWriter() = default;
 
 void SumsWriter::Add(PriorRecord record) {
   std::vector<PriorRecord>& records = state_->records;
-  const bool begins = !records.empty() && (records.back().scene != record.scene ||
-                                           records.back().project != record.project);
+  const bool begins = !records.empty() && (records.back().key.scene != record.key.scene ||
+                                           records.back().key.project != record.key.project);
   if (begins) state_->EndScene();
   records.push_back(std::move(record));
 }

@@ -17,31 +17,35 @@ constexpr double SquareOf(double x) { return x * x; }
 constexpr double kFlatEvidence = 2.5;              // a prior below it says nothing; Beta(1,1) has 2
 constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
 constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost
-constexpr double kFlatShare = 0.2;         // weight of the belief that ignores the prior
-constexpr double kContradiction = 0.3;  // log-cost by which the expected best arm is too expensive
+constexpr double kFlatShare = 0.2;         // weight of the part of a belief that ignores the prior
+// DropContradictedPriors: log-cost by which the expected best arm is too expensive
+constexpr double kContradiction = 0.3;
 // These constants define the safety limit.
 constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit
 constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
 // These constants define the gate.
 constexpr double kHorizonCooldowns = 5;
-constexpr double kTie = 0.005;            // a smaller expected gain does not matter
-constexpr double kEndedTrialTie = 0.05;   // the same of a trial of an arm of which one has ended
+constexpr double kTie = 0.005;  // smaller expected gains are ignored
+// the same for another trial of an arm whose first one ended early
+constexpr double kEndedTrialTie = 0.05;
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
 constexpr uint32_t kTrialLimitPercent = 120;
-// By how many standard deviations an arm that was live has to be better to be chosen again.
+// An arm that was live before is chosen again if it is better by this number of standard
+// deviations.
 constexpr double kReturnDeviations = 0.25;
 // An arm is tried if the probability that it costs twice as much as the active one is below 10 %.
 constexpr double kTrialDeviations = 1.282;
 constexpr double kMaxTrialLogRatio = 0.693;
 constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the frame time
 constexpr double kBanGrowth = 4;
-// The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
+// The maximum time that drifts advance at once, in decision intervals. A pause is not drift.
 constexpr double kMaxAdvance = 30;
-constexpr int64_t kLaneIntervals = 5;  // the lane is at work so many intervals after a visit
-// If the lane has not reported after this many windows, arms are tried live. A sweep of an
-// expensive scene takes its time.
+// the lane counts as reporting for this many intervals after a visit
+constexpr int64_t kLaneIntervals = 5;
+// Arms are tried live if the lane has not reported after this many windows. In an expensive scene a
+// sweep takes long.
 constexpr uint64_t kPatienceWindows = 5;
 
 double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -95,8 +99,8 @@ AdaptivePolicy::Visit AdaptivePolicy::VisitOf(const ShadowSample& sample) {
           .is_bound = (sample.flags & kShadowCapped) != 0};
 }
 
-// Compares the arm that the priors expect to be the cheapest with the cheapest one of the lane's
-// first visit to each arm, which may come with several ticks.
+// Compares the cheapest arm by the priors with the cheapest arm by the lane's first visit to each
+// arm. These visits may come with several ticks.
 void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
   if (!expected_arm_) return;
   const std::vector<std::optional<Visit>> earlier = first_visits_;
@@ -124,8 +128,8 @@ void AdaptivePolicy::Observe(uint32_t arm, const Visit& visit) {
   filter().ObserveShadow(arm, visit.sweep, visit.log_cost);
 }
 
-// Returns the evidence of a visit, without what the lane is believed to exceed the frame thread by:
-// for this arm if it was live, else for those that were, since what was believed before would be
+// Returns the evidence of a visit without the lane's bias. The bias is that of this arm if it was
+// live, otherwise that of the arms that were live; without this limit earlier beliefs would be
 // learnt again.
 Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
   double bias = 0;
@@ -145,7 +149,7 @@ void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t 
   if (beliefs_.Observe(descriptor)) UpdatePosteriors();
 }
 
-// Of every regime: what an arm that bailed out may do does not depend on it.
+// Shared by all regimes, because a ban after a bail-out does not depend on the regime.
 void AdaptivePolicy::Assume(uint32_t arm, double log_cost) {
   for (RelativeCostFilter& filter : beliefs_.filters()) filter.Assume(arm, log_cost);
 }
@@ -213,8 +217,8 @@ double AdaptivePolicy::WindowEvidence(uint32_t arm) const {
   return EvidenceOf(posteriors_[arm].mean(), filter().live_noise());
 }
 
-// The penalty is that number of windows of reward 0: a window is worth thousands of observations,
-// beside which the paper's ten would not be seen in stored priors.
+// The penalty is that number of windows of reward 0. A window counts thousands of observations, so
+// the paper's ten would not be visible in stored priors.
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
   const double window_evidence = WindowEvidence(arm);
   Ban& ban = bans_[arm];
@@ -228,15 +232,15 @@ Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
 }
 
 void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
-  // The settling frames include the one that rebuilds.
+  // The settling frames include the rebuild frame.
   const double cost_s =
       static_cast<double>(std::max(cost.rebuild_time_ns, cost.settling_cost_ns)) * 1e-9;
   const double max_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
   switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
 }
 
-// An arm without a window is tried again as a trial, if at all. A first end is no evidence: two
-// frames of a good arm may be what else the machine was at.
+// An arm without a live window may be tried again, but only as a trial. The first early end is not
+// evidence, because other work on the machine may have caused the two long frames.
 void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
   AdvanceTo(now_ns);
   if (trial_ended_[end.arm]) filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
@@ -252,8 +256,8 @@ std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
   return std::min(std::max(min_ns, earned_ns), options_.cooldown_ns);
 }
 
-// For how long a switch is reckoned with, and a visit of the lane: no cooldown is shorter than what
-// an arm takes to settle and be measured, whatever the options allow.
+// The time over which the gate weighs a switch. It counts a cooldown as at least the time that an
+// arm takes to settle and to be measured, whatever the options say.
 double AdaptivePolicy::HorizonSeconds() const {
   const int64_t shortest_ns = options_.settling_ns + options_.decision_interval_ns;
   return kHorizonCooldowns * Seconds(std::max(options_.cooldown_ns, shortest_ns));
@@ -271,8 +275,8 @@ bool AdaptivePolicy::IsKnownEnough(uint32_t arm, int64_t now_ns) const {
 }
 
 // Returns whether the arm stays below the safety limit. Without the lane, an arm never seen counts
-// as safe if it is believed to cost no more than the active one; otherwise the width of its belief
-// alone would keep the game on a slow arm for ever.
+// as safe if its expected cost is not above that of the active arm. Otherwise the width of its
+// belief alone would keep the game on a slow arm for ever.
 bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
   const NormalBelief cost = filter().LiveCost(arm);
   const bool unseen = !observed_[arm] && !LaneReports(input.now_ns);
@@ -281,7 +285,7 @@ bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
   return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
 }
 
-// Returns whether a switch to the arm is a trial. Without a settling time there are none.
+// Returns whether a switch to the arm is a trial. There are no trials without a settling time.
 bool AdaptivePolicy::IsTrial(const ChoiceInput& input, uint32_t arm) const {
   return !was_live_[arm] && !input.bailed_out && options_.settling_ns > 0;
 }
@@ -297,7 +301,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   terms.loss = ExpectedGain(-difference.mean, deviation);
   terms.horizon_s = HorizonSeconds();
   if (!observed_[candidate]) {
-    // Part of the belief about an unobserved arm ignores what is assumed of it.
+    // Part of the belief about an unobserved arm ignores the prior.
     const double flat = ExpectedGain(0, kUnknownDeviation);
     const double share = has_prior_[candidate] ? kFlatShare : 1;
     terms.gain += share * (flat - terms.gain);
@@ -317,10 +321,11 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   return result;
 }
 
-// Returns whether to consider the arm: it is believed to be better, or a live window of it may be
-// worth having. While the lane reports, that is so only until there is one, which tells the lane's
-// bias for this arm; after that, what is uncertain about it must not lead back and forth. A trial
-// shows frames whatever they take, so that little is tried of which the lane could tell but little.
+// Returns whether to consider the arm: it is believed to be better, or its live window may be worth
+// the cost. While the lane reports, the second reason holds only until the arm's first live window,
+// which shows the lane's bias for this arm. After that, the remaining uncertainty must not lead
+// back and forth. An arm that may cost twice as much as the active one, with a probability of 10 %,
+// is not tried, because a trial shows at least two of its frames.
 bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
   const NormalBelief difference = beliefs_.Difference(input.active_arm, arm);
@@ -351,11 +356,11 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   choice.gate = best->terms;
   const bool better = best->advantage > 0;
   const bool worthwhile = best->worth_s > 0;
-  // An arm that does not pass the gate is still shown as the candidate if it is believed better.
+  // A candidate that does not pass the gate is still shown if it is believed to be better.
   if (worthwhile || better) choice.candidate = best->arm;
   if (IsTrial(input, choice.candidate)) choice.trial_limit_percent = kTrialLimitPercent;
-  if (!worthwhile) choice.hold = Outcome::kHeldGate;
-  if (worthwhile && !best->matters) choice.hold = Outcome::kHeldTie;
+  if (!worthwhile) choice.hold = DecisionOutcome::kHeldGate;
+  if (worthwhile && !best->matters) choice.hold = DecisionOutcome::kHeldTie;
   return choice;
 }
 
@@ -376,7 +381,7 @@ void AdaptivePolicy::UpdatePosteriors() {
   for (uint32_t arm = 1; arm < filter().arm_count(); ++arm) {
     if (beliefs_.LogCost(arm).mean < beliefs_.LogCost(leader).mean) leader = arm;
   }
-  // Half of the smallest difference's variance is shown as the leader's.
+  // The leader's posterior shows half of the variance of the smallest difference.
   double smallest = SquareOf(kUnknownDeviation);
   for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
     if (arm != leader) smallest = std::min(smallest, beliefs_.Difference(arm, leader).variance);

@@ -45,8 +45,8 @@ struct ChoiceInput {
 
 struct Choice {
   uint32_t candidate = 0;
-  std::vector<double> draws;    // the values the policy compared, one per arm; may be empty
-  std::optional<Outcome> hold;  // why the policy itself does not want the switch now
+  std::vector<double> draws;            // the values the policy compared, one per arm; may be empty
+  std::optional<DecisionOutcome> hold;  // why the policy itself does not want the switch now
   std::optional<GateTerms> gate;
   double propensity = 1;
   uint32_t trial_limit_percent = 0;  // of the switch (SwitchCommand)
@@ -68,7 +68,7 @@ class Policy {
   }
   virtual void LearnDescriptor(const SceneDescriptor& /*descriptor*/, int64_t /*now_ns*/) {}
   virtual void LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& /*cost*/) {}
-  // The arm that was tried costs at least so much.
+  // `end` is a lower bound of the cost of the arm that was tried.
   virtual void LearnTrialEnd(const TrialEnd& /*end*/, int64_t /*now_ns*/) {}
 
   virtual Choice Choose(const ChoiceInput& input) const = 0;
@@ -91,8 +91,8 @@ struct PolicyKind {
   bool explores = true;             // begins with the live exploration of all arms (paper §6.3)
   bool starts_from_priors = false;  // decides before the first frame if it has priors
   bool uses_shadow = false;         // learns from the shadow lane
-  // A frame over the bail-out limit is its arm's fault whatever took the time, as in the paper
-  // (§4); otherwise only where BlamesArm in session/safeguards.h says so.
+  // A frame over the bail-out limit is always blamed on the active arm, whatever took the time, as
+  // in the paper (§4). Otherwise BlamesArm in session/safeguards.h decides.
   bool blames_any_cause = false;
 };
 
@@ -112,8 +112,8 @@ Choice ChoiceOf(uint32_t arm);
 // For policies that choose once per cooldown, where the paper draws at every tick until a draw
 // leaves the arm. Returns true at the first tick after each whole cooldown since the last switch,
 // and always after a bail-out. Before the first switch the cooldowns count from the session's
-// start, whose first tick is such a moment too. Whether the session holds the choice back because
-// of settling or missing frames does not matter: the next moment is a cooldown later.
+// start, and its first tick returns true as well. If the session holds a choice back because of
+// settling or missing frames, the next choice still comes a cooldown later.
 bool IsTimeToChoose(const ChoiceInput& input, int64_t cooldown_ns);
 
 }  // namespace sweepstake::decision

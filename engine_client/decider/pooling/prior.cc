@@ -34,9 +34,9 @@ struct Source {
 
 // Everything that records say of a project, grouped. The maps make the results independent of the
 // order of the records.
-class Evidence {
+class ProjectEvidence {
  public:
-  Evidence(std::span<const ArmRecord> records, const PriorKey& key) : key_(key) {
+  ProjectEvidence(std::span<const ArmRecord> records, const PriorKey& key) : key_(key) {
     for (const ArmRecord& record : records) {
       if (record.project == key.project && record.reward_version == key.reward_version) Add(record);
     }
@@ -168,7 +168,7 @@ bool IsBetterVersion(uint32_t version, uint32_t other, uint32_t own) {
 }
 
 Prior PriorFor(std::span<const ArmRecord> records, const PriorKey& key) {
-  const Evidence evidence(records, key);
+  const ProjectEvidence evidence(records, key);
   Prior prior = key.compares_sources ? evidence.Compare() : evidence.Sum();
   if (!prior.is_known()) prior.source_count = 0;
   return prior;

@@ -5,7 +5,7 @@
 namespace sweepstake::decision {
 namespace {
 
-bool Matches(const ArmRun& run, const Frame& frame) {
+bool Matches(const ArmRun& run, const FrameSample& frame) {
   return run.switch_epoch() == frame.switch_epoch && run.arm() == frame.arm;
 }
 
@@ -14,7 +14,7 @@ bool Matches(const ArmRun& run, const Frame& frame) {
 ArmRun::ArmRun(uint32_t arm, uint32_t switch_epoch, uint64_t settling_ns)
     : arm_(arm), switch_epoch_(switch_epoch), settling_end_ns_(settling_ns) {}
 
-bool ArmRun::Observe(const Frame& frame, uint64_t rebuild_settling_ns) {
+bool ArmRun::Observe(const FrameSample& frame, uint64_t rebuild_settling_ns) {
   if (SettlesAgain(frame, rebuild_settling_ns)) {
     Advance(frame);
     settling_end_ns_ = SaturatingSum(elapsed_ns_, rebuild_settling_ns);
@@ -33,19 +33,19 @@ bool ArmRun::Observe(const Frame& frame, uint64_t rebuild_settling_ns) {
   return true;
 }
 
-void ArmRun::Pass(const Frame& frame) { Advance(frame); }
+void ArmRun::Pass(const FrameSample& frame) { Advance(frame); }
 
 void ArmRun::ClearWindow() {
   window_.Clear();
   settling_frames_seen_ = false;
 }
 
-bool ArmRun::SettlesAgain(const Frame& frame, uint64_t rebuild_settling_ns) const {
+bool ArmRun::SettlesAgain(const FrameSample& frame, uint64_t rebuild_settling_ns) const {
   return (frame.flags & kFrameRebuild) != 0 && rebuild_settling_ns > 0 && started_ &&
          elapsed_ns_ >= settling_end_ns_ && measured_ns_ >= rebuild_settling_ns;
 }
 
-void ArmRun::Advance(const Frame& frame) {
+void ArmRun::Advance(const FrameSample& frame) {
   if (started_) elapsed_ns_ = SaturatingSum(elapsed_ns_, frame.frame_time_ns);
   started_ = true;
 }
@@ -54,7 +54,7 @@ bool IsLaterEpoch(uint32_t epoch, uint32_t than) {
   return epoch != than && epoch - than < (1u << 31);
 }
 
-ArmRun* ArmRuns::Find(const Frame& frame, uint64_t settling_ns) {
+ArmRun* ArmRuns::Find(const FrameSample& frame, uint64_t settling_ns) {
   if (frame.arm >= arm_count_) return nullptr;
   if (IsActive(frame)) {
     active_frames_seen_ = true;
@@ -67,7 +67,7 @@ ArmRun* ArmRuns::Find(const Frame& frame, uint64_t settling_ns) {
   return Matches(*later_, frame) ? &*later_ : nullptr;
 }
 
-bool ArmRuns::IsActive(const Frame& frame) const { return Matches(active_, frame); }
+bool ArmRuns::IsActive(const FrameSample& frame) const { return Matches(active_, frame); }
 
 void ArmRuns::Activate(const ArmRun& run) {
   active_ = run;

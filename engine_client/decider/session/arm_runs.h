@@ -1,8 +1,8 @@
-// Which arm runs in which switch epoch: the active run and, as soon as frames show it, the run
+// The arm that runs in each switch epoch: the active run and, as soon as frames show it, the run
 // after it. A run divides its frames into settling and measured ones and keeps the window of the
 // measured ones.
 //
-// A run's time is frame time: it starts at the end of the run's first frame and adds up the frame
+// A run's time is frame time. It starts at the end of the run's first frame and adds up the frame
 // times after it. The first frame, which builds the structure, always belongs to the settling
 // unless that has length 0.
 //
@@ -24,17 +24,17 @@ class ArmRun {
   // Frames that begin before `settling_ns` of the run has passed are settling frames.
   ArmRun(uint32_t arm, uint32_t switch_epoch, uint64_t settling_ns);
 
-  // Takes a frame of this run and returns true if it was measured, false if it settles.
+  // Takes a frame of this run. Returns true if it was measured, false if it settles.
   //
-  // If `rebuild_settling_ns` > 0, a rebuild (the object count changed) of a measured run makes it
-  // settle again for that long; the window keeps what it has. This happens only after at least as
-  // much frame time was measured since the last settling, so that at most half of the time is
-  // settling and an object count that changes all the time does not stop the learning.
-  bool Observe(const Frame& frame, uint64_t rebuild_settling_ns);
+  // If `rebuild_settling_ns` > 0, a rebuild (the object count changed) of a measured run starts
+  // another settling of that length. The window keeps its frames. This happens only after at least
+  // as much frame time was measured since the last settling. So settling takes at most half of the
+  // time, and an object count that changes all the time does not stop the learning.
+  bool Observe(const FrameSample& frame, uint64_t rebuild_settling_ns);
   // Lets a frame's time pass without measuring it, because it was over the bail-out limit.
-  void Pass(const Frame& frame);
+  void Pass(const FrameSample& frame);
 
-  // Settles anew, as if the run began with the next frame.
+  // Starts settling again, as if the run began with the next frame.
   void Restart(uint64_t settling_ns) { *this = ArmRun(arm_, switch_epoch_, settling_ns); }
   // Begins the window of the next tick.
   void ClearWindow();
@@ -43,7 +43,7 @@ class ArmRun {
   uint32_t switch_epoch() const { return switch_epoch_; }
   uint64_t elapsed_ns() const { return elapsed_ns_; }
   const Window& window() const { return window_; }
-  // Whether the current tick had settling frames of this run.
+  // Returns whether the current tick had settling frames of this run.
   bool settling_frames_seen() const { return settling_frames_seen_; }
 
   // Returns references to every member of an ArmRun or const ArmRun, for the audit log.
@@ -57,8 +57,8 @@ class ArmRun {
   }
 
  private:
-  bool SettlesAgain(const Frame& frame, uint64_t rebuild_settling_ns) const;
-  void Advance(const Frame& frame);
+  bool SettlesAgain(const FrameSample& frame, uint64_t rebuild_settling_ns) const;
+  void Advance(const FrameSample& frame);
 
   uint32_t arm_;
   uint32_t switch_epoch_;
@@ -78,23 +78,23 @@ class ArmRuns {
  public:
   ArmRuns(uint32_t arm_count, ArmRun active) : arm_count_(arm_count), active_(active) {}
 
-  // Returns the run that this frame belongs to. A frame of a later epoch than all before begins a
-  // later run, which settles for `settling_ns`. Returns null if the frame is of an earlier epoch,
-  // or of an arm that does not run in its epoch.
-  ArmRun* Find(const Frame& frame, uint64_t settling_ns);
+  // Returns the run of this frame. A frame of a later epoch than all before begins a later run,
+  // which settles for `settling_ns`. Returns null if the frame is of an earlier epoch, or of an arm
+  // that does not run in its epoch.
+  ArmRun* Find(const FrameSample& frame, uint64_t settling_ns);
 
   ArmRun& active() { return active_; }
   const ArmRun& active() const { return active_; }
-  // A run that frames have shown and that is not active yet.
+  // The run that frames have shown and that is not active yet.
   const std::optional<ArmRun>& later() const { return later_; }
-  bool IsActive(const Frame& frame) const;
+  bool IsActive(const FrameSample& frame) const;
 
   // Makes `run` the active one and forgets the later one.
   void Activate(const ArmRun& run);
 
   // Begins the window of the next tick.
   void ClearWindow();
-  // Whether the current tick had frames of the active run, measured or not.
+  // Returns whether the current tick had frames of the active run, measured or not.
   bool active_frames_seen() const { return active_frames_seen_; }
 
   // Returns references to every member of ArmRuns or const ArmRuns except the number of arms, for

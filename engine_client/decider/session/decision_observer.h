@@ -1,5 +1,5 @@
-// The interface through which a session reports what it is given and what it decides, complete
-// enough to derive every decision again. The audit log (engine_client/decider/audit) implements it.
+// The interface through which a session reports its inputs and decisions, completely enough to
+// derive every decision again. The audit log (engine_client/decider/audit) implements it.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace sweepstake::decision {
 
-// An executed switch, as DecisionSession::ObserveSwitch is told it.
+// An executed switch: the arguments of DecisionSession::ObserveSwitch.
 struct SwitchReport {
   uint32_t arm = 0;
   uint32_t switch_epoch = 0;
@@ -21,24 +21,24 @@ struct SwitchReport {
   SwitchCost cost;
 };
 
-// An order that an operator gives to the game. No decision depends on it: what the game does with
-// it is reported as a mode.
+// An order of an operator to the game. No decision depends on it, because the game reports a mode
+// after it executes the order.
 struct OrderReport {
   std::string_view operator_name;
   Mode mode = Mode::kManual;
-  std::optional<uint32_t> arm;  // with kManual; absent: the active one
+  std::optional<uint32_t> arm;  // with kManual; absent: keep the active arm
   int64_t now_ns = 0;
 };
 
-// What a tick learns from besides the active arm's run.
+// The inputs of a tick besides the active arm's run.
 struct TickInput {
   int64_t now_ns = 0;
   std::span<const ShadowSample> shadow_samples;
   std::optional<SceneDescriptor> descriptor;
 };
 
-// Every event is reported before the session applies it; `runs` is what the frames so far amount
-// to. Calls come on the session's thread. An observer must not call the session back.
+// Every event is reported before the session applies it. `runs` summarises the frames before the
+// event. Calls come on the session's thread. An observer must not call the session back.
 class DecisionObserver {
  public:
   virtual ~DecisionObserver() = default;
@@ -48,9 +48,9 @@ class DecisionObserver {
   virtual void OnMode(Mode mode, uint32_t active_arm, int64_t now_ns, const ArmRuns& runs) = 0;
   virtual void OnOrder(const OrderReport& order) = 0;
 
-  // Each of these two is followed by OnDecision with the result.
+  // OnDecision follows each of these two with the result.
   virtual void OnTick(const TickInput& input, const ArmRuns& runs) = 0;
-  virtual void OnBailOut(const Frame& frame, int64_t now_ns, const ArmRuns& runs) = 0;
+  virtual void OnBailOut(const FrameSample& frame, int64_t now_ns, const ArmRuns& runs) = 0;
   virtual void OnDecision(const Decision& decision) = 0;
 };
 

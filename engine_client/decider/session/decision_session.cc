@@ -26,7 +26,7 @@ std::unique_ptr<Policy> PolicyOf(const SessionSetup& setup, PolicyRegistry polic
                     policies);
 }
 
-// Returns whether the first decision waits for no frame, because priors are known.
+// Returns whether the first decision needs no frames, because priors are known.
 bool StartsFromPriors(const SessionSetup& setup, const PolicyKind& kind) {
   return kind.starts_from_priors && !setup.priors.empty();
 }
@@ -66,8 +66,8 @@ bool DecisionSession::waits_for_frames() const {
   return decision_count_ == 0 && !StartsFromPriors(setup_, policy_kind_);
 }
 
-void DecisionSession::ObserveFrames(std::span<const Frame> frames) {
-  for (const Frame& frame : frames) ObserveFrame(frame);
+void DecisionSession::ObserveFrames(std::span<const FrameSample> frames) {
+  for (const FrameSample& frame : frames) ObserveFrame(frame);
 }
 
 bool DecisionSession::RestoreRuns(const ArmRuns& runs) {
@@ -77,7 +77,7 @@ bool DecisionSession::RestoreRuns(const ArmRuns& runs) {
   return true;
 }
 
-void DecisionSession::ObserveFrame(const Frame& frame) {
+void DecisionSession::ObserveFrame(const FrameSample& frame) {
   ArmRun* run = runs_.Find(frame, SettlingOfNewRun());
   if (run == nullptr) {
     ++counts_.other_epoch_frame_count;
@@ -96,7 +96,7 @@ void DecisionSession::ObserveFrame(const Frame& frame) {
   }
 }
 
-void DecisionSession::CountRebuild(const Frame& frame) {
+void DecisionSession::CountRebuild(const FrameSample& frame) {
   if ((frame.flags & kFrameRebuild) == 0) return;
   ++counts_.rebuild_frame_count;
   counts_.rebuild_detection_time_ns =
@@ -182,11 +182,11 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   Decision decision = Open(now_ns);
   LearnScene(decision);
   if (mode_ == Mode::kManual) {
-    decision.record.outcome = Outcome::kManual;
+    decision.record.outcome = DecisionOutcome::kManual;
   } else if (exploring()) {
     TickExploration(decision);
   } else {
-    const std::optional<Outcome> hold = Learn(decision);
+    const std::optional<DecisionOutcome> hold = Learn(decision);
     SampleAndGate(decision, hold);
   }
   Diagnose(window_teaches() ? std::optional(run().window().Metrics().fps) : std::nullopt);
@@ -201,14 +201,14 @@ void DecisionSession::ReportTick(int64_t now_ns) {
   observer_->OnTick({now_ns, shadow_samples_, descriptor_}, runs_);
 }
 
-// Learns from the scene descriptor and the shadow lane's samples. In manual mode they are no
+// Learns from the scene descriptor and the samples of the shadow lane. In manual mode they are not
 // evidence.
 void DecisionSession::LearnScene(Decision& decision) {
   const int64_t now_ns = decision.record.time_ns;
   if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
   if (shadow_samples_.empty()) return;
   std::vector<Increment> increments = policy_->LearnShadow(shadow_samples_, now_ns);
-  // A client has no more evidence of an arm than a lane can measure in an interval.
+  // Limits the evidence per arm to the visits that a lane can make in an interval.
   std::vector<uint32_t> counts(setup_.arms.size());
   std::erase_if(increments,
                 [&](const Increment& visit) { return ++counts[visit.arm] > kMaxVisitsPerTick; });
@@ -266,29 +266,31 @@ bool DecisionSession::goes_by_cost() const {
   return policy_kind_.reward_version == kLogCostRewardVersion;
 }
 
-// What a game does without searching says nothing of what an arm costs.
+// Frames without a search do not show the cost of an arm.
 bool DecisionSession::window_teaches() const {
   const Window& window = run().window();
   return !window.empty() && (!goes_by_cost() || window.tells_cost());
 }
 
-std::optional<Outcome> DecisionSession::Learn(Decision& decision) {
+std::optional<DecisionOutcome> DecisionSession::Learn(Decision& decision) {
   if (!window_teaches()) {
     const bool first = decision.record.decision_id == setup_.decision_count + 1;
     if (first && StartsFromPriors(setup_, policy_kind_)) return std::nullopt;
-    return run().settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;
+    return run().settling_frames_seen() ? DecisionOutcome::kHeldSettling
+                                        : DecisionOutcome::kNoFrames;
   }
   const std::optional<WindowUpdate> update = policy_->LearnWindow(
       {.arm = run().arm(), .window = run().window(), .now_ns = decision.record.time_ns});
-  if (!update) return Outcome::kRejected;
+  if (!update) return DecisionOutcome::kRejected;
   ++standings_[run().arm()].live_window_count;
   decision.increment = update->increment;
   decision.record.reward = update->reward;
   return std::nullopt;
 }
 
-// Asks the policy for a candidate, and returns why the policy itself does not want the switch now.
-std::optional<Outcome> DecisionSession::Choose(DecisionRecord& record, bool bailed_out) const {
+// Asks the policy for a candidate. Returns why the policy itself does not want the switch now.
+std::optional<DecisionOutcome> DecisionSession::Choose(DecisionRecord& record,
+                                                       bool bailed_out) const {
   Choice choice = policy_->Choose({.active_arm = run().arm(),
                                    .seed = setup_.seed,
                                    .decision_id = record.decision_id,
@@ -306,23 +308,24 @@ std::optional<Outcome> DecisionSession::Choose(DecisionRecord& record, bool bail
 }
 
 // `hold` is a reason that holds every candidate back.
-void DecisionSession::SampleAndGate(Decision& decision, std::optional<Outcome> hold) {
-  const std::optional<Outcome> own_hold = Choose(decision.record, false);
+void DecisionSession::SampleAndGate(Decision& decision, std::optional<DecisionOutcome> hold) {
+  const std::optional<DecisionOutcome> own_hold = Choose(decision.record, false);
   decision.record.outcome = Gate(decision.record, hold, own_hold);
-  if (decision.record.outcome == Outcome::kSwitched) {
+  if (decision.record.outcome == DecisionOutcome::kSwitched) {
     Command(decision, *decision.record.candidate, SwitchReason::kPolicy);
   }
 }
 
-Outcome DecisionSession::Gate(const DecisionRecord& record, std::optional<Outcome> hold,
-                              std::optional<Outcome> own_hold) const {
+DecisionOutcome DecisionSession::Gate(const DecisionRecord& record,
+                                      std::optional<DecisionOutcome> hold,
+                                      std::optional<DecisionOutcome> own_hold) const {
   if (hold) return *hold;
-  if (record.candidate == run().arm()) return Outcome::kKept;
-  if (gate_.switch_under_way()) return Outcome::kHeldSettling;
+  if (record.candidate == run().arm()) return DecisionOutcome::kKept;
+  if (gate_.switch_under_way()) return DecisionOutcome::kHeldSettling;
   if (own_hold) return *own_hold;
   const int64_t cooldown_ns = policy_->cooldown_ns().value_or(setup_.options.cooldown_ns);
-  return gate_.CooldownPassed(record.time_ns, cooldown_ns) ? Outcome::kSwitched
-                                                           : Outcome::kHeldCooldown;
+  return gate_.CooldownPassed(record.time_ns, cooldown_ns) ? DecisionOutcome::kSwitched
+                                                           : DecisionOutcome::kHeldCooldown;
 }
 
 void DecisionSession::Command(Decision& decision, uint32_t arm, SwitchReason reason) {
@@ -336,8 +339,8 @@ void DecisionSession::Command(Decision& decision, uint32_t arm, SwitchReason rea
 }
 
 void DecisionSession::TickExploration(Decision& decision) {
-  decision.record.outcome = Outcome::kExploring;
-  std::optional<Outcome> hold;
+  decision.record.outcome = DecisionOutcome::kExploring;
+  std::optional<DecisionOutcome> hold;
   if (run().arm() == exploration_.slot_arm()) {
     hold = Learn(decision);
     const auto slot_ns = static_cast<uint64_t>(setup_.options.exploration_warm_up_ns) +
@@ -348,8 +351,8 @@ void DecisionSession::TickExploration(Decision& decision) {
     CommandNextSlot(decision, SwitchReason::kExploration);
   if (!exploring()) {
     SampleAndGate(decision, hold);
-  } else if (hold == Outcome::kRejected) {
-    decision.record.outcome = Outcome::kRejected;
+  } else if (hold == DecisionOutcome::kRejected) {
+    decision.record.outcome = DecisionOutcome::kRejected;
   }
 }
 
@@ -373,14 +376,14 @@ void DecisionSession::EndSlot(int64_t now_ns) {
   }
 }
 
-Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
+Decision DecisionSession::ObserveBailOut(const FrameSample& frame, int64_t now_ns) {
   if (observer_) observer_->OnBailOut(frame, now_ns, runs_);
   runs_.Find(frame, SettlingOfNewRun());  // begins a later run if the frame shows one
   AdoptLaterRun(now_ns);
   Decision decision = Open(now_ns);
-  decision.record.outcome = exploring() ? Outcome::kExploring : Outcome::kKept;
+  decision.record.outcome = exploring() ? DecisionOutcome::kExploring : DecisionOutcome::kKept;
   if (mode_ == Mode::kManual) {
-    decision.record.outcome = Outcome::kManual;
+    decision.record.outcome = DecisionOutcome::kManual;
   } else if (IsCharged(frame)) {
     Blame(frame, decision);
   } else {
@@ -391,16 +394,17 @@ Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
   return Close(std::move(decision));
 }
 
-bool DecisionSession::IsCharged(const Frame& frame) const {
+bool DecisionSession::IsCharged(const FrameSample& frame) const {
   if (mode_ != Mode::kAi || frame.arm >= setup_.arms.size()) return false;
   const int64_t limit_ns = setup_.options.bail_out_ns;
   return policy_kind_.blames_any_cause ? IsOverBailOutLimit(frame, limit_ns)
                                        : BlamesArm(frame, limit_ns);
 }
 
-void DecisionSession::Blame(const Frame& frame, Decision& decision) {
+void DecisionSession::Blame(const FrameSample& frame, Decision& decision) {
   ++counts_.charged_bail_out_count;
-  // The session itself always learns: whatever the report is worth, its game leaves the arm.
+  // The session itself always learns from it, so its game leaves the arm even if the report is
+  // wrong.
   const Increment increment = policy_->LearnBailOut(frame.arm);
   const bool may_be_evidence = (frame.flags & kFrameNoEvidence) == 0;
   if (may_be_evidence && bail_out_budget_.Spend(decision.record.time_ns)) {
@@ -419,7 +423,8 @@ void DecisionSession::Blame(const Frame& frame, Decision& decision) {
 void DecisionSession::Resample(Decision& decision) {
   Choose(decision.record, true);
   const uint32_t candidate = *decision.record.candidate;
-  decision.record.outcome = candidate == run().arm() ? Outcome::kKept : Outcome::kSwitched;
+  decision.record.outcome =
+      candidate == run().arm() ? DecisionOutcome::kKept : DecisionOutcome::kSwitched;
   if (candidate != run().arm()) Command(decision, candidate, SwitchReason::kBailOut);
 }
 

@@ -1,44 +1,45 @@
 // One game's decisions: from frames to rewards and posteriors, and from posteriors to switch
-// commands (steps 8 and 9 of the one path).
+// commands (step 9 of the one path in architecture.md).
 //
 // Deterministic: the same setup and the same calls give the same decisions bit for bit on every
 // platform. Time and randomness are arguments. Not thread-safe; distinct sessions are independent.
 // The memory is bounded by the number of arms.
 //
-// A tick first updates the posterior, then samples a candidate, then gates it. What the paper
-// leaves open is decided as follows:
+// A tick first updates the posterior, then samples a candidate, then gates it. The paper leaves the
+// following open:
+//
 // - Two clocks. Ticks, the cooldown and active time use now_ns, the caller's clock. Settling,
 //   warm-up and measuring use frame time, which counts from the end of the first frame of the new
 //   switch epoch. Paused and loading frames do not count.
 // - When a switch counts as executed. ObserveSwitch reports it, but clients report a switch only
-//   when the new arm has settled. Frames of a later epoch are therefore kept as they come, and the
-//   first tick or bail-out that finds some takes the switch as executed without waiting for the
-//   report. It was executed that much frame time ago, but not before the last event on now_ns; the
+//   when the new arm has settled. Frames of a later epoch are therefore kept as they come. The
+//   first tick or bail-out that finds some treats the switch as executed without waiting for the
+//   report. It was executed that much frame time ago, but not before the last event on now_ns. The
 //   cooldown and active time count from then.
 // - A command without an answer. While a command is under way, no other one is issued, except after
 //   a bail-out. When it counts as lost (SwitchGate in safeguards.h), the candidate of that tick, or
 //   the exploration's arm, may be commanded. A refused command ends at once. The exploration skips
 //   an arm after three commands without effect.
-// - The first command. Before the first executed switch no cooldown runs. A session that goes on
+// - The first command. Before the first executed switch no cooldown runs. A session that continues
 //   after a restart (decision_count > 0) does not know when the last switch was, and counts from
 //   start_ns.
 // - Draws. Every AI tick outside the exploration draws and logs a candidate, also if settling
 //   frames, missing frames or a rejected window hold it back.
 // - Exploration. A slot is the warm-up, which replaces settling, and the measured time after it.
 //   Ticks in a slot update the posterior. The slot ends at the first tick at which its frame time
-//   has passed, never because frames are missing; the next arm is commanded at that tick. An arm
+//   has passed, never because frames are missing. The next arm is commanded at that tick. An arm
 //   that is active when its turn comes needs no command. The tick that ends the last slot starts
 //   the observation window and is already an ordinary one: update, sample, gate, with the cooldown
 //   counting from the switch to the last arm explored.
 // - Bail-outs. In the exploration the arm's slot ends and the next arm is commanded. Otherwise the
 //   draw decides; if it falls on the same arm, that arm stays. A bail-out of an earlier epoch is
-//   charged to its arm and commands nothing. Frames over the limit are never in a window, since
-//   they are charged with the penalty, or with nothing if the arm is excused. Those beyond what a
-//   game can have (BailOutBudget in safeguards.h), and those that the caller says are no evidence
-//   (kFrameNoEvidence), move the session like others, but have no increment.
+//   charged to its arm and commands nothing. Frames over the limit are never in a window: they are
+//   charged with the penalty, or not charged if the arm is excused. Bail-outs beyond BailOutBudget
+//   (safeguards.h) and those with kFrameNoEvidence change the session like others, but have no
+//   increment.
 // - Policies differ in what they learn, how they choose and which cooldown they ask for (policy.h);
 //   all rules above hold for each of them. A policy that does not explore begins with an ordinary
-//   tick; one that starts from priors takes its first decision at start_ns.
+//   tick. A policy that starts from priors takes its first decision at start_ns.
 // - A rebuild because of a changed object count settles again, except within exploration slots
 //   (ArmRun::Observe in arm_runs.h).
 #pragma once
@@ -72,51 +73,51 @@ class DecisionSession {
   // From now on reports every event and decision to the observer. REQUIRES: nothing was observed
   // yet.
   void SetObserver(std::unique_ptr<DecisionObserver> observer) { observer_ = std::move(observer); }
-  // Replaces the frames since the last event by what they amount to, when a log is derived again.
-  // Returns false and changes nothing if another arm or switch epoch is active. REQUIRES: `runs`
-  // has this session's number of arms.
+  // Replaces the frames since the last event by their summary when a log is derived again. Returns
+  // false and changes nothing if another arm or switch epoch is active. REQUIRES: `runs` has this
+  // session's number of arms.
   bool RestoreRuns(const ArmRuns& runs);
 
   // Adds frames to the window of the current tick. Frames of another switch epoch or arm than the
   // active one, settling frames, paused or loading frames, and frames over the bail-out limit are
   // counted and left out. Frames of a later epoch than the active one begin that epoch's settling
   // (see above).
-  void ObserveFrames(std::span<const Frame> frames);
+  void ObserveFrames(std::span<const FrameSample> frames);
 
   // Takes a frame over the limit at once (paper §6.3). A frame is recorded but not blamed, with no
   // increment and no command, if it is neither over options.bail_out_ns nor flagged kFrameBailOut,
   // and, unless the policy is `paper`, if detection is under half of it or if it is paused or
   // loading. The frame may also come through ObserveFrames. REQUIRES: called at most once per frame
   // index.
-  Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
-  // Returns whether a bail-out with this frame, at this time, is evidence unless the caller says
-  // that it is none.
-  bool IsEvidence(const Frame& frame, int64_t now_ns) const {
+  Decision ObserveBailOut(const FrameSample& frame, int64_t now_ns);
+  // Returns whether a bail-out with this frame, at this time, is evidence unless it has
+  // kFrameNoEvidence.
+  bool IsEvidence(const FrameSample& frame, int64_t now_ns) const {
     return IsCharged(frame) && bail_out_budget_.HasRoom(now_ns);
   }
 
-  // Takes what the shadow lane measured, to be learnt at the next tick, in manual mode too. The
+  // Takes samples of the shadow lane, which the next tick learns from, in manual mode too. The
   // latest kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or
   // without a cost are ignored.
   static constexpr size_t kMaxShadowSamples = 256;
-  // Of an arm's visits in a tick, so many are evidence.
+  // Maximum lane visits per arm and tick that count as evidence.
   static constexpr uint32_t kMaxVisitsPerTick = 8;
   void ObserveShadow(std::span<const ShadowSample> samples);
-  // Takes what the scene looks like. The latest descriptor is learnt at the next tick.
+  // Takes a descriptor of the scene. The next tick learns from the latest one.
   void ObserveDescriptor(const SceneDescriptor& descriptor) { descriptor_ = descriptor; }
 
-  // Takes an executed switch, be it the client's answer to a command or a local one: the new arm is
-  // active from this epoch on. A report of what is active already only updates the switch cost; one
-  // of an earlier epoch changes nothing. What ended a trial is learnt in any case, in place of the
+  // Takes an executed switch, either the client's answer to a command or a local one: the new arm
+  // is active from this epoch on. A report of the active epoch only updates the switch cost. A
+  // report of an earlier epoch changes nothing. The end of a trial is always learnt, instead of a
   // cost. REQUIRES: arm < arms, and that of a trial.
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns,
                      const SwitchCost& cost = {});
 
-  // The client did not execute this command. If it was the latest one, the next tick may command
+  // Takes a command that the client refused. If it was the latest one, the next tick may command
   // again.
   void ObserveRefusal(uint64_t command_id);
 
-  // Begins a new window; the exploration goes on where it was. REQUIRES: arm < arms.
+  // Begins a new window; the exploration continues where it was. REQUIRES: arm < arms.
   void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
 
   // Reports the order to the observer, and changes nothing. REQUIRES: order.arm < arms, if any.
@@ -124,22 +125,23 @@ class DecisionSession {
     if (observer_) observer_->OnOrder(order);
   }
 
-  // The next tick is due one decision interval after the last one was due or, if that has passed
-  // too, after the last one.
+  // The next tick is due one decision interval after the last one was due or, if that time has
+  // passed too, after the last one was made.
   int64_t next_tick_ns() const { return next_tick_ns_; }
-  // Whether the first decision is still to come and waits for frames, since no priors are known.
+  // Returns whether the first decision is still to come and waits for frames, because no priors are
+  // known.
   bool waits_for_frames() const;
   // Updates, samples and gates. A late tick is one tick, never several.
   // REQUIRES: now_ns >= next_tick_ns().
   Decision Tick(int64_t now_ns);
 
   std::span<const BetaPosterior> posteriors() const { return policy_->posteriors(); }
-  // The policy's diagnosis at the latest tick or bail-out, with the verdict kDegraded if the frame
+  // The policy's diagnosis at the latest tick or bail-out. Its verdict is kDegraded if the frame
   // rate demands it (FrameRateFloor in safeguards.h).
   const Diagnosis& diagnosis() const { return diagnosis_; }
   // One per arm, at the latest tick or bail-out.
   std::span<const ArmStanding> standings() const { return standings_; }
-  // What "default" was resolved to.
+  // The policy that "default" stands for.
   const PolicyKind& policy_kind() const { return policy_kind_; }
   std::string_view policy() const { return policy_kind_.name; }
   const SessionSetup& setup() const { return setup_; }
@@ -158,8 +160,8 @@ class DecisionSession {
   const ArmRun& run() const { return runs_.active(); }
 
   // Frames.
-  void ObserveFrame(const Frame& frame);
-  void CountRebuild(const Frame& frame);
+  void ObserveFrame(const FrameSample& frame);
+  void CountRebuild(const FrameSample& frame);
 
   // Switches.
   uint64_t SettlingOfNewRun() const;
@@ -172,14 +174,14 @@ class DecisionSession {
   Decision Open(int64_t now_ns);
   Decision Close(Decision decision);
   void LearnScene(Decision& decision);
-  // Whether the policy's rewards are of the cost alone.
+  // Returns whether the policy's rewards depend on the cost only.
   bool goes_by_cost() const;
   bool window_teaches() const;
-  std::optional<Outcome> Learn(Decision& decision);
-  std::optional<Outcome> Choose(DecisionRecord& record, bool bailed_out) const;
-  void SampleAndGate(Decision& decision, std::optional<Outcome> hold);
-  Outcome Gate(const DecisionRecord& record, std::optional<Outcome> hold,
-               std::optional<Outcome> own_hold) const;
+  std::optional<DecisionOutcome> Learn(Decision& decision);
+  std::optional<DecisionOutcome> Choose(DecisionRecord& record, bool bailed_out) const;
+  void SampleAndGate(Decision& decision, std::optional<DecisionOutcome> hold);
+  DecisionOutcome Gate(const DecisionRecord& record, std::optional<DecisionOutcome> hold,
+                       std::optional<DecisionOutcome> own_hold) const;
   void Command(Decision& decision, uint32_t arm, SwitchReason reason);
   void Diagnose(std::optional<double> fps);
   void UpdateStandings();
@@ -190,12 +192,12 @@ class DecisionSession {
   void EndSlot(int64_t now_ns);
 
   // Bail-outs.
-  bool IsCharged(const Frame& frame) const;
-  void Blame(const Frame& frame, Decision& decision);
+  bool IsCharged(const FrameSample& frame) const;
+  void Blame(const FrameSample& frame, Decision& decision);
   void Resample(Decision& decision);
 
-  // Frames change nothing that decisions depend on except runs_, which is why observers are given
-  // runs_ in place of the frames.
+  // Frames change only runs_ among all that decisions depend on. So observers receive runs_ in
+  // place of the frames.
   const SessionSetup setup_;
   const PolicyKind& policy_kind_;
   const std::unique_ptr<Policy> policy_;

@@ -1,6 +1,6 @@
-// The rules that limit switching (paper §4, §6.3): which long frame is blamed on the arm and which
+// The rules that limit switching (paper §4, §6.3): which long frames are blamed on the arm, which
 // of those are evidence, the cooldown with at most one command at a time, whether the scene as a
-// whole is too slow, and when what is said of it changes.
+// whole is too slow, and when its verdict changes.
 //
 // Plain values; not thread-safe.
 #pragma once
@@ -13,18 +13,18 @@
 
 namespace sweepstake::decision {
 
-// Returns whether the frame is over the limit, by its time or by the client's own judgement
+// Returns whether the frame is over the limit, by its time or by the client's judgement
 // (kFrameBailOut).
-bool IsOverBailOutLimit(const Frame& frame, int64_t bail_out_ns);
+bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns);
 
-// Returns whether the arm is to blame for such a frame. It is not while paused or loading, nor if
-// detection is under half of the frame. The paper knows no such excuse: a policy whose kind says
-// blames_any_cause (policy.h) is not asked for it.
-bool BlamesArm(const Frame& frame, int64_t bail_out_ns);
+// Returns whether the arm is to blame for such a frame. It is not to blame while paused or loading,
+// nor if detection takes less than half of the frame. The paper has no such excuse: this function
+// is not called for a policy whose kind has blames_any_cause (policy.h).
+bool BlamesArm(const FrameSample& frame, int64_t bail_out_ns);
 
-// Decides which bail-outs become evidence that others share. A frame over the limit takes longer
-// than the limit, so a game cannot have more of them than one in that time; a client that reports
-// more is wrong or lies. kBurst at once are believed, because a client that reconnects reports what
+// Decides which bail-outs become evidence for other sessions. A frame over the limit takes longer
+// than the limit, so a game cannot have more than one in that time. A client that reports more is
+// wrong or lies. kBurst at once are accepted, because a client that reconnects reports what
 // happened meanwhile.
 class BailOutBudget {
  public:
@@ -36,12 +36,12 @@ class BailOutBudget {
 
   // Returns whether a bail-out at this time is evidence.
   bool HasRoom(int64_t now_ns) const;
-  // As HasRoom, and if so spends a part of the budget.
+  // Does the same and, if it is evidence, spends a part of the budget.
   bool Spend(int64_t now_ns);
 
  private:
   int64_t bail_out_ns_;
-  int64_t spent_until_ns_;  // at this time the budget is whole again
+  int64_t spent_until_ns_;  // time at which the budget is full again
 };
 
 // Decides whether a switch may be commanded now.
@@ -53,14 +53,15 @@ class SwitchGate {
   bool CooldownPassed(int64_t now_ns, int64_t cooldown_ns) const;
   std::optional<int64_t> last_switch_ns() const { return last_switch_ns_; }
 
-  // The time that a command may travel to the client and its first frame back: two of the paper's
-  // decision intervals. A time scale does not shorten it, since it does not shorten the way.
+  // The time allowed for a command to reach the client and for its first frame to come back: two of
+  // the paper's decision intervals. A time scale does not shorten it, because it does not shorten
+  // the network.
   static constexpr int64_t kCommandPatienceNs = 4'000'000'000;
 
   // A command is under way from the moment it is issued until a switch is executed, the client
   // refuses it, or it counts as lost. It is lost at the second or a later tick after it, once
   // kCommandPatienceNs have passed, if the interval of that tick brought frames of the old epoch
-  // and none of a later one. The next candidate that differs is then commanded anew.
+  // and none of a later one. The next candidate that differs is then commanded again.
   void OnCommand(int64_t now_ns);
   void OnExecuted(int64_t executed_ns);
   void OnRefused() { ticks_since_command_.reset(); }
@@ -76,16 +77,16 @@ class SwitchGate {
 // Decides whether a scene is degraded: even the arm that is most probably the best misses the
 // frame-rate floor (paper §7.1).
 //
-// To avoid flicker, kWindowCount windows in a row are needed to enter the state, and as many to
-// leave it. A window of any arm under the floor counts towards entering it only while the leader's
-// own latest window was under the floor too: if the leader was fast when it ran, or never ran, a
-// slow window of another arm says nothing. A window at or above the floor counts towards leaving
-// it. At the paper's interval three windows are 6 s.
+// To avoid flicker, kWindowCount windows in a row are needed to enter the state, and the same
+// number to leave it. A window of any arm under the floor counts towards entering only while the
+// leader's own latest window was under the floor too. If the leader was fast when it ran, or never
+// ran, a slow window of another arm shows nothing. A window at or above the floor counts towards
+// leaving. At the paper's interval three windows are 6 s.
 class FrameRateFloor {
  public:
   static constexpr uint32_t kWindowCount = 3;
 
-  // No window is under a floor of 0.
+  // A floor of 0 switches it off.
   FrameRateFloor(double floor_fps, uint32_t arm_count)
       : floor_fps_(floor_fps), missed_(arm_count) {}
 
@@ -101,13 +102,13 @@ class FrameRateFloor {
   uint32_t contrary_count_ = 0;  // successive windows that contradict the current state
 };
 
-// Holds a verdict until another one was given kTickCount times in a row, so that a game which acts
-// on it does not flicker: at the paper's interval 6 s. The first one is taken at once.
+// Holds a verdict until another one came kTickCount times in a row, so that a game that acts on it
+// does not flicker. At the paper's interval that is 6 s. The first verdict is shown at once.
 class SteadyVerdict {
  public:
   static constexpr uint32_t kTickCount = 3;
 
-  // Returns the verdict to show. kUnknown stands for no verdict, and is shown at once.
+  // Returns the verdict to show. kUnknown stands for no verdict and is shown at once.
   Verdict Observe(Verdict verdict);
 
  private:

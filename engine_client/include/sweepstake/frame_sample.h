@@ -20,17 +20,17 @@ enum FrameFlag : uint32_t {
 // A frame may search several times, once per substep. Its times and checks are then sums. Its
 // counts of bytes, pairs and objects are those of its latest search.
 struct FrameSample {
-  uint64_t frame_index;        // since the session began
-  uint64_t frame_time_ns;      // unscaled, whole frame
-  uint64_t detection_time_ns;  // Build or Update plus FindPairs; 0 without a search
-  uint64_t aabb_check_count;
-  uint64_t native_bytes;
-  uint32_t pair_count;
-  uint32_t object_count;
-  uint32_t arm;           // index in the session's list of arms
-  uint32_t switch_epoch;  // executed switches before this frame
-  uint32_t flags;         // FrameFlag bits
-  uint32_t reserved;      // 0
+  uint64_t frame_index = 0;        // since the session began
+  uint64_t frame_time_ns = 0;      // unscaled, whole frame
+  uint64_t detection_time_ns = 0;  // Build or Update plus FindPairs; 0 without a search
+  uint64_t aabb_check_count = 0;
+  uint64_t native_bytes = 0;
+  uint32_t pair_count = 0;
+  uint32_t object_count = 0;
+  uint32_t arm = 0;           // index in the session's list of arms
+  uint32_t switch_epoch = 0;  // executed switches before this frame
+  uint32_t flags = 0;         // FrameFlag bits
+  uint32_t reserved = 0;      // 0
 };
 static_assert(sizeof(FrameSample) == 64);
 static_assert(std::is_trivially_copyable_v<FrameSample>);
@@ -56,15 +56,15 @@ enum ShadowFlag : uint32_t {
 // frames' boxes. Visits with the same first_frame_index were measured on the same frames and form a
 // sweep; it includes the arm that was active then.
 struct ShadowSample {
-  uint64_t first_frame_index;
-  uint64_t detection_time_ns;  // median over the measured frames: update and search
-  uint64_t build_time_ns;      // of the first frame, which builds the structure and searches
-  uint64_t aabb_check_count;   // mean over the measured frames
-  uint64_t native_bytes;
-  uint32_t arm;
-  uint32_t object_count;
-  uint32_t frame_count;  // measured frames, without the build and the warm-up after it
-  uint32_t flags;        // ShadowFlag bits
+  uint64_t first_frame_index = 0;
+  uint64_t detection_time_ns = 0;  // median over the measured frames: update and search
+  uint64_t build_time_ns = 0;      // of the first frame, which builds the structure and searches
+  uint64_t aabb_check_count = 0;   // mean over the measured frames
+  uint64_t native_bytes = 0;
+  uint32_t arm = 0;
+  uint32_t object_count = 0;
+  uint32_t frame_count = 0;  // measured frames, without the build and the warm-up after it
+  uint32_t flags = 0;        // ShadowFlag bits
 };
 static_assert(sizeof(ShadowSample) == 56);
 static_assert(std::is_trivially_copyable_v<ShadowSample>);

@@ -6,7 +6,7 @@
 
 namespace sweepstake {
 
-void ResendBuffer::Append(Evidence evidence) {
+void ResendBuffer::Append(EvidenceMessage evidence) {
   entries_.push_back({.evidence = std::move(evidence), .sequence = next_sequence_++});
 }
 
@@ -43,7 +43,7 @@ uint64_t ResendBuffer::DiscardSent() {
   return frame_count;
 }
 
-const Evidence* ResendBuffer::FirstBatch() const {
+const EvidenceMessage* ResendBuffer::FirstBatch() const {
   const auto first = std::find_if(entries_.begin(), entries_.end(), [](const Entry& entry) {
     return entry.evidence.frame_count > 0;
   });
@@ -59,7 +59,7 @@ protocol::Hello SessionState::Connect(const Position& position) {
   hello.session_id = session_id_;
   hello.resume_token = resume_token_;
   hello.mode = position.mode;
-  const Evidence* batch = buffer_.FirstBatch();
+  const EvidenceMessage* batch = buffer_.FirstBatch();
   hello.active_arm = batch != nullptr ? batch->active_arm : position.active_arm;
   hello.switch_epoch = batch != nullptr ? batch->switch_epoch : position.switch_epoch;
   return hello;

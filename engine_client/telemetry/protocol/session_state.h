@@ -24,7 +24,7 @@
 namespace sweepstake {
 
 // A message with evidence, encoded (wire.h) but for its number.
-struct Evidence {
+struct EvidenceMessage {
   std::string message;
   // Of a batch, its frames and the state that its first frame was observed in.
   uint32_t frame_count = 0;
@@ -41,7 +41,7 @@ struct Evidence {
 class ResendBuffer {
  public:
   struct Entry {
-    Evidence evidence;
+    EvidenceMessage evidence;
     uint64_t sequence = 0;
     bool sent_before = false;  // true if any connection has sent it
   };
@@ -50,7 +50,7 @@ class ResendBuffer {
   explicit ResendBuffer(size_t capacity) : capacity_(capacity) {}
 
   // Gives the message the next sequence number.
-  void Append(Evidence evidence);
+  void Append(EvidenceMessage evidence);
   bool full() const { return entries_.size() >= capacity_; }
   uint64_t last_sequence() const { return next_sequence_ - 1; }
 
@@ -71,7 +71,7 @@ class ResendBuffer {
   uint64_t DiscardSent();
 
   // Returns the first frame batch; null if there is none.
-  const Evidence* FirstBatch() const;
+  const EvidenceMessage* FirstBatch() const;
 
  private:
   const size_t capacity_;
@@ -104,7 +104,7 @@ class SessionState {
 
   // Adds evidence, in the order it happened. It is never dropped here: the caller stops adding
   // while full().
-  void Append(Evidence evidence) { buffer_.Append(std::move(evidence)); }
+  void Append(EvidenceMessage evidence) { buffer_.Append(std::move(evidence)); }
   bool full() const { return buffer_.full(); }
 
   // Begins a connection and returns its first message. `position` describes the frames that were

@@ -218,7 +218,7 @@ bool IsUnknown(const v1::StreamTelemetryRequest& request) {
   }
 }
 
-std::optional<RejectionReason> RejectionOf(const decision::Frame& frame) {
+std::optional<RejectionReason> RejectionOf(const FrameSample& frame) {
   if (frame.frame_time_ns < kMinFrameNs || frame.frame_time_ns > kMaxFrameNs)
     return RejectionReason::kFrameTime;
   if (frame.detection_time_ns > frame.frame_time_ns + frame.frame_time_ns / 100 + 1'000'000)
@@ -226,7 +226,7 @@ std::optional<RejectionReason> RejectionOf(const decision::Frame& frame) {
   return RejectionOfCounts(frame.aabb_check_count, frame.native_bytes);
 }
 
-std::optional<RejectionReason> RejectionOf(const decision::ShadowSample& sample) {
+std::optional<RejectionReason> RejectionOf(const ShadowSample& sample) {
   if (sample.detection_time_ns > kMaxFrameNs) return RejectionReason::kDetectionTime;
   if (sample.build_time_ns > kMaxFrameNs) return RejectionReason::kBuildTime;
   return RejectionOfCounts(sample.aabb_check_count, sample.native_bytes);

@@ -32,10 +32,10 @@ bool IsUnknown(const v1::StreamTelemetryRequest& request);
 // Returns why no game can have measured this frame, if so. A frame lasts 1 µs (a million FPS) to an
 // hour. Detection is part of the frame, within 1 % and 1 ms of clock error. Checks are below 2^60,
 // native bytes below 2^46.
-std::optional<RejectionReason> RejectionOf(const decision::Frame& frame);
+std::optional<RejectionReason> RejectionOf(const FrameSample& frame);
 // Returns why no shadow lane can have measured this sample, if so. The times are at most an hour;
 // the other bounds are those of a frame.
-std::optional<RejectionReason> RejectionOf(const decision::ShadowSample& sample);
+std::optional<RejectionReason> RejectionOf(const ShadowSample& sample);
 
 absl::Status CheckPriorRecord(const v1::PriorRecord& record);
 

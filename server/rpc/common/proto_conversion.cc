@@ -72,7 +72,7 @@ priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::stri
           .reward_version = scene.reward_version};
 }
 
-void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message) {
+void ToProto(const SwitchCommand& command, v1::SwitchCommand& message) {
   message.set_command_id(command.command_id);
   message.set_arm(command.arm);
   message.set_reason(static_cast<v1::SwitchReason>(command.reason));
@@ -298,13 +298,11 @@ bool Has(const v1::Hello& hello, v1::Capability capability) {
   return std::find(named.begin(), named.end(), capability) != named.end();
 }
 
-decision::Mode FromProto(v1::Mode mode) { return static_cast<decision::Mode>(mode); }
+Mode FromProto(v1::Mode mode) { return static_cast<Mode>(mode); }
 
-decision::SwitchReason FromProto(v1::SwitchReason reason) {
-  return static_cast<decision::SwitchReason>(reason);
-}
+SwitchReason FromProto(v1::SwitchReason reason) { return static_cast<SwitchReason>(reason); }
 
-decision::Frame FrameFromProto(const v1::FrameBatch& batch, int i) {
+FrameSample FrameFromProto(const v1::FrameBatch& batch, int i) {
   return {.frame_time_ns = batch.frame_time_ns(i),
           .detection_time_ns = batch.detection_time_ns(i),
           .aabb_check_count = batch.aabb_check_count(i),
@@ -315,8 +313,8 @@ decision::Frame FrameFromProto(const v1::FrameBatch& batch, int i) {
           .flags = batch.flags(i) & kKnownFlags};
 }
 
-decision::Frame FromProto(const v1::BailOut& bail_out) {
-  decision::Frame frame;
+FrameSample FromProto(const v1::BailOut& bail_out) {
+  FrameSample frame;
   frame.frame_time_ns = bail_out.frame_time_ns();
   frame.detection_time_ns = bail_out.detection_time_ns();
   frame.arm = bail_out.arm();
@@ -325,7 +323,7 @@ decision::Frame FromProto(const v1::BailOut& bail_out) {
   return frame;
 }
 
-decision::ShadowSample FromProto(const v1::ShadowSample& sample) {
+ShadowSample FromProto(const v1::ShadowSample& sample) {
   return {.first_frame_index = sample.first_frame_index(),
           .detection_time_ns = sample.detection_time_ns(),
           .build_time_ns = sample.build_time_ns(),

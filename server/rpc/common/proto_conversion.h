@@ -35,7 +35,7 @@ grpc::ByteBuffer Serialize(const google::protobuf::Message& message);
 priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
                                   uint32_t backend_version, std::string_view measured_by);
 
-void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message);
+void ToProto(const SwitchCommand& command, v1::SwitchCommand& message);
 // The caller sets order_id.
 void ToProto(const decision::OrderReport& order, v1::OperatorOrder& message);
 void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
@@ -62,12 +62,12 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 bool Has(const v1::Hello& hello, v1::Capability capability);
 
 // The messages below must have passed message_validation.h.
-decision::Mode FromProto(v1::Mode mode);
-decision::SwitchReason FromProto(v1::SwitchReason reason);
+Mode FromProto(v1::Mode mode);
+SwitchReason FromProto(v1::SwitchReason reason);
 // Reads frame i of the batch.
-decision::Frame FrameFromProto(const v1::FrameBatch& batch, int i);
-decision::Frame FromProto(const v1::BailOut& bail_out);
-decision::ShadowSample FromProto(const v1::ShadowSample& sample);
+FrameSample FrameFromProto(const v1::FrameBatch& batch, int i);
+FrameSample FromProto(const v1::BailOut& bail_out);
+ShadowSample FromProto(const v1::ShadowSample& sample);
 // A value that is negative or not finite counts as not measured.
 decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor);
 // Each cost is limited to kMaxFrameNs.

@@ -32,7 +32,7 @@ absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& req
   decision::OrderReport order;
   order.mode = FromProto(request.mode());
   if (request.arm().empty()) return order;
-  if (order.mode != decision::Mode::kManual) {
+  if (order.mode != Mode::kManual) {
     return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
                    "with MODE_AI the daemon chooses the arm; leave it absent");
   }

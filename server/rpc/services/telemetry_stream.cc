@@ -309,7 +309,7 @@ void TelemetryStream::ClearOutbox() {
   if (std::exchange(has_outbox_, false)) outbox_.Clear();
 }
 
-void TelemetryStream::SendSwitch(const decision::SwitchCommand& command) {
+void TelemetryStream::SendSwitch(const SwitchCommand& command) {
   ToProto(command, *Outbox().mutable_switch_command());
   WriteNext();
 }

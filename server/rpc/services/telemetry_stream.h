@@ -66,7 +66,7 @@ class TelemetryTransport {
 // batch before it; no more are, so that a flood waits in the client's own buffers. At most one
 // write is pending, and the outbox behind it is bounded. Finish is called exactly once, whatever
 // ends the stream.
-class TelemetryStream final : public SessionLink,
+class TelemetryStream final : public ClientStream,
                               public std::enable_shared_from_this<TelemetryStream> {
  public:
   TelemetryStream(ServiceContext& context, TelemetryStreams& streams, TelemetryTransport& transport,
@@ -93,7 +93,7 @@ class TelemetryStream final : public SessionLink,
   // stream once its evidence is on disk.
   void Drain(uint32_t delay_ms);
 
-  void SendSwitch(const decision::SwitchCommand& command) override;
+  void SendSwitch(const SwitchCommand& command) override;
   void SendAcknowledgement(uint64_t sequence) override;
   void PutSnapshot(const decision::DecisionRecord& record) override;
   void Flush() override { WriteNext(); }

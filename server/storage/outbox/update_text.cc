@@ -2,11 +2,16 @@
 
 #include <nlohmann/json.hpp>
 
-namespace sweepstake::priors {
+namespace sweepstake {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EvidenceKey, project, scene, measured_by, arm, backend_version,
                                    machine_class, reward_version)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evidence, alpha, beta, window_count, bail_out_count)
+
+}  // namespace sweepstake
+
+namespace sweepstake::priors {
+
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(KeyedEvidence, key, evidence)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceProgress, source_id, commit_sequence, message_sequence,
                                    explored_arm_count, decision_count, frame_count, seed)

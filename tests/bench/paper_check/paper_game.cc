@@ -71,8 +71,8 @@ class Game {
     PaperGame game;
     game.dominant_arm = static_cast<uint32_t>(longest - summary.active_ns.begin());
     game.active_percent = 100 * static_cast<double>(*longest) / static_cast<double>(kObservationNs);
-    game.switch_count = summary.switch_count(decision::SwitchReason::kPolicy) +
-                        summary.switch_count(decision::SwitchReason::kBailOut);
+    game.switch_count =
+        summary.switch_count(SwitchReason::kPolicy) + summary.switch_count(SwitchReason::kBailOut);
     const decision::BetaPosterior& posterior = session_.posteriors()[game.dominant_arm];
     game.posterior_mean = posterior.mean();
     game.evidence = posterior.evidence();
@@ -81,7 +81,7 @@ class Game {
 
  private:
   void Step() {
-    const decision::Frame frame = NextFrame();
+    const FrameSample frame = NextFrame();
     now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
     const bool settles = settled_ns_ < session_.setup().options.settling_ns;
     if (frame.flags == 0) settled_ns_ += static_cast<int64_t>(frame.frame_time_ns);
@@ -111,17 +111,17 @@ class Game {
     samples_.clear();
   }
 
-  decision::Frame NextFrame() {
+  FrameSample NextFrame() {
     const double factor = 1 + kNoiseRatio * Wobble();
     const double detection_ms = costs_.detection_ms + (arm_ == fast_arm_ ? 0 : costs_.gap_ms);
-    decision::Frame frame{.aabb_check_count = kPairCount / 100,
-                          .native_bytes = 4 << 20,
-                          .object_count = kObjectCount};
+    FrameSample frame{.aabb_check_count = kPairCount / 100,
+                      .native_bytes = 4 << 20,
+                      .object_count = kObjectCount};
     frame.frame_time_ns = static_cast<uint64_t>((kRestMs + detection_ms) * factor * 1e6);
     frame.detection_time_ns = static_cast<uint64_t>(detection_ms * factor * 1e6);
     frame.arm = arm_;
     frame.switch_epoch = epoch_;
-    if (std::exchange(is_first_frame_, false)) frame.flags = decision::kFrameRebuild;
+    if (std::exchange(is_first_frame_, false)) frame.flags = kFrameRebuild;
     return frame;
   }
 
@@ -143,7 +143,7 @@ class Game {
   const uint32_t fast_arm_;
   const uint64_t seed_;
   decision::DecisionSession session_;
-  std::vector<decision::Frame> samples_;  // not passed to the session yet
+  std::vector<FrameSample> samples_;  // not passed to the session yet
   uint32_t arm_;
   int64_t now_ns_ = 0;
   std::optional<int64_t> end_ns_;

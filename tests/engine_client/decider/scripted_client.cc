@@ -25,7 +25,7 @@ ScriptedClient::ScriptedClient(const SessionSetup& setup)
       epoch(setup.switch_epoch) {}
 
 void ScriptedClient::RunFrame() {
-  Frame next = frame;
+  FrameSample next = frame;
   next.arm = arm;
   next.switch_epoch = epoch;
   now_ns += static_cast<int64_t>(frame.frame_time_ns);

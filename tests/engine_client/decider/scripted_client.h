@@ -21,11 +21,11 @@ SessionSetup SetupThatWantsArmOne();
 class ScriptedClient {
  public:
   // The cost of each frame, before the client fills in arm and epoch: 100 FPS, cheap.
-  Frame frame{.frame_time_ns = 10'000'000,
-              .detection_time_ns = 1'667'000,
-              .aabb_check_count = 49'950,
-              .native_bytes = 16 << 20,
-              .object_count = 1'000};
+  FrameSample frame{.frame_time_ns = 10'000'000,
+                    .detection_time_ns = 1'667'000,
+                    .aabb_check_count = 49'950,
+                    .native_bytes = 16 << 20,
+                    .object_count = 1'000};
 
   explicit ScriptedClient(const SessionSetup& setup);
 

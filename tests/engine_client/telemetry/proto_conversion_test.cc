@@ -28,23 +28,19 @@ TEST(ProtoConversion, GivesADescriptorBackAsItWas) {
 }
 
 TEST(ProtoConversion, GivesAPriorRecordBackAsItWas) {
-  const PriorRecord record = {.project = "a",
-                              .scene = "b",
-                              .measured_by = "lane",
-                              .arm = "d",
-                              .backend_version = 1,
-                              .machine_class = "e",
-                              .reward_version = 2,
+  const PriorRecord record = {.key = {.project = "a",
+                                      .scene = "b",
+                                      .measured_by = "lane",
+                                      .arm = "d",
+                                      .backend_version = 1,
+                                      .machine_class = "e",
+                                      .reward_version = 2},
                               .source_id = "f",
                               .source_sequence = 3,
-                              .alpha_increment = 4,
-                              .beta_increment = 5,
-                              .window_count = 6,
-                              .bail_out_count = 7,
+                              .evidence = {4, 5, 6, 7},
                               .build = "g",
                               .last_seen_unix_s = 8};
-  const PriorRecord back = FromProto(ToProto(record));
-  EXPECT_EQ(FormatPriors({&back, 1}), FormatPriors({&record, 1}));
+  EXPECT_EQ(FromProto(ToProto(record)), record);
 }
 
 TEST(ProtoConversion, TakesAPosteriorOnlyIfItIsValid) {

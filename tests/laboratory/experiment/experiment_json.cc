@@ -76,9 +76,9 @@ Json PeriodsJson(const RunRecord& record) {
 
 // Returns whether the policy wanted another arm but was not allowed to switch.
 bool IsHeldBack(const RecordedDecision& decision) {
-  const auto outcome = static_cast<decision::Outcome>(decision.outcome);
+  const auto outcome = static_cast<DecisionOutcome>(decision.outcome);
   return decision.candidate >= 0 && decision.candidate != decision.active_arm &&
-         outcome != decision::Outcome::kSwitched && outcome != decision::Outcome::kExploring;
+         outcome != DecisionOutcome::kSwitched && outcome != DecisionOutcome::kExploring;
 }
 
 Json HeldBackJson(const RunRecord& record) {

@@ -31,7 +31,7 @@ struct RecordedDecision {
   double time_s = 0;
   uint32_t active_arm = 0;
   int64_t candidate = -1;  // −1: there was none
-  uint32_t outcome = 0;    // decision::Outcome
+  uint32_t outcome = 0;    // DecisionOutcome
   uint32_t reason = 0;     // SwitchReason of the commanded switch; 0: none
   double reward = -1;      // −1: there was no window to learn from
   uint32_t leader = 0;     // the arm with the highest P(best)

@@ -50,7 +50,7 @@ double ReplayLane::ErrorOfVisit(uint32_t arm) const {
   return ratio;
 }
 
-std::optional<decision::ShadowSample> ReplayLane::Advance(const Place& place) {
+std::optional<ShadowSample> ReplayLane::Advance(const Place& place) {
   const auto now_ns = static_cast<uint64_t>(place.now_ns);
   if (!visit_ && !schedule_.IsDue(now_ns, place.search_ns)) {
     next_event_ns_ = place.now_ns + static_cast<int64_t>(scene_.options().frame_ns);
@@ -70,18 +70,17 @@ std::optional<decision::ShadowSample> ReplayLane::Advance(const Place& place) {
   busy_ns_ += visit.busy_ns;
   BeginVisit(next_event_ns_);
   uint32_t flags = 0;
-  if (visit.arm == sweep_.active_arm) flags |= decision::kShadowActive;
-  if (visit.capped) flags |= decision::kShadowCapped;
-  return decision::ShadowSample{
-      .first_frame_index = sweep_.game_frame,
-      .detection_time_ns = visit.detection_ns,
-      .build_time_ns = visit.build_ns,
-      .aabb_check_count = scene_.aabb_check_count(sweep_.trace_frame, visit.arm),
-      .native_bytes = visit.native_bytes,
-      .arm = visit.arm,
-      .object_count = scene_.object_count(sweep_.trace_frame),
-      .frame_count = visit.frame_count,
-      .flags = flags};
+  if (visit.arm == sweep_.active_arm) flags |= kShadowActive;
+  if (visit.capped) flags |= kShadowCapped;
+  return ShadowSample{.first_frame_index = sweep_.game_frame,
+                      .detection_time_ns = visit.detection_ns,
+                      .build_time_ns = visit.build_ns,
+                      .aabb_check_count = scene_.aabb_check_count(sweep_.trace_frame, visit.arm),
+                      .native_bytes = visit.native_bytes,
+                      .arm = visit.arm,
+                      .object_count = scene_.object_count(sweep_.trace_frame),
+                      .frame_count = visit.frame_count,
+                      .flags = flags};
 }
 
 void ReplayLane::BeginVisit(int64_t start_ns) {

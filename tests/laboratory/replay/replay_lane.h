@@ -54,7 +54,7 @@ class ReplayLane {
   // Begins a sweep, if the searches allow for it, or ends the current visit, and returns what an
   // ended visit measured. REQUIRES:
   // place.now_ns >= next_event_ns().
-  std::optional<decision::ShadowSample> Advance(const Place& place);
+  std::optional<ShadowSample> Advance(const Place& place);
 
   // Builds `arm` and keeps it up to date with the game; the current visit continues afterwards.
   // Returns the time at which the arm is ready to take over.

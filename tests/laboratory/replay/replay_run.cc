@@ -34,23 +34,23 @@ class Game {
 
  private:
   struct PendingSwitch {
-    decision::SwitchCommand command;
+    SwitchCommand command;
     int64_t ready_ns = 0;  // frames that begin earlier do not execute it
     bool warm = false;
   };
 
   void PlayFrame();
   void ExecuteSwitch();
-  decision::Frame NextFrame();
-  void Account(const decision::Frame& frame);
-  void Load(decision::Frame& frame);
-  void Batch(const decision::Frame& frame);
+  FrameSample NextFrame();
+  void Account(const FrameSample& frame);
+  void Load(FrameSample& frame);
+  void Batch(const FrameSample& frame);
   void Flush();
   void TickUntil(int64_t now_ns);
   void Accept(const decision::Decision& decision, int64_t now_ns);
   void NoteTaught(const decision::Decision& decision);
-  void Meter(const decision::Frame& frame);
-  void EndTrial(const decision::Frame& frame);
+  void Meter(const FrameSample& frame);
+  void EndTrial(const FrameSample& frame);
   void ReportTrialEnd();
   void Report(const SwitchOutcome& outcome);
   void ObserveScene();
@@ -84,7 +84,7 @@ class Game {
   std::optional<TrialGuard::End> trial_end_;  // pending_ is the way back from it
   std::span<const double> slowdown_;          // per coming frame, while the structure is fresh
   uint32_t next_frame_flags_ = 0;
-  std::vector<decision::Frame> batch_;
+  std::vector<FrameSample> batch_;
   int64_t batch_begin_ns_ = 0;
 };
 
@@ -121,7 +121,7 @@ ReplayResult Game::Play() {
 
 void Game::PlayFrame() {
   if (pending_ && now_ns_ >= pending_->ready_ns) ExecuteSwitch();
-  decision::Frame frame = NextFrame();
+  FrameSample frame = NextFrame();
   Account(frame);
   NoteTimes();
   Load(frame);
@@ -131,7 +131,7 @@ void Game::PlayFrame() {
   Batch(frame);
   if (metering_) Meter(frame);
   EndTrial(frame);
-  if ((frame.flags & decision::kFrameBailOut) != 0) {
+  if ((frame.flags & kFrameBailOut) != 0) {
     ++result_.bail_out_count;
     Flush();
     Accept(session_.ObserveBailOut(frame, now_ns_), now_ns_);
@@ -141,14 +141,13 @@ void Game::PlayFrame() {
 
 void Game::ExecuteSwitch() {
   const PendingSwitch pending = *std::exchange(pending_, std::nullopt);
-  trial_.Begin(arm_, FromDecision(pending.command),
-               2 * static_cast<uint64_t>(setup_.options.settling_ns));
+  trial_.Begin(arm_, pending.command, 2 * static_cast<uint64_t>(setup_.options.settling_ns));
   arm_ = pending.command.arm;
   ++epoch_;
   slowdown_ = scene_.slowdown(trace_frame_, arm_);
   if (pending.warm) slowdown_ = slowdown_.last(1);
-  next_frame_flags_ = pending.warm ? 0 : uint32_t{decision::kFrameRebuild};
-  const auto unsettled = meter_.Begin(FromDecision(pending.command), epoch_, pending.warm);
+  next_frame_flags_ = pending.warm ? 0 : uint32_t{kFrameRebuild};
+  const auto unsettled = meter_.Begin(pending.command, epoch_, pending.warm);
   metering_ = true;
   if (unsettled) Report(*unsettled);
   ReportTrialEnd();
@@ -160,7 +159,7 @@ void Game::ExecuteSwitch() {
   }
 }
 
-decision::Frame Game::NextFrame() {
+FrameSample Game::NextFrame() {
   double detection_ns = scene_.detection_ns(trace_frame_, arm_);
   if (!slowdown_.empty()) {
     if (meter_.awaits_rebuild()) {
@@ -171,27 +170,27 @@ decision::Frame Game::NextFrame() {
     slowdown_ = slowdown_.subspan(1);
   }
   if (lane_) detection_ns *= lane_->frame_ratio();
-  decision::Frame frame{.detection_time_ns = static_cast<uint64_t>(detection_ns),
-                        .aabb_check_count = scene_.aabb_check_count(trace_frame_, arm_),
-                        .native_bytes = scene_.native_bytes(trace_frame_, arm_),
-                        .object_count = scene_.object_count(trace_frame_),
-                        .arm = arm_,
-                        .switch_epoch = epoch_,
-                        .flags = std::exchange(next_frame_flags_, 0)};
+  FrameSample frame{.detection_time_ns = static_cast<uint64_t>(detection_ns),
+                    .aabb_check_count = scene_.aabb_check_count(trace_frame_, arm_),
+                    .native_bytes = scene_.native_bytes(trace_frame_, arm_),
+                    .object_count = scene_.object_count(trace_frame_),
+                    .arm = arm_,
+                    .switch_epoch = epoch_,
+                    .flags = std::exchange(next_frame_flags_, 0)};
   frame.frame_time_ns = frame.detection_time_ns + scene_.options().other_work_ns;
   return frame;
 }
 
 // Lengthens the frame by what else runs on its core.
-void Game::Load(decision::Frame& frame) {
+void Game::Load(FrameSample& frame) {
   const double ratio = load_.RatioAt(now_ns_);
   for (uint64_t* ns : {&frame.detection_time_ns, &frame.frame_time_ns})
     *ns = static_cast<uint64_t>(static_cast<double>(*ns) * ratio);
   if (frame.frame_time_ns > static_cast<uint64_t>(setup_.options.bail_out_ns))
-    frame.flags |= decision::kFrameBailOut;
+    frame.flags |= kFrameBailOut;
 }
 
-void Game::Account(const decision::Frame& frame) {
+void Game::Account(const FrameSample& frame) {
   if (starting_up_ && now_ns_ >= kStartUpNs && !session_.exploring()) {
     starting_up_ = false;
     result_.start_up_frame_count = game_frame_;
@@ -205,7 +204,7 @@ void Game::Account(const decision::Frame& frame) {
   result_.active_ns[arm_] += frame.frame_time_ns;
 }
 
-void Game::Batch(const decision::Frame& frame) {
+void Game::Batch(const FrameSample& frame) {
   if (batch_.empty()) batch_begin_ns_ = now_ns_;
   batch_.push_back(frame);
   if (batch_.size() == kBatchFrames || now_ns_ - batch_begin_ns_ >= kBatchNs) Flush();
@@ -240,7 +239,7 @@ void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
   pending_ = PendingSwitch{.command = *decision.command, .ready_ns = now_ns};
   trial_end_.reset();
   // A switch after a bail-out does not wait for a warm-up.
-  pending_->warm = lane_ && decision.command->reason != decision::SwitchReason::kBailOut;
+  pending_->warm = lane_ && decision.command->reason != SwitchReason::kBailOut;
   if (pending_->warm) pending_->ready_ns = lane_->WarmUp(decision.command->arm, place(now_ns));
 }
 
@@ -258,7 +257,7 @@ void Game::NoteTaught(const decision::Decision& decision) {
     add(increment, result_.taught[increment.arm].lane);
 }
 
-void Game::Meter(const decision::Frame& frame) {
+void Game::Meter(const FrameSample& frame) {
   FrameSample sample{};
   sample.frame_time_ns = frame.frame_time_ns;
   const auto outcome = meter_.OnFrame(sample);
@@ -268,12 +267,12 @@ void Game::Meter(const decision::Frame& frame) {
 }
 
 // As the client does it: after a short trial the arm before still has its structure.
-void Game::EndTrial(const decision::Frame& frame) {
+void Game::EndTrial(const FrameSample& frame) {
   FrameSample sample{};
   sample.frame_time_ns = frame.frame_time_ns;
   sample.detection_time_ns = frame.detection_time_ns;
   sample.arm = frame.arm;
-  sample.flags = frame.flags & decision::kFrameRebuild;
+  sample.flags = frame.flags & kFrameRebuild;
   const std::optional<TrialGuard::End> end = trial_.OnFrame(sample);
   if (!end) return;
   trial_end_ = end;
@@ -294,8 +293,8 @@ void Game::ReportTrialEnd() {
 
 void Game::Report(const SwitchOutcome& outcome) {
   Flush();
-  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, ToDecision(outcome.reason), now_ns_,
-                         ToDecision(outcome));
+  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, outcome.reason, now_ns_,
+                         SwitchCostOf(outcome));
 }
 
 void Game::ObserveScene() {

@@ -45,7 +45,7 @@ struct ReplaySetup {
 struct Activation {
   int64_t time_ns = 0;
   uint32_t arm = 0;
-  decision::SwitchReason reason = decision::SwitchReason::kPolicy;
+  SwitchReason reason = SwitchReason::kPolicy;
 };
 
 // What a report shows of a run over time.

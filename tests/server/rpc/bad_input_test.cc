@@ -128,7 +128,7 @@ TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {
   message.set_object_count(7);
   message.set_frame_count(8);
   message.set_flags(0xFF);
-  const decision::ShadowSample sample = FromProto(message);
+  const ShadowSample sample = FromProto(message);
   EXPECT_EQ(sample.first_frame_index, 1u);
   EXPECT_EQ(sample.arm, 2u);
   EXPECT_EQ(sample.detection_time_ns, 3u);
@@ -137,7 +137,7 @@ TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {
   EXPECT_EQ(sample.native_bytes, 6u);
   EXPECT_EQ(sample.object_count, 7u);
   EXPECT_EQ(sample.frame_count, 8u);
-  EXPECT_EQ(sample.flags, decision::kShadowActive | decision::kShadowCapped);
+  EXPECT_EQ(sample.flags, kShadowActive | kShadowCapped);
 }
 
 TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {

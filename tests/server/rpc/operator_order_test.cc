@@ -11,9 +11,9 @@ namespace sweepstake::rpc {
 namespace {
 
 // Keeps what its client would be sent.
-class RecordingLink final : public SessionLink {
+class RecordingLink final : public ClientStream {
  public:
-  void SendSwitch(const decision::SwitchCommand& command) override { switches.push_back(command); }
+  void SendSwitch(const SwitchCommand& command) override { switches.push_back(command); }
   void SendAcknowledgement(uint64_t /*sequence*/) override {}
   void PutSnapshot(const decision::DecisionRecord& /*record*/) override {}
   void Flush() override {}
@@ -28,7 +28,7 @@ class RecordingLink final : public SessionLink {
   void Close(const absl::Status& /*status*/) override {}
   void Abort(const absl::Status& /*status*/) override {}
 
-  std::vector<decision::SwitchCommand> switches;
+  std::vector<SwitchCommand> switches;
   std::vector<uint64_t> order_ids;
   std::vector<decision::OrderReport> orders;
 };
@@ -65,7 +65,7 @@ class OperatorOrderTest : public ::testing::Test {
     });
     done.get_future().wait();
   }
-  void Order(decision::Mode mode, std::optional<uint32_t> arm = std::nullopt) {
+  void Order(Mode mode, std::optional<uint32_t> arm = std::nullopt) {
     OnLoop([&] {
       session_->Order(
           {.operator_name = "alice", .mode = mode, .arm = arm, .now_ns = clock_.NowNs()},
@@ -103,7 +103,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 TEST_F(OperatorOrderTest, IsAnsweredWhenTheGameHasObeyedAndNoArmIsChosenUntilItsRelease) {
-  Order(decision::Mode::kManual, 2);
+  Order(Mode::kManual, 2);
   ASSERT_EQ(link_.orders.size(), 1u);
   EXPECT_EQ(link_.orders[0].arm, 2u);
   EXPECT_THAT(answers_, IsEmpty());
@@ -116,7 +116,7 @@ TEST_F(OperatorOrderTest, IsAnsweredWhenTheGameHasObeyedAndNoArmIsChosenUntilIts
   EXPECT_THAT(link_.switches, IsEmpty());
   EXPECT_THAT(session_->decisions().posteriors(), ::testing::ElementsAreArray(before))
       << "nothing is learnt";
-  Order(decision::Mode::kAi);
+  Order(Mode::kAi);
   ChangeMode(v1::MODE_AI, 2, link_.order_ids[1]);
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kOk, absl::StatusCode::kOk));
   for (int window = 0; window < 40; ++window) Play(2, 1);
@@ -124,33 +124,33 @@ TEST_F(OperatorOrderTest, IsAnsweredWhenTheGameHasObeyedAndNoArmIsChosenUntilIts
 }
 
 TEST_F(OperatorOrderTest, ThatTheGameRefusesIsAFailedPrecondition) {
-  Order(decision::Mode::kManual, 1);
+  Order(Mode::kManual, 1);
   v1::StreamTelemetryRequest request;
   request.set_sequence(1);
   request.mutable_order_refusal()->set_order_id(link_.order_ids[0]);
   request.mutable_order_refusal()->set_reason(v1::ORDER_REFUSAL_REASON_NOT_ALLOWED);
   OnLoop([&] { session_->Apply(request); });
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kFailedPrecondition));
-  EXPECT_EQ(session_->decisions().mode(), decision::Mode::kAi);
+  EXPECT_EQ(session_->decisions().mode(), Mode::kAi);
 }
 
 TEST_F(OperatorOrderTest, IsNotSentToAGameThatTakesNone) {
   OnLoop([this] { Begin(/*takes_orders=*/false); });
-  Order(decision::Mode::kManual, 2);
+  Order(Mode::kManual, 2);
   EXPECT_THAT(link_.orders, IsEmpty());
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kFailedPrecondition));
 }
 
 TEST_F(OperatorOrderTest, IsNotConfirmedByAnotherChangeOfMode) {
-  Order(decision::Mode::kManual, 1);
+  Order(Mode::kManual, 1);
   ChangeMode(v1::MODE_MANUAL, 1, 0);
   ChangeMode(v1::MODE_MANUAL, 1, link_.order_ids[0] - 1);
   EXPECT_THAT(answers_, IsEmpty());
 }
 
 TEST_F(OperatorOrderTest, GivesWayToALaterOneAndIsAnsweredOnce) {
-  Order(decision::Mode::kManual, 1);
-  Order(decision::Mode::kManual, 2);
+  Order(Mode::kManual, 1);
+  Order(Mode::kManual, 2);
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kAborted));
   EXPECT_GT(link_.order_ids[1], link_.order_ids[0]);
   ChangeMode(v1::MODE_MANUAL, 1, link_.order_ids[0]);
@@ -160,7 +160,7 @@ TEST_F(OperatorOrderTest, GivesWayToALaterOneAndIsAnsweredOnce) {
 }
 
 TEST_F(OperatorOrderTest, OfAGameThatSaysNothingEndsAfterFiveSeconds) {
-  Order(decision::Mode::kManual, 1);
+  Order(Mode::kManual, 1);
   clock_.Advance(5 * kSecondNs - 1);
   OnLoop([] {});
   EXPECT_THAT(answers_, IsEmpty());
@@ -174,15 +174,15 @@ TEST_F(OperatorOrderTest, OfAGameThatSaysNothingEndsAfterFiveSeconds) {
 }
 
 TEST_F(OperatorOrderTest, OfAGameThatIsLostEndsAndALostOneGetsNone) {
-  Order(decision::Mode::kManual, 1);
+  Order(Mode::kManual, 1);
   OnLoop([&] { session_->Detach(link_); });
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kUnavailable));
-  Order(decision::Mode::kManual, 1);
+  Order(Mode::kManual, 1);
   EXPECT_EQ(answers_.size(), 2u);
   EXPECT_EQ(link_.orders.size(), 1u);
   RecordingLink next;
   OnLoop([&] { session_->Attach(next); });
-  Order(decision::Mode::kManual, 1);
+  Order(Mode::kManual, 1);
   OnLoop([&] { session_->Attach(link_); });
   EXPECT_EQ(answers_.size(), 3u) << "another connection took the session over";
 }

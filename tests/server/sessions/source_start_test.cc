@@ -124,24 +124,6 @@ TEST_F(SourceStartTest, ALoudSourceDoesNotOutshoutTheOthers) {
   EXPECT_NEAR(Begin().ratio, honest, 0.1);
 }
 
-// The record as it stands in a priors file.
-PriorRecord FileRecordOf(const priors::PriorRecord& record) {
-  return {.project = record.key.project,
-          .scene = record.key.scene,
-          .measured_by = record.key.measured_by,
-          .arm = record.key.arm,
-          .backend_version = record.key.backend_version,
-          .machine_class = record.key.machine_class,
-          .reward_version = record.key.reward_version,
-          .source_id = record.source_id,
-          .source_sequence = record.source_sequence,
-          .alpha_increment = record.evidence.alpha,
-          .beta_increment = record.evidence.beta,
-          .window_count = record.evidence.window_count,
-          .bail_out_count = record.evidence.bail_out_count,
-          .build = record.build};
-}
-
 class SamePriorTest : public SourceStartTest {
  protected:
   // A record of a live window.
@@ -156,11 +138,8 @@ class SamePriorTest : public SourceStartTest {
   // Starts a session of the daemon and an embedded decider from the same evidence, and compares
   // their priors bit by bit.
   void ExpectSamePriors(std::vector<priors::PriorRecord> records, const std::string& policy) {
-    std::vector<PriorRecord> file;
-    for (priors::PriorRecord& record : records) {
+    for (priors::PriorRecord& record : records)
       record.evidence = priors::InUnits(record.evidence);  // as stores keep it
-      file.push_back(FileRecordOf(record));
-    }
     Put(records);
     v1::Hello hello = Hello();
     hello.set_policy(policy);
@@ -177,7 +156,7 @@ class SamePriorTest : public SourceStartTest {
     options.machine_class = hello.machine_class();
     options.build = hello.build();
     options.policy = policy;
-    options.priors_data = FormatPriors(file);
+    options.priors_data = FormatPriors(records);
     const auto decider = EmbeddedDecider::Create(options, arms, versions, 0);
     ASSERT_TRUE(decider.ok()) << decider.status().message();
     EXPECT_EQ((*decider)->prior_source_count(), welcome.prior_source_count());
@@ -205,6 +184,8 @@ TEST_F(SamePriorTest, OfSourcesThatDifferInBuildMachineClassAndVersion) {
   for (const char* build : {"1.1", "1.0", ""}) {
     for (const char* machine_class : {"desktop", "laptop"}) {
       for (const uint32_t version : {1u, 2u, 3u}) {
+        // A store returns few sources of another class.
+        if (machine_class == std::string("laptop") && version != 2) continue;
         const std::string source = "z" + std::to_string(97 * ++n % 31);
         for (priors::PriorRecord record :
              {RecordOf(source, "Grid", 100 + n), RecordOf(source, "SAP", 190 + 3 * n),

@@ -23,19 +23,16 @@ using testing::HasSubstr;
 using testing::Not;
 
 PriorRecord SomeRecord(uint64_t sequence) {
-  return {.project = "p",
-          .scene = "s",
-          .measured_by = "lane",
-          .arm = "SAP",
-          .backend_version = 3,
-          .machine_class = "m",
-          .reward_version = 2,
+  return {.key = {.project = "p",
+                  .scene = "s",
+                  .measured_by = "lane",
+                  .arm = "SAP",
+                  .backend_version = 3,
+                  .machine_class = "m",
+                  .reward_version = 2},
           .source_id = "session-" + std::to_string(sequence),
           .source_sequence = sequence,
-          .alpha_increment = 1.5,
-          .beta_increment = 2.25,
-          .window_count = 4,
-          .bail_out_count = 1,
+          .evidence = {1.5, 2.25, 4, 1},
           .build = "1.2",
           .last_seen_unix_s = 1'700'000'000};
 }

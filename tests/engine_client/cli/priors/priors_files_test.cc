@@ -28,19 +28,16 @@ using testing::Not;
 PriorRecord RecordOf(const std::string& source, const std::string& arm, double cost_us) {
   const decision::Increment window =
       decision::LogCostIncrement(0, decision::RewardOf(std::log(cost_us)), 0.02 * 0.02);
-  return {.project = "arcade",
-          .scene = "arena",
-          .measured_by = "",
-          .arm = arm,
-          .backend_version = (*MakeBroadPhase(arm))->version(),
-          .machine_class = MachineClass(),
-          .reward_version = decision::kLogCostRewardVersion,
+  return {.key = {.project = "arcade",
+                  .scene = "arena",
+                  .measured_by = "",
+                  .arm = arm,
+                  .backend_version = (*MakeBroadPhase(arm))->version(),
+                  .machine_class = MachineClass(),
+                  .reward_version = decision::kLogCostRewardVersion},
           .source_id = source,
           .source_sequence = 1,
-          .alpha_increment = 50 * window.alpha,
-          .beta_increment = 50 * window.beta,
-          .window_count = 50,
-          .bail_out_count = 0,
+          .evidence = {.alpha = 50 * window.alpha, .beta = 50 * window.beta, .window_count = 50},
           .build = "1.1",
           .last_seen_unix_s = 0};
 }
@@ -92,7 +89,7 @@ TEST_F(PriorsFilesTest, SumsOfBuildsCountLikeTheirSessionsAndAreImportedNowhere)
 TEST_F(PriorsFilesTest, ShowSaysWhatEachArmCostsByTheCheapest) {
   std::vector<PriorRecord> records = Honest();
   records.push_back(RecordOf("b", "Grid", 100));
-  records.back().measured_by = "lane";
+  records.back().key.measured_by = "lane";
   const std::string file = Write("p.json", records);
   const json scene = json::parse(RunCommand("priors show --json --in " + file).out)["scenes"][0];
   EXPECT_EQ(scene["project"], "arcade");
@@ -121,20 +118,20 @@ TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
   const json build = changed([](PriorRecord& record) { record.build = "1.0"; });
   EXPECT_EQ(build["fitness"], "near");
   EXPECT_EQ(build["reasons"][0], "of build 1.0");
-  const json machine = changed([](PriorRecord& record) { record.machine_class = "console"; });
+  const json machine = changed([](PriorRecord& record) { record.key.machine_class = "console"; });
   EXPECT_EQ(machine["fitness"], "near");
   EXPECT_THAT(machine["reasons"][0], HasSubstr("measured on console"));
   EXPECT_LT(machine["weight"], build["weight"]);
-  const json reward = changed([](PriorRecord& record) { record.reward_version = 1; });
+  const json reward = changed([](PriorRecord& record) { record.key.reward_version = 1; });
   EXPECT_EQ(reward["fitness"], "foreign");
   EXPECT_EQ(reward["weight"], 0);
   EXPECT_THAT(reward["reasons"][0], HasSubstr("its reward is version 1"));
-  EXPECT_EQ(changed([](PriorRecord& record) { record.arm = "Octree"; })["fitness"], "foreign");
+  EXPECT_EQ(changed([](PriorRecord& record) { record.key.arm = "Octree"; })["fitness"], "foreign");
   const json old = changed([](PriorRecord& record) { record.last_seen_unix_s = 1'000'000'000; });
   EXPECT_EQ(old["fitness"], "valid");
   EXPECT_THAT(old["reasons"][0], HasSubstr("days old, which takes nothing from it"));
   std::vector<PriorRecord> newer = Honest();
-  for (PriorRecord& record : newer) record.backend_version = 99;
+  for (PriorRecord& record : newer) record.key.backend_version = 99;
   newer.insert(newer.begin(), healthy.begin(), healthy.end());
   EXPECT_EQ(Diagnose(newer)["fitness"], "valid") << "what the version here taught counts in full";
   const CommandRun empty = RunCommand("priors doctor --in " + Write("none.json", {}));
@@ -160,9 +157,9 @@ TEST_F(PriorsFilesTest, WhatWaitsInQuarantineIsToldApartAndCountsNowhere) {
 // One arm in another version, and one that this program does not have.
 TEST_F(PriorsFilesTest, AnArmThatChangedLosesNothingOfTheOthersKnowledge) {
   std::vector<PriorRecord> records = Honest();
-  records[0].backend_version += 1;
+  records[0].key.backend_version += 1;
   records.push_back(RecordOf("a", "Grid", 300));
-  records.back().arm = "Octree";
+  records.back().key.arm = "Octree";
   const json entry = Diagnose(records);
   EXPECT_EQ(entry["fitness"], "near");
   EXPECT_EQ(entry["weight"], 1) << "of SAP, which is the same";
@@ -176,7 +173,7 @@ TEST_F(PriorsFilesTest, DiffNamesTheScenesOfWhichTwoFilesSaySomethingElse) {
   std::vector<PriorRecord> later = Honest();
   later[1] = RecordOf("a", "SAP", 50);
   for (PriorRecord& record : Honest()) {
-    record.scene = "harbour";
+    record.key.scene = "harbour";
     later.push_back(record);
   }
   std::vector<PriorRecord> before = Honest();
@@ -225,14 +222,14 @@ TEST_F(PriorsFilesTest, DiffComparesTwoBuildsOfOneFile) {
 TEST_F(PriorsFilesTest, MergeKeepsOfEachSourceWhatIsLater) {
   std::vector<PriorRecord> theirs = {RecordOf("a", "Grid", 100), RecordOf("b", "SAP", 200)};
   theirs[0].source_sequence = 2;
-  theirs[0].window_count = 70;
+  theirs[0].evidence.window_count = 70;
   const std::string out = (folder_.path() / "all.json").string();
   const CommandRun run = RunCommand("priors merge " + Write("ours.json", Honest()) + " " +
                                     Write("theirs.json", theirs) + " --out " + out);
   EXPECT_EQ(run.out, out + ": 3 records\n");
   const auto merged = ReadPriorsFile(out);
   ASSERT_TRUE(merged.ok());
-  EXPECT_EQ((*merged)[0].window_count, 70u);
+  EXPECT_EQ((*merged)[0].evidence.window_count, 70u);
   const CommandRun nowhere =
       RunCommand("priors merge " + out + " " + out + " --out /nonexistent/p");
   EXPECT_EQ(nowhere.exit_code, 2);

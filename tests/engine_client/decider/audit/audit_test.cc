@@ -265,7 +265,7 @@ TEST(AuditLog, ATickBeforeItIsDueOrAfterTheEndOfTimeIsRefused) {
   EXPECT_NE(ProblemOf(TextOf(rows)).find("time_ns is before the tick is due"), std::string::npos)
       << ProblemOf(TextOf(rows));
   CellOf(*tick, AuditColumn::kTimeNs) = "9223372036854775807";
-  EXPECT_NE(ProblemOf(TextOf(rows)).find("time_ns is no time that a clock shows"),
+  EXPECT_NE(ProblemOf(TextOf(rows)).find("time_ns is out of the range of a clock"),
             std::string::npos);
 }
 
@@ -342,8 +342,8 @@ TEST(AuditCsv, AQuoteThatIsNeverClosedIsAProblem) {
   EXPECT_EQ(reader.problem(), "a quote is never closed");
 }
 
-Frame FrameOf(uint32_t arm, uint32_t epoch, uint64_t frame_time_ns = 0) {
-  Frame frame;
+FrameSample FrameOf(uint32_t arm, uint32_t epoch, uint64_t frame_time_ns = 0) {
+  FrameSample frame;
   frame.arm = arm;
   frame.switch_epoch = epoch;
   frame.frame_time_ns = frame_time_ns;

@@ -41,12 +41,12 @@ void AuditedGame::Run(int steps) {
   for (int i = 0; i < steps; ++i) Step();
 }
 
-Frame AuditedGame::NextFrame() {
-  Frame frame{.frame_time_ns = 8'000'000 + random_.NextBelow(9'000'000),
-              .detection_time_ns = 20'000 + arm_ * 7'000 + random_.NextBelow(9'000),
-              .aabb_check_count = 40'000 + random_.NextBelow(9'000),
-              .native_bytes = (uint64_t{arm_} + 1) << 20,
-              .object_count = 1'000};
+FrameSample AuditedGame::NextFrame() {
+  FrameSample frame{.frame_time_ns = 8'000'000 + random_.NextBelow(9'000'000),
+                    .detection_time_ns = 20'000 + arm_ * 7'000 + random_.NextBelow(9'000),
+                    .aabb_check_count = 40'000 + random_.NextBelow(9'000),
+                    .native_bytes = (uint64_t{arm_} + 1) << 20,
+                    .object_count = 1'000};
   frame.arm = arm_;
   frame.switch_epoch = OneIn(200) ? epoch_ + random_.NextBelow(4) - 2 : epoch_;
   if (OneIn(50)) frame.flags = random_.NextBelow(8);
@@ -58,7 +58,7 @@ void AuditedGame::Step() {
   Observe(1 + random_.NextBelow(30));
   if (OneIn(2)) Answer();
   if (OneIn(60)) {
-    Frame frame = NextFrame();
+    FrameSample frame = NextFrame();
     frame.frame_time_ns = 5'500'000'000;
     frame.detection_time_ns = OneIn(3) ? 1'000'000 : 5'400'000'000;
     Take(session_.ObserveBailOut(frame, now_ns_));
@@ -78,7 +78,7 @@ void AuditedGame::Step() {
 
 void AuditedGame::Observe(uint32_t frame_count) {
   for (uint32_t i = 0; i < frame_count; ++i) {
-    const Frame frame = NextFrame();
+    const FrameSample frame = NextFrame();
     now_ns_ += static_cast<int64_t>(frame.frame_time_ns % 20'000'000);
     session_.ObserveFrames({&frame, 1});
   }

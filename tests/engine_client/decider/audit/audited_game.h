@@ -43,7 +43,7 @@ class AuditedGame {
  private:
   bool OneIn(uint32_t n) { return random_.NextBelow(n) == 0; }
   uint32_t AnyArm() { return random_.NextBelow(arm_count_); }
-  Frame NextFrame();
+  FrameSample NextFrame();
   void Step();
   void Observe(uint32_t frame_count);
   void Answer();

@@ -51,11 +51,11 @@ class Game {
   }
   // The active arm takes six seconds for a frame.
   Decision BailOut() {
-    const Frame stall{.frame_time_ns = 6'000'000'000,
-                      .detection_time_ns = 6'000'000'000,
-                      .object_count = 1'000,
-                      .arm = client.arm,
-                      .switch_epoch = client.epoch};
+    const FrameSample stall{.frame_time_ns = 6'000'000'000,
+                            .detection_time_ns = 6'000'000'000,
+                            .object_count = 1'000,
+                            .arm = client.arm,
+                            .switch_epoch = client.epoch};
     return client.session.ObserveBailOut(stall, client.now_ns);
   }
   // Ticks of the next `count` after which this arm is active.

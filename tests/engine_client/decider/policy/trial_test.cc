@@ -61,7 +61,7 @@ class TrialGame {
   bool lane_reports = true;
   bool ends_trials = true;
   std::optional<GateTerms> gate;  // of the latest decision
-  Outcome outcome = Outcome::kKept;
+  DecisionOutcome outcome = DecisionOutcome::kKept;
   int disturbed_trial_count = 0;  // trials of which two frames take five times as long
   int ended_trial_count = 0;
   std::vector<uint32_t> frame_counts = std::vector<uint32_t>(cost_us.size());
@@ -86,7 +86,7 @@ class TrialGame {
   }
 
   void RunFrame() {
-    Frame& frame = client.frame;
+    FrameSample& frame = client.frame;
     frame.detection_time_ns = static_cast<uint64_t>(1e3 * Noisy(cost_us[client.arm], 0.01));
     ++frame_of_run_;
     if (disturbed_trial_count > 0 && is_trial_ && frame_of_run_ > kLeastFrames - 2) {
@@ -237,7 +237,7 @@ TEST(Trial, ThatHasEndedIsNotRepeatedForWhatMayBeALittle) {
   TrialGame game({10'000, 13'000}, {10'000, 13'000});
   game.RunTicks(300);
   EXPECT_EQ(game.ended_trial_count, 1);
-  EXPECT_EQ(game.outcome, Outcome::kHeldTie);
+  EXPECT_EQ(game.outcome, DecisionOutcome::kHeldTie);
   ASSERT_TRUE(game.gate);
   EXPECT_GT(game.gate->gain, 0.005) << "of a first trial it would be enough";
 }

@@ -13,8 +13,8 @@
 namespace sweepstake::decision {
 namespace {
 
-Frame LongFrame(const ScriptedClient& client) {
-  Frame frame = client.frame;
+FrameSample LongFrame(const ScriptedClient& client) {
+  FrameSample frame = client.frame;
   frame.frame_time_ns = 5'100'000'000;
   frame.detection_time_ns = 5'000'000'000;
   frame.arm = client.arm;
@@ -45,7 +45,7 @@ TEST(BailOut, ResamplesAtOnceWithoutTheCooldown) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.Execute(0, SwitchReason::kManual);
   const Decision decision = client.session.ObserveBailOut(LongFrame(client), client.now_ns + 1);
-  EXPECT_EQ(decision.record.outcome, Outcome::kSwitched);
+  EXPECT_EQ(decision.record.outcome, DecisionOutcome::kSwitched);
   EXPECT_EQ(decision.record.reason, SwitchReason::kBailOut);
   ASSERT_TRUE(decision.command);
   EXPECT_EQ(decision.command->arm, 1u);
@@ -58,14 +58,14 @@ TEST(BailOut, StaysWhereTheDrawFallsOnTheSameArm) {
   setup.active_arm = 1;
   ScriptedClient client(setup);
   const Decision decision = client.session.ObserveBailOut(LongFrame(client), client.now_ns);
-  EXPECT_EQ(decision.record.outcome, Outcome::kKept);
+  EXPECT_EQ(decision.record.outcome, DecisionOutcome::kKept);
   EXPECT_EQ(decision.record.candidate, 1u);
   EXPECT_FALSE(decision.command);
 }
 
 // Long frames that no detection explains.
-std::vector<Frame> ExcusableFrames(const ScriptedClient& client) {
-  std::vector<Frame> frames(3, LongFrame(client));
+std::vector<FrameSample> ExcusableFrames(const ScriptedClient& client) {
+  std::vector<FrameSample> frames(3, LongFrame(client));
   frames[0].detection_time_ns = frames[0].frame_time_ns / 2 - 1;
   frames[1].flags = kFramePaused;
   frames[2].flags = kFrameLoading;
@@ -74,7 +74,7 @@ std::vector<Frame> ExcusableFrames(const ScriptedClient& client) {
 
 TEST(BailOut, IsOneForPolicyPaperWhateverItsCause) {
   ScriptedClient client(SetupThatWantsArmOne());
-  for (const Frame& frame : ExcusableFrames(client)) {
+  for (const FrameSample& frame : ExcusableFrames(client)) {
     const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
     ASSERT_TRUE(decision.increment);
     EXPECT_EQ(decision.increment->beta, 10);
@@ -87,7 +87,7 @@ TEST(BailOut, IsOneForPolicyPaperWhateverItsCause) {
 
 TEST(BailOut, WithinTheLimitIsNoneForPolicyPaperEither) {
   ScriptedClient client(PlainSetup(2));
-  Frame frame = LongFrame(client);
+  FrameSample frame = LongFrame(client);
   frame.frame_time_ns = 5'000'000'000;
   EXPECT_FALSE(client.session.ObserveBailOut(frame, client.now_ns).increment);
 }
@@ -98,7 +98,7 @@ TEST(BailOut, IsExcusedByAllOtherPoliciesWhereDetectionDoesNotExplainIt) {
     SessionSetup setup = PlainSetup(2);
     setup.options.policy = policy.kind.name;
     ScriptedClient client(setup);
-    for (const Frame& frame : ExcusableFrames(client)) {
+    for (const FrameSample& frame : ExcusableFrames(client)) {
       const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
       EXPECT_FALSE(decision.increment) << policy.kind.name;
       EXPECT_FALSE(decision.command) << policy.kind.name;
@@ -140,7 +140,7 @@ TEST(BailOut, BeyondWhatAGameCanHaveIsAnsweredAndIsNoEvidence) {
 
 TEST(BailOut, ThatTheCallerDoesNotBelieveIsAnsweredAndSpendsNothing) {
   ScriptedClient client(SetupThatWantsArmOne());
-  Frame frame = LongFrame(client);
+  FrameSample frame = LongFrame(client);
   frame.flags |= kFrameNoEvidence;
   const BetaPosterior before = client.session.posteriors()[0];
   for (int i = 0; i < 20; ++i) {
@@ -169,7 +169,7 @@ TEST(BailOut, BudgetHoldsAtTheEndsOfTheClock) {
 TEST(BailOut, KeepsItsFrameOutOfTheWindow) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
-  const Frame frame = LongFrame(client);
+  const FrameSample frame = LongFrame(client);
   client.session.ObserveFrames({&frame, 1});
   EXPECT_NEAR(*client.RunToTick().record.reward, 0.937, 1e-9);
   EXPECT_EQ(client.session.counts().over_limit_frame_count, 1u);
@@ -180,7 +180,7 @@ TEST(BailOut, TeachesNothingInManualMode) {
   setup.mode = Mode::kManual;
   ScriptedClient client(setup);
   const Decision decision = client.session.ObserveBailOut(LongFrame(client), client.now_ns);
-  EXPECT_EQ(decision.record.outcome, Outcome::kManual);
+  EXPECT_EQ(decision.record.outcome, DecisionOutcome::kManual);
   EXPECT_FALSE(decision.increment);
   EXPECT_FALSE(decision.command);
 }
@@ -193,7 +193,7 @@ TEST(BailOut, EndsTheSlotOfItsArmInTheExploration) {
   ScriptedClient client(setup);
   const Decision decision = client.session.ObserveBailOut(LongFrame(client), client.now_ns);
   EXPECT_EQ(client.session.explored_arm_count(), 1u);
-  EXPECT_EQ(decision.record.outcome, Outcome::kExploring);
+  EXPECT_EQ(decision.record.outcome, DecisionOutcome::kExploring);
   ASSERT_TRUE(decision.command);
   EXPECT_EQ(decision.command->arm, order[1]);
   EXPECT_EQ(decision.command->reason, SwitchReason::kBailOut);
@@ -219,7 +219,7 @@ TEST(BailOut, OfAnEarlierEpochIsChargedToItsArmAndCommandsNothing) {
   SessionSetup setup = SetupThatWantsArmOne();
   setup.active_arm = 1;
   ScriptedClient client(setup);
-  const Frame late = LongFrame(client);
+  const FrameSample late = LongFrame(client);
   client.Execute(0, SwitchReason::kBailOut);  // a draw would fall on arm 1 again
   const Decision decision = client.session.ObserveBailOut(late, client.now_ns);
   ASSERT_TRUE(decision.increment);
@@ -230,7 +230,7 @@ TEST(BailOut, OfAnEarlierEpochIsChargedToItsArmAndCommandsNothing) {
 
 TEST(BailOut, OfALaterEpochShowsThatTheSwitchWasExecuted) {
   ScriptedClient client(PlainSetup(2));
-  Frame frame = LongFrame(client);
+  FrameSample frame = LongFrame(client);
   frame.arm = 1;
   frame.switch_epoch = 1;
   const Decision decision = client.session.ObserveBailOut(frame, kSecond);
@@ -240,7 +240,7 @@ TEST(BailOut, OfALaterEpochShowsThatTheSwitchWasExecuted) {
 
 TEST(BailOut, OfAnUnknownArmChangesNothing) {
   ScriptedClient client(PlainSetup(2));
-  Frame frame = LongFrame(client);
+  FrameSample frame = LongFrame(client);
   frame.arm = 77;
   EXPECT_FALSE(client.session.ObserveBailOut(frame, client.now_ns).increment);
 }

@@ -64,7 +64,7 @@ TEST(Window, WithoutFramesTeachesNothing) {
   client.Settle();
   const BetaPosterior before = client.session.posteriors()[client.arm];
   const Decision decision = client.session.Tick(client.session.next_tick_ns());
-  EXPECT_EQ(decision.record.outcome, Outcome::kNoFrames);
+  EXPECT_EQ(decision.record.outcome, DecisionOutcome::kNoFrames);
   EXPECT_FALSE(decision.increment);
   EXPECT_FALSE(decision.record.reward);
   EXPECT_FALSE(decision.command);
@@ -76,7 +76,7 @@ TEST(Window, LeavesOutPausedAndLoadingFrames) {
   client.Settle();
   for (const uint32_t flag : {kFramePaused, kFrameLoading}) {
     client.frame.flags = flag;
-    EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kNoFrames);
+    EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kNoFrames);
   }
   EXPECT_EQ(client.session.counts().suspended_frame_count, 400u);
 }
@@ -90,7 +90,7 @@ TEST(Window, WithoutASearchTeachesNothing) {
   client.RunToTick();
   const BetaPosterior before = client.session.posteriors()[0];
   client.frame.detection_time_ns = 0;
-  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kNoFrames);
+  EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kNoFrames);
   EXPECT_EQ(client.session.posteriors()[0], before);
 }
 
@@ -99,16 +99,17 @@ TEST(Window, LeavesOutFramesOfAnEarlierEpoch) {
   client.obedient = false;
   client.Settle();
   client.Execute(1 - client.arm, SwitchReason::kManual);
-  Frame old = client.frame;
+  FrameSample old = client.frame;
   old.arm = 1 - client.arm;
   old.switch_epoch = client.epoch - 1;
-  client.session.ObserveFrames(std::vector<Frame>(5, old));
+  client.session.ObserveFrames(std::vector<FrameSample>(5, old));
   old.switch_epoch = client.epoch;  // an arm that does not run in this epoch
-  client.session.ObserveFrames(std::vector<Frame>(3, old));
+  client.session.ObserveFrames(std::vector<FrameSample>(3, old));
   old.arm = 99;
-  client.session.ObserveFrames(std::vector<Frame>(2, old));
+  client.session.ObserveFrames(std::vector<FrameSample>(2, old));
   EXPECT_EQ(client.session.counts().other_epoch_frame_count, 10u);
-  EXPECT_EQ(client.session.Tick(client.session.next_tick_ns()).record.outcome, Outcome::kNoFrames);
+  EXPECT_EQ(client.session.Tick(client.session.next_tick_ns()).record.outcome,
+            DecisionOutcome::kNoFrames);
 }
 
 TEST(Update, AddsTheRewardToAlphaAndItsComplementToBetaOfTheActiveArmOnly) {
@@ -156,11 +157,11 @@ TEST(Update, RejectsAWindowWithAMetricThatIsNotFinite) {
   client.Settle();
   const std::vector<BetaPosterior> before(client.session.posteriors().begin(),
                                           client.session.posteriors().end());
-  Frame instant = client.frame;
+  FrameSample instant = client.frame;
   instant.frame_time_ns = 0;
-  client.session.ObserveFrames(std::vector<Frame>(100, instant));
+  client.session.ObserveFrames(std::vector<FrameSample>(100, instant));
   const Decision decision = client.session.Tick(client.session.next_tick_ns());
-  EXPECT_EQ(decision.record.outcome, Outcome::kRejected);
+  EXPECT_EQ(decision.record.outcome, DecisionOutcome::kRejected);
   EXPECT_FALSE(decision.increment);
   EXPECT_FALSE(decision.command);
   EXPECT_TRUE(std::equal(before.begin(), before.end(), client.session.posteriors().begin()));
@@ -173,11 +174,11 @@ TEST(Update, AbsurdFramesGiveARewardInTheUnitInterval) {
         SessionSetup setup = PlainSetup(1);
         setup.options.settling_ns = 0;
         DecisionSession session(setup, ShippedPolicies());
-        const Frame frame{.frame_time_ns = time,
-                          .detection_time_ns = value,
-                          .aabb_check_count = value,
-                          .native_bytes = value,
-                          .object_count = objects};
+        const FrameSample frame{.frame_time_ns = time,
+                                .detection_time_ns = value,
+                                .aabb_check_count = value,
+                                .native_bytes = value,
+                                .object_count = objects};
         session.ObserveFrames({&frame, 1});
         const Decision decision = session.Tick(session.next_tick_ns());
         ASSERT_TRUE(decision.record.reward);
@@ -241,7 +242,7 @@ TEST(Cooldown, HoldsACandidateBackForFortySecondsAfterAnExecutedSwitch) {
     ASSERT_LE(client.now_ns - switched_ns, 41 * kSecond);
     if (decision.command) {
       EXPECT_GE(client.now_ns - switched_ns, 40 * kSecond);
-      EXPECT_EQ(decision.record.outcome, Outcome::kSwitched);
+      EXPECT_EQ(decision.record.outcome, DecisionOutcome::kSwitched);
       EXPECT_EQ(decision.record.reason, SwitchReason::kPolicy);
     }
   }
@@ -255,16 +256,16 @@ TEST(Cooldown, LogsAHeldBackCandidateAndDoesNotQueueIt) {
   ScriptedClient client(setup);
   client.Execute(0, SwitchReason::kManual);
   client.RunTicks(3);
-  EXPECT_EQ(client.log.back().record.outcome, Outcome::kHeldCooldown);
+  EXPECT_EQ(client.log.back().record.outcome, DecisionOutcome::kHeldCooldown);
   EXPECT_EQ(client.log.back().record.candidate, 1u);
   client.RunTicks(1'100);
-  EXPECT_EQ(client.log.back().record.outcome, Outcome::kKept);
+  EXPECT_EQ(client.log.back().record.outcome, DecisionOutcome::kKept);
   EXPECT_TRUE(client.commands.empty());
 }
 
 TEST(Cooldown, DoesNotHoldTheFirstSwitchOfAFreshSessionBack) {
   ScriptedClient client(SetupThatWantsArmOne());
-  EXPECT_EQ(client.RunTicks(2).record.outcome, Outcome::kSwitched);
+  EXPECT_EQ(client.RunTicks(2).record.outcome, DecisionOutcome::kSwitched);
 }
 
 TEST(Cooldown, CountsFromTheStartWhereASessionGoesOnAfterARestart) {
@@ -281,7 +282,7 @@ TEST(Cooldown, CountsFromTheStartWhereASessionGoesOnAfterARestart) {
 
 TEST(Settling, LeavesOutTwoSecondsOfFrameTimeAfterTheFirstFrame) {
   ScriptedClient client(PlainSetup(1));
-  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kHeldSettling);
+  EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
   EXPECT_FALSE(client.log.back().increment);
   EXPECT_TRUE(client.RunToTick().increment);
   EXPECT_EQ(client.session.counts().settling_frame_count,
@@ -295,7 +296,7 @@ TEST(Settling, RestartsTheWindowAtASwitch) {
   for (int i = 0; i < 50; ++i) client.RunFrame();  // good frames of the old arm
   client.Execute(1 - client.arm, SwitchReason::kManual);
   const Decision decision = client.RunToTick();
-  EXPECT_EQ(decision.record.outcome, Outcome::kHeldSettling);
+  EXPECT_EQ(decision.record.outcome, DecisionOutcome::kHeldSettling);
   EXPECT_FALSE(decision.increment);
 }
 
@@ -305,7 +306,7 @@ TEST(Settling, RunsOnFrameTimeNotOnTheTicksClock) {
   for (int i = 0; i < 10; ++i)
     client.session.Tick(client.session.next_tick_ns());  // 20 s without frames
   client.now_ns = client.session.next_tick_ns() - kSecond;
-  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kHeldSettling);
+  EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
 }
 
 TEST(Ticks, ComeEveryTwoSeconds) {
@@ -350,7 +351,7 @@ TEST(ManualMode, RecordsEverythingAndLearnsNothing) {
   EXPECT_EQ(client.session.posteriors()[0], setup.priors[0]);
   EXPECT_EQ(client.session.counts().measured_frame_count, 5'799u);
   for (const Decision& decision : client.log) {
-    EXPECT_EQ(decision.record.outcome, Outcome::kManual);
+    EXPECT_EQ(decision.record.outcome, DecisionOutcome::kManual);
     EXPECT_FALSE(decision.increment);
     EXPECT_FALSE(decision.record.candidate);
   }
@@ -364,7 +365,8 @@ TEST(ManualMode, LeavesNoFramesForTheModeThatFollows) {
   for (int i = 0; i < 50; ++i) client.RunFrame();
   client.session.SetMode(Mode::kAi, 0, client.now_ns);
   EXPECT_EQ(client.session.mode(), Mode::kAi);
-  EXPECT_EQ(client.session.Tick(client.session.next_tick_ns()).record.outcome, Outcome::kNoFrames);
+  EXPECT_EQ(client.session.Tick(client.session.next_tick_ns()).record.outcome,
+            DecisionOutcome::kNoFrames);
 }
 
 TEST(ModeChange, TakesOverTheArmThatIsActiveThen) {

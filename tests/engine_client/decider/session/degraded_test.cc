@@ -108,7 +108,7 @@ TEST(Verdict, IsDegradedByBailOutsThatLeaveNoWindow) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
   client.RunTicks(2);
-  const Frame stall{.frame_time_ns = 6'000'000'000, .detection_time_ns = 5'900'000'000};
+  const FrameSample stall{.frame_time_ns = 6'000'000'000, .detection_time_ns = 5'900'000'000};
   client.session.ObserveBailOut(stall, client.now_ns);
   client.session.ObserveBailOut(stall, client.now_ns);
   EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kStable);

@@ -102,7 +102,7 @@ TEST(Exploration, TicksSayThatItIsUnderWayAndDrawNothing) {
   ScriptedClient client(ExploringSetup(3));
   Explore(client);
   for (size_t i = 0; i + 1 < client.log.size(); ++i) {
-    EXPECT_EQ(client.log[i].record.outcome, Outcome::kExploring);
+    EXPECT_EQ(client.log[i].record.outcome, DecisionOutcome::kExploring);
     EXPECT_FALSE(client.log[i].record.candidate);
   }
 }
@@ -126,7 +126,7 @@ TEST(Exploration, EndsWithAnOrdinaryTickAndTheCooldownOfTheLastSwitch) {
   ScriptedClient client(setup);
   Explore(client);
   const Decision& ending = client.log.back();
-  EXPECT_EQ(ending.record.outcome, Outcome::kHeldCooldown);
+  EXPECT_EQ(ending.record.outcome, DecisionOutcome::kHeldCooldown);
   EXPECT_EQ(ending.record.candidate, 1 - last);
   EXPECT_TRUE(ending.increment);
   EXPECT_EQ(client.session.observation(client.now_ns).start_ns, client.now_ns);

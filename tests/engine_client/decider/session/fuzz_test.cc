@@ -100,12 +100,13 @@ class Fuzzer {
     }
   }
 
-  Frame AnyFrame() {
-    Frame frame{.frame_time_ns = AnyNumber(),
-                .detection_time_ns = AnyNumber(),
-                .aabb_check_count = AnyNumber(),
-                .native_bytes = AnyNumber(),
-                .object_count = OneIn(4) ? Below(3) : static_cast<uint32_t>(random_.NextBits())};
+  FrameSample AnyFrame() {
+    FrameSample frame{
+        .frame_time_ns = AnyNumber(),
+        .detection_time_ns = AnyNumber(),
+        .aabb_check_count = AnyNumber(),
+        .native_bytes = AnyNumber(),
+        .object_count = OneIn(4) ? Below(3) : static_cast<uint32_t>(random_.NextBits())};
     frame.arm = OneIn(10) ? static_cast<uint32_t>(random_.NextBits()) : session_.active_arm();
     frame.switch_epoch = OneIn(50) ? epoch_ + Below(6) - 3 : epoch_;  // the reports catch up
     frame.flags = OneIn(3) ? Below(16) : 0;
@@ -143,7 +144,7 @@ class Fuzzer {
 
   void ObserveSome(uint32_t count) {
     for (uint32_t i = 0; i < count; ++i) {
-      const Frame frame = AnyFrame();
+      const FrameSample frame = AnyFrame();
       session_.ObserveFrames({&frame, 1});
     }
   }

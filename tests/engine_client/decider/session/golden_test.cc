@@ -100,7 +100,7 @@ class ScriptedGame {
   void Step() {
     ChangeMode();
     ExecuteCommand();
-    const Frame frame = NextFrame();
+    const FrameSample frame = NextFrame();
     now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
     session_.ObserveFrames({&frame, 1});
     session_.ObserveDescriptor(DescriptorOf(frame));
@@ -126,21 +126,21 @@ class ScriptedGame {
     command_.reset();
   }
 
-  void ReportSwitch(const Frame& frame) {
+  void ReportSwitch(const FrameSample& frame) {
     settled_ns_ += frame.frame_time_ns;
     if (reported_ || settled_ns_ < 2'000'000'000) return;
     session_.ObserveSwitch(arm_, epoch_, reason_, now_ns_);
     reported_ = true;
   }
 
-  Frame NextFrame() {
+  FrameSample NextFrame() {
     constexpr std::array<uint64_t, 7> kDetectionNs = {60'000'000, 9'000'000, 3'000'000, 2'500'000,
                                                       4'000'000,  5'000'000, 2'800'000};
     constexpr std::array<uint64_t, 7> kBytes = {1 << 20, 24 << 20, 2 << 20, 2 << 20,
                                                 5 << 20, 9 << 20,  6 << 20};
     constexpr std::array<uint64_t, 7> kChecks = {1'999'000, 60'000, 250'000, 200'000,
                                                  40'000,    50'000, 30'000};
-    Frame frame{.aabb_check_count = Noisy(kChecks[arm_]), .native_bytes = kBytes[arm_]};
+    FrameSample frame{.aabb_check_count = Noisy(kChecks[arm_]), .native_bytes = kBytes[arm_]};
     frame.object_count = now_ns_ < 300 * kSecond ? 2'000 : 2'200;
     frame.arm = arm_;
     frame.switch_epoch = epoch_;
@@ -162,7 +162,7 @@ class ScriptedGame {
   }
 
   // The scene grows denser until the tree overtakes.
-  SceneDescriptor DescriptorOf(const Frame& frame) const {
+  SceneDescriptor DescriptorOf(const FrameSample& frame) const {
     SceneDescriptor descriptor;
     descriptor.object_count = frame.object_count;
     descriptor.density_ratio = static_cast<double>(now_ns_ / kSecond) * 0x1p-10;

@@ -21,7 +21,7 @@ TEST(Switch, IsSeenInTheFramesBeforeItIsReported) {
   client.Settle();
   ASSERT_EQ(client.commands.size(), 1u);
   ExecuteSilently(client, 1);
-  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kHeldSettling);
+  EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
   EXPECT_EQ(client.session.active_arm(), 1u);
   client.session.ObserveSwitch(1, client.epoch, SwitchReason::kPolicy, client.now_ns);
   EXPECT_TRUE(client.RunToTick().increment);  // the report did not make it settle twice
@@ -80,7 +80,7 @@ TEST(Command, IsNotRepeatedWhileASwitchMayBeUnderWay) {
   client.Settle();
   ASSERT_EQ(client.commands.size(), 1u);
   const Decision decision = client.RunToTick();
-  EXPECT_EQ(decision.record.outcome, Outcome::kHeldSettling);
+  EXPECT_EQ(decision.record.outcome, DecisionOutcome::kHeldSettling);
   EXPECT_TRUE(decision.increment);  // the old arm's frames still teach
 }
 
@@ -111,9 +111,9 @@ TEST(Command, ThatIsRefusedIsOverAtOnce) {
   client.Settle();
   ASSERT_EQ(client.commands.size(), 1u);
   client.session.ObserveRefusal(client.commands[0].command_id + 1);  // of no command
-  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kHeldSettling);
+  EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
   client.session.ObserveRefusal(client.commands[0].command_id);
-  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kSwitched);
+  EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kSwitched);
 }
 
 TEST(Command, IsNotRepeatedWhileNoFramesCome) {
@@ -172,7 +172,7 @@ TEST(ObjectCountChange, SettlesAgainAndKeepsThePosteriors) {
   client.frame.flags = kFrameRebuild;
   client.RunFrame();
   client.frame.flags = 0;
-  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kHeldSettling);
+  EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
   EXPECT_EQ(client.session.posteriors()[0].evidence(), evidence);
   EXPECT_TRUE(client.RunToTick().increment);
   EXPECT_EQ(client.session.counts().settling_frame_count - settled, 201u);

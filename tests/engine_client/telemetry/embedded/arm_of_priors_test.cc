@@ -20,16 +20,16 @@ std::string Visits(size_t first_arm = 0, const std::string& machine_class = Mach
   std::vector<PriorRecord> records;
   for (size_t arm = first_arm; arm < kPriorArms.size(); ++arm) {
     PriorRecord& record = records.emplace_back();
-    record.project = record.scene = "default";
-    record.machine_class = machine_class;
-    record.measured_by = "lane";
-    record.arm = kPriorArms[arm];
-    record.backend_version = kPriorVersions[arm];
-    record.reward_version = 3;
+    record.key.project = record.key.scene = "default";
+    record.key.machine_class = machine_class;
+    record.key.measured_by = "lane";
+    record.key.arm = kPriorArms[arm];
+    record.key.backend_version = kPriorVersions[arm];
+    record.key.reward_version = 3;
     record.source_id = "studio";
     record.source_sequence = 1;
-    record.alpha_increment = 500 + 20 * static_cast<double>(arm);
-    record.beta_increment = 1000 - record.alpha_increment;
+    record.evidence.alpha = 500 + 20 * static_cast<double>(arm);
+    record.evidence.beta = 1000 - record.evidence.alpha;
   }
   return FormatPriors(records);
 }

@@ -259,15 +259,15 @@ class EmbeddedDeciderPriors : public ::testing::Test {
 
   static PriorRecord RecordOf(const std::string& arm, uint32_t version, const std::string& source) {
     PriorRecord record;
-    record.project = record.scene = "default";
-    record.machine_class = MachineClass();
-    record.arm = arm;
-    record.backend_version = version;
-    record.reward_version = 1;
+    record.key.project = record.key.scene = "default";
+    record.key.machine_class = MachineClass();
+    record.key.arm = arm;
+    record.key.backend_version = version;
+    record.key.reward_version = 1;
     record.source_id = source;
     record.source_sequence = 1;
-    record.alpha_increment = 10;
-    record.beta_increment = 5;
+    record.evidence.alpha = 10;
+    record.evidence.beta = 5;
     return record;
   }
 
@@ -284,11 +284,11 @@ TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
   std::vector<PriorRecord> records = {RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b"),
                                       RecordOf("KDTree", 1, "c"), RecordOf("Octopus", 1, "d")};
   records.push_back(RecordOf("DBVT", 1, "e"));
-  records.back().scene = "another";
+  records.back().key.scene = "another";
   records.push_back(RecordOf("DBVT", 1, "f"));
-  records.back().machine_class = "phone";
+  records.back().key.machine_class = "phone";
   records.push_back(RecordOf("DBVT", 1, "g"));
-  records.back().reward_version = 2;
+  records.back().key.reward_version = 2;
   ASSERT_TRUE(WritePriorsFile(records, path_).ok());
   const auto decider = MakeDecider(Options());
   EXPECT_EQ(decider->prior_source_count(), 2U);
@@ -301,7 +301,7 @@ TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
 TEST_F(EmbeddedDeciderPriors, AreOfThePolicysVersionOfTheReward) {
   std::vector<PriorRecord> records = {RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b"),
                                       RecordOf("DBVT", 1, "c")};
-  records[1].reward_version = records[2].reward_version = 3;
+  records[1].key.reward_version = records[2].key.reward_version = 3;
   ASSERT_TRUE(WritePriorsFile(records, path_).ok());
   EXPECT_EQ(MakeDecider(Options())->prior_source_count(), 1U);
   EmbeddedOptions adaptive = Options();
@@ -311,7 +311,7 @@ TEST_F(EmbeddedDeciderPriors, AreOfThePolicysVersionOfTheReward) {
 
 TEST_F(EmbeddedDeciderPriors, NamesTheBrokenRecord) {
   PriorRecord broken = RecordOf("SAP", 1, "a");
-  broken.alpha_increment = -1;
+  broken.evidence.alpha = -1;
   ASSERT_TRUE(WritePriorsFile(std::vector{RecordOf("SAP", 1, "x"), broken}, path_).ok());
   const auto made = EmbeddedDecider::Create(Options(), kArms, kVersions, 0);
   ASSERT_FALSE(made.ok());
@@ -342,7 +342,7 @@ std::vector<PriorRecord> RecordsOf(const std::string& priors) {
 
 uint64_t WindowCount(const std::string& priors) {
   uint64_t count = 0;
-  for (const PriorRecord& record : RecordsOf(priors)) count += record.window_count;
+  for (const PriorRecord& record : RecordsOf(priors)) count += record.evidence.window_count;
   return count;
 }
 
@@ -361,10 +361,10 @@ TEST(EmbeddedDeciderExport, IsWhatTheNextRunStartsFromAndGoesOnWith) {
   EXPECT_GT(WindowCount(second), WindowCount(first) + 10);
   for (const PriorRecord& before : records) {
     for (const PriorRecord& after : RecordsOf(second)) {
-      if (after.arm != before.arm) continue;
-      EXPECT_GE(after.alpha_increment, before.alpha_increment);
+      if (after.key.arm != before.key.arm) continue;
+      EXPECT_GE(after.evidence.alpha, before.evidence.alpha);
       EXPECT_EQ(after.source_sequence > before.source_sequence,
-                after.window_count > before.window_count);
+                after.evidence.window_count > before.evidence.window_count);
     }
   }
 }
@@ -401,7 +401,7 @@ TEST_F(EmbeddedDeciderPriors, OfAFileAndOfATextAreUnited) {
       WritePriorsFile(std::vector{RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b")}, path_).ok());
   std::vector<PriorRecord> saved = {RecordOf("SAP", 1, "b"), RecordOf("DBVT", 1, "c")};
   saved[0].source_sequence = 2;
-  saved[0].alpha_increment = 100;
+  saved[0].evidence.alpha = 100;
   EmbeddedOptions options = Options();
   options.priors_data = FormatPriors(saved);
   const auto decider = MakeDecider(options);

@@ -23,16 +23,16 @@ EvidenceLedger LedgerOf(std::vector<PriorRecord> given) {
 // Returns evidence for the arm SAP.
 PriorRecord RecordOf(const std::string& source, uint64_t sequence, double alpha) {
   PriorRecord record;
-  record.project = "game";
-  record.scene = "harbour";
-  record.arm = "SAP";
-  record.backend_version = 1;
-  record.machine_class = "phone";
-  record.reward_version = 2;
+  record.key.project = "game";
+  record.key.scene = "harbour";
+  record.key.arm = "SAP";
+  record.key.backend_version = 1;
+  record.key.machine_class = "phone";
+  record.key.reward_version = 2;
   record.source_id = source;
   record.source_sequence = sequence;
-  record.alpha_increment = alpha;
-  record.window_count = 1;
+  record.evidence.alpha = alpha;
+  record.evidence.window_count = 1;
   return record;
 }
 
@@ -49,39 +49,39 @@ TEST(EvidenceLedger, AddsToARecordPerArmUnderItsOwnSource) {
   ledger.Add(Window({.arm = 0, .beta = 1, .window_count = 1}));
   ASSERT_EQ(ledger.records().size(), 2U);
   const PriorRecord& dbvt = ledger.records()[0];
-  EXPECT_EQ(dbvt.project, "game");
-  EXPECT_EQ(dbvt.scene, "harbour");
-  EXPECT_EQ(dbvt.machine_class, "phone");
-  EXPECT_EQ(dbvt.reward_version, 2U);
-  EXPECT_EQ(dbvt.arm, "DBVT");
-  EXPECT_EQ(dbvt.backend_version, 4U);
+  EXPECT_EQ(dbvt.key.project, "game");
+  EXPECT_EQ(dbvt.key.scene, "harbour");
+  EXPECT_EQ(dbvt.key.machine_class, "phone");
+  EXPECT_EQ(dbvt.key.reward_version, 2U);
+  EXPECT_EQ(dbvt.key.arm, "DBVT");
+  EXPECT_EQ(dbvt.key.backend_version, 4U);
   EXPECT_EQ(dbvt.source_id, "player");
   EXPECT_EQ(dbvt.source_sequence, 2U);
-  EXPECT_EQ(dbvt.alpha_increment, 3);
-  EXPECT_EQ(dbvt.beta_increment, 3.5);
-  EXPECT_EQ(dbvt.window_count, 1U);
-  EXPECT_EQ(dbvt.bail_out_count, 1U);
+  EXPECT_EQ(dbvt.evidence.alpha, 3);
+  EXPECT_EQ(dbvt.evidence.beta, 3.5);
+  EXPECT_EQ(dbvt.evidence.window_count, 1U);
+  EXPECT_EQ(dbvt.evidence.bail_out_count, 1U);
   EXPECT_EQ(ledger.records()[1].source_sequence, 3U);
 }
 
 TEST(EvidenceLedger, GoesOnWithTheRecordOfItsSourceUnderALaterSequence) {
   PriorRecord elsewhere = RecordOf("player", 9, 5);
-  elsewhere.scene = "desert";
+  elsewhere.key.scene = "desert";
   EvidenceLedger ledger = LedgerOf({RecordOf("player", 7, 10), elsewhere});
   ledger.Add(Window({.arm = 0, .alpha = 1, .window_count = 1}));
   ASSERT_EQ(ledger.records().size(), 2U);
   EXPECT_EQ(ledger.records()[0].source_sequence, 10U) << "later than all records of the source";
-  EXPECT_EQ(ledger.records()[0].alpha_increment, 11);
-  EXPECT_EQ(ledger.records()[0].window_count, 2U);
+  EXPECT_EQ(ledger.records()[0].evidence.alpha, 11);
+  EXPECT_EQ(ledger.records()[0].evidence.window_count, 2U);
   EXPECT_EQ(ledger.records()[1].source_sequence, 9U);
-  EXPECT_EQ(ledger.records()[1].alpha_increment, 5);
+  EXPECT_EQ(ledger.records()[1].evidence.alpha, 5);
 }
 
 TEST(EvidenceLedger, LeavesTheRecordsOfOthersAsTheyAre) {
   EvidenceLedger ledger = LedgerOf({RecordOf("studio", 7, 10)});
   ledger.Add(Window({.arm = 0, .alpha = 1, .window_count = 1}));
   ASSERT_EQ(ledger.records().size(), 2U);
-  EXPECT_EQ(ledger.records()[0].alpha_increment, 10);
+  EXPECT_EQ(ledger.records()[0].evidence.alpha, 10);
   EXPECT_EQ(ledger.records()[0].source_sequence, 7U);
   EXPECT_EQ(ledger.records()[1].source_id, "player");
   EXPECT_EQ(ledger.prior().source_count, 1U);
@@ -95,11 +95,11 @@ TEST(EvidenceLedger, KeepsTheLanesVisitsApartAndLearnsFromThem) {
   ledger.Add(decision);
   ledger.Add(decision);
   ASSERT_EQ(ledger.records().size(), 3U);
-  EXPECT_EQ(ledger.records()[0].measured_by, "");
-  EXPECT_EQ(ledger.records()[0].alpha_increment, 12);
-  EXPECT_EQ(ledger.records()[2].measured_by, "lane");
-  EXPECT_EQ(ledger.records()[2].arm, "DBVT");
-  EXPECT_EQ(ledger.records()[2].window_count, 2U);
+  EXPECT_EQ(ledger.records()[0].key.measured_by, "");
+  EXPECT_EQ(ledger.records()[0].evidence.alpha, 12);
+  EXPECT_EQ(ledger.records()[2].key.measured_by, "lane");
+  EXPECT_EQ(ledger.records()[2].key.arm, "DBVT");
+  EXPECT_EQ(ledger.records()[2].evidence.window_count, 2U);
   const auto priors = LedgerOf(ledger.records()).prior().posteriors();
   EXPECT_GT(priors[1].mean(), priors[0].mean()) << "DBVT was never live";
 }
@@ -109,7 +109,7 @@ TEST(EvidenceLedger, UnitesRecordsOfWhichTheLaterCounts) {
                             {RecordOf("a", 1, 10), RecordOf("b", 2, 5), RecordOf("c", 1, 3)});
   std::vector<std::pair<std::string, double>> found;
   for (const PriorRecord& record : united) {
-    found.emplace_back(record.source_id, record.alpha_increment);
+    found.emplace_back(record.source_id, record.evidence.alpha);
   }
   EXPECT_THAT(found, ::testing::ElementsAre(std::pair("a", 20.0), std::pair("b", 5.0),
                                             std::pair("d", 7.0), std::pair("c", 3.0)));

@@ -12,18 +12,18 @@ using ::testing::HasSubstr;
 
 PriorRecord RecordOf(const std::string& source) {
   PriorRecord record;
-  record.project = "game";
-  record.scene = "hurricane";
-  record.arm = "KDTree";
-  record.backend_version = 2;
-  record.machine_class = "desktop";
-  record.reward_version = 1;
+  record.key.project = "game";
+  record.key.scene = "hurricane";
+  record.key.arm = "KDTree";
+  record.key.backend_version = 2;
+  record.key.machine_class = "desktop";
+  record.key.reward_version = 1;
   record.source_id = source;
   record.source_sequence = 9;
-  record.alpha_increment = 12.5;
-  record.beta_increment = 0.1;
-  record.window_count = 40;
-  record.bail_out_count = 1;
+  record.evidence.alpha = 12.5;
+  record.evidence.beta = 0.1;
+  record.evidence.window_count = 40;
+  record.evidence.bail_out_count = 1;
   record.build = "1.2";
   record.last_seen_unix_s = 1'700'000'000;
   return record;
@@ -55,19 +55,19 @@ TEST(PriorsFile, ReadsBackWhatItWrote) {
   ASSERT_TRUE(read.ok()) << read.status().message();
   ASSERT_EQ(read->size(), 2U);
   const PriorRecord& record = (*read)[1];
-  EXPECT_EQ(record.project, "game");
-  EXPECT_EQ(record.scene, "hurricane");
-  EXPECT_EQ(record.measured_by, "");
-  EXPECT_EQ(record.arm, "KDTree");
-  EXPECT_EQ(record.backend_version, 2U);
-  EXPECT_EQ(record.machine_class, "desktop");
-  EXPECT_EQ(record.reward_version, 1U);
+  EXPECT_EQ(record.key.project, "game");
+  EXPECT_EQ(record.key.scene, "hurricane");
+  EXPECT_EQ(record.key.measured_by, "");
+  EXPECT_EQ(record.key.arm, "KDTree");
+  EXPECT_EQ(record.key.backend_version, 2U);
+  EXPECT_EQ(record.key.machine_class, "desktop");
+  EXPECT_EQ(record.key.reward_version, 1U);
   EXPECT_EQ(record.source_id, "second");
   EXPECT_EQ(record.source_sequence, 9U);
-  EXPECT_EQ(record.alpha_increment, 12.5);
-  EXPECT_EQ(record.beta_increment, 0.1);
-  EXPECT_EQ(record.window_count, 40U);
-  EXPECT_EQ(record.bail_out_count, 1U);
+  EXPECT_EQ(record.evidence.alpha, 12.5);
+  EXPECT_EQ(record.evidence.beta, 0.1);
+  EXPECT_EQ(record.evidence.window_count, 40U);
+  EXPECT_EQ(record.evidence.bail_out_count, 1U);
   EXPECT_EQ(record.build, "1.2");
   EXPECT_EQ(record.last_seen_unix_s, 1'700'000'000U);
 }
@@ -93,8 +93,8 @@ TEST(PriorsFile, TakesAnEmptyListAndRecordsWithoutOptionalFields) {
           "arm":"SAP","backend_version":1,"reward_version":1,"source_id":"x","source_sequence":1,
           "alpha_increment":1,"beta_increment":0}]})");
   ASSERT_TRUE(read.ok()) << read.status().message();
-  EXPECT_EQ((*read)[0].machine_class, "");
-  EXPECT_EQ((*read)[0].window_count, 0U);
+  EXPECT_EQ((*read)[0].key.machine_class, "");
+  EXPECT_EQ((*read)[0].evidence.window_count, 0U);
   EXPECT_EQ((*read)[0].build, "");
 }
 

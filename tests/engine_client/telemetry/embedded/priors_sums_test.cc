@@ -18,19 +18,16 @@ using ::testing::Not;
 
 PriorRecord RecordOf(const std::string& source, const std::string& build, const std::string& arm,
                      const std::string& measured_by = "") {
-  return {.project = "game",
-          .scene = "harbour",
-          .measured_by = measured_by,
-          .arm = arm,
-          .backend_version = 2,
-          .machine_class = "desktop",
-          .reward_version = 3,
+  return {.key = {.project = "game",
+                  .scene = "harbour",
+                  .measured_by = measured_by,
+                  .arm = arm,
+                  .backend_version = 2,
+                  .machine_class = "desktop",
+                  .reward_version = 3},
           .source_id = source,
           .source_sequence = 9,
-          .alpha_increment = 12.5,
-          .beta_increment = 0.25,
-          .window_count = 40,
-          .bail_out_count = measured_by.empty() ? 1u : 0u,
+          .evidence = {12.5, 0.25, 40, measured_by.empty() ? 1u : 0u},
           .build = build,
           .last_seen_unix_s = 1'700'000'000};
 }
@@ -68,10 +65,10 @@ TEST(PriorsSums, AddUpWhatTheSessionsOfABuildTaughtAndNameNone) {
   for (const PriorRecord& sum : sums) EXPECT_TRUE(IsSum(sum)) << sum.source_id;
   EXPECT_FALSE(IsSum(RecordOf("a-session", "", "SAP")));
   const PriorRecord& sap = sums[0].build == "1.2" ? sums[0] : sums[1];
-  EXPECT_EQ(sap.alpha_increment, 25);
-  EXPECT_EQ(sap.beta_increment, 0.5);
-  EXPECT_EQ(sap.window_count, 80U);
-  EXPECT_EQ(sap.bail_out_count, 2U);
+  EXPECT_EQ(sap.evidence.alpha, 25);
+  EXPECT_EQ(sap.evidence.beta, 0.5);
+  EXPECT_EQ(sap.evidence.window_count, 80U);
+  EXPECT_EQ(sap.evidence.bail_out_count, 2U);
   const std::string text = FormatPriors(sums);
   EXPECT_THAT(text, Not(HasSubstr("a-session")));
   EXPECT_THAT(text, Not(HasSubstr("another")));
@@ -94,9 +91,9 @@ TEST(PriorsSums, AreThoseOfTheWholeWhereRecordsComeSceneByScene) {
       for (const char* machine_class : {"laptop", "desktop"}) {
         for (const char* source : {"one", "two"}) {
           PriorRecord& record = records.emplace_back(RecordOf(source, source, "SAP"));
-          record.project = project;
-          record.scene += scene;
-          record.machine_class = machine_class;
+          record.key.project = project;
+          record.key.scene += scene;
+          record.key.machine_class = machine_class;
         }
       }
     }
@@ -123,13 +120,13 @@ TEST(PriorsSums, AreReadBackAsTheyWereWritten) {
   EXPECT_EQ(read->size(), sums.size());
   EXPECT_EQ(FormatPriors(*read), text);
   for (const PriorRecord& sum : *read) {
-    EXPECT_EQ(sum.project, "game");
-    EXPECT_EQ(sum.scene, "harbour");
-    EXPECT_EQ(sum.machine_class, "desktop");
-    EXPECT_EQ(sum.backend_version, 2U);
-    EXPECT_EQ(sum.reward_version, 3U);
+    EXPECT_EQ(sum.key.project, "game");
+    EXPECT_EQ(sum.key.scene, "harbour");
+    EXPECT_EQ(sum.key.machine_class, "desktop");
+    EXPECT_EQ(sum.key.backend_version, 2U);
+    EXPECT_EQ(sum.key.reward_version, 3U);
     EXPECT_EQ(sum.last_seen_unix_s, 1'700'000'000U);
-    EXPECT_EQ(sum.source_sequence, sum.window_count);
+    EXPECT_EQ(sum.source_sequence, sum.evidence.window_count);
   }
   EXPECT_TRUE(ParsePriors(json::parse(text).dump(4)).ok()) << "white space does not matter";
   EXPECT_EQ(FormatPriors(SumByBuild(*read)), text) << "sums of sums";
@@ -137,11 +134,11 @@ TEST(PriorsSums, AreReadBackAsTheyWereWritten) {
 
 TEST(PriorsSums, HaveFiveDigits) {
   PriorRecord record = RecordOf("a", "", "SAP");
-  record.alpha_increment = 123'456.789;
-  record.beta_increment = 0.000'123'456;
+  record.evidence.alpha = 123'456.789;
+  record.evidence.beta = 0.000'123'456;
   const std::vector<PriorRecord> sums = SumByBuild(std::vector{record});
-  EXPECT_EQ(sums[0].alpha_increment, 123'460);
-  EXPECT_EQ(sums[0].beta_increment, 0.000'123'46);
+  EXPECT_EQ(sums[0].evidence.alpha, 123'460);
+  EXPECT_EQ(sums[0].evidence.beta, 0.000'123'46);
 }
 
 TEST(PriorsSums, AreRefusedOnceChangedOrCutOff) {
@@ -190,11 +187,11 @@ TEST(PriorsSums, OfAThousandScenesAndTwentyBuildsAreOfFiveMegabytesAtMost) {
         const std::string name = "Algorithm" + std::to_string(arm % 7);
         PriorRecord& record = records.emplace_back(
             RecordOf("s", "1." + std::to_string(build), name, arm < 7 ? "lane" : ""));
-        record.scene = "level " + std::to_string(scene);
+        record.key.scene = "level " + std::to_string(scene);
         state = math::Mix64(state);
-        record.alpha_increment = static_cast<double>(state % 10'000'000) / 777;
-        record.beta_increment = static_cast<double>(state / 3 % 10'000'000) / 777;
-        record.bail_out_count = 0;
+        record.evidence.alpha = static_cast<double>(state % 10'000'000) / 777;
+        record.evidence.beta = static_cast<double>(state / 3 % 10'000'000) / 777;
+        record.evidence.bail_out_count = 0;
       }
     }
   }

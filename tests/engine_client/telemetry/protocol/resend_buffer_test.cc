@@ -5,7 +5,9 @@
 namespace sweepstake {
 namespace {
 
-Evidence BatchOf(uint32_t frame_count) { return {.message = "batch", .frame_count = frame_count}; }
+EvidenceMessage BatchOf(uint32_t frame_count) {
+  return {.message = "batch", .frame_count = frame_count};
+}
 
 // Returns the sequence numbers of the messages that a connection would send.
 std::vector<uint64_t> SendAll(ResendBuffer& buffer) {

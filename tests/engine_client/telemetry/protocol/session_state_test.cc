@@ -8,7 +8,7 @@ namespace {
 constexpr SessionState::Position kPosition{
     .active_arm = 2, .switch_epoch = 5, .mode = Mode::kManual};
 
-Evidence Batch(uint32_t arm = 0, uint32_t epoch = 0) {
+EvidenceMessage Batch(uint32_t arm = 0, uint32_t epoch = 0) {
   return {.message = "batch", .frame_count = 1, .active_arm = arm, .switch_epoch = epoch};
 }
 

@@ -58,7 +58,7 @@ PolicySetup PlainPolicy(const std::string& policy, std::vector<std::string> arms
 
 void Learn(Policy& policy, uint32_t arm, uint64_t frame_time_ns) {
   Window window;
-  Frame frame{.frame_time_ns = frame_time_ns, .object_count = 100};
+  FrameSample frame{.frame_time_ns = frame_time_ns, .object_count = 100};
   for (int i = 0; i < 100; ++i) window.Add(frame);
   policy.LearnWindow({.arm = arm, .window = window});
 }
@@ -134,7 +134,7 @@ TEST(OneDraw, DrawsThePapersDrawsOnceInACooldownAndKeepsTheArmInBetween) {
 TEST(OneDraw, DrawsAtABailOut) {
   Game game(SetupOf("paper-one-draw"));
   for (int i = 0; i < 5; ++i) game.Tick();
-  Frame frame{.frame_time_ns = 6'000'000'000, .detection_time_ns = 6'000'000'000};
+  FrameSample frame{.frame_time_ns = 6'000'000'000, .detection_time_ns = 6'000'000'000};
   frame.arm = game.client().arm;
   frame.switch_epoch = game.client().epoch;
   const Decision decision = game.client().session.ObserveBailOut(frame, game.client().now_ns);

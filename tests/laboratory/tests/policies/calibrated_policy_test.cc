@@ -51,10 +51,10 @@ TEST(CalibratedPolicy, ABailOutOutweighsTenWindows) {
   ScriptedClient client(setup);
   client.RunTicks(10);
   const double before = client.session.posteriors()[client.arm].mean();
-  const Frame stall{.frame_time_ns = 6'000'000'000,
-                    .detection_time_ns = 6'000'000'000,
-                    .arm = client.arm,
-                    .switch_epoch = client.epoch};
+  const FrameSample stall{.frame_time_ns = 6'000'000'000,
+                          .detection_time_ns = 6'000'000'000,
+                          .arm = client.arm,
+                          .switch_epoch = client.epoch};
   client.session.ObserveBailOut(stall, client.now_ns);
   EXPECT_LT(client.session.posteriors()[client.arm].mean(), before / 1.8);
 }

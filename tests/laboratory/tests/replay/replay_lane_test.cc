@@ -24,8 +24,8 @@ constexpr int64_t kMsNs = 1'000'000;
 class ReplayLaneTest : public testing::Test {
  protected:
   // The visits that end in the next `count` events, each seen when it is due.
-  std::vector<decision::ShadowSample> Visits(int count, uint32_t active_arm = 0) {
-    std::vector<decision::ShadowSample> visits;
+  std::vector<ShadowSample> Visits(int count, uint32_t active_arm = 0) {
+    std::vector<ShadowSample> visits;
     for (int i = 0; i < count; ++i) {
       const int64_t now_ns = lane_.next_event_ns();
       if (const auto sample = lane_.Advance({now_ns, 0, 7, 0, active_arm}))
@@ -45,7 +45,7 @@ TEST_F(ReplayLaneTest, SweepsAllArmsFromTheStartTheActiveOneFirst) {
   ASSERT_EQ(visits.size(), 2U) << "the first event begins the sweep";
   EXPECT_EQ(visits[0].arm, 1U);
   EXPECT_EQ(visits[1].arm, 0U);
-  EXPECT_EQ(visits[0].flags, decision::kShadowActive);
+  EXPECT_EQ(visits[0].flags, kShadowActive);
   EXPECT_EQ(visits[1].flags, 0U);
   EXPECT_EQ(visits[0].first_frame_index, 7U);
   EXPECT_EQ(visits[0].object_count, 1000U);
@@ -92,7 +92,7 @@ TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
   capped.Advance({});
   const auto sample = capped.Advance({capped.next_event_ns(), 0, 0, 0});
   ASSERT_TRUE(sample);
-  EXPECT_EQ(sample->flags, decision::kShadowActive | decision::kShadowCapped);
+  EXPECT_EQ(sample->flags, kShadowActive | kShadowCapped);
   EXPECT_NEAR(static_cast<double>(capped.busy_ns()), 2 * 50e6, 10)
       << "the frame that reaches the cap ends it";
 }

@@ -17,7 +17,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using decision::SwitchReason;
 using testing::Each;
 using testing::HasSubstr;
 

@@ -1,0 +1,64 @@
+// Stored evidence as stores, priors files and the command line exchange it. Plain values.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <string>
+#include <tuple>
+
+namespace sweepstake {
+
+// The subject of a piece of evidence. Evidence with different keys is never merged. Names have 1 to
+// 128 bytes unless stated.
+struct EvidenceKey {
+  std::string project;
+  std::string scene;
+  std::string measured_by;  // empty for the frame thread, else "lane"
+  std::string arm;
+  uint32_t backend_version = 1;  // >= 1
+  std::string machine_class;     // empty for the unknown class
+  uint32_t reward_version = 1;   // >= 1
+
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
+  friend auto operator<=>(const EvidenceKey&, const EvidenceKey&) = default;
+};
+
+// An amount of evidence, which includes no prior.
+struct Evidence {
+  double alpha = 0;           // finite, 0 to < 1e15
+  double beta = 0;            // finite, 0 to < 1e15
+  uint64_t window_count = 0;  // windows, or visits of the lane
+  uint64_t bail_out_count = 0;
+
+  Evidence& operator+=(const Evidence& other) {
+    alpha += other.alpha;
+    beta += other.beta;
+    window_count += other.window_count;
+    bail_out_count += other.bail_out_count;
+    return *this;
+  }
+  friend bool operator==(const Evidence&, const Evidence&) = default;
+};
+
+// The evidence of one source about one key.
+struct PriorRecord {
+  EvidenceKey key;
+  std::string source_id;         // a session, or the sum of a build (priors_sums.h)
+  uint64_t source_sequence = 0;  // the last commit of the source that is included, from 1
+  Evidence evidence;
+  std::string build = {};         // of the source; empty if unknown
+  uint64_t last_seen_unix_s = 0;  // when the source learnt last, below 2^63; 0 if unknown
+  // Set by exports of a daemon and ignored by imports. Priors files do not contain the first one.
+  bool is_imported = false;     // no session of the store has the source
+  bool is_quarantined = false;  // waits to be promoted, and does not count until then
+
+  friend bool operator==(const PriorRecord&, const PriorRecord&) = default;
+};
+
+// Returns the identity of the record: two records with equal identities are the same evidence. A
+// quarantined record may stand beside an older one of its source that counts.
+inline auto KeyOf(const PriorRecord& record) {
+  return std::tie(record.key, record.source_id, record.is_quarantined);
+}
+
+}  // namespace sweepstake
