@@ -136,18 +136,18 @@ std::string AuditHeader();
 // them. It has no other cells.
 std::string MissingRow(std::string_view session_id, uint32_t segment, uint64_t row);
 
-// The session that the rows of what administrators do are under; no session has this id.
+// Session id of the rows about actions of administrators. No session has this id.
 inline constexpr std::string_view kAdminSession = "admin";
 
-// Makes the rows of a segment of that session: one for each thing that somebody did. No decision
-// follows from them; their hashes are checked. Not thread-safe.
+// Makes the rows of a segment of kAdminSession, one per action of an administrator. No decision
+// follows from them; only their hashes are checked. Not thread-safe.
 class AdminRows {
  public:
   explicit AdminRows(uint32_t segment);
 
   // `now_ns` is a time of the decider's steady clock, `unix_ms` of the wall clock. `action` and
-  // `who` are lines of text; they are escaped as in a setup, so that what somebody has named does
-  // not look like another field of the row.
+  // `who` are lines of text. They are escaped as in a setup, so that a name cannot look like
+  // another field of the row.
   std::string Next(int64_t now_ns, int64_t unix_ms, std::string_view action, std::string_view who);
 
  private:
@@ -166,7 +166,7 @@ struct AuditOrigin {
   std::string program_version;
   std::vector<uint32_t> backend_versions;  // holds one per arm, or none
   int64_t unix_start_ms = 0;               // wall clock; 0 if unknown
-  // For people: whose evidence the priors are, and its weight. It is no part of a decision.
+  // Describes the sources of the priors and their weights to people. No decision depends on it.
   std::vector<std::string> prior_sources = {};
 };
 
@@ -178,9 +178,9 @@ class AuditSink {
   virtual void OnAuditRow(std::string_view row) = 0;
 };
 
-// From now on gives the sink a row per event and decision of the session, beginning with the
-// setup's row. Without this call a session makes no rows. The sink must outlive the session.
-// REQUIRES: the session has observed nothing yet.
+// Starts the log: the sink receives the setup's row at once, then a row per event and decision. A
+// session without this call makes no rows. The sink must outlive the session. REQUIRES: the session
+// has observed nothing yet.
 void StartAudit(DecisionSession& session, AuditSink& sink, AuditOrigin origin);
 
 }  // namespace sweepstake::decision

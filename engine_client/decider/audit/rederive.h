@@ -1,11 +1,11 @@
 // Derives every decision of an audit log (audit_log.h) again and compares.
 //
-// Each segment gets a DecisionSession made from its setup row. The inputs of each row are given to
-// it, with the runs standing in for the frames, and the row that it makes must equal the logged
-// one, cell by cell. A difference is either an edit, or this program decides differently from the
-// one that wrote the log. Rows of a segment after a `missing` row are not derived; of them only the
-// hashes are checked, as of what administrators did. No text makes it crash. It takes the time of
-// the decisions, and memory for the session of one segment.
+// Each segment gets a DecisionSession made from its setup row. The session receives the inputs of
+// each row, with the runs in place of the frames. The row that it then makes must equal the logged
+// one, cell by cell. A difference means that the log was edited, or that this program decides
+// differently from the program that wrote it. Rows of a segment after a `missing` row and rows
+// about administrators cannot be derived; only their hashes are checked. No input makes it crash.
+// It takes the time of the decisions, and memory for the session of one segment.
 #pragma once
 
 #include <cstdint>
@@ -40,9 +40,9 @@ struct AuditReport {
   std::optional<AuditDifference> difference;  // the first one; absent if everything is equal
 };
 
-// `csv` begins with the header. Segments may be in any order, each in one piece that begins with
-// its setup row, or with a `missing` row; their last rows may be missing. Policies are looked up in
-// `policies`.
+// `csv` begins with the header. Segments may be in any order, but each must be in one piece that
+// begins with its setup row or with a `missing` row. Their last rows may be missing. Policies are
+// looked up in `policies`.
 AuditReport Rederive(std::string_view csv, PolicyRegistry policies = ShippedPolicies());
 
 }  // namespace sweepstake::decision

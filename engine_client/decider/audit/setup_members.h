@@ -1,4 +1,4 @@
-// The members of a setup's cell (cells.h), in their order: one list for writing and reading.
+// The members of a setup's cell (cells.h) in their order, for the writer and the reader.
 #pragma once
 
 #include "engine_client/decider/audit/cells.h"

@@ -1,4 +1,4 @@
-// What both forms of a priors file (priors_file.h) read their JSON with.
+// Reads the JSON of both forms of a priors file (priors_file.h).
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 
 namespace sweepstake {
 
-// As in the store, and far from where the ledger's next number would be 0.
+// The store's maximum; the ledger's next number cannot wrap to 0.
 inline constexpr uint64_t kMaxSequence = std::numeric_limits<int64_t>::max();
 
-// Not for NaN.
+// Returns false for NaN.
 inline bool IsIncrement(double value) { return value >= 0 && value <= 1e15; }
 
 // Reads the fields of one object; keeps the first error.
@@ -40,7 +40,7 @@ class FieldReader {
     if (!decision::IsMeasuredBy(value)) SetError(key, "is neither absent nor \"lane\"");
   }
 
-  // Absent: left as it is.
+  // An absent field keeps its value.
   void Flag(const char* key, bool& value) {
     const nlohmann::json* field = Find(key, /*required=*/false);
     if (field == nullptr) return;
@@ -68,7 +68,7 @@ class FieldReader {
     if (!IsIncrement(value)) SetError(key, "is not within 0 to 1e15");
   }
 
-  // Returns the array or object, or nothing where there is none.
+  // Returns the array or object, or null if the field is absent.
   const nlohmann::json* Structured(const char* key, bool array) {
     const nlohmann::json* field = Find(key, true);
     if (field == nullptr) return nullptr;
@@ -77,7 +77,7 @@ class FieldReader {
     return nullptr;
   }
 
-  // To be called after all fields were read.
+  // Call it after all fields were read.
   void RejectUnknown() {
     for (const auto& item : object_.items()) {
       if (!known_.contains(item.key())) return SetError(item.key(), "is not a field of it");

@@ -1,15 +1,16 @@
-// The small form of a priors file, which a game's repository holds and the game ships: what all
-// sources of a build taught about a scene on one class of machines, without naming them.
+// The small form of a priors file, which a game ships and its repository can hold: per scene,
+// machine class and build the sum over all sources, without their names.
 //
-// It is one JSON document with a line per scene and per build of it:
+// It is one JSON document with a line per scene and a line per build of the scene:
 //   {"format": "sweepstake-priors", "version": 2, "checksum": "0123456789abcdef", "scenes": [
 //   {"project": "p", "scene": "s", "machine_class": "m", "reward_version": 3,
 //    "arms": ["Grid/1", "SAP/2"], "builds": {
 //   "1.2": [1760000000, [[5.2, 4.1, 12], null], [[80.1, 62.5, 190], [75.5, 30.1, 180]]]}}]}
-// The arms have their backend versions. A build has the time when it taught last (since 1970, in
-// seconds; 0: unknown), then, of each arm, what the frame thread measured and what the lane did:
-// what is added to alpha and beta, with five digits, the count of windows or visits, and the
-// bail-outs, if any. The checksum is that of the scenes, whatever white space is between them.
+// An arm is NAME/BACKEND_VERSION. A build has the time when a source of it learnt last (seconds
+// since 1970; 0: unknown), then a cell per arm for the frame thread, then a cell per arm for the
+// lane. A cell has the increments of alpha and beta (five digits), the number of windows or visits,
+// and the number of bail-outs if there are any. The checksum covers the scenes, independently of
+// white space.
 #pragma once
 
 #include <memory>
@@ -22,32 +23,33 @@
 
 namespace sweepstake {
 
-// What the source of a sum begins with, and that of no session.
+// First character of the source of a sum. No session's source begins with it.
 inline constexpr char kSumMark = '*';
 
-// Returns the sums, ordered by KeyOf. The source of each has a name by its build, and the windows
-// and visits for its sequence number, so that of two sums of a build the one that has more of them
-// counts.
+// Returns one sum per key and build, ordered by KeyOf. A sum's source is named after its build, and
+// its sequence number is its number of windows or visits. So of two sums of a build, the one with
+// more evidence counts.
 std::vector<PriorRecord> SumByBuild(std::vector<PriorRecord> records);
 
-// Returns whether the record is such a sum: a store cannot know what of it it has already.
+// Returns whether the record is a sum. Stores do not import sums, because they cannot detect how
+// much of a sum they already contain.
 bool IsSum(const PriorRecord& record);
 
-// REQUIRES: all are sums, no two of one key.
+// REQUIRES: all records are sums with distinct keys.
 std::string FormatSums(std::span<const PriorRecord> sums);
 
-// Makes the document of records that come scene by scene, as a daemon exports them, and holds those
-// of one scene at a time.
+// Makes a document from records that come scene by scene, as a daemon exports them. It holds the
+// records of one scene at a time.
 class SumsWriter {
  public:
   SumsWriter();
   ~SumsWriter();
 
-  // REQUIRES: those of a scene of a project, but for what waits in quarantine, come one after the
-  // other.
+  // REQUIRES: the records of a scene of a project come one after the other, except those in
+  // quarantine.
   void Add(PriorRecord record);
 
-  // Returns the document, once. `sum_count` is the number of sums in it.
+  // Returns the document; call it once. `sum_count` becomes the number of sums in it.
   std::string Finish(uint64_t& sum_count);
 
  private:
@@ -55,7 +57,7 @@ class SumsWriter {
   std::unique_ptr<State> state_;
 };
 
-// Reads the scenes of a document, which are added one by one as they are parsed.
+// Reads the scenes of a document, which are added one by one while the document is parsed.
 class SumsReader {
  public:
   SumsReader();
@@ -63,8 +65,8 @@ class SumsReader {
 
   void Add(const nlohmann::json& scene);
 
-  // Returns the sums of all scenes, once. `document` has what is beside them, and an empty array
-  // for them. Errors: as ParsePriors has them.
+  // Returns the sums of all scenes; call it once. `document` is the rest of the file, with an empty
+  // array in place of the scenes. Errors: those of ParsePriors.
   Result<std::vector<PriorRecord>> Take(const nlohmann::json& document);
 
  private:

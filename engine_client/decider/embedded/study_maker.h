@@ -1,5 +1,5 @@
-// Makes an embedded decider whose policy is not shipped, for the laboratory's experiments. This
-// header is not installed: a game can choose a shipped policy only.
+// Makes an embedded decider with a policy that is not shipped, for the laboratory. This header is
+// not installed, because a game can only choose a shipped policy.
 #pragma once
 
 #include "engine_client/decider/session/policy_registry.h"
@@ -7,7 +7,7 @@
 
 namespace sweepstake {
 
-// Does what EmbeddedDecider::Create does, with a policy of `policies`. The registry must outlive
+// Works like EmbeddedDecider::Create, with the policies of `policies`. The registry must outlive
 // the deciders.
 struct StudyMaker {
   decision::PolicyRegistry policies;

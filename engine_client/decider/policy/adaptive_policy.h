@@ -1,33 +1,33 @@
 // The policy of "AI Decides" (`adaptive`): it estimates every arm's cost from the shadow lane and
 // the live windows, and switches to a cheaper arm if the gain pays for the switch.
 //
-// - Costs are log-costs (log_cost.h, reward version 3) of a window's calm frames (window.h), and
-//   beliefs are those of the filter in relative_cost_filter.h, which takes other work on the frame
-//   thread's core for no arm's. They are shown as one Beta distribution per arm, such that the
-//   differences to the leader have the filter's variances.
+// - Costs are log-costs (log_cost.h, reward version 3) of a window's calm frames (window.h). The
+//   filter in relative_cost_filter.h holds the beliefs about them, and separates the load of other
+//   work on the frame thread's core from the cost of an arm. Beliefs are shown as one Beta
+//   distribution per arm, such that the differences to the leader have the filter's variances.
 // - A switch must pass the gate of GateTerms, horizon · E⁺ − cooldown · E⁻ − cost > 0, with the
-//   measured cost of switches, and E⁺ must be larger than a tie's. The cooldown is long enough to
-//   pay for the switches, at least settling and one window, at most that of the options.
-// - An arm that may exceed three fifths of the bail-out limit (3 s of 5) with a probability of 1 %
-//   is not chosen. Exceptions are a bail-out of the active arm and, without the lane, an arm never
-//   seen that is believed to cost no more than the active one.
+//   measured cost of switches, and E⁺ must exceed that of a tie. The cooldown is long enough to pay
+//   for the switches. It is at least settling and one window, and at most that of the options.
+// - An arm that exceeds three fifths of the bail-out limit (3 s of 5) with a probability above 1 %
+//   is not chosen. There are two exceptions: a bail-out of the active arm and, without the lane, an
+//   arm never seen whose expected cost is not above that of the active arm.
 // - While the shadow lane reports, only arms that were measured or have priors are chosen. An arm
-//   that is believed to be worse is tried live once, if the gate finds that its window is worth it,
-//   since the lane's bias is unknown until there is one; but not if it may take twice what the
-//   active arm does with a probability of 10 %. An arm that was live has to be better by a quarter
-//   of what is uncertain of the difference, so that nothing leads back and forth. Without the lane,
-//   the value of exploration (E⁺ of an arm never seen) leads to every arm being tried live.
+//   that is believed to be worse is tried live once if the gate finds that its window is worth the
+//   cost, because the lane's bias is unknown until then. It is not tried if it costs twice as much
+//   as the active arm with a probability above 10 %. An arm that was live must be better by a
+//   quarter of the deviation of the difference, so that nothing leads back and forth. Without the
+//   lane, the value of exploration (E⁺ of an arm never seen) leads to every arm being tried live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
-// - An arm's first live window is a trial: two frames of it in a row that take a fifth longer than
-//   the longest one before, or all of them if they exceed a budget, send the client back at once
-//   (SwitchCommand), so that the gate reckons with that budget at most, where the arm was observed
-//   before. A first such end may be what else the machine was at; from the second on it is a lower
-//   bound of the arm's cost, as is a visit of the lane that a cap has ended. It bans the arm no
-//   more than that cost, but E⁺ of another trial has to be ten times a tie's.
-// - Each regime of the scene has beliefs of its own, which return with it; where regimes change
-//   faster than choices take effect, a mixture of them decides (regime_beliefs.h).
+// - An arm's first live window is a trial (SwitchCommand). The client switches back at once if two
+//   frames in a row take a fifth longer than the longest one before, or if all of them exceed a
+//   budget. The gate therefore limits the loss to that budget if the arm was observed before. The
+//   first early end may have another cause than the arm. From the second one on it is a lower bound
+//   of the arm's cost, like a visit of the lane that a cap has ended. It limits the arm no further
+//   than that cost, but E⁺ of another trial must be ten times that of a tie.
+// - Each regime of the scene has beliefs of its own, which return with it. If regimes change faster
+//   than choices take effect, a mixture of them decides (regime_beliefs.h).
 //
 // Nothing is drawn: the same observations give the same choices for every seed. All constants that
 // are times are multiples of the options' intervals, so that a time scale changes nothing.
@@ -62,10 +62,11 @@ class AdaptivePolicy : public Policy {
                                        .explores = false,
                                        .starts_from_priors = true,
                                        .uses_shadow = true};
-  // The ban of an arm's first bail-out, in decision intervals; each later one is four times as
+  // The ban after an arm's first bail-out, in decision intervals. Each later ban is four times as
   // long.
   static constexpr double kFirstBan = 200;
-  // What a trial may cost before the client ends it (SwitchCommand), as a share of its time.
+  // The maximum cost of a trial before the client ends it (SwitchCommand), as a share of the
+  // trial's time.
   static constexpr double kTrialBudget = 1.0 / 40;
 
   explicit AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components = {});
@@ -86,8 +87,9 @@ class AdaptivePolicy : public Policy {
   Diagnosis Diagnose() const override;
 
  private:
-  // What became of an arm that bailed out. It counts as a stall until a lane shows otherwise; where
-  // there is none, for a while, and then as what it was believed to cost before.
+  // The state of an arm that bailed out. With a lane it counts as a stall until the lane measures
+  // it again. Without a lane it counts as a stall for the length of the ban, and then has its
+  // earlier cost again.
   struct Ban {
     double intervals_left = 0;  // decision intervals; 0: none
     double next_intervals = kFirstBan;
@@ -96,15 +98,15 @@ class AdaptivePolicy : public Policy {
   struct Visit {
     uint64_t sweep = 0;
     double log_cost = 0;
-    bool is_bound = false;  // a cap has ended it: the arm costs at least so much
+    bool is_bound = false;  // a cap has ended it: log_cost is a lower bound
   };
   struct Assessment {
     uint32_t arm = 0;
     GateTerms terms{};
     double advantage = 0;  // gain − loss, also of a trial
     double worth_s = 0;    // the gate passes if this is above 0
-    bool matters = true;   // the gain is no tie's
-    // An arm that may be switched to comes before any that may not.
+    bool matters = true;   // the gain exceeds that of a tie
+    // Arms whose switch passes the gate come first.
     std::pair<bool, double> rank() const { return {matters && worth_s > 0, worth_s}; }
   };
 
@@ -135,7 +137,7 @@ class AdaptivePolicy : public Policy {
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<Ban> bans_;
   std::vector<bool> was_live_;     // arms with a live window in this session
-  std::vector<bool> trial_ended_;  // arms of which a trial has ended early
+  std::vector<bool> trial_ended_;  // arms with a trial that ended early
   // What DropContradictedPriors compares: the cheapest arm by the priors, while they are held, and
   // the log-cost of the lane's first visit to each arm with a prior.
   std::optional<uint32_t> expected_arm_;

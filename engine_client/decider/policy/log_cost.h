@@ -17,9 +17,9 @@ inline constexpr uint32_t kLogCostRewardVersion = 3;
 inline constexpr double kMinLogCost = -7;  // 1 ns
 inline constexpr double kMaxLogCost = 23;  // some 3 hours
 
-// The variance of the log of what the shadow lane measures of one arm ÷ what the arm costs live.
-// Without other load the lane took 0.83 (DBVT) to 1.21 (Tracy) of the frame thread's time on an AMD
-// Zen 4; a level that all arms share, as 1.1 to 1.4 on a Zen 3, is of the filter's own.
+// The variance of ln(cost that the shadow lane measures ÷ live cost) of an arm. Without other load
+// the lane took 0.83 (DBVT) to 1.21 (Tracy) of the frame thread's time on an AMD Zen 4. A factor
+// that all arms share (1.1 to 1.4 on a Zen 3) is not included; the filter estimates it separately.
 inline constexpr double kLaneBiasVariance = 0.15 * 0.15;
 
 struct NormalBelief {
@@ -40,7 +40,7 @@ double EvidenceOf(double reward, double log_cost_variance);
 BetaPosterior BetaOf(const NormalBelief& log_cost);
 NormalBelief BeliefOf(const BetaPosterior& posterior);
 
-// Returns an arm's cost ÷ the leader's, as two independent posteriors tell it.
+// Returns an arm's cost ÷ the leader's cost from two independent posteriors.
 CostRatio CostRatioOf(const BetaPosterior& arm, const BetaPosterior& leader);
 
 // Returns the increment of one window, or one visit of the lane, with this reward (version 3's

@@ -7,8 +7,8 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kNewVariance = 0.3 * 0.3;  // by which a new regime widens the beliefs
-constexpr double kTickWeight = 1.0 / 12;    // of the latest tick in shares and rates
+constexpr double kNewVariance = 0.3 * 0.3;  // factor that widens the beliefs of a new regime
+constexpr double kTickWeight = 1.0 / 12;    // weight of the latest tick in shares and rates
 constexpr double kMaxChangeRate = 0.4;
 
 template <typename Weights>
@@ -50,7 +50,7 @@ NormalBelief RegimeBeliefs::LogCost(uint32_t arm) const {
           .variance = Covariance(arm, arm)};
 }
 
-// Each regime counts by its share in the arms' costs. Regimes are believed to be independent.
+// Each regime is weighted by its share in the arms' costs. Regimes are treated as independent.
 double RegimeBeliefs::Covariance(uint32_t a, uint32_t b) const {
   if (!mixes_) return filter().Covariance(a, b);
   const Weights of_a = CostsOf(a);

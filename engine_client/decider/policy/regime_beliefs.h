@@ -1,10 +1,10 @@
-// The beliefs about the arms' costs in each regime of the scene (regime_memory.h): those of a
-// regime that returns come back with it, and those of a new one are the present ones, and wider,
-// since every cost may have changed.
+// Beliefs about the arms' costs in each regime of the scene (regime_memory.h). The beliefs of a
+// regime return with it. A new regime starts from the present beliefs, which become wider, because
+// every cost may have changed.
 //
 // A choice that lasts for some ticks cannot follow regimes that change in two of five ticks or more
-// often. Then it is made by a mixture of them: of each arm the logarithm of its mean cost over the
-// regimes, weighted by how often each of them was met of late.
+// often. It is then made from a mixture: per arm, the logarithm of its mean cost over the regimes,
+// weighted by how often each of them was met recently.
 //
 // Not thread-safe. Deterministic.
 #pragma once
@@ -24,30 +24,30 @@ class RegimeBeliefs {
  public:
   explicit RegimeBeliefs(RelativeCostFilter first) : filters_(1, std::move(first)) {}
 
-  // Takes the descriptor of a tick. Returns whether what choices are made by has changed.
+  // Takes the descriptor of a tick. Returns whether the beliefs that choices use have changed.
   bool Observe(const SceneDescriptor& descriptor);
 
-  // The filter of the present regime, which is the one that learns.
+  // The filter of the present regime, which is the only one that learns.
   RelativeCostFilter& filter() { return filters_[regime_]; }
   const RelativeCostFilter& filter() const { return filters_[regime_]; }
-  // Those of all regimes.
+  // The filters of all regimes.
   std::span<RelativeCostFilter> filters() { return filters_; }
-  bool scene_changes() const { return filters_.size() > 1; }  // it has had several regimes
+  bool scene_changes() const { return filters_.size() > 1; }  // there were several regimes
 
-  // What choices are made by.
+  // The belief that choices use.
   NormalBelief LogCost(uint32_t arm) const;
   double Covariance(uint32_t a, uint32_t b) const;
-  // The belief about the difference of two log-costs, a's − b's.
+  // The belief about log-cost a − log-cost b.
   NormalBelief Difference(uint32_t a, uint32_t b) const;
 
  private:
   using Weights = std::array<double, RegimeMemory::kMaxRegimes>;
 
-  // What the arm costs in each regime, times the ticks that it has had.
+  // The arm's cost in each regime, times the ticks of the regime.
   Weights CostsOf(uint32_t arm) const;
 
   RegimeMemory memory_;
-  std::vector<RelativeCostFilter> filters_;  // of each regime
+  std::vector<RelativeCostFilter> filters_;  // per regime
   uint32_t regime_ = 0;
   Weights tick_shares_{};   // of the latest ticks, decaying; they need not add up to 1
   double change_rate_ = 0;  // of the regime, per tick

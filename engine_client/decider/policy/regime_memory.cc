@@ -8,13 +8,13 @@
 namespace sweepstake::decision {
 namespace {
 
-// A distance of 1 between two values of a feature makes them two regimes.
+// The difference of a feature that separates two regimes.
 constexpr double kCountStep = 0.7;  // of the logarithm
 constexpr double kSpeedStep = 1;    // of the logarithm
 constexpr double kStaticStep = 0.3;
 constexpr double kMinSpeed = 1e-6;     // world units per frame
 constexpr double kUnmeasured = -1000;  // a value that no feature has
-constexpr uint64_t kMemory = 10;       // descriptors that a regime's centre remembers
+constexpr uint64_t kMemory = 10;       // descriptors that the centre of a regime averages
 
 }  // namespace
 
@@ -34,7 +34,7 @@ double RegimeMemory::Distance(const Features& a, const Features& b) {
   return distance;
 }
 
-// Returns the regime that the features belong to, the nearest one, if any.
+// Returns the nearest regime that the features belong to, if any.
 std::optional<uint32_t> RegimeMemory::Find(const Features& features) const {
   std::optional<uint32_t> found;
   double nearest = 1;
@@ -68,7 +68,8 @@ RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descripto
   return {.regime = current_};
 }
 
-// Begins a regime in the place of none, of a mixture, or of the one that was left the longest ago.
+// Begins a regime. It takes an empty place, that of a mixture, or that of the regime that was left
+// the longest ago.
 RegimeMemory::Recognition RegimeMemory::Begin(const Features& features) {
   const auto oldest =
       std::min_element(regimes_.begin(), regimes_.end(),

@@ -1,11 +1,12 @@
-// Recognises a regime of the scene that returns: its descriptors are like those of an earlier one.
+// Recognises a regime of the scene that returns by its descriptors.
 //
-// A descriptor belongs to a regime if its object count differs from the mean one by a factor of
-// less than two, its mean speed by less than e, and its static ratio by less than 0.3; what was not
-// measured is like itself alone. One that belongs to none begins a regime, but may be a mixture of
-// those before and after it: the next regime takes the place of one with a single descriptor.
+// A descriptor belongs to a regime if its object count differs from the regime's mean by a factor
+// of less than two, its mean speed by less than e, and its static ratio by less than 0.3. A feature
+// that was not measured only matches one that was not measured. A descriptor that belongs to no
+// regime begins one. It may be a mixture of the regimes before and after it, so the next new regime
+// replaces one with a single descriptor.
 //
-// At most kMaxRegimes are held; then the one that was left the longest ago is forgotten. Not
+// At most kMaxRegimes are held. Then the regime that was left the longest ago is forgotten. Not
 // thread-safe. Deterministic.
 #pragma once
 
@@ -23,7 +24,7 @@ class RegimeMemory {
   static constexpr uint32_t kMaxRegimes = 4;
 
   struct Recognition {
-    uint32_t regime = 0;  // < kMaxRegimes; that of a new one may have been another's
+    uint32_t regime = 0;  // < kMaxRegimes; a new regime may reuse the number of a forgotten one
     bool is_new = false;
   };
   Recognition Observe(const SceneDescriptor& descriptor);
@@ -33,7 +34,7 @@ class RegimeMemory {
   struct Regime {
     Features centre{};
     uint64_t count = 0;  // descriptors
-    uint64_t last = 0;   // the number of the latest one; 0: a mixture
+    uint64_t last = 0;   // number of the latest descriptor; 0: a mixture
   };
 
   static Features FeaturesOf(const SceneDescriptor& descriptor);

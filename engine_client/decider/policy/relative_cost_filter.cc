@@ -36,11 +36,11 @@ constexpr double kOutlierDeviations = 3;
 constexpr double kNoiseRate = 0.05;  // step size of the noise estimates
 constexpr double kDriftRate = 0.1;   // step size of the drift estimates
 constexpr double kMaxProduct = 4;    // maximum product of two normalised innovations
-// The variances of what may have changed in the active arm's live windows: the load of the frame
-// thread's core and this arm alone, relative to the scene.
+// Variances of possible changes in the live windows of the active arm: the load of the frame
+// thread's core, and the cost of this arm alone, relative to the scene.
 constexpr double kLoadShare = 3;
 constexpr double kOwnShare = 0.3;
-// By which the variance of a load grows in an interval, relative to its square, since it may end.
+// Growth of the variance of a load per interval, relative to its square, because it may end.
 constexpr double kLoadEnd = 0.3;
 
 double Clamped(double log_cost) {
@@ -104,8 +104,8 @@ void RelativeCostFilter::AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double 
   states.diagonal().array() += own;
 }
 
-// Moves a noise variance towards what explains innovations of this size. If the belief itself is
-// wide, they say little about the noise, and the step is small.
+// Moves a noise variance towards the value that explains innovations of this size. If the belief
+// itself is wide, innovations say little about the noise, and the step is small.
 void RelativeCostFilter::UpdateNoise(double& noise, double innovation, double variance) const {
   if (!components_.calibration) return;
   const double excess = std::min(Square(innovation) / variance, Square(kOutlierDeviations)) - 1;
@@ -122,7 +122,7 @@ void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
 }
 
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_would_show) {
-  // Innovation, and the drift that successive ones show.
+  // Updates from the innovation and from the drift that successive innovations show.
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   const std::optional<uint32_t> last_arm = std::exchange(live_arm_, arm);
@@ -131,10 +131,11 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_wo
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_live_, normalised);
   if (stays) UpdateDrift(level_drift_, normalised * last);
-  // An outlier widens the belief if it is a change, else it counts as noise. A change while the
-  // arm stays active is most likely other work that came to the core, which the lane does not see,
-  // less so the scene, whose load all arms share, least this arm, if at all; what a newly active
-  // arm shows is its own. The first arm shows the scene's level, of which a sweep sees few frames.
+  // An outlier widens the belief if it is a change, otherwise it counts as noise. A change while
+  // the arm stays active most likely comes from other work on the core, which the lane does not
+  // see. Less likely is a change of the scene, whose load all arms share. A change of this arm
+  // alone is the least likely. After a switch, the new arm's level is its own. The first arm shows
+  // the level of the scene, of which a sweep sees few frames.
   double noise = live_noise_;
   if (std::abs(normalised) > kOutlierDeviations) {
     if (!last_arm) {
@@ -156,9 +157,9 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_wo
   KeepLoadPositive();
 }
 
-// A belief above the bound loses its part below. One below it comes to it: the lane's visits stay
-// true, so that what they did not tell of the arm is its bias; a trial says nothing about the noise
-// of a window.
+// A belief that reaches above the bound loses the part below it. A belief below the bound moves to
+// the bound. The lane's visits stay valid, so their difference becomes the arm's bias. A trial says
+// nothing about the noise of a window.
 void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   if (innovation <= 0) {
@@ -177,8 +178,8 @@ void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
   KeepLoadPositive();
 }
 
-// Replaces the belief about a quantity by that of its values above a bound, which lies at
-// `innovation` from its mean: with the first two moments of the truncated normal distribution.
+// Replaces the belief about a quantity by the first two moments of its normal distribution
+// truncated below a bound. The bound lies at `innovation` from the mean.
 void RelativeCostFilter::Truncate(const Eigen::VectorXd& column, double innovation,
                                   double variance) {
   if (variance <= 0) return;
@@ -189,12 +190,12 @@ void RelativeCostFilter::Truncate(const Eigen::VectorXd& column, double innovati
   if (share > 0) Update(column, deviation / (shift - z), variance / share);
 }
 
-// Returns the covariances of what a live window of the arm measures with every state.
+// Returns the covariances of the quantity that a live window of the arm measures with every state.
 Eigen::VectorXd RelativeCostFilter::LiveColumn(uint32_t arm) const {
   return covariance_.col(arm) + covariance_.col(load());
 }
 
-// Observes that there is no load, where the belief has come to one below.
+// Observes that there is no load if the belief has fallen below 0.
 void RelativeCostFilter::KeepLoadPositive() {
   if (mean_[load()] >= 0) return;
   const Eigen::VectorXd column = covariance_.col(load());
@@ -238,7 +239,7 @@ void RelativeCostFilter::ObserveShadow(uint32_t arm, uint64_t sweep, double log_
   Update(widened, innovation, VisitVariance(widened, arm) + noise);
 }
 
-// A belief far below the bound comes to it, as to a cost.
+// A belief far below the bound moves to the bound, as in Assume.
 void RelativeCostFilter::ObserveShadowBound(uint32_t arm, uint64_t sweep, double log_cost) {
   if (!has_lane()) AddLane();
   BeginSweep(sweep);
@@ -252,8 +253,8 @@ void RelativeCostFilter::ObserveShadowBound(uint32_t arm, uint64_t sweep, double
 }
 
 // Learns from the innovation of a sweep's first visit, which all arms may share, and returns the
-// noise variance for its update. An outlier may be the scene's or the sweep's alone, whose frames
-// may be unlike the others; the next live window tells.
+// noise variance for its update. An outlier may belong to the scene or only to the sweep, whose
+// frames may differ from the others. The next live window shows which.
 double RelativeCostFilter::NoiseOfReferenceVisit(double innovation, double variance) {
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_reference_, normalised);
@@ -267,7 +268,7 @@ double RelativeCostFilter::NoiseOfReferenceVisit(double innovation, double varia
   return shadow_noise_;
 }
 
-// Learns from the innovation of a later visit, which is this arm's own, and returns the noise
+// Learns from the innovation of a later visit, which belongs to this arm, and returns the noise
 // variance for its update.
 double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double variance) {
   const double normalised = innovation / std::sqrt(variance);

@@ -39,7 +39,7 @@ struct FilterComponents {
 
 class RelativeCostFilter {
  public:
-  // Begins with costs of any level that differ by a factor of two or so.
+  // Begins with costs of any level that differ by a factor of about two.
   explicit RelativeCostFilter(uint32_t arm_count, const FilterComponents& components = {});
 
   // Sets the prior of an arm's cost, up to a level common to all arms. REQUIRES: nothing was
@@ -50,25 +50,26 @@ class RelativeCostFilter {
   void Advance(double intervals);
   // Every arm's cost may have changed.
   void Widen(double variance);
-  // A change is not taken for this arm's alone where the lane would show that.
+  // A change is not attributed to this arm alone if the lane would have shown it.
   void ObserveLive(uint32_t arm, double log_cost, bool lane_would_show = false);
-  // The arm costs live at least so much.
+  // The value is a lower bound of the arm's live cost.
   void ObserveBound(uint32_t arm, double log_cost);
   // Successive visits with the same `sweep` share that sweep's offset.
   void ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost);
-  // A visit that a cap has ended: it would have measured at least so much.
+  // A visit that a cap ended. The value is a lower bound of what it would have measured.
   void ObserveShadowBound(uint32_t arm, uint64_t sweep, double log_cost);
-  // Replaces whatever was known of the arm's cost by this value.
+  // Replaces the belief about the arm's cost by this value.
   void Assume(uint32_t arm, double log_cost);
 
   uint32_t arm_count() const { return arm_count_; }
   NormalBelief LogCost(uint32_t arm) const { return {mean_[arm], covariance_(arm, arm)}; }
-  // What a live window of the arm would measure now: its cost with the load of the core.
+  // The belief about a live window of the arm now: its cost with the load of the core.
   NormalBelief LiveCost(uint32_t arm) const;
   double Covariance(uint32_t a, uint32_t b) const { return covariance_(a, b); }
   // The belief about x_a − x_b.
   NormalBelief Difference(uint32_t a, uint32_t b) const;
-  // What the lane's visits of the arm are believed to exceed its cost by. REQUIRES: there was one.
+  // The expected difference between the lane's visits of the arm and its cost. REQUIRES: there was
+  // a visit.
   double LaneBias(uint32_t arm) const { return mean_[bias(arm)]; }
   // Variances of the noise of a live window and of a visit.
   double live_noise() const { return live_noise_; }
@@ -83,7 +84,7 @@ class RelativeCostFilter {
   auto costs() { return covariance_.topLeftCorner(arm_count_, arm_count_); }
   auto biases() { return covariance_.block(bias(0), bias(0), arm_count_, arm_count_); }
   void AddLane();
-  // Adds to states of one kind: a variance that they have in common, and each its own.
+  // Adds variances to states of one kind: a common one, and one for each state.
   void AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double common, double own) const;
   void UpdateNoise(double& noise, double innovation, double variance) const;
   void UpdateDrift(double& drift, double product) const;
@@ -100,11 +101,13 @@ class RelativeCostFilter {
 
   uint32_t arm_count_;
   FilterComponents components_;
-  // All states; the costs and the load alone before the lane's first visit, when nothing ties the
-  // others to them. They are four fifths of the memory, and of the time of an observation.
+  // Mean and covariance of all states. Before the lane's first visit they hold only the costs and
+  // the load, because nothing ties the other states to them until then. This saves four fifths of
+  // the memory, and of the time of an observation.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
-  Eigen::Matrix2d first_biases_ = Eigen::Matrix2d::Zero();  // of any two arms, until then
+  // of any two arms, before the first visit
+  Eigen::Matrix2d first_biases_ = Eigen::Matrix2d::Zero();
 
   // Estimated variances.
   double live_noise_;

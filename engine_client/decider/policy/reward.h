@@ -10,17 +10,17 @@
 
 namespace sweepstake::decision {
 
-// The recent range of frame rates, which a window's frame rate is judged against. This is the
+// The recent range of frame rates, which a window's frame rate is compared with. This is the
 // paper's adaptive FPS normalisation (§4), whose numbers are fixed here.
 //
 // The range covers the last 30 windows of the run, over all arms, including the window being
 // judged. The memory is fixed.
 //
-// "After each switch, it resets metric histories and counters" (§4) has two readings. Taken here:
-// the histories are those that a window is made of, which begins anew (session/arm_runs.h), and
-// the range is kept, since it is that "observed in the current run", and a run has many switches.
-// Were it emptied too, each arm would be its own reference: alone and steady, at 30 FPS or more,
-// it would score 1 whatever its frame rate.
+// "After each switch, it resets metric histories and counters" (§4) has two readings. This class
+// takes the following one: the histories are those that a window is made of, which begins again
+// after a switch (session/arm_runs.h). The range is kept, because it is the range "observed in the
+// current run", and a run has many switches. If it were cleared too, each arm would be its own
+// reference: an arm that runs steadily at 30 FPS or more would score 1 whatever its frame rate.
 class FpsReference {
  public:
   static constexpr size_t kWindowCount = 30;

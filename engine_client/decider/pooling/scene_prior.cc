@@ -31,7 +31,7 @@ EvidenceSum SumOf(double mean, double evidence) {
   return {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
 }
 
-// By how much the windows' mean rewards exceed those of the visits.
+// Returns by how much the mean rewards of windows exceed those of visits.
 double LevelOf(std::span<const ArmEvidence> arms) {
   Moments level;
   for (const ArmEvidence& arm : arms) {
@@ -49,7 +49,7 @@ EvidenceSum Pool(const ArmEvidence& arm, double level) {
   return SumOf(mean, of_visits + arm.live.evidence());
 }
 
-// What scenes that know several arms have in common.
+// What the scenes that know several arms have in common.
 struct CommonRewards {
   Moments level;              // the means of the scenes' arms
   std::vector<Moments> arms;  // each arm's rewards relative to that
@@ -71,7 +71,7 @@ CommonRewards CommonOf(std::span<const std::vector<EvidenceSum>> scenes, size_t 
   return common;
 }
 
-// Returns the level at which the scene's own sums are, or that of the others if it has none.
+// Returns the level of the scene's own sums, or that of the other scenes if it has none.
 double LevelOf(std::span<const EvidenceSum> own, const CommonRewards& common) {
   Moments level;
   for (size_t arm = 0; arm < own.size(); ++arm) {

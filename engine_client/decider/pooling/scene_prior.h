@@ -1,10 +1,9 @@
-// What the stored evidence of a scene says of each arm: from the frame thread's windows, of the
-// arms that were live, and from the shadow lane's visits, of all arms.
+// Combines the stored evidence of a scene about each arm: windows of the frame thread, for arms
+// that were live, and visits of the shadow lane, for all arms.
 //
-// Windows of different arms are of different times, and a policy chooses the times: an arm that is
-// live only where the scene is cheap looks cheap. A visit's sweep measures all arms on the same
-// frames. Where there are visits, they therefore say how the arms compare, and the windows at which
-// level. Pure functions.
+// Windows of different arms come from different times, and a policy chooses the times: an arm that
+// is live only while the scene is cheap looks cheap. A sweep of visits measures all arms on the
+// same frames. So visits say how the arms compare, and windows say at which level. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +13,7 @@
 
 namespace sweepstake::decision {
 
-// What stored evidence was measured by; the frame thread has no name.
+// Values of measured_by: "lane", or empty for the frame thread.
 inline constexpr std::string_view kLaneName = "lane";
 constexpr bool IsMeasuredBy(std::string_view name) { return name.empty() || name == kLaneName; }
 
@@ -47,16 +46,16 @@ struct ArmEvidence {
 // Returns whether any arm has evidence.
 bool IsAnythingKnown(std::span<const EvidenceSum> arms);
 
-// Returns one sum per arm, which on top of Beta(1,1) is its prior. Without visits that is `live`.
-// With them the mean is the visits', moved by what windows exceed visits on the mean of the arms
-// that have both, and never better than windows with bail-outs say. Visits weigh no more than the
-// lane's unknown bias lets them, however many there are.
+// Returns one sum per arm. On top of Beta(1,1) it is the arm's prior. Without visits it is `live`.
+// With visits, the mean is that of the visits, shifted by the mean difference between windows and
+// visits over the arms that have both. It is never better than that of windows with bail-outs. The
+// weight of visits is limited by the unknown bias of the lane, however many there are.
 std::vector<EvidenceSum> PoolEvidence(std::span<const ArmEvidence> arms);
 
-// Gives the arms of which a scene's own sums say nothing what those of its project's other scenes
-// have in common: the arm's mean cost relative to the other arms, at the level of the arms that the
-// scene knows, with the deviation that the scenes show, and a factor of 1.35 at least. REQUIRES:
-// reward version 3, and as many arms in each scene.
+// Fills in the arms that a scene has no evidence about from the project's other scenes: the arm's
+// mean cost relative to the other arms, at the level of the arms that the scene knows. The
+// deviation is that between the scenes, and at least a factor of 1.35. REQUIRES: reward version 3,
+// and the same arms in each scene.
 std::vector<EvidenceSum> WithOtherScenes(std::vector<EvidenceSum> own,
                                          std::span<const std::vector<EvidenceSum>> others);
 

@@ -13,7 +13,7 @@ uint64_t HashOf(int64_t token) { return math::SplitMix64{static_cast<uint64_t>(t
 }  // namespace
 
 std::vector<size_t> ChooseSources(std::span<const int64_t> tokens, size_t limit) {
-  std::vector<std::vector<size_t>> rounds;  // in each a token has one source
+  std::vector<std::vector<size_t>> rounds;  // each round has at most one source per token
   std::map<int64_t, size_t> counts;
   for (size_t place = 0; place < std::min(tokens.size(), kSourcesPerPlace * limit); ++place) {
     const size_t round = counts[tokens[place]]++;

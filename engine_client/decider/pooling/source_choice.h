@@ -1,8 +1,8 @@
-// Which sources of a scene speak for it, where it has more of them than are heard.
+// Chooses the sources of a scene that new sessions use, if there are more sources than places.
 //
-// Whoever holds a token begins as many sessions as it likes. If the latest sources spoke, its own
-// would soon be all that new sessions learn from; so places go to tokens, and only what one leaves
-// goes to the others. Pure functions.
+// The owner of a token can begin as many sessions as it likes. If the latest sources were chosen,
+// its sources would soon be the only ones. So places are divided among the tokens, and places that
+// one token leaves free go to the others. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,14 @@
 
 namespace sweepstake::decision {
 
-// For each place so many of the latest sources are looked at.
+// Number of the latest sources that are considered per place.
 inline constexpr uint32_t kSourcesPerPlace = 8;
 
-// `tokens` are those that the sources began with, the latest source first; 0 counts as one more
-// token. Returns the places in it of up to `limit` sources, ascending: no token has two more than
-// another that has sources left. A token's latest ones come first. Where there are more tokens than
-// places for their next ones, a hash of their numbers decides: nothing is gained by coming last,
-// and a tenth of the tokens is some tenth of those chosen.
+// `tokens` are the tokens that began the sources, the latest source first; 0 counts as another
+// token. Returns the positions of up to `limit` sources, ascending. No token gets two more than
+// another token that has sources left. The latest sources of a token come first. If there are more
+// tokens than places in a round, a hash of their numbers decides. So nobody gains by coming last,
+// and any tenth of the tokens gets about a tenth of the places.
 std::vector<size_t> ChooseSources(std::span<const int64_t> tokens, size_t limit);
 
 }  // namespace sweepstake::decision

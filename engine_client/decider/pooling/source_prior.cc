@@ -16,15 +16,15 @@ constexpr double kOtherMachineClassFactor = 0.2;
 constexpr double kOtherBackendVersionFactor = 0.04;
 
 constexpr int kPolishSteps = 8;
-// The deviation of an arm's relative log-cost between sources, and how many sources' worth that
-// guess is.
+// The assumed deviation of an arm's relative log-cost between sources, and the number of sources
+// that this guess counts as.
 constexpr double kSourceVariance = 0.1 * 0.1;
 constexpr double kGuessWeight = 4;
-// Of a normal distribution so many deviations hold this share of the distances from the centre. The
-// median distance would be 0 where just over half of the sources agree.
+// This share of a normal distribution lies within kWithinDeviations of its centre. The median
+// distance would be 0 if just over half of the sources agree.
 constexpr double kWithinShare = 0.7;
 constexpr double kWithinDeviations = 1.0364;
-// What is so many deviations off is no measurement of the same thing.
+// Outlier threshold in standard deviations.
 constexpr double kOutlierDeviations = 5;
 constexpr double kMedianVariance = 1.5707963267948966;  // that of a median ÷ that of a mean: π/2
 
@@ -84,7 +84,7 @@ class MedianPolish {
     Polish();
   }
 
-  // Returns the arm's belief at that level; nothing if no source knows the arm.
+  // Returns the belief about the arm at that level; nothing if no source knows the arm.
   std::optional<NormalBelief> BeliefAt(double level, size_t arm) const {
     const auto count =
         std::count_if(cells_.begin(), cells_.end(), [&](auto& cell) { return cell.arm == arm; });
@@ -99,7 +99,7 @@ class MedianPolish {
     return NormalBelief{.mean = level + arms_[arm], .variance = between + of_centre};
   }
 
-  // Returns the level of a session with this evidence, or of a typical source if it has none.
+  // Returns the level of a session with this evidence, or that of a typical source if it has none.
   double LevelOf(std::span<const EvidenceSum> own) const {
     std::vector<Weighed> levels;
     for (size_t arm = 0; arm < own.size(); ++arm) {
@@ -122,7 +122,7 @@ class MedianPolish {
     return cell.log_cost.mean - levels_[cell.source] - arms_[cell.arm];
   }
 
-  // Returns how far what sources measured of the arm is from what they have in common.
+  // Returns the deviation of the sources' measurements of the arm from their common value.
   double DeviationOf(size_t arm) const {
     std::vector<Weighed> distances;
     for (const Cell& cell : cells_) {
@@ -132,8 +132,8 @@ class MedianPolish {
     return QuantileOf(std::move(distances), kWithinShare) / kWithinDeviations;
   }
 
-  // Lets no cell be surer than the median one of its arm: a source that claims to be has no louder
-  // voice than the others.
+  // Raises the variance of each cell to the median one of its arm. So a source does not gain weight
+  // by claiming to be certain.
   void LimitPrecisions() {
     std::vector<std::vector<Weighed>> variances(arms_.size());
     for (const Cell& cell : cells_) variances[cell.arm].push_back({cell.log_cost.variance, 1});
@@ -143,7 +143,7 @@ class MedianPolish {
       cell.log_cost.variance = std::max(cell.log_cost.variance, medians[cell.arm]);
   }
 
-  // A median is biased by all that lies on one side of it, however far away.
+  // Removes outliers, which bias a median towards their side however far away they are.
   void DropOutliers() {
     std::vector<double> reaches;
     for (size_t arm = 0; arm < arms_.size(); ++arm)
@@ -153,7 +153,7 @@ class MedianPolish {
                   [&](const Cell& cell) { return std::abs(ResidualOf(cell)) > reaches[cell.arm]; });
   }
 
-  // Sets each of `effects` to the median of what is left without it.
+  // Sets each of `effects` to the median of the residuals without it.
   void Sweep(size_t Cell::*index, std::vector<double>& effects) {
     std::vector<std::vector<Weighed>> left(effects.size());
     for (const Cell& cell : cells_) {

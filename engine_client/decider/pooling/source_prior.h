@@ -1,13 +1,13 @@
-// What the sources of a scene, which are sessions on one machine or another, of one build or
-// another, say together of each arm, for one more session.
+// Combines the sources of a scene into evidence about each arm for a new session. A source is a
+// session on some machine with some build.
 //
-// A machine that is twice as fast does not contradict the others, since each source has a level of
-// its own, and arms are compared within a source: log-cost = level of the source + the arm's
-// + what the two of them have in particular. Levels and arms are weighted medians (J. W. Tukey,
-// Exploratory Data Analysis, 1977, ch. 11: median polish), which a tenth of sources that lie hardly
-// move: none is heard as surer than the median one, nor at all where it is far from the others.
-// What remains is the random effect of the sources: how far the next one may be from what they have
-// in common, however many there are. Pure functions.
+// A machine that is twice as fast does not contradict the others, because each source has a level
+// of its own, and arms are compared within a source: log-cost = level of the source + effect of the
+// arm + interaction of both. Levels and effects are weighted medians (J. W. Tukey, Exploratory Data
+// Analysis, 1977, ch. 11: median polish). A tenth of hostile sources hardly moves them: no source
+// counts as more certain than the median one, and outliers are dropped. The rest is the random
+// effect of the sources: how far the next source may be from the common value, however many sources
+// there are. Pure functions.
 #pragma once
 
 #include <span>
@@ -28,16 +28,17 @@ struct SourceRelation {
 // M.-H. Chen, "Power prior distributions for regression models", Statistical Science 15, 2000).
 double PowerPriorWeight(const SourceRelation& relation);
 
-// What one source knows of an arm.
+// What one source knows about an arm.
 struct SourceArm {
-  EvidenceSum sum = {};  // what PoolEvidence makes of its windows and visits; empty: nothing
+  EvidenceSum sum = {};  // from PoolEvidence; empty: nothing
   double weight = 1;     // of the power prior: > 0, and at most 1
 };
 using SourceEvidence = std::vector<SourceArm>;
 
-// Returns one sum per arm, which on top of Beta(1,1) is the prior of a session that has `own`
-// evidence already, or none of any arm: that and, at its level, what the sources say. An arm that
-// nobody knows has none. REQUIRES: reward version 3, and as many arms in each source as in `own`.
+// Returns one sum per arm. On top of Beta(1,1) it is the prior of a session that has the evidence
+// `own` (0 for each arm of a new session): `own` plus the sources' evidence at the level of `own`.
+// An arm without evidence has none. REQUIRES: reward version 3, and as many arms in each source as
+// in `own`.
 std::vector<EvidenceSum> CombineSources(std::span<const SourceEvidence> sources,
                                         std::span<const EvidenceSum> own);
 

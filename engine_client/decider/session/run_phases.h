@@ -17,11 +17,11 @@ namespace sweepstake::decision {
 // seed on every platform.
 std::vector<uint32_t> ExplorationOrder(uint64_t seed, uint32_t arm_count);
 
-// Says which arm's turn it is in the exploration.
+// The order of the exploration, and the arm whose turn it is.
 class Exploration {
  public:
-  // If a client does not execute a slot's command this many times, it does not have the arm, and
-  // the slot is skipped.
+  // A slot is skipped if the client does not execute its command this many times: the client does
+  // not have the arm.
   static constexpr uint32_t kMaxCommands = 3;
 
   // The first `explored` arms of the order are already done.

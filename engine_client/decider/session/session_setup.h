@@ -25,12 +25,12 @@ struct SessionSetup {
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;
   int64_t start_ns = 0;
-  // A session that goes on after a restart has both counts of the run before it.
+  // For a session that continues after a restart: the counts of its earlier run.
   uint32_t explored_arm_count = 0;
   uint64_t decision_count = 0;
 };
 
-// Returns all that is wrong and how to correct it, a line for each. It looks up the policy's name
+// Returns everything that is wrong and how to correct it, one line each. Looks up the policy's name
 // in `policies`.
 std::vector<std::string> Problems(const DecisionOptions& options, PolicyRegistry policies);
 // Validate returns the first thing that is wrong and how to correct it, in one line, or nothing if
