@@ -14,7 +14,7 @@
 #include "server/daemon_files.h"
 #include "server/daemon_site.h"
 #include "server/host/descriptor_limit.h"
-#include "server/sessions/unix_time.h"
+#include "server/sessions/common/unix_time.h"
 #include "server/storage/postgres/shared_store.h"
 #include "server/storage/sqlite_prior_store.h"
 
@@ -78,7 +78,8 @@ rpc::RpcOptions RpcOptionsOf(const Config& config) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config, rpc::Clock& clock) {
+absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config,
+                                                      sessions::Clock& clock) {
   if (absl::Status status = Validate(config); !status.ok()) return status;
   auto directory = storage::DataDirectory::Open(config.data);
   if (!directory.ok()) return directory.status();
@@ -97,7 +98,7 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
       database_bytes_(config.database_bytes),
       audit_limits_(config.audit) {}
 
-absl::Status Daemon::Open(rpc::Clock& clock) {
+absl::Status Daemon::Open(sessions::Clock& clock) {
   if (directory_.open_to_others()) {
     log_->warn(
         "other users can read the data directory {}, which contains the key of its sessions; chmod "
@@ -410,7 +411,7 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
 }
 
 void Daemon::ReportDrained() {
-  const rpc::HeldEvidence held = rpc_->CountHeld();
+  const sessions::HeldEvidence held = rpc_->CountHeld();
   if (held.session_count == 0) return log_->info("drained: all acknowledged evidence is on disk");
   log_->warn(
       "drained: all acknowledged evidence is on disk, but later evidence of {} sessions is not; "

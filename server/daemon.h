@@ -18,7 +18,7 @@
 #include "server/host/daemon_metrics.h"
 #include "server/host/space_warning.h"
 #include "server/rpc/rpc_server.h"
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/outbox/outbox.h"
@@ -38,7 +38,8 @@ class Daemon {
  public:
   // Opens the store, listens, then writes the port file. Errors: INVALID_ARGUMENT (the
   // configuration), and the errors of the data directory, the database and the listener.
-  static absl::StatusOr<std::unique_ptr<Daemon>> Start(const Config& config, rpc::Clock& clock);
+  static absl::StatusOr<std::unique_ptr<Daemon>> Start(const Config& config,
+                                                       sessions::Clock& clock);
   ~Daemon();
 
   int port() const { return rpc_->port(); }
@@ -66,7 +67,7 @@ class Daemon {
 
  private:
   Daemon(const Config& config, storage::DataDirectory directory);
-  absl::Status Open(rpc::Clock& clock);
+  absl::Status Open(sessions::Clock& clock);
   std::string StoreName() const;
   void StartBackups(const Config& config);
   void LimitStore(const Config& config);

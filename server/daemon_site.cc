@@ -15,7 +15,7 @@
 #include "server/host/descriptor_limit.h"
 #include "server/rpc/common/role_table.h"
 #include "server/rpc/health_probe.h"
-#include "server/sessions/unix_time.h"
+#include "server/sessions/common/unix_time.h"
 #include "server/web/health_page.h"
 #include "server/web/metrics_page.h"
 

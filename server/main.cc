@@ -31,7 +31,7 @@
 #include "server/host/exit_guard.h"
 #include "server/host/service_manager.h"
 #include "server/rpc/health_probe.h"
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/postgres/shared_store.h"
 #include "server/token_command.h"
@@ -272,7 +272,7 @@ int Run(const Config& config, CommandLine& line) {
   // Some builds of gRPC's locks search for deadlocks by default, under one lock for all threads.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
-  sweepstake::rpc::SteadyClock clock;
+  sweepstake::sessions::SteadyClock clock;
   auto daemon = sweepstake::server::Daemon::Start(config, clock);
   if (!daemon.ok()) return Fail(kCouldNotStart, std::string(daemon.status().message()));
   const auto interval = sweepstake::server::WatchdogInterval();

@@ -16,7 +16,7 @@
 #include "absl/strings/str_join.h"
 #include "engine_client/text/names.h"
 #include "server/auth/token_store.h"
-#include "server/sessions/unix_time.h"
+#include "server/sessions/common/unix_time.h"
 #include "server/storage/data_directory.h"
 
 namespace sweepstake::server {

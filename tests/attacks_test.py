@@ -16,7 +16,8 @@ FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+", re.MULTI
 TIME_OF_DAY = re.compile(r"(?:^|_)(?:unix|utc|wall|date)(?:_|$)")
 # Decisions must use a steady clock. The wall clock is only for the dates of sessions, rows and events.
 WALL_CLOCK = re.compile(r"system_clock|\btime\(|gettimeofday|CLOCK_REALTIME|unix_time\.h|UnixNow")
-STEADY_FOLDERS = ("engine_client/decider", "tests/laboratory/policies", "server/rpc/common", "server/rpc/services")
+STEADY = ("engine_client/decider", "tests/laboratory/policies", "server/rpc/common", "server/rpc/services",
+          "server/sessions/common/decision_loop.cc", "server/sessions/session_opening.cc", "server/sessions/session_start.cc")
 
 
 def table_errors(table, tests):
@@ -48,8 +49,8 @@ def clock_errors(root):
         for _, field in FIELD.findall(body):
             if TIME_OF_DAY.search(field):
                 yield f"{name}.{field}: remove the time of day: a client's clock may be wrong by years"
-    for folder in STEADY_FOLDERS:
-        for source in sorted((root / folder).rglob("*.[ch]*")):
+    for steady in STEADY:
+        for source in [root / steady] if (root / steady).is_file() else sorted((root / steady).rglob("*.[ch]*")):
             if WALL_CLOCK.search(source.read_text(encoding="utf-8")):
                 yield f"{source.relative_to(root)}: the wall clock may jump; use rpc::Clock"
 

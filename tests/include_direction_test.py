@@ -46,8 +46,7 @@ ALLOWED = {
     "engine_client/c_api/flavours": set(),
     "engine_client/cli": DECIDER | ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry", "proto"},
     "server/dashboard": set(),
-    # To go: auth, rpc, watch and proto.
-    "server/sessions": DECIDER | {"server/auth", "server/rpc", "server/watch", "proto"},
+    "server/sessions": DECIDER,
     "server/storage": DECIDER | {"server/sessions"},
     "server/tls": {"engine_client/telemetry/tls"},
     "server/auth": {"server/storage"},
@@ -103,6 +102,7 @@ ROOM_ORDER = {
     "engine_client/cli": ("io", "game", "daemon", "priors", ""),
     "engine_client/telemetry": ("tls", "common", "protocol", ""),
     "server/rpc": ("common", "services", ""),
+    "server/sessions": ("common", ""),
     "server/web": ("", "api"),
 }
 
@@ -118,6 +118,10 @@ PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
+
+# These platform folders may not know gRPC and protobuf.
+WITHOUT_RPC = {"server/sessions", "server/storage"}
+RPC_LIBRARY = re.compile(r"^(grpc|google/protobuf)")
 
 # These folders may use only the standard library and Eigen.
 PURE_FOLDERS = DECIDER | FOR_ALL
@@ -175,6 +179,8 @@ def include_errors(path, folder, name):
         yield f"<{name}> must not be included from the decision core"
     if folder in FOR_ALL and name.startswith("Eigen/"):
         yield f"<{name}> must not be included from {folder}, which needs the standard library only"
+    if folder in WITHOUT_RPC and RPC_LIBRARY.match(name):
+        yield f"<{name}> must not be included from {folder}, which knows plain values only"
     if folder not in PLATFORM_FOLDERS:
         if PLATFORM_HEADER.match(name) and path not in PLATFORM_FILES:
             yield f"<{name}> is not portable and must not be included from {folder}"
@@ -269,6 +275,10 @@ BAD = {
     "engine_client/decider/t.cc": "std::gamma_distribution<double> d;\n",
     "engine_client/decider/u.cc": "auto F(const Eigen::ArrayXd& x) { return x.log(); }\n",
     "server/elsewhere/v.cc": "\n",
+    "server/sessions/a.cc": '#include "server/watch/watch_hub.h"\n',
+    "server/sessions/b.cc": '#include "sweepstake/v1/telemetry.pb.h"\n',
+    "server/sessions/c.cc": "#include <grpcpp/support/byte_buffer.h>\n",
+    "server/sessions/common/d.cc": '#include "server/sessions/prior_store.h"\n',
     "engine_client/scene/w.cc": '#include "engine_client/decider/types.h"\n',
     "engine_client/math/x.cc": '#include "engine_client/decider/types.h"\n',
     "engine_client/text/x.cc": '#include "engine_client/decider/types.h"\n',

@@ -108,14 +108,14 @@ prometheus::MetricFamily ErrorsOf(const Counters& counters) {
 
 // The labels are the invalid fields.
 prometheus::MetricFamily RejectionsOf(const char* name, const char* help,
-                                      const rpc::RejectionCounts& counts) {
+                                      const sessions::RejectionCounts& counts) {
   prometheus::MetricFamily family;
   family.name = name;
   family.help = help;
   family.type = prometheus::MetricType::Counter;
   for (size_t i = 0; i < counts.size(); ++i) {
     prometheus::ClientMetric& metric = family.metric.emplace_back();
-    metric.label.push_back({"reason", std::string(rpc::kRejectionReasonNames.at(i))});
+    metric.label.push_back({"reason", std::string(sessions::kRejectionReasonNames.at(i))});
     metric.counter.value = static_cast<double>(counts.at(i));
   }
   return family;

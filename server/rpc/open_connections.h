@@ -15,7 +15,7 @@
 #include "absl/status/status.h"
 #include "server/net/peer_address.h"
 #include "server/rpc/common/options.h"
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 
 namespace sweepstake::rpc {
 
@@ -33,8 +33,8 @@ class OpenConnections {
 
   // It borrows the first two. `name_of` returns who is at the other end of a descriptor, `is_own`
   // whether that is the daemon's own machine, at whichever of its addresses.
-  OpenConnections(const RpcOptions& options, const Clock& clock, NameOf name_of = net::PeerOf,
-                  IsOwn is_own = net::ConnectsItself)
+  OpenConnections(const RpcOptions& options, const sessions::Clock& clock,
+                  NameOf name_of = net::PeerOf, IsOwn is_own = net::ConnectsItself)
       : options_(options),
         clock_(clock),
         name_of_(std::move(name_of)),
@@ -61,7 +61,7 @@ class OpenConnections {
   size_t CountOpen(const std::string& address);
 
   const RpcOptions& options_;
-  const Clock& clock_;
+  const sessions::Clock& clock_;
   const NameOf name_of_;
   const IsOwn is_own_;
   std::unordered_map<int, Connection> connections_;

@@ -82,18 +82,14 @@ absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(const t
 
 }  // namespace
 
-RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store,
+RpcServer::RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPriorStore& store,
                      spdlog::logger& log)
     : options_(std::move(options)),
       access_(options_, clock, log),
-      context_{{options_, loop_, store, counters_, watch_hub_},
-               sessions_,
-               watchers_,
-               stalls_,
-               access_,
-               log},
-      sessions_(options_, loop_),
       watch_hub_(store, HubLoop(loop_)),
+      sessions_({options_, loop_, store, counters_, watch_hub_}),
+      context_{options_,  loop_,     store,   counters_, watch_hub_,
+               sessions_, watchers_, stalls_, access_,   log},
       watchers_(context_),
       stalls_(loop_, options_.watcher_patience_ns),
       telemetry_(context_),
@@ -108,7 +104,8 @@ RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& 
 }
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
-                                                            RpcOptions options, Clock& clock,
+                                                            RpcOptions options,
+                                                            sessions::Clock& clock,
                                                             priors::AsyncPriorStore& store,
                                                             spdlog::logger& log) {
   std::unique_ptr<RpcServer> server(new RpcServer(std::move(options), clock, store, log));
@@ -303,8 +300,8 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
   if (options_.keep_waiting) RunOnLoop([this] { options_.keep_waiting(Waiting()); });
 }
 
-HeldEvidence RpcServer::CountHeld() {
-  std::promise<HeldEvidence> held;
+sessions::HeldEvidence RpcServer::CountHeld() {
+  std::promise<sessions::HeldEvidence> held;
   // The store's answers are posted so, too, and come before.
   loop_.PostLater([&] { held.set_value(sessions_.CountHeld()); });
   return held.get_future().get();

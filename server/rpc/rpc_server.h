@@ -30,7 +30,7 @@
 #include "server/rpc/services/telemetry_service.h"
 #include "server/rpc/services/watcher_set.h"
 #include "server/sessions/admin_log.h"
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 #include "server/sessions/session_table.h"
 #include "server/watch/watch_hub.h"
 
@@ -44,7 +44,8 @@ class RpcServer {
   // a certificate; the caller has checked that this is wanted. Errors: UNAVAILABLE (cannot listen
   // there), INVALID_ARGUMENT (the files of TLS cannot be used).
   static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
-                                                          RpcOptions options, Clock& clock,
+                                                          RpcOptions options,
+                                                          sessions::Clock& clock,
                                                           priors::AsyncPriorStore& store,
                                                           spdlog::logger& log);
   ~RpcServer();
@@ -73,10 +74,11 @@ class RpcServer {
   // Calls that are not done within `patience` are cancelled. Idempotent.
   void Drain(std::chrono::milliseconds patience);
   // Returns what is not on disk, as the store's answers so far say. Must not be called on the loop.
-  HeldEvidence CountHeld();
+  sessions::HeldEvidence CountHeld();
 
  private:
-  RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store, spdlog::logger& log);
+  RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPriorStore& store,
+            spdlog::logger& log);
   absl::Status Listen(const std::string& address);
   // Starts the services a second time, for the daemon itself.
   absl::Status ServeOneself();
@@ -105,13 +107,13 @@ class RpcServer {
   RpcOptions options_;
   Counters counters_;
   AccessControl access_;
-  ServiceContext context_;  // refers to the members below
-  SessionTable sessions_;
   watch::WatchHub watch_hub_;
+  sessions::SessionTable sessions_;
+  ServiceContext context_;  // also refers to members below
   WatcherSet watchers_;
   StallSweep stalls_;
   TelemetryService telemetry_;
-  AdminLog admin_;
+  sessions::AdminLog admin_;
   PosteriorsService posteriors_;
   PriorsService priors_;
   AuditService audit_;
@@ -130,7 +132,7 @@ class RpcServer {
   bool drained_ = false;  // used by Drain's caller
   // The loop is declared after everything that its tasks use, since its destructor runs the last
   // ones.
-  DecisionLoop loop_;
+  sessions::DecisionLoop loop_;
   std::unique_ptr<grpc::Server> server_;
   // Nobody but the daemon reaches it, so that no limit of a connection holds here.
   std::unique_ptr<grpc::Server> own_server_;

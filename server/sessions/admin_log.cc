@@ -3,12 +3,12 @@
 #include <span>
 #include <utility>
 
-#include "server/sessions/unix_time.h"
+#include "server/sessions/common/unix_time.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
-// In the place of a project and a scene: it is about all of them.
+// Stands for all projects and all scenes.
 constexpr const char* kAll = "*";
 
 }  // namespace
@@ -50,7 +50,7 @@ void AdminLog::Load() {
 }
 
 void AdminLog::OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>& state) {
-  if (!state.ok()) return;  // until the next Retry
+  if (!state.ok()) return;  // the next Retry reads again
   const priors::SourceState before = state->value_or(priors::SourceState{});
   priors::SourceProgress progress = before.progress;
   progress.source_id = decision::kAdminSession;
@@ -84,4 +84,4 @@ void AdminLog::Retry() {
   if (!waiting_.empty()) Load();
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/rpc/common/error_reasons.h"
-#include "server/rpc/common/options.h"
-#include "server/rpc/common/proto_conversion.h"
+#include "server/sessions/common/options.h"
+#include "server/sessions/common/reasons.h"
 #include "server/sessions/game_session.h"
-#include "sweepstake/v1/sessions.pb.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
-// The game's time has run half out.
+// Half of the time for which a request is valid.
 constexpr int64_t kAskAgainNs = int64_t{BoxViews::kUntilMs} * 1'000'000 / 2;
 
 }  // namespace
@@ -22,7 +20,7 @@ void BoxViews::Connect(ClientStream& link, bool shows) {
   shows_ = shows;
   if (shows) return Ask();
   for (BoxViewer* viewer : std::exchange(viewers_, {}))
-    viewer->OnEnd(Refused(v1::ERROR_REASON_BOXES_NOT_SHOWN, "the game shows its boxes no more"));
+    viewer->OnEnd(Refused(reasons::kBoxesNotShown, "the game does not show its boxes any more"));
 }
 
 void BoxViews::Disconnect() {
@@ -37,12 +35,12 @@ void BoxViews::End() {
 
 absl::Status BoxViews::Add(BoxViewer& viewer) {
   if (!shows_) {
-    return Refused(v1::ERROR_REASON_BOXES_NOT_SHOWN,
+    return Refused(reasons::kBoxesNotShown,
                    "this game does not show its boxes; build it with allow_box_view");
   }
   if (viewers_.size() >= kMaxViewers) {
-    return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
-                   "as many as may look at this session's boxes do so already");
+    return Refused(reasons::kTooManyWatchers,
+                   "this session's boxes have as many viewers as they may; try again later");
   }
   viewers_.push_back(&viewer);
   if (viewers_.size() == 1) Ask();
@@ -55,15 +53,9 @@ void BoxViews::Remove(BoxViewer& viewer) {
   ++*turn_;
 }
 
-void BoxViews::OnView(const v1::BoxView& view) {
-  if (viewers_.empty()) return;
-  v1::WatchBoxesResponse response;
-  *response.mutable_view() = view;
-  ToProto(hub_.NextStamp(), *response.mutable_stamp());
-  const grpc::ByteBuffer message = Serialize(response);
-  // One that ends meanwhile leaves.
-  const std::vector<BoxViewer*> told = viewers_;
-  for (BoxViewer* viewer : told) viewer->OnView(message);
+void BoxViews::OnView(const BoxView& view) {
+  const std::vector<BoxViewer*> viewers = viewers_;  // a viewer that ends meanwhile is removed
+  for (BoxViewer* viewer : viewers) viewer->OnView(view);
 }
 
 void BoxViews::Ask() {
@@ -76,4 +68,4 @@ void BoxViews::Ask() {
                });
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -1,32 +1,30 @@
-// Who looks at the boxes of a session's objects, and what its game is asked for meanwhile.
+// The people who look at the boxes of a session's objects, and the requests to its game meanwhile.
 //
-// The game is asked again and again while somebody looks, and stops by itself when it is not. Views
-// go to those who look and are kept nowhere else. Used on the decision loop only.
+// The game is asked again and again while somebody looks, and stops by itself otherwise. A view is
+// passed on and not kept. Used on the decision loop only.
 #pragma once
 
-#include <grpcpp/support/byte_buffer.h>
-
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/sessions/decision_loop.h"
-#include "server/watch/watch_hub.h"
-#include "sweepstake/v1/telemetry.pb.h"
+#include "server/sessions/client_messages.h"
+#include "server/sessions/common/decision_loop.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
 class ClientStream;
 
-// One who looks.
+// Somebody who looks.
 class BoxViewer {
  public:
   virtual ~BoxViewer() = default;
 
-  // The newest view, as an encoded WatchBoxesResponse.
-  virtual void OnView(const grpc::ByteBuffer& message) = 0;
-  // There will be no more views. It is not a viewer any more.
+  // The newest view.
+  virtual void OnView(const BoxView& view) = 0;
+  // No more views follow. The viewer has been removed.
   virtual void OnEnd(const absl::Status& status) = 0;
 };
 
@@ -36,7 +34,7 @@ class BoxViews {
   static constexpr uint32_t kIntervalMs = 250;
   static constexpr uint32_t kUntilMs = 5'000;
 
-  BoxViews(DecisionLoop& loop, watch::WatchHub& hub) : loop_(loop), hub_(hub) {}
+  explicit BoxViews(DecisionLoop& loop) : loop_(loop) {}
   ~BoxViews() { End(); }
   BoxViews(const BoxViews&) = delete;
   BoxViews& operator=(const BoxViews&) = delete;
@@ -47,24 +45,24 @@ class BoxViews {
   // The session has ended.
   void End();
 
-  // Errors: FAILED_PRECONDITION (the game does not show its boxes), RESOURCE_EXHAUSTED (kMaxViewers
-  // look already).
+  // Errors: FAILED_PRECONDITION (the game does not show its boxes), RESOURCE_EXHAUSTED (there are
+  // kMaxViewers already).
   absl::Status Add(BoxViewer& viewer);
-  // Does nothing if it is not one of them.
+  // Does nothing if it was not added.
   void Remove(BoxViewer& viewer);
-  // A view that passed CheckRequest; dropped if nobody looks.
-  void OnView(const v1::BoxView& view);
+  // Drops the view if nobody looks.
+  void OnView(const BoxView& view);
 
  private:
-  // Asks the game, and again before that has run out.
+  // Asks the game, and again before the request runs out.
   void Ask();
 
   DecisionLoop& loop_;
-  watch::WatchHub& hub_;
   ClientStream* link_ = nullptr;  // null: the game is away
   bool shows_ = false;
   std::vector<BoxViewer*> viewers_;
-  std::shared_ptr<uint64_t> turn_ = std::make_shared<uint64_t>(0);  // timers of others are ignored
+  // The number of the latest request. Timers of earlier ones do nothing.
+  std::shared_ptr<uint64_t> turn_ = std::make_shared<uint64_t>(0);
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -1,5 +1,5 @@
-// Which lost session leaves memory next where there is no room. Not thread-safe; each operation
-// takes logarithmic time.
+// The order in which lost sessions leave memory to make room. Not thread-safe; each operation takes
+// logarithmic time.
 #pragma once
 
 #include <compare>
@@ -9,16 +9,16 @@
 #include <string>
 #include <utility>
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
-// What a lost session has not on disk, in the order in which they leave.
+// The part of a lost session that is not on disk, in the order in which sessions leave.
 enum class LostState : uint8_t {
-  kSettled,    // nothing
-  kUnsettled,  // what its client sends again
-  kEnding,     // what nobody sends again: it must not leave before that is on disk
+  kSettled,    // none
+  kUnsettled,  // evidence that its client sends again
+  kEnding,     // evidence that nobody sends again: the session stays until it is on disk
 };
 
-// Of a state, the one that was lost first is the first.
+// In each state, the session that was lost first leaves first.
 struct LostRank {
   LostState state = LostState::kSettled;
   uint64_t number = 0;  // of the loss, unique
@@ -33,7 +33,7 @@ class LostSessions {
     of_token_.emplace(std::pair(token_id, rank), session_id);
     all_.emplace(rank, std::move(session_id));
   }
-  // Removes the session that was added so.
+  // Removes the session that was added with these arguments.
   void Remove(int64_t token_id, LostRank rank) {
     all_.erase(rank);
     of_token_.erase({token_id, rank});
@@ -52,4 +52,4 @@ class LostSessions {
   std::map<std::pair<int64_t, LostRank>, std::string> of_token_;
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

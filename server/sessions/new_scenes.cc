@@ -4,7 +4,7 @@
 
 #include "server/sessions/scene_quota.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 template <typename Counts, typename Key>
@@ -71,4 +71,4 @@ size_t NewScenes::size() const {
   return count;
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

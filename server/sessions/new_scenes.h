@@ -1,5 +1,5 @@
-// The scenes of sessions in memory that the store does not have yet, and the projects of these. It
-// gets them with their first evidence, so that they count against the quotas from the Hello on.
+// The scenes of sessions in memory that the store does not have yet, and their projects. The store
+// gets a scene with its first evidence; here it counts against the quotas from the Hello on.
 //
 // Used on the decision loop only. It outlives its holds.
 #pragma once
@@ -11,26 +11,27 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
-#include "server/rpc/common/options.h"
+#include "server/sessions/common/options.h"
 #include "server/sessions/prior_store.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
-// What the store says about a scene that it does not have. Read on its writing thread, and told to
-// the loop with PostLater, it has the scenes that were forgotten here until then, and no other.
+// The store's counts for a scene that it does not have. They are read on its writing thread and
+// posted to the loop with PostLater, so they include exactly the scenes that were forgotten here
+// until then.
 struct UnstoredScene {
-  priors::SceneCount stored = {};  // what it has of the project
-  bool new_name = true;  // no other machine class or reward version of it is stored, either
-  // Present if it has nothing of the project, as far as is known: where the store cannot say, 0, so
-  // that the projects that are held count at least.
+  priors::SceneCount stored = {};  // of the project
+  bool new_name = true;            // no machine class or reward version of the scene is stored
+  // Stored projects; present if this project is not stored. 0 if the store cannot be read, so that
+  // at least the projects in memory count.
   std::optional<uint64_t> project_count;
 };
 
 class NewScenes {
  public:
-  explicit NewScenes(const RpcOptions& options) : options_(options) {}
+  explicit NewScenes(const SessionOptions& options) : options_(options) {}
 
-  // One session's part in a scene. Movable.
+  // One session's claim to a scene. Movable.
   class Hold {
    public:
     Hold(NewScenes& scenes, priors::SceneKey scene) : scenes_(&scenes), scene_(std::move(scene)) {}
@@ -40,7 +41,7 @@ class NewScenes {
     ~Hold() {
       if (scenes_ != nullptr) scenes_->Release(scene_);
     }
-    // The store has the scene now, whoever else holds it.
+    // The store has the scene now: all holds of it end.
     void OnStored() {
       if (scenes_ != nullptr) std::exchange(scenes_, nullptr)->Forget(scene_);
     }
@@ -50,19 +51,19 @@ class NewScenes {
     priors::SceneKey scene_;
   };
 
-  // Error: RESOURCE_EXHAUSTED (with this one the project would have more scenes than it may, or the
-  // store more projects).
+  // Error: RESOURCE_EXHAUSTED (the project would have too many scenes, or the store too many
+  // projects).
   absl::StatusOr<Hold> Take(const priors::SceneKey& scene, const UnstoredScene& unstored);
 
-  // The store has the scene now, whoever holds it.
+  // The store has the scene now: all holds of it end.
   void Forget(const priors::SceneKey& scene);
-  // Returns how many scenes are held, of all projects.
+  // Returns how many scenes of all projects are held.
   size_t size() const;
 
  private:
   struct Project {
     bool stored = false;  // the store has other scenes of it
-    // How many sessions hold each.
+    // The number of sessions that hold each scene.
     std::map<std::string, uint32_t> names;
     std::map<priors::SceneKey, uint32_t> keys;
   };
@@ -71,8 +72,8 @@ class NewScenes {
 
   void Release(const priors::SceneKey& scene);
 
-  const RpcOptions& options_;
+  const SessionOptions& options_;
   std::map<std::string, Project> projects_;
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

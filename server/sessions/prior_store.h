@@ -22,6 +22,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "engine_client/decider/pooling/prior_record.h"
+#include "engine_client/decider/pooling/scene_prior.h"
 #include "server/sessions/audit_rows.h"
 
 namespace sweepstake::priors {
@@ -112,6 +113,18 @@ struct SceneKey {
   friend auto operator<=>(const SceneKey&, const SceneKey&) = default;
 };
 
+// Returns the key of an arm's evidence about the scene.
+inline EvidenceKey EvidenceKeyOf(const SceneKey& scene, const std::string& arm,
+                                 uint32_t backend_version, std::string_view measured_by) {
+  return {.project = scene.project,
+          .scene = scene.scene,
+          .measured_by = std::string(measured_by),
+          .arm = arm,
+          .backend_version = backend_version,
+          .machine_class = scene.machine_class,
+          .reward_version = scene.reward_version};
+}
+
 // The evidence of every arm of one scene, summed over sources.
 struct SceneEvidence {
   struct Arm {
@@ -144,7 +157,14 @@ inline SceneEvidence::Arm& SceneEvidence::ArmOf(const std::string& name, uint32_
                       {.name = name, .backend_version = backend_version, .live = {}, .lane = {}});
 }
 
-// Of so many sources a store asks when they taught last: of each arm, live and in the lane.
+// Returns the arm's evidence as decision::PriorFor reads it.
+inline decision::ArmEvidence EvidenceOf(const SceneEvidence::Arm& arm) {
+  return {.live = {arm.live.alpha, arm.live.beta},
+          .lane = {arm.lane.alpha, arm.lane.beta},
+          .bail_out_count = arm.live.bail_out_count};
+}
+
+// Number of latest sources, per arm and kind, whose age is looked up.
 inline constexpr uint32_t kSourcesOfAge = 8;
 
 // What one source taught about one scene on one class of machines.

@@ -2,24 +2,24 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/session/session_setup.h"
-#include "server/rpc/common/error_reasons.h"
+#include "server/sessions/common/reasons.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
-absl::Status CheckProjectCount(uint64_t count, const RpcOptions& options) {
+absl::Status CheckProjectCount(uint64_t count, const SessionOptions& options) {
   const uint32_t max_projects = options.max_projects;
   if (count <= max_projects) return absl::OkStatus();
-  return Refused(v1::ERROR_REASON_TOO_MANY_PROJECTS,
+  return Refused(reasons::kTooManyProjects,
                  absl::StrCat("this daemon has ", max_projects,
                               " projects (max_projects); name the project alike in every session, "
                               "or raise --max-projects"));
 }
 
-absl::Status CheckSceneCount(const priors::SceneCount& count, const RpcOptions& options) {
+absl::Status CheckSceneCount(const priors::SceneCount& count, const SessionOptions& options) {
   const uint32_t max_scenes = options.max_scenes;
   if (count.names <= max_scenes && count.keys <= uint64_t{max_scenes} * SceneQuota::kKeysPerScene)
     return absl::OkStatus();
-  return Refused(v1::ERROR_REASON_TOO_MANY_SCENES,
+  return Refused(reasons::kTooManyScenes,
                  absl::StrCat("the project has ", max_scenes, " scenes (max_scenes), of ",
                               SceneQuota::kKeysPerScene,
                               " machine classes on average; name scenes alike in every session, or "
@@ -38,7 +38,7 @@ absl::Status SceneQuota::Add(const priors::SceneKey& scene, const ArmKey& arm) {
     return absl::OkStatus();
   }
   return Refused(
-      v1::ERROR_REASON_TOO_MANY_ARMS,
+      reasons::kTooManyArms,
       absl::StrCat("a scene may have ", decision::kMaxArms, " arms, of ", kVersionsPerArm,
                    " versions on average; name the arms alike in every session"));
 }
@@ -49,7 +49,7 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
   unstored_.reset();
   if (!stored.ok()) {
     unstored_.emplace();
-    // A damaged scene is there, and so is its project.
+    // A damaged scene still counts towards the quotas of scenes and projects.
     if (!absl::IsDataLoss(stored.status())) unstored_->project_count = 0;
     return absl::OkStatus();
   }
@@ -92,4 +92,4 @@ SceneQuota::Project& SceneQuota::FindProject(const std::string& name) {
   return project;
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

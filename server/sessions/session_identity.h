@@ -8,11 +8,11 @@
 #include "engine_client/decider/options.h"
 #include "server/sessions/prior_store.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
 struct SessionIdentity {
   std::string id;
-  int64_t token_id = 0;  // of the token that it began with; only that one may resume it
+  int64_t token_id = 0;  // of the token that it began with; only this token may resume it
   std::string build;     // of the game; empty if unknown
   priors::SceneKey scene;
   std::vector<std::string> arms;
@@ -20,7 +20,7 @@ struct SessionIdentity {
   uint64_t seed = 0;
   decision::DecisionOptions decision;      // time scale applied
   uint32_t audit_segment = 1;              // segment of the session's audit log
-  std::vector<std::string> prior_sources;  // whose evidence it began with, for the audit log
+  std::vector<std::string> prior_sources;  // describes the sources of its prior in the audit log
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

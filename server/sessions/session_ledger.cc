@@ -6,10 +6,10 @@
 #include <random>
 #include <utility>
 
-#include "server/rpc/common/options.h"
-#include "server/sessions/unix_time.h"
+#include "server/sessions/common/options.h"
+#include "server/sessions/common/unix_time.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 // Returns a number that no other ledger has, of any daemon. Used on decision loops.
@@ -26,8 +26,9 @@ uint64_t UnixTimeS() { return static_cast<uint64_t>(std::max<int64_t>(0, priors:
 
 }  // namespace
 
-SessionLedger::SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
-                             priors::SourceProgress progress, CommitListener on_committed)
+SessionLedger::SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop,
+                             SessionCounters& counters, priors::SourceProgress progress,
+                             CommitListener on_committed)
     : store_(store),
       loop_(loop),
       counters_(counters),
@@ -163,4 +164,4 @@ void SessionLedger::OnCommitted(const absl::Status& status) {
   if (!offered_) CommitNext();
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -3,18 +3,19 @@
 // Evidence waits for a checkpoint, a moment at which it contains every message applied so far (a
 // tick). A checkpoint commits the evidence and the sequence number that it covers in one atomic
 // update. Acknowledged messages are therefore never lost, and resent ones are never counted twice.
-// What comes after a checkpoint is kept apart until the next, since a commit in between would write
-// it without the number of its message.
-// A session that has sent nothing yet is not in the store: the first checkpoint with a message puts
-// it there, and the rows of its audit log wait until then.
-// The rows of the session's audit log are in the same update; if the disk is too slow for them
-// (kMaxWaitingAuditBytes), the next ones are lost. At most one update is pending; later checkpoints
-// merge into one behind it, so the memory is bounded by the number of arms. A failed update is
-// offered again, unchanged, at the next checkpoint. If it has reached the disk after all, the store
-// recognises its number and ignores it.
+// Evidence after a checkpoint is kept apart until the next one, since a commit in between would
+// write it without the number of its message.
 //
-// Where another daemon has written the session since this one began it from the store, the store
-// refuses what is offered: then superseded() holds, and all that was not on disk is forgotten,
+// A session whose client has sent nothing is not in the store. The first checkpoint with a message
+// puts it there, and the rows of its audit log wait until then. These rows are part of the update;
+// if the disk is too slow for them (kMaxWaitingAuditBytes), further rows are lost.
+//
+// At most one update is pending. Later checkpoints merge into one behind it, so the memory is
+// bounded by the number of arms. A failed update is offered again, unchanged, at the next
+// checkpoint. If it reached the disk after all, the store recognises its number and ignores it.
+//
+// If another daemon has written the session since this one read it from the store, the store
+// refuses updates. Then superseded() is true, and everything that is not on disk is forgotten,
 // since the client sends it to the other daemon.
 //
 // It is used on the decision loop only. The store's callback posts to the loop and has only a weak
@@ -32,11 +33,11 @@
 #include <utility>
 #include <vector>
 
-#include "server/rpc/common/options.h"
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
+#include "server/sessions/common/options.h"
 #include "server/sessions/prior_store.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
 class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
  public:
@@ -46,14 +47,14 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
 
   // `progress` is the state in the store (commit_sequence 0: none). `on_committed` runs on the loop
   // after each commit.
-  SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
+  SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, SessionCounters& counters,
                 priors::SourceProgress progress, CommitListener on_committed);
   ~SessionLedger();
   SessionLedger(const SessionLedger&) = delete;
   SessionLedger& operator=(const SessionLedger&) = delete;
 
   void Add(const priors::KeyedEvidence& increment);
-  // Says where the source comes from, before the first offer.
+  // Sets the origin of the source. REQUIRES: nothing was offered yet.
   void SetOrigin(priors::SourceOrigin origin) { origin_ = std::move(origin); }
   // `head` identifies the session's audit log; it has no rows.
   void StartAudit(priors::AuditRows head) { audit_ = std::move(head); }
@@ -73,7 +74,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   void Retry() { CommitNext(); }
 
   uint64_t durable_sequence() const { return durable_sequence_; }
-  // Appends what waits for the disk, as it is to be committed.
+  // Appends the updates that are not on disk.
   void AppendWaiting(std::vector<priors::SourceUpdate>& updates) const;
   // Returns whether there is evidence since the checkpoint.
   bool open() const { return !open_.empty(); }
@@ -96,7 +97,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
 
   priors::AsyncPriorStore& store_;
   DecisionLoop& loop_;
-  Counters& counters_;
+  SessionCounters& counters_;
   const CommitListener on_committed_;
 
   priors::SourceProgress progress_;  // progress at the latest checkpoint
@@ -116,4 +117,4 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   bool superseded_ = false;
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -1,22 +1,16 @@
 #include "server/sessions/session_start.h"
 
-#include <openssl/crypto.h>
-#include <openssl/hmac.h>
-#include <openssl/sha.h>
-
 #include <algorithm>
 #include <string_view>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "engine_client/decider/session/policy_registry.h"
-#include "server/rpc/common/error_reasons.h"
-#include "server/rpc/common/proto_conversion.h"
+#include "server/sessions/common/reasons.h"
 #include "server/sessions/scene_quota.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 using decision::ArmRecord;
@@ -27,53 +21,34 @@ using priors::EvidenceKey;
 constexpr uint32_t kMaxOtherScenes = 200;
 constexpr int kMaxOtherPages = 5;
 
-std::string NewSessionId(const RpcOptions& options) {
+std::string NewSessionId(const SessionOptions& options) {
   const uint64_t first = options.random_bits();
   return absl::StrFormat("%016x%016x", first, options.random_bits());
 }
 
-// The id of the token is in the clear behind the HMAC; 0 leaves it out.
-std::string ResumeTokenOf(const std::string& session_id, int64_t token_id,
-                          const RpcOptions& options) {
-  const std::string suffix = token_id == 0 ? "" : absl::StrCat("/", token_id);
-  const std::string ids = session_id + suffix;
-  std::string token(EVP_MAX_MD_SIZE, '\0');
-  unsigned int size = 0;
-  HMAC(EVP_sha256(), options.resume_secret.data(), static_cast<int>(options.resume_secret.size()),
-       reinterpret_cast<const unsigned char*>(ids.data()), ids.size(),
-       reinterpret_cast<unsigned char*>(token.data()), &size);
-  token.resize(size);
-  return token + suffix;
-}
-
-std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
+std::vector<EvidenceKey> KeysOf(const Hello& hello) {
   std::vector<EvidenceKey> keys;
-  for (const v1::Arm& arm : hello.arms()) {
+  for (const ArmKey& arm : hello.arms) {
     for (const std::string_view by : {std::string_view(), decision::kLaneName})
-      keys.push_back(EvidenceKeyOf(FromProto(hello), arm.name(), arm.backend_version(), by));
+      keys.push_back(EvidenceKeyOf(hello.scene, arm.name, arm.backend_version, by));
   }
   return keys;
 }
 
-bool StartsFromPriors(const v1::Hello& hello) {
-  return decision::PolicyKindOf(hello.policy(), decision::ShippedPolicies()).starts_from_priors;
+bool StartsFromPriors(const Hello& hello) {
+  return decision::PolicyKindOf(hello.policy, decision::ShippedPolicies()).starts_from_priors;
 }
 
-decision::PriorKey PriorKeyOf(const v1::Hello& hello, const StoredStart& start) {
-  decision::PriorKey key{.project = hello.project(),
-                         .scene = hello.scene(),
-                         .machine_class = hello.machine_class(),
-                         .reward_version = FromProto(hello).reward_version,
-                         .build = hello.build(),
-                         .source = start.source ? start.source->progress.source_id : "",
-                         .arms = {},
-                         .backend_versions = {},
-                         .compares_sources = StartsFromPriors(hello)};
-  for (const v1::Arm& arm : hello.arms()) {
-    key.arms.push_back(arm.name());
-    key.backend_versions.push_back(arm.backend_version());
-  }
-  return key;
+decision::PriorKey PriorKeyOf(const Hello& hello, const StoredStart& start) {
+  return {.project = hello.scene.project,
+          .scene = hello.scene.scene,
+          .machine_class = hello.scene.machine_class,
+          .reward_version = hello.scene.reward_version,
+          .build = hello.build,
+          .source = start.source ? start.source->progress.source_id : "",
+          .arms = ArmNamesOf(hello),
+          .backend_versions = BackendVersionsOf(hello),
+          .compares_sources = StartsFromPriors(hello)};
 }
 
 // What was read from the store, and records that borrow its strings.
@@ -120,13 +95,13 @@ struct StoredEvidence {
 };
 
 // Adds the sources of the scene. The session's own evidence is already there.
-absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello,
-                        const StoredStart& start, StoredEvidence& stored) {
-  auto sources = store.LoadSources(FromProto(hello));
+absl::Status AddSources(priors::PriorReader& store, const Hello& hello, const StoredStart& start,
+                        StoredEvidence& stored) {
+  auto sources = store.LoadSources(hello.scene);
   if (!sources.ok()) return sources.status();
   stored.sources = *std::move(sources);
   for (const priors::SceneSource& source : stored.sources) {
-    if (!start.source || source.id != hello.session_id())
+    if (!start.source || source.id != hello.session_id)
       stored.Add(source.evidence, source.id, source.build, /*source_count=*/1);
   }
   return absl::OkStatus();
@@ -134,8 +109,8 @@ absl::Status AddSources(priors::PriorReader& store, const v1::Hello& hello,
 
 // Reads the sums of all sources, for policies whose rewards cannot be compared between sources. The
 // session's own evidence is among them.
-absl::Status AddSums(priors::PriorReader& store, const v1::Hello& hello, StoredEvidence& stored) {
-  auto scene = store.LoadScene(FromProto(hello));
+absl::Status AddSums(priors::PriorReader& store, const Hello& hello, StoredEvidence& stored) {
+  auto scene = store.LoadScene(hello.scene);
   if (!scene.ok()) return scene.status();
   stored.sum = *std::move(scene);
   if (!stored.sum) return absl::OkStatus();
@@ -144,9 +119,9 @@ absl::Status AddSums(priors::PriorReader& store, const v1::Hello& hello, StoredE
   return absl::OkStatus();
 }
 
-absl::Status AddOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
+absl::Status AddOtherScenes(priors::PriorReader& store, const Hello& hello,
                             StoredEvidence& stored) {
-  const priors::SceneKey scene = FromProto(hello);
+  const priors::SceneKey& scene = hello.scene;
   uint32_t of_class_count = 0;
   std::optional<priors::SceneKey> after;
   for (int page = 0; page < kMaxOtherPages && of_class_count < kMaxOtherScenes; ++page) {
@@ -192,18 +167,18 @@ bool LacksArms(const decision::Prior& prior) {
 
 // Sets the prior, which includes the session's own evidence. Other scenes are read only if they can
 // say something new, and not on the writing thread, where reading them would delay commits.
-absl::Status LoadPrior(priors::PriorReader& store, const v1::Hello& hello, bool is_writing_thread,
+absl::Status LoadPrior(priors::PriorReader& store, const Hello& hello, bool is_writing_thread,
                        StoredStart& start) {
   const decision::PriorKey key = PriorKeyOf(hello, start);
   StoredEvidence stored;
-  if (start.source) stored.AddOwn(*start.source, hello.build());
+  if (start.source) stored.AddOwn(*start.source, hello.build);
   absl::Status status;
-  if (!hello.ignore_priors()) {
+  if (!hello.ignores_priors) {
     status = key.compares_sources ? AddSources(store, hello, start, stored)
                                   : AddSums(store, hello, stored);
   }
   start.prior = decision::PriorFor(stored.records, key);
-  const bool reads_others = status.ok() && !hello.ignore_priors() && !is_writing_thread;
+  const bool reads_others = status.ok() && !hello.ignores_priors && !is_writing_thread;
   if (reads_others && key.compares_sources && LacksArms(start.prior)) {
     status = AddOtherScenes(store, hello, stored);
     if (status.ok()) start.prior = decision::PriorFor(stored.records, key);
@@ -218,28 +193,37 @@ bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>
   });
 }
 
-decision::DecisionOptions OptionsOf(const v1::Hello& hello, const RpcOptions& options) {
-  decision::DecisionOptions scaled = options.decision;
-  scaled.policy = hello.policy();
-  return hello.time_scale() > 1 ? scaled.Scaled(hello.time_scale()) : scaled;
+// Sets `refusal` and `new_scene`.
+void CheckQuota(priors::PriorReader& store, const Hello& hello, const SessionOptions& options,
+                bool counts, StoredStart& start) {
+  SceneQuota quota(store, options, counts);
+  for (const ArmKey& arm : hello.arms) {
+    start.refusal = quota.Add(hello.scene, arm);
+    if (!start.refusal.ok()) return;
+  }
+  start.new_scene = quota.unstored();
 }
 
-SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start, int64_t token_id,
-                           const RpcOptions& options) {
+decision::DecisionOptions OptionsOf(const Hello& hello, const SessionOptions& options) {
+  decision::DecisionOptions scaled = options.decision;
+  scaled.policy = hello.policy;
+  return hello.time_scale > 1 ? scaled.Scaled(hello.time_scale) : scaled;
+}
+
+SessionIdentity IdentityOf(const Hello& hello, const StoredStart& start, int64_t token_id,
+                           const SessionOptions& options) {
   SessionIdentity identity;
   identity.token_id = token_id;
-  identity.build = hello.build();
+  identity.build = hello.build;
   identity.prior_sources = start.prior_sources;
   identity.id = start.source             ? start.source->progress.source_id
                 : !start.kept_id.empty() ? start.kept_id
                                          : NewSessionId(options);
-  identity.scene = FromProto(hello);
-  for (const v1::Arm& arm : hello.arms()) {
-    identity.arms.push_back(arm.name());
-    identity.backend_versions.push_back(arm.backend_version());
-  }
+  identity.scene = hello.scene;
+  identity.arms = ArmNamesOf(hello);
+  identity.backend_versions = BackendVersionsOf(hello);
   // The seed determines the order of exploration, so a resumed session keeps its seed.
-  identity.seed = hello.seed() != 0 ? hello.seed() : options.random_bits();
+  identity.seed = hello.seed != 0 ? hello.seed : options.random_bits();
   if (start.source) {
     identity.seed = start.source->progress.seed;
     identity.audit_segment = start.source->audit_segment + 1;
@@ -248,16 +232,16 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start, int
   return identity;
 }
 
-decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& identity,
+decision::SessionSetup SetupOf(const Hello& hello, const SessionIdentity& identity,
                                const StoredStart& start, int64_t now_ns) {
   decision::SessionSetup setup;
   setup.options = identity.decision;
   setup.arms = identity.arms;
   setup.priors = start.prior.posteriors();
   setup.seed = identity.seed;
-  setup.mode = FromProto(hello.mode());
-  setup.active_arm = hello.active_arm();
-  setup.switch_epoch = hello.switch_epoch();
+  setup.mode = hello.mode;
+  setup.active_arm = hello.active_arm;
+  setup.switch_epoch = hello.switch_epoch;
   setup.start_ns = now_ns;
   if (start.source) {
     const auto arm_count = static_cast<uint32_t>(setup.arms.size());
@@ -269,38 +253,39 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
 
 }  // namespace
 
-StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const RpcOptions& options,
-                      bool counts) {
+StoredStart LoadStart(priors::PriorReader& store, const Hello& hello, const SessionOptions& options,
+                      bool is_writing_thread) {
   StoredStart start;
-  SceneQuota quota(store, options, counts);
-  for (const v1::Arm& arm : hello.arms()) {
-    start.refusal = quota.Add(FromProto(hello), {arm.name(), arm.backend_version()});
-    if (!start.refusal.ok()) return start;
-  }
-  start.new_scene = quota.unstored();
-  if (!hello.session_id().empty()) {
-    auto source = store.LoadSource(hello.session_id());
+  CheckQuota(store, hello, options, /*counts=*/false, start);
+  if (!start.refusal.ok()) return start;
+  if (!hello.session_id.empty()) {
+    auto source = store.LoadSource(hello.session_id);
     if (!source.ok()) {
       start.status = source.status();
     } else if (!source->has_value()) {
-      if (options.shares_store) start.kept_id = hello.session_id();
+      if (options.shares_store) start.kept_id = hello.session_id;
     } else if (BelongsTo(**source, KeysOf(hello))) {
       start.source = *std::move(source);
     }
   }
-  start.status.Update(LoadPrior(store, hello, /*is_writing_thread=*/counts, start));
+  start.status.Update(LoadPrior(store, hello, is_writing_thread, start));
   return start;
 }
 
-absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context,
-                                                         const v1::Hello& hello,
+void CountScene(priors::PriorReader& store, const Hello& hello, const SessionOptions& options,
+                StoredStart& start) {
+  if (start.new_scene) CheckQuota(store, hello, options, /*counts=*/true, start);
+}
+
+absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(const SessionContext& context,
+                                                         const Hello& hello,
                                                          const StoredStart& start,
                                                          int64_t token_id) {
   SessionIdentity identity = IdentityOf(hello, start, token_id, context.options);
   const decision::SessionSetup setup =
       SetupOf(hello, identity, start, context.loop.clock().NowNs());
   if (const auto problem = decision::Validate(setup, decision::ShippedPolicies()))
-    return Refused(v1::ERROR_REASON_INVALID_MESSAGE, *problem);
+    return Refused(reasons::kInvalidMessage, *problem);
   StoredSession stored;
   if (start.source) {
     stored.progress = start.source->progress;
@@ -312,54 +297,4 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
   return GameSession::Create(context, std::move(identity), setup, stored);
 }
 
-std::optional<int64_t> TokenOfSession(const v1::Hello& hello, const RpcOptions& options) {
-  const std::string& given = hello.resume_token();
-  int64_t token_id = 0;
-  if (given.size() > SHA256_DIGEST_LENGTH &&
-      !absl::SimpleAtoi(given.substr(SHA256_DIGEST_LENGTH + 1), &token_id)) {
-    return std::nullopt;
-  }
-  const std::string token = ResumeTokenOf(hello.session_id(), token_id, options);
-  if (given.size() != token.size() ||
-      CRYPTO_memcmp(given.data(), token.data(), token.size()) != 0) {
-    return std::nullopt;
-  }
-  return token_id;
-}
-
-bool CanResume(const GameSession& session, const v1::Hello& hello) {
-  const SessionIdentity& identity = session.identity();
-  bool same = !session.ended() && identity.scene == FromProto(hello) &&
-              identity.arms.size() == static_cast<size_t>(hello.arms_size());
-  for (int i = 0; same && i < hello.arms_size(); ++i) {
-    same = identity.arms[static_cast<size_t>(i)] == hello.arms(i).name() &&
-           identity.backend_versions[static_cast<size_t>(i)] == hello.arms(i).backend_version();
-  }
-  return same;
-}
-
-uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count) {
-  const uint32_t alone = std::clamp(decision_interval_ms / 8, 1u, 250u);
-  const uint64_t shared = std::min<uint64_t>(stream_count / 10, decision_interval_ms / 2);
-  return std::max(alone, static_cast<uint32_t>(shared));
-}
-
-v1::Welcome WelcomeOf(const GameSession& session, const v1::Hello& hello, bool resumed,
-                      uint64_t stream_count, const RpcOptions& options) {
-  v1::Welcome welcome;
-  welcome.set_protocol_version(std::min(hello.protocol_version(), kMaxProtocolVersion));
-  if (Has(hello, v1::CAPABILITY_OPERATOR_ORDERS))
-    welcome.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
-  if (Has(hello, v1::CAPABILITY_BOX_VIEW)) welcome.add_capabilities(v1::CAPABILITY_BOX_VIEW);
-  ToProto(session.identity(), session.decisions().posteriors(), options, welcome);
-  welcome.set_batch_interval_ms(BatchIntervalMs(welcome.decision_interval_ms(), stream_count));
-  welcome.set_resume_token(
-      ResumeTokenOf(session.identity().id, session.identity().token_id, options));
-  welcome.set_resumed(resumed);
-  welcome.set_acknowledged_sequence(session.durable_sequence());
-  welcome.set_prior_source_count(session.prior_source_count().value_or(0));
-  welcome.set_priors_unavailable(!session.prior_source_count());
-  return welcome;
-}
-
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/rpc/common/error_reasons.h"
-#include "server/sessions/unix_time.h"
+#include "server/sessions/common/reasons.h"
+#include "server/sessions/common/unix_time.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 constexpr int64_t kSweepIntervalNs = 2'000'000'000;
@@ -24,14 +24,14 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
   const int64_t token_id = session->identity().token_id;
   const auto held = token_counts_.find(token_id);
   if (token_id != 0 && held != token_counts_.end() &&
-      held->second >= options_.max_sessions_per_token && !MakeRoom(token_id)) {
-    return Refused(v1::ERROR_REASON_TOO_MANY_SESSIONS,
+      held->second >= context_.options.max_sessions_per_token && !MakeRoom(token_id)) {
+    return Refused(reasons::kTooManySessions,
                    absl::StrCat("this token has ", held->second,
                                 " sessions, as many as it may (max_sessions_per_token); end some, "
                                 "or use another token"));
   }
-  if (entries_.size() >= options_.max_sessions && !MakeRoom(std::nullopt)) {
-    return Refused(v1::ERROR_REASON_TOO_MANY_SESSIONS,
+  if (entries_.size() >= context_.options.max_sessions && !MakeRoom(std::nullopt)) {
+    return Refused(reasons::kTooManySessions,
                    "this daemon has as many sessions as it may; try again later, or use another");
   }
   ++token_counts_[token_id];
@@ -79,7 +79,7 @@ void SessionTable::Kick(GameSession& session, bool may_return) {
   if (!may_return) RememberKick(session.identity().id);
   session.Kick(may_return);
   const auto found = entries_.find(session.identity().id);
-  // That of a lost one would otherwise stay until nobody may resume it any more.
+  // A lost session would otherwise stay until the end of its resume window.
   if (!may_return && found != entries_.end() && found->second.lost) LookAt(kept->identity().id);
 }
 
@@ -99,50 +99,48 @@ absl::Status SessionTable::CheckKicked(const std::string& id) const {
   return kicked_.contains(id) ? SessionKicked() : absl::OkStatus();
 }
 
-std::optional<v1::SessionInfo> SessionTable::Describe(const std::string& id) const {
+std::optional<SessionView> SessionTable::Describe(const std::string& id) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return std::nullopt;
-  return InfoOf(found->second);
+  return ViewOf(found->second);
 }
 
-std::vector<v1::SessionInfo> SessionTable::List(const priors::SceneFilter& filter,
-                                                const std::string& after, size_t limit) const {
-  std::vector<v1::SessionInfo> sessions;
+std::vector<SessionView> SessionTable::List(const priors::SceneFilter& filter,
+                                            const std::string& after, size_t limit) const {
+  std::vector<SessionView> sessions;
   for (auto next = entries_.upper_bound(after); next != entries_.end() && sessions.size() < limit;
        ++next) {
     const priors::SceneKey& scene = next->second.session->identity().scene;
-    if (filter.Matches(scene.project, scene.scene)) sessions.push_back(InfoOf(next->second));
+    if (filter.Matches(scene.project, scene.scene)) sessions.push_back(ViewOf(next->second));
   }
   return sessions;
 }
 
-v1::SessionInfo SessionTable::InfoOf(const Entry& entry) const {
+SessionView SessionTable::ViewOf(const Entry& entry) const {
   const GameSession& session = *entry.session;
   const decision::DecisionSession& decisions = session.decisions();
   const auto unix_ms = [&](int64_t time_ns) {
-    return (priors::UnixNowNs() - (loop_.clock().NowNs() - time_ns)) / 1'000'000;
+    return (priors::UnixNowNs() - (context_.loop.clock().NowNs() - time_ns)) / 1'000'000;
   };
-  v1::SessionInfo info;
-  info.set_session_id(session.identity().id);
-  info.set_project(session.identity().scene.project);
-  info.set_scene(session.identity().scene.scene);
-  info.set_build(entry.client.build);
-  info.set_client_address(entry.client.address);
-  info.set_state(session.ended()         ? v1::SESSION_STATE_ENDING
-                 : entry.link != nullptr ? v1::SESSION_STATE_CONNECTED
-                                         : v1::SESSION_STATE_LOST);
-  info.set_active_arm(session.identity().arms[decisions.active_arm()]);
-  info.set_mode(static_cast<v1::Mode>(decisions.mode()));
-  info.set_unix_start_ms(unix_ms(decisions.setup().start_ns));
-  if (session.last_message_ns()) info.set_unix_last_message_ms(unix_ms(*session.last_message_ns()));
-  info.set_dropped_frame_count(session.dropped_frame_count());
-  return info;
+  SessionView view;
+  view.id = session.identity().id;
+  view.scene = session.identity().scene;
+  view.client = entry.client;
+  view.state = session.ended()         ? SessionState::kEnding
+               : entry.link != nullptr ? SessionState::kConnected
+                                       : SessionState::kLost;
+  view.active_arm = session.identity().arms[decisions.active_arm()];
+  view.mode = decisions.mode();
+  view.unix_start_ms = unix_ms(decisions.setup().start_ns);
+  if (session.last_message_ns()) view.unix_last_message_ms = unix_ms(*session.last_message_ns());
+  view.dropped_frame_count = session.dropped_frame_count();
+  return view;
 }
 
 void SessionTable::Lose(Entry& entry) {
-  const int64_t now_ns = loop_.clock().NowNs();
-  entry.resumable_until_ns = now_ns + options_.resume_window_ns;
-  entry.session->TellChange();
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  entry.resumable_until_ns = now_ns + context_.options.resume_window_ns;
+  entry.session->PublishChange();
   entry.rank.number = ++last_lost_number_;
   LookAgainAt(entry.session->settled() ? entry.resumable_until_ns : now_ns + kSweepIntervalNs,
               entry);
@@ -167,14 +165,14 @@ void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
 void SessionTable::ScheduleSweep() {
   if (sweep_scheduled_ || lost_.empty()) return;
   sweep_scheduled_ = true;
-  loop_.PostAt(loop_.clock().NowNs() + kSweepIntervalNs, [this] {
+  context_.loop.PostAt(context_.loop.clock().NowNs() + kSweepIntervalNs, [this] {
     sweep_scheduled_ = false;
     Sweep();
   });
 }
 
 void SessionTable::Sweep() {
-  const int64_t now_ns = loop_.clock().NowNs();
+  const int64_t now_ns = context_.loop.clock().NowNs();
   std::vector<std::string> due;
   for (const auto& [key, id] : lost_) {
     if (key.first > now_ns) break;
@@ -186,7 +184,7 @@ void SessionTable::Sweep() {
 
 void SessionTable::LookAt(const std::string& id) {
   Entry& entry = entries_.at(id);
-  const int64_t now_ns = loop_.clock().NowNs();
+  const int64_t now_ns = context_.loop.clock().NowNs();
   const bool over = now_ns >= entry.resumable_until_ns;
   if (over) entry.session->KeepOpenEvidence();
   const bool settled = entry.session->settled();
@@ -202,7 +200,7 @@ void SessionTable::Remove(const std::string& id) {
   if (found->second.lost) Recover(found->second);
   const auto count = token_counts_.find(found->second.session->identity().token_id);
   if (--count->second == 0) token_counts_.erase(count);
-  found->second.session->TellEnd();
+  found->second.session->PublishEnd();
   entries_.erase(found);
 }
 
@@ -239,4 +237,4 @@ uint32_t SessionTable::ActiveCount(const priors::SceneKey& scene) const {
   return found == active_counts_.end() ? 0 : found->second;
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

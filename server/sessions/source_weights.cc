@@ -7,7 +7,7 @@
 #include "engine_client/decider/pooling/prior.h"
 #include "engine_client/decider/pooling/source_prior.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 // Returns whether a session with the version `own` of the arm uses the source's evidence of the
@@ -64,4 +64,4 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
   return &scene;
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "server/sessions/prior_store.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
 // For lists of sources that people read. A scene is read once.
 class SourceWeights {
@@ -35,4 +35,4 @@ class SourceWeights {
   std::map<priors::SceneKey, Scene> scenes_;
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -4,7 +4,7 @@
 #include <random>
 #include <utility>
 
-#include "server/sessions/unix_time.h"
+#include "server/sessions/common/unix_time.h"
 
 namespace sweepstake::watch {
 namespace {
@@ -34,7 +34,7 @@ EventStamp WatchHub::NextStamp() {
   return {.boot = boot_, .sequence = ++last_sequence_, .unix_ms = priors::UnixNowMs()};
 }
 
-void WatchHub::OnSession(const std::string& session_id, const SessionChange& change) {
+void WatchHub::OnSession(const std::string& session_id, const sessions::SessionChange& change) {
   if (draining_ || std::none_of(session_listeners_.begin(), session_listeners_.end(),
                                 [](const auto* listener) { return listener->WatchesSessions(); }))
     return;
@@ -47,9 +47,9 @@ bool WatchHub::Watches(const SceneKey& scene) const {
                      [&](auto* listener) { return listener->Watches(scene); });
 }
 
-void WatchHub::OnDecision(const SceneKey& scene, const v1::DecisionEvent& event) {
+void WatchHub::OnDecision(const sessions::DecisionEvent& event) {
   for (WatchListener* listener : listeners_) {
-    if (listener->Watches(scene)) listener->OnDecision(scene, event);
+    if (listener->Watches(event.session.scene)) listener->OnDecision(event);
   }
   if (!draining_) ScheduleTick();
 }

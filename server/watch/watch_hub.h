@@ -21,10 +21,7 @@
 #include <vector>
 
 #include "server/sessions/prior_store.h"
-
-namespace sweepstake::v1 {
-class DecisionEvent;
-}
+#include "server/sessions/session_observer.h"
 
 namespace sweepstake::watch {
 
@@ -35,15 +32,7 @@ struct EventStamp {
   int64_t unix_ms = 0;
 };
 
-// Why a session is not there any more.
-enum class SessionEnd : uint8_t { kNone, kGoodbye, kKicked, kForgotten };
-
-// A change of a session. Whoever shows it asks for the rest.
-struct SessionChange {
-  priors::SceneKey scene;
-  SessionEnd end = SessionEnd::kNone;
-};
-using SessionChanges = std::map<std::string, SessionChange>;  // by session
+using SessionChanges = std::map<std::string, sessions::SessionChange>;  // by session
 
 // Is told which sessions have begun, ended or changed. It must not call the hub back.
 class SessionListener {
@@ -62,7 +51,7 @@ class WatchListener {
 
   virtual bool Watches(const priors::SceneKey& scene) = 0;
   // OnDecision and OnPosterior are called for watched scenes only.
-  virtual void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) = 0;
+  virtual void OnDecision(const sessions::DecisionEvent& event) = 0;
   // A tick begins, up to kIntervalNs after the decisions that it was not called for yet.
   virtual void OnTick() = 0;
   virtual void OnPosterior(const priors::SceneEvidence& scene) = 0;
@@ -70,9 +59,8 @@ class WatchListener {
   virtual void OnReset() = 0;
 };
 
-class WatchHub {
+class WatchHub final : public sessions::SessionObserver {
  public:
-  static constexpr int64_t kIntervalNs = 250'000'000;
   // Of the scenes that could not be read, so many are tried again at a tick.
   static constexpr size_t kReadsPerTick = 100;
   // Beyond it, scenes that are not changing are dropped and read again at their next change.
@@ -92,22 +80,13 @@ class WatchHub {
 
   // Returns the stamp of the next event.
   EventStamp NextStamp();
-  // Called when a session has begun, ended or changed.
-  void OnSession(const std::string& session_id, const SessionChange& change);
-
-  // Returns whether anybody watches this scene; if not, no decisions need to be told.
-  bool Watches(const priors::SceneKey& scene) const;
-  void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event);
-  // Called when increments have reached the disk. `new_source` says that they are the first of
-  // their session.
+  void OnSession(const std::string& session_id, const sessions::SessionChange& change) override;
+  bool Watches(const priors::SceneKey& scene) const override;
+  void OnDecision(const sessions::DecisionEvent& event) override;
   void OnEvidence(const priors::SceneKey& scene, std::span<const priors::KeyedEvidence> increments,
-                  bool new_source);
-  // Called when it is not known whether the scene's sums have the next increments already: they are
-  // read again with those.
-  void Forget(const priors::SceneKey& scene) { scenes_.erase(scene); }
-  // Called when the disk may have, or get, increments of the scene that nobody is going to tell of:
-  // its sums are read again, and told.
-  void Reload(const priors::SceneKey& scene);
+                  bool new_source) override;
+  void Forget(const priors::SceneKey& scene) override { scenes_.erase(scene); }
+  void Reload(const priors::SceneKey& scene) override;
   // Called when evidence was imported or revoked: forgets all sums.
   void Reset();
   // Tells no more posteriors and asks the store for nothing any more.

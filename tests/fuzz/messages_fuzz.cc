@@ -24,7 +24,7 @@ constexpr int64_t kTenthOfSecondNs = 100'000'000;
 class WatcherOfAll final : public watch::WatchListener {
  public:
   bool Watches(const priors::SceneKey&) override { return true; }
-  void OnDecision(const priors::SceneKey&, const v1::DecisionEvent&) override {}
+  void OnDecision(const sessions::DecisionEvent&) override {}
   void OnTick() override {}
   void OnPosterior(const priors::SceneEvidence&) override {}
   void OnReset() override {}

@@ -27,14 +27,14 @@
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/refusal_log.h"
 #include "server/rpc/common/role_table.h"
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 
 namespace sweepstake::rpc {
 
 class AccessControl {
  public:
   // It borrows all three.
-  AccessControl(const RpcOptions& options, const Clock& clock, spdlog::logger& log)
+  AccessControl(const RpcOptions& options, const sessions::Clock& clock, spdlog::logger& log)
       : options_(options), tokens_(options.tokens), clock_(clock), refusals_(clock, log) {}
 
   // Returns who calls. Errors: UNAUTHENTICATED (no token, or one that is not valid),
@@ -106,7 +106,7 @@ class AccessControl {
 
   const RpcOptions& options_;
   const auth::TokenDirectory* const tokens_;
-  const Clock& clock_;
+  const sessions::Clock& clock_;
   auth::FailureLimit failures_;
   auth::RateLimit reads_;
   auth::RateLimit hellos_;

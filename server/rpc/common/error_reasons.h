@@ -1,5 +1,5 @@
-// Makes the statuses that refuse a call or end a stream: each has a reason that programs can act
-// on. Pure functions, but for the counting.
+// Makes the statuses that refuse a call or end a stream. Each has a reason for programs to act on;
+// server/sessions/common/reasons.h has those of sessions. Pure functions, except for the counting.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 #include "server/rpc/common/options.h"
+#include "server/sessions/common/reasons.h"
 #include "sweepstake/v1/errors.pb.h"
 
 namespace sweepstake::rpc {
@@ -15,13 +16,13 @@ namespace sweepstake::rpc {
 absl::Status Refused(v1::ErrorReason reason, absl::string_view message);
 // Returns the reason of such a status; UNSPECIFIED if it has none.
 v1::ErrorReason ReasonOfRefusal(const absl::Status& status);
-// Returns an error of the store with a reason: its code, and with it what the client is to do,
-// stays.
+// Returns an error of the store with a reason. Its code stays, since it says what the client can
+// do.
 absl::Status StoreFailed(const absl::Status& status);
 
-// Returns the status as it goes to the client, with its reason in a google.rpc.ErrorInfo, and
-// counts that reason. A status without one counts as ERROR_REASON_UNSPECIFIED, unless it is OK or
-// CANCELLED: the latter is for clients that have gone.
+// Returns the status for the client, with its reason in a google.rpc.ErrorInfo, and counts the
+// reason. A status without a reason counts as ERROR_REASON_UNSPECIFIED, unless it is OK or
+// CANCELLED, which is the status of clients that have gone.
 grpc::Status ToGrpc(const absl::Status& status, Counters& counters);
 
 // Returns the name that the reason has in google.rpc.ErrorInfo.

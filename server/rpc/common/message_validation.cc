@@ -20,9 +20,6 @@ namespace {
 using text::IsName;
 using text::IsOptionalName;
 
-constexpr uint64_t kMinFrameNs = 1'000;
-constexpr uint64_t kMaxChecks = 1ull << 60;
-constexpr uint64_t kMaxNativeBytes = 1ull << 46;
 constexpr uint64_t kMaxSequence = (1ull << 63) - 1;
 // Two years at 1,000 frames/s; the counter holds the sum of 2^28 such reports.
 constexpr uint64_t kMaxDroppedFrames = 1ull << 36;
@@ -150,7 +147,7 @@ absl::Status CheckSwitchOutcome(const v1::SwitchOutcome& outcome, uint32_t arm_c
 }
 
 absl::Status CheckBoxView(const v1::BoxView& view) {
-  const bool fits = view.boxes().size() + view.pairs().size() <= kMaxBoxViewBytes &&
+  const bool fits = view.boxes().size() + view.pairs().size() <= sessions::kMaxBoxViewBytes &&
                     view.boxes().size() % 12 == 0 && view.pairs().size() % 4 == 0;
   if (!fits) return Invalid("a box view has a wrong number of bytes");
   const bool has_bounds = view.bounds_size() == (view.boxes().empty() ? 0 : 6) &&
@@ -163,12 +160,6 @@ absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
   if (request.has_goodbye() || request.has_box_view()) return absl::OkStatus();
   if (request.sequence() >= 1 && request.sequence() <= kMaxSequence) return absl::OkStatus();
   return Invalid("sequence must be 1 to 2^63 - 1 in every message but Hello, Goodbye and BoxView");
-}
-
-std::optional<RejectionReason> RejectionOfCounts(uint64_t check_count, uint64_t native_bytes) {
-  if (check_count >= kMaxChecks) return RejectionReason::kCheckCount;
-  if (native_bytes >= kMaxNativeBytes) return RejectionReason::kNativeBytes;
-  return std::nullopt;
 }
 
 }  // namespace
@@ -186,7 +177,9 @@ absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
 absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t arm_count) {
   if (request.has_hello())
     return Refused(v1::ERROR_REASON_MESSAGE_ORDER, "Hello was sent already on this stream");
-  if (request.message_case() == v1::StreamTelemetryRequest::MESSAGE_NOT_SET && !IsUnknown(request))
+  // A message of a newer protocol is an unknown field.
+  if (request.message_case() == v1::StreamTelemetryRequest::MESSAGE_NOT_SET &&
+      request.GetReflection()->GetUnknownFields(request).empty())
     return Invalid("the request has no message");
   if (absl::Status status = CheckSequence(request); !status.ok()) return status;
   switch (request.message_case()) {
@@ -203,33 +196,6 @@ absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t ar
     default:
       return absl::OkStatus();
   }
-}
-
-bool IsUnknown(const v1::StreamTelemetryRequest& request) {
-  switch (request.message_case()) {
-    case v1::StreamTelemetryRequest::MESSAGE_NOT_SET:
-      return !request.GetReflection()->GetUnknownFields(request).empty();
-    case v1::StreamTelemetryRequest::kSwitchOutcome:
-      return !v1::SwitchReason_IsValid(request.switch_outcome().reason());
-    case v1::StreamTelemetryRequest::kModeChange:
-      return !v1::Mode_IsValid(request.mode_change().mode());
-    default:
-      return false;
-  }
-}
-
-std::optional<RejectionReason> RejectionOf(const FrameSample& frame) {
-  if (frame.frame_time_ns < kMinFrameNs || frame.frame_time_ns > kMaxFrameNs)
-    return RejectionReason::kFrameTime;
-  if (frame.detection_time_ns > frame.frame_time_ns + frame.frame_time_ns / 100 + 1'000'000)
-    return RejectionReason::kDetectionTime;
-  return RejectionOfCounts(frame.aabb_check_count, frame.native_bytes);
-}
-
-std::optional<RejectionReason> RejectionOf(const ShadowSample& sample) {
-  if (sample.detection_time_ns > kMaxFrameNs) return RejectionReason::kDetectionTime;
-  if (sample.build_time_ns > kMaxFrameNs) return RejectionReason::kBuildTime;
-  return RejectionOfCounts(sample.aabb_check_count, sample.native_bytes);
 }
 
 absl::Status CheckPriorRecord(const v1::PriorRecord& record) {

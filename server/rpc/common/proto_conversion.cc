@@ -7,9 +7,11 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "engine_client/decider/policy/scene_diagnosis.h"
 #include "engine_client/decider/session/policy_registry.h"
+#include "server/sessions/resume_token.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -26,18 +28,24 @@ uint32_t Milliseconds(int64_t interval_ns) {
 }
 
 // Returns the registry's name, since options may call it "default".
-std::string PolicyNameOf(const SessionIdentity& identity) {
+std::string PolicyNameOf(const sessions::SessionIdentity& identity) {
   return std::string(
       decision::PolicyKindOf(identity.decision.policy, decision::ShippedPolicies()).name);
 }
 
-void ToProto(const watch::LogHistogram& histogram, v1::LogHistogram& message) {
+void ToProto(const sessions::LogHistogram& histogram, v1::LogHistogram& message) {
   uint32_t before = 0;
   for (const auto& [number, count] : histogram.buckets()) {
     message.add_bucket_steps(number - before);
     message.add_counts(count);
     before = number;
   }
+}
+
+void ToProto(const sessions::FrameHistograms& frames, v1::FrameMeasurements& message) {
+  ToProto(frames.frame_time_ns, *message.mutable_frame_time_ns());
+  ToProto(frames.detection_time_ns, *message.mutable_detection_time_ns());
+  ToProto(frames.native_bytes, *message.mutable_native_bytes());
 }
 
 }  // namespace
@@ -59,17 +67,6 @@ grpc::ByteBuffer Serialize(const google::protobuf::Message& message) {
                                  static_cast<int>(message.ByteSizeLong()));
   message.SerializeToZeroCopyStream(&writer);
   return bytes;
-}
-
-priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
-                                  uint32_t backend_version, std::string_view measured_by) {
-  return {.project = scene.project,
-          .scene = scene.scene,
-          .measured_by = std::string(measured_by),
-          .arm = arm,
-          .backend_version = backend_version,
-          .machine_class = scene.machine_class,
-          .reward_version = scene.reward_version};
 }
 
 void ToProto(const SwitchCommand& command, v1::SwitchCommand& message) {
@@ -124,12 +121,6 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message) {
   message.set_scene(key.scene);
   message.set_machine_class(key.machine_class);
   message.set_reward_version(key.reward_version);
-}
-
-decision::ArmEvidence EvidenceOf(const priors::SceneEvidence::Arm& arm) {
-  return {.live = {arm.live.alpha, arm.live.beta},
-          .lane = {arm.lane.alpha, arm.lane.beta},
-          .bail_out_count = arm.live.bail_out_count};
 }
 
 namespace {
@@ -211,8 +202,11 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   SetDiagnosis(arms, message);
 }
 
-void ToProto(const decision::DecisionRecord& record, const SessionIdentity& identity,
-             v1::DecisionEvent& message) {
+void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message) {
+  const sessions::SessionIdentity& identity = event.session;
+  const decision::DecisionRecord& record = event.record;
+  message.set_unix_ms(event.unix_ms);
+  if (event.measurements != nullptr) ToProto(*event.measurements, *message.mutable_measurements());
   message.set_session_id(identity.id);
   message.set_project(identity.scene.project);
   message.set_scene(identity.scene.scene);
@@ -235,16 +229,16 @@ void ToProto(const decision::DecisionRecord& record, const SessionIdentity& iden
     ToProto(record, arm, *message.add_standings());
 }
 
-void ToProto(const watch::FrameHistograms& frames, v1::FrameMeasurements& message) {
-  ToProto(frames.frame_time_ns, *message.mutable_frame_time_ns());
-  ToProto(frames.detection_time_ns, *message.mutable_detection_time_ns());
-  ToProto(frames.native_bytes, *message.mutable_native_bytes());
-}
-
-void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPosterior> posteriors,
+void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
              const RpcOptions& options, v1::Welcome& message) {
+  const sessions::SessionIdentity& identity = session.identity();
   const decision::DecisionOptions& decision = identity.decision;
+  if (hello.takes_orders) message.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
+  if (hello.shows_boxes) message.add_capabilities(v1::CAPABILITY_BOX_VIEW);
   message.set_session_id(identity.id);
+  message.set_resume_token(
+      sessions::ResumeTokenOf(identity.id, identity.token_id, options.resume_secret));
+  message.set_acknowledged_sequence(session.durable_sequence());
   message.set_max_batch_frames(kMaxBatchFrames);
   message.set_max_message_bytes(kMaxMessageBytes);
   message.set_decision_interval_ms(std::max(1u, Milliseconds(decision.decision_interval_ns)));
@@ -253,7 +247,33 @@ void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPost
   message.set_daemon_version(options.daemon_version);
   message.set_policy(PolicyNameOf(identity));
   message.set_seed(identity.seed);
-  for (const auto& posterior : posteriors) ToProto(posterior, *message.add_priors());
+  message.set_prior_source_count(session.prior_source_count().value_or(0));
+  message.set_priors_unavailable(!session.prior_source_count());
+  for (const auto& posterior : session.decisions().posteriors())
+    ToProto(posterior, *message.add_priors());
+}
+
+void ToProto(const sessions::SessionView& session, v1::SessionInfo& message) {
+  message.set_session_id(session.id);
+  message.set_project(session.scene.project);
+  message.set_scene(session.scene.scene);
+  message.set_build(session.client.build);
+  message.set_client_address(session.client.address);
+  message.set_state(static_cast<v1::SessionState>(session.state));
+  message.set_active_arm(session.active_arm);
+  message.set_mode(static_cast<v1::Mode>(session.mode));
+  message.set_unix_start_ms(session.unix_start_ms);
+  if (session.unix_last_message_ms) message.set_unix_last_message_ms(*session.unix_last_message_ms);
+  message.set_dropped_frame_count(session.dropped_frame_count);
+}
+
+void ToProto(const sessions::BoxView& view, v1::BoxView& message) {
+  message.set_frame_index(view.frame_index);
+  message.set_object_count(view.object_count);
+  message.set_stride(view.stride);
+  message.mutable_bounds()->Assign(view.bounds.begin(), view.bounds.end());
+  message.set_boxes(view.boxes);
+  message.set_pairs(view.pairs);
 }
 
 void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message) {
@@ -293,16 +313,16 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {
   message.set_lost_row_count(segment.lost_row_count);
 }
 
+Mode FromProto(v1::Mode mode) { return static_cast<Mode>(mode); }
+
+namespace {
+
 bool Has(const v1::Hello& hello, v1::Capability capability) {
   const auto& named = hello.capabilities();
   return std::find(named.begin(), named.end(), capability) != named.end();
 }
 
-Mode FromProto(v1::Mode mode) { return static_cast<Mode>(mode); }
-
-SwitchReason FromProto(v1::SwitchReason reason) { return static_cast<SwitchReason>(reason); }
-
-FrameSample FrameFromProto(const v1::FrameBatch& batch, int i) {
+FrameSample FrameOf(const v1::FrameBatch& batch, int i) {
   return {.frame_time_ns = batch.frame_time_ns(i),
           .detection_time_ns = batch.detection_time_ns(i),
           .aabb_check_count = batch.aabb_check_count(i),
@@ -313,7 +333,7 @@ FrameSample FrameFromProto(const v1::FrameBatch& batch, int i) {
           .flags = batch.flags(i) & kKnownFlags};
 }
 
-FrameSample FromProto(const v1::BailOut& bail_out) {
+FrameSample FrameOf(const v1::BailOut& bail_out) {
   FrameSample frame;
   frame.frame_time_ns = bail_out.frame_time_ns();
   frame.detection_time_ns = bail_out.detection_time_ns();
@@ -351,21 +371,107 @@ decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor) {
           .static_ratio = measured(descriptor.has_static_ratio(), descriptor.static_ratio())};
 }
 
-decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome) {
+decision::SwitchCost CostOf(const v1::SwitchOutcome& outcome) {
   decision::SwitchCost cost = {
-      .rebuild_time_ns = std::min<uint64_t>(outcome.rebuild_time_ns(), kMaxFrameNs),
-      .settling_cost_ns = std::min<uint64_t>(outcome.settling_cost_ns(), kMaxFrameNs)};
+      .rebuild_time_ns = std::min<uint64_t>(outcome.rebuild_time_ns(), sessions::kMaxFrameNs),
+      .settling_cost_ns = std::min<uint64_t>(outcome.settling_cost_ns(), sessions::kMaxFrameNs)};
   if (outcome.trial_detection_time_ns() > 0) {
-    cost.ended_trial = {
-        .arm = outcome.trial_arm(),
-        .detection_time_ns = std::min<uint64_t>(outcome.trial_detection_time_ns(), kMaxFrameNs)};
+    cost.ended_trial = {.arm = outcome.trial_arm(),
+                        .detection_time_ns = std::min<uint64_t>(outcome.trial_detection_time_ns(),
+                                                                sessions::kMaxFrameNs)};
   }
   return cost;
 }
 
-priors::SceneKey FromProto(const v1::Hello& message) {
-  return {message.project(), message.scene(), message.machine_class(),
-          decision::PolicyKindOf(message.policy(), decision::ShippedPolicies()).reward_version};
+// Reuses the memory of `batch`.
+void FromProto(const v1::FrameBatch& message, sessions::FrameBatch& batch) {
+  batch.frames.clear();
+  for (int i = 0; i < message.frame_time_ns_size(); ++i)
+    batch.frames.push_back(FrameOf(message, i));
+  batch.shadows.clear();
+  for (const v1::ShadowSample& sample : message.shadow_samples())
+    batch.shadows.push_back(FromProto(sample));
+  batch.dropped_frame_count = message.dropped_frame_count();
+  batch.descriptor.reset();
+  if (message.has_scene_descriptor()) batch.descriptor = FromProto(message.scene_descriptor());
+}
+
+sessions::SwitchAnswer FromProto(const v1::SwitchOutcome& message) {
+  return {.command_id = message.command_id(),
+          .executed = message.executed(),
+          .arm = message.arm(),
+          .switch_epoch = message.switch_epoch(),
+          .reason = static_cast<SwitchReason>(message.reason()),
+          .cost = CostOf(message)};
+}
+
+// Returns whether a message of a known kind has a value of a newer protocol.
+bool HasUnknownValue(const v1::StreamTelemetryRequest& request) {
+  if (request.has_switch_outcome())
+    return !v1::SwitchReason_IsValid(request.switch_outcome().reason());
+  return request.has_mode_change() && !v1::Mode_IsValid(request.mode_change().mode());
+}
+
+}  // namespace
+
+sessions::Hello FromProto(const v1::Hello& message) {
+  sessions::Hello hello{
+      .scene =
+          {message.project(), message.scene(), message.machine_class(),
+           decision::PolicyKindOf(message.policy(), decision::ShippedPolicies()).reward_version},
+      .arms = {},
+      .build = message.build(),
+      .session_id = message.session_id(),
+      .resume_token = message.resume_token(),
+      .policy = message.policy(),
+      .mode = FromProto(message.mode()),
+      .active_arm = message.active_arm(),
+      .switch_epoch = message.switch_epoch(),
+      .seed = message.seed(),
+      .time_scale = std::max(1.0, message.time_scale()),
+      .ignores_priors = message.ignore_priors(),
+      .takes_orders = Has(message, v1::CAPABILITY_OPERATOR_ORDERS),
+      .shows_boxes = Has(message, v1::CAPABILITY_BOX_VIEW)};
+  for (const v1::Arm& arm : message.arms())
+    hello.arms.push_back({arm.name(), arm.backend_version()});
+  return hello;
+}
+
+void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& telemetry) {
+  telemetry.sequence = request.sequence();
+  if (request.has_frame_batch()) {
+    if (!std::holds_alternative<sessions::FrameBatch>(telemetry.message))
+      telemetry.message.emplace<sessions::FrameBatch>();
+    return FromProto(request.frame_batch(), std::get<sessions::FrameBatch>(telemetry.message));
+  }
+  if (HasUnknownValue(request)) {
+    telemetry.message = sessions::UnknownMessage{};
+  } else if (request.has_switch_outcome()) {
+    telemetry.message = FromProto(request.switch_outcome());
+  } else if (request.has_bail_out()) {
+    telemetry.message =
+        sessions::BailOut{request.bail_out().frame_index(), FrameOf(request.bail_out())};
+  } else if (request.has_mode_change()) {
+    const v1::ModeChange& change = request.mode_change();
+    telemetry.message =
+        ModeChange{FromProto(change.mode()), change.active_arm(), change.order_id()};
+  } else if (request.has_order_refusal()) {
+    const v1::OrderRefusal& refusal = request.order_refusal();
+    telemetry.message = sessions::OrderRefusal{
+        .order_id = refusal.order_id(),
+        .takes_orders = refusal.reason() != v1::ORDER_REFUSAL_REASON_NOT_ALLOWED};
+  } else {
+    telemetry.message = sessions::UnknownMessage{};
+  }
+}
+
+sessions::BoxView FromProto(const v1::BoxView& message) {
+  return {.frame_index = message.frame_index(),
+          .object_count = message.object_count(),
+          .stride = message.stride(),
+          .bounds = {message.bounds().begin(), message.bounds().end()},
+          .boxes = message.boxes(),
+          .pairs = message.pairs()};
 }
 
 priors::SceneKey FromProto(const v1::ScenePosterior& message) {

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 #include "sweepstake/v1/errors.pb.h"
 
 namespace spdlog {
@@ -22,7 +22,7 @@ class RefusalLog {
  public:
   static constexpr int64_t kIntervalNs = 10'000'000'000;
 
-  RefusalLog(const Clock& clock, spdlog::logger& log) : clock_(clock), log_(log) {}
+  RefusalLog(const sessions::Clock& clock, spdlog::logger& log) : clock_(clock), log_(log) {}
 
   // `peer` is whose call or stream was refused.
   void Tell(std::string_view peer, const absl::Status& refusal);
@@ -38,7 +38,7 @@ class RefusalLog {
     uint64_t left_out_count = 0;
   };
 
-  const Clock& clock_;
+  const sessions::Clock& clock_;
   spdlog::logger& log_;
   std::mutex mutex_;
   std::array<Line, v1::ErrorReason_ARRAYSIZE> lines_;  // guarded by mutex_

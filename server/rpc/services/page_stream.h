@@ -145,7 +145,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   bool ended_ = false;
   AccessControl::Share transfer_;
   int64_t last_progress_ns_ = 0;
-  int64_t deadline_ns_ = Clock::kNever;
+  int64_t deadline_ns_ = sessions::Clock::kNever;
 };
 
 }  // namespace sweepstake::rpc

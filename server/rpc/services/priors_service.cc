@@ -44,7 +44,7 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
   ExportStream::Page page;
   page.empty = stored->records.empty();
   page.last = ends && place.in_quarantine;
-  SourceWeights weights(store);
+  sessions::SourceWeights weights(store);
   for (const PriorRecord& record : stored->records) {
     v1::PriorRecord& message = *page.response.add_records();
     ToProto(record, message);
@@ -73,8 +73,9 @@ void OnEvidence(ServiceContext& context, const absl::Status& status,
 class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public StallingCall {
  public:
   // `collected_count` is shared by all imports.
-  PriorImport(ServiceContext& context, AdminLog& admin, std::atomic<size_t>& collected_count,
-              grpc::CallbackServerContext& call, grpc::ByteBuffer& response, auth::Principal caller)
+  PriorImport(ServiceContext& context, sessions::AdminLog& admin,
+              std::atomic<size_t>& collected_count, grpc::CallbackServerContext& call,
+              grpc::ByteBuffer& response, auth::Principal caller)
       : context_(context),
         admin_(admin),
         collected_count_(collected_count),
@@ -127,7 +128,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       return End(absl::CancelledError("the stream broke off; nothing was imported"));
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
-    last_progress_ns_ = deadline_ns_ = Clock::kNever;  // the store's turn
+    last_progress_ns_ = deadline_ns_ = sessions::Clock::kNever;  // the store's turn
     const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
       if (const absl::Status allowed = CheckQuota(store); !allowed.ok())
         return context_.loop.Post([this, allowed] { End(allowed); });
@@ -142,7 +143,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   }
 
   absl::Status CheckQuota(priors::PriorStore& store) {
-    SceneQuota quota(store, context_.options);
+    sessions::SceneQuota quota(store, context_.options);
     for (const PriorRecord& record : records_) {
       absl::Status status = quota.Add(record.key);
       if (!status.ok()) return status;
@@ -209,14 +210,14 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   }
 
   ServiceContext& context_;
-  AdminLog& admin_;
+  sessions::AdminLog& admin_;
   std::atomic<size_t>& collected_count_;
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
   const auth::Principal caller_;
   AccessControl::Share transfer_;  // used on the loop, as the next two
   int64_t last_progress_ns_ = 0;
-  int64_t deadline_ns_ = Clock::kNever;
+  int64_t deadline_ns_ = sessions::Clock::kNever;
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;
@@ -264,7 +265,7 @@ bool IsMeant(const PriorRecord& record, const priors::SourceFilter& filter) {
 
 // Adds what would be promoted to the quota. What waits fills no project before.
 absl::Status CheckPromotion(priors::PriorStore& store, const priors::SourceFilter& filter,
-                            SceneQuota& quota) {
+                            sessions::SceneQuota& quota) {
   priors::ExportPage page;
   do {
     auto next = store.ExportQuarantined({filter.project, ""}, page.next, kRecordsPerMessage);
@@ -376,7 +377,7 @@ grpc::ServerUnaryReactor* PriorsService::PromotePriors(grpc::CallbackServerConte
     const bool submitted =
         context_.store.Submit([this, request, response, end, filter = *std::move(filter),
                                who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
-          SceneQuota quota(store, context_.options);
+          sessions::SceneQuota quota(store, context_.options);
           if (const absl::Status allowed = CheckPromotion(store, filter, quota); !allowed.ok())
             return context_.loop.Post([end, allowed] { end(allowed); });
           LeaderPreview leaders(store, filter.project, request->preview());

@@ -13,9 +13,11 @@
 #include "server/sessions/prior_store.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
-namespace sweepstake::rpc {
-
+namespace sweepstake::sessions {
 class AdminLog;
+}
+
+namespace sweepstake::rpc {
 
 class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportPriors<
                                 v1::PriorsService::WithRawCallbackMethod_ImportPriors<
@@ -23,7 +25,8 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
                                         v1::PriorsService::WithCallbackMethod_PromotePriors<
                                             v1::PriorsService::Service>>>> {
  public:
-  PriorsService(ServiceContext& context, AdminLog& admin) : context_(context), admin_(admin) {}
+  PriorsService(ServiceContext& context, sessions::AdminLog& admin)
+      : context_(context), admin_(admin) {}
 
   grpc::ServerWriteReactor<v1::ExportPriorsResponse>* ExportPriors(
       grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) override;
@@ -41,7 +44,7 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
   void OnChanged(const std::string& action, const std::string& what, const std::string& who);
 
   ServiceContext& context_;
-  AdminLog& admin_;
+  sessions::AdminLog& admin_;
   std::atomic<size_t> collected_count_{0};  // records in memory, of all current imports
 };
 

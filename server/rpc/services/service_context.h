@@ -2,7 +2,8 @@
 #pragma once
 
 #include "server/rpc/common/access_control.h"
-#include "server/sessions/game_session.h"
+#include "server/sessions/session_table.h"
+#include "server/watch/watch_hub.h"
 
 namespace spdlog {
 class logger;
@@ -10,14 +11,18 @@ class logger;
 
 namespace sweepstake::rpc {
 
-class SessionTable;
 class StallSweep;
 class WatcherSet;
 
-struct ServiceContext : SessionContext {
-  SessionTable& sessions;  // used on the loop only
-  WatcherSet& watchers;    // used on the loop only
-  StallSweep& stalls;      // used on the loop only
+struct ServiceContext {
+  const RpcOptions& options;
+  sessions::DecisionLoop& loop;
+  priors::AsyncPriorStore& store;
+  Counters& counters;
+  watch::WatchHub& watch_hub;
+  sessions::SessionTable& sessions;  // used on the loop only
+  WatcherSet& watchers;              // used on the loop only
+  StallSweep& stalls;                // used on the loop only
   AccessControl& access;
   spdlog::logger& log;
 };

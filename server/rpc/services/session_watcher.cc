@@ -42,9 +42,9 @@ std::optional<grpc::ByteBuffer> SessionWatcher::TakeNext() {
 
 std::optional<grpc::ByteBuffer> SessionWatcher::TakePage() {
   v1::WatchSessionsResponse page;
-  for (v1::SessionInfo& session :
+  for (const sessions::SessionView& session :
        context().sessions.List(filter(), *listed_until_, kSessionsPerPage)) {
-    *page.add_sessions() = std::move(session);
+    ToProto(session, *page.add_sessions());
   }
   listed_until_.reset();
   if (page.sessions().empty()) return std::nullopt;
@@ -60,10 +60,10 @@ void SessionWatcher::Forget() {
 }
 
 absl::Status BoxWatcher::Join() {
-  const std::shared_ptr<GameSession> session = context().sessions.Find(session_id_);
-  if (session == nullptr || session->ended()) return UnknownSession();
+  const std::shared_ptr<sessions::GameSession> session = context().sessions.Find(session_id_);
+  if (session == nullptr || session->ended()) return sessions::UnknownSession();
   const priors::SceneKey& scene = session->identity().scene;
-  if (!filter().Matches(scene.project, scene.scene)) return UnknownSession();
+  if (!filter().Matches(scene.project, scene.scene)) return sessions::UnknownSession();
   if (absl::Status added = service_.box_watchers().Add(*this); !added.ok()) return added;
   session_ = session;
   return session->boxes().Add(*this);
@@ -71,12 +71,16 @@ absl::Status BoxWatcher::Join() {
 
 void BoxWatcher::Leave() {
   service_.box_watchers().Remove(*this);
-  if (const std::shared_ptr<GameSession> session = session_.lock()) session->boxes().Remove(*this);
+  if (const std::shared_ptr<sessions::GameSession> session = session_.lock())
+    session->boxes().Remove(*this);
   session_.reset();
 }
 
-void BoxWatcher::OnView(const grpc::ByteBuffer& message) {
-  newest_ = message;
+void BoxWatcher::OnView(const sessions::BoxView& view) {
+  v1::WatchBoxesResponse response;
+  ToProto(view, *response.mutable_view());
+  ToProto(context().watch_hub.NextStamp(), *response.mutable_stamp());
+  newest_ = Serialize(response);
   WriteNext();
 }
 

@@ -54,7 +54,7 @@ class SessionWatcher final : public Watcher {
 
 // The stream of one who looks at the boxes of a session's objects. One that reads slowly gets the
 // newest view, and no other is kept.
-class BoxWatcher final : public Watcher, public BoxViewer {
+class BoxWatcher final : public Watcher, public sessions::BoxViewer {
  public:
   BoxWatcher(ServiceContext& context, SessionsService& service, grpc::CallbackServerContext& call,
              auth::Principal caller)
@@ -65,7 +65,7 @@ class BoxWatcher final : public Watcher, public BoxViewer {
     session_id_ = request.session_id();
     return {};
   }
-  void OnView(const grpc::ByteBuffer& message) override;
+  void OnView(const sessions::BoxView& view) override;
   void OnEnd(const absl::Status& status) override { Close(status); }
 
  private:
@@ -76,7 +76,7 @@ class BoxWatcher final : public Watcher, public BoxViewer {
 
   SessionsService& service_;
   std::string session_id_;
-  std::weak_ptr<GameSession> session_;  // of which it is a viewer
+  std::weak_ptr<sessions::GameSession> session_;  // of which it is a viewer
   std::optional<grpc::ByteBuffer> newest_;
 };
 

@@ -59,9 +59,9 @@ grpc::ServerUnaryReactor* SessionsService::ListSessions(grpc::CallbackServerCont
       const uint32_t limit = request->page_size() == 0
                                  ? kSessionsPerPage
                                  : std::min(request->page_size(), kSessionsPerPage);
-      for (v1::SessionInfo& session :
+      for (const sessions::SessionView& session :
            context_.sessions.List(filter, request->page_token(), limit)) {
-        *response->add_sessions() = std::move(session);
+        ToProto(session, *response->add_sessions());
       }
       if (response->sessions_size() == static_cast<int>(limit))
         response->set_next_page_token(response->sessions().rbegin()->session_id());
@@ -81,9 +81,9 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchSessions(
       ToGrpc(caller.status(), context_.counters));
 }
 
-std::shared_ptr<GameSession> SessionsService::FindFor(const auth::Principal& caller,
-                                                      const std::string& session_id) const {
-  std::shared_ptr<GameSession> session = context_.sessions.Find(session_id);
+std::shared_ptr<sessions::GameSession> SessionsService::FindFor(
+    const auth::Principal& caller, const std::string& session_id) const {
+  std::shared_ptr<sessions::GameSession> session = context_.sessions.Find(session_id);
   const bool shown =
       session != nullptr && !session->ended() && caller.MayUse(session->identity().scene.project);
   return shown ? session : nullptr;
@@ -95,20 +95,20 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
   constexpr Rpc kRpc = RpcOf("SessionsService/KickSession");
   return ServeUnary(context_, *call, kRpc, [&](auth::Principal caller, EndCall end) {
     std::string who = NameAndAddress(caller, *call);
-    context_.loop.Post(
-        [this, request, caller = std::move(caller), who = std::move(who), end = std::move(end)] {
-          const std::shared_ptr<GameSession> session = FindFor(caller, request->session_id());
-          if (session == nullptr) return end(UnknownSession());
-          const bool may_return = request->may_return();
-          const SessionIdentity& identity = session->identity();
-          context_.sessions.Kick(*session, may_return);
-          context_.log.warn("{} kicked session {} of {}/{}, which {}", who, identity.id,
-                            identity.scene.project, identity.scene.scene,
-                            may_return ? "may return" : "may not return");
-          admin_.Record(
-              absl::StrCat("action=kick session=", identity.id, " may_return=", may_return), who);
-          end(absl::OkStatus());
-        });
+    context_.loop.Post([this, request, caller = std::move(caller), who = std::move(who),
+                        end = std::move(end)] {
+      const std::shared_ptr<sessions::GameSession> session = FindFor(caller, request->session_id());
+      if (session == nullptr) return end(sessions::UnknownSession());
+      const bool may_return = request->may_return();
+      const sessions::SessionIdentity& identity = session->identity();
+      context_.sessions.Kick(*session, may_return);
+      context_.log.warn("{} kicked session {} of {}/{}, which {}", who, identity.id,
+                        identity.scene.project, identity.scene.scene,
+                        may_return ? "may return" : "may not return");
+      admin_.Record(absl::StrCat("action=kick session=", identity.id, " may_return=", may_return),
+                    who);
+      end(absl::OkStatus());
+    });
   });
 }
 
@@ -131,8 +131,8 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
     std::string who = NameAndAddress(caller, *call);
     context_.loop.Post([this, request, response, caller = std::move(caller), who = std::move(who),
                         end = std::move(end)] {
-      const std::shared_ptr<GameSession> session = FindFor(caller, request->session_id());
-      if (session == nullptr) return end(UnknownSession());
+      const std::shared_ptr<sessions::GameSession> session = FindFor(caller, request->session_id());
+      if (session == nullptr) return end(sessions::UnknownSession());
       auto order = OrderOf(*request, session->identity().arms);
       if (!order.ok()) return end(order.status());
       order->operator_name = who;
@@ -195,16 +195,16 @@ std::optional<grpc::ByteBuffer> SessionsService::TakeMessage(watch::SessionChang
   uint32_t count = 0;
   for (; !changes.empty() && count < kSessionsPerPage; changes.erase(changes.begin())) {
     const auto& [id, change] = *changes.begin();
-    if (change.end != watch::SessionEnd::kNone) {
+    if (change.end != sessions::SessionEnd::kNone) {
       v1::SessionEnded& ended = *message.add_ended();
       ended.set_session_id(id);
       ended.set_end(static_cast<v1::SessionEnd>(change.end));
       ++count;
-    } else if (auto session = context_.sessions.Describe(id)) {
-      *message.add_sessions() = *std::move(session);
+    } else if (const auto session = context_.sessions.Describe(id)) {
+      ToProto(*session, *message.add_sessions());
       ++count;
     }
-    // Of one that has ended since, the end is told with the next changes.
+    // A session that ended in the meantime is reported in the next update.
   }
   if (count == 0) return std::nullopt;
   ToProto(context_.watch_hub.NextStamp(), *message.mutable_stamp());

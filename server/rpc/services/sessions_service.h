@@ -9,9 +9,12 @@
 #include "server/watch/watch_hub.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
 
+namespace sweepstake::sessions {
+class AdminLog;
+}
+
 namespace sweepstake::rpc {
 
-class AdminLog;
 class BoxWatcher;
 class SessionWatcher;
 struct SessionTick;
@@ -24,7 +27,7 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
                                                   v1::SessionsService::Service>>>>>,
                               public watch::SessionListener {
  public:
-  SessionsService(ServiceContext& context, AdminLog& admin)
+  SessionsService(ServiceContext& context, sessions::AdminLog& admin)
       : context_(context), admin_(admin), watchers_(context), box_watchers_(context) {}
 
   grpc::ServerUnaryReactor* ListSessions(grpc::CallbackServerContext* call,
@@ -52,8 +55,8 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
  private:
   // Returns the session, if it is in memory and has not ended. Of another project's session the
   // answer tells a caller nothing: null.
-  std::shared_ptr<GameSession> FindFor(const auth::Principal& caller,
-                                       const std::string& session_id) const;
+  std::shared_ptr<sessions::GameSession> FindFor(const auth::Principal& caller,
+                                                 const std::string& session_id) const;
   // Says in the log that an order was obeyed.
   void LogOrder(const v1::OrderSessionRequest& order, const std::string& id,
                 const std::string& who);
@@ -65,7 +68,7 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
                                             const watch::SessionChanges& changes) const;
 
   ServiceContext& context_;
-  AdminLog& admin_;
+  sessions::AdminLog& admin_;
   WatcherGroup<SessionWatcher> watchers_;
   WatcherGroup<BoxWatcher> box_watchers_;
 };

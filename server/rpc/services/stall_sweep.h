@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <set>
 
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 
 namespace sweepstake::rpc {
 
@@ -23,7 +23,7 @@ class StallingCall {
   // The time of the last progress, or Clock::kNever while the client need not do anything.
   virtual int64_t waiting_since_ns() const = 0;
   // The time by which the call must be done, or Clock::kNever.
-  virtual int64_t deadline_ns() const { return Clock::kNever; }
+  virtual int64_t deadline_ns() const { return sessions::Clock::kNever; }
   // Called once the patience is over, or the deadline has passed. The call may remove itself.
   virtual void OnStalled() = 0;
 };
@@ -32,7 +32,8 @@ class StallSweep {
  public:
   // A call is ended between one and 1.25 times the patience after its last progress, and at most a
   // quarter of it after its deadline.
-  StallSweep(DecisionLoop& loop, int64_t patience_ns) : loop_(loop), patience_ns_(patience_ns) {}
+  StallSweep(sessions::DecisionLoop& loop, int64_t patience_ns)
+      : loop_(loop), patience_ns_(patience_ns) {}
 
   void Add(StallingCall& call);
   void Remove(StallingCall& call) { calls_.erase(&call); }
@@ -41,7 +42,7 @@ class StallSweep {
   void Schedule();
   void Sweep();
 
-  DecisionLoop& loop_;
+  sessions::DecisionLoop& loop_;
   const int64_t patience_ns_;
   std::set<StallingCall*> calls_;
   bool scheduled_ = false;

@@ -73,7 +73,7 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   // gRPC ends OnReadDone before OnDone; ThreadSanitizer, which does not see that, sees this.
   ~TelemetryCall() override { wanted_reads_.load(); }
 
-  DecisionLoop& loop_;
+  sessions::DecisionLoop& loop_;
   Counters& counters_;
   grpc::CallbackServerContext& call_;
   const std::shared_ptr<TelemetryStream> stream_;

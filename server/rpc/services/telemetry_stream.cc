@@ -32,7 +32,7 @@ void TelemetryStream::Accept() {
   }
   if (absl::Status status = CountAddress(); !status.ok()) return Reject(status);
   transport_.Read();
-  DecisionLoop& loop = context_.loop;
+  sessions::DecisionLoop& loop = context_.loop;
   loop.PostAt(loop.clock().NowNs() + context_.options.hello_patience_ns, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->OnHelloOverdue();
   });
@@ -54,7 +54,7 @@ absl::Status TelemetryStream::CountAddress() {
 }
 
 void TelemetryStream::OnHelloOverdue() {
-  if (end_ || hello_ || session_) return;
+  if (end_ || opening_ || session_) return;
   Reject(Refused(v1::ERROR_REASON_HELLO_OVERDUE, "no Hello came in time; send it first"));
 }
 
@@ -83,14 +83,15 @@ void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
                           "a message does not parse as sweepstake.v1.StreamTelemetryRequest"));
   }
   if (const absl::Status status = CountMessage(*request); !status.ok()) return Reject(status);
+  const bool opens = session_ == nullptr;
   const absl::Status status = Dispatch(*request);
   if (!status.ok()) {
     ++context_.counters.invalid_message_count;
     return Reject(status);
   }
-  // Nothing is asked for while a session is being loaded, nor after a goodbye: the session then
-  // ends the stream itself once everything is on disk.
-  if (session_ && !SaidGoodbye() && !end_) transport_.Read();
+  // Enter reads on after a Hello. After a goodbye nothing is read: the session ends the stream once
+  // everything is on disk.
+  if (!opens && session_ && !SaidGoodbye() && !end_) transport_.Read();
 }
 
 bool TelemetryStream::SaidGoodbye() const { return session_ && session_->ended(); }
@@ -113,130 +114,41 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
   if (!session_) {
     if (!request.has_hello())
       return Refused(v1::ERROR_REASON_MESSAGE_ORDER, "the first request of a stream must be Hello");
-    hello_.reset(request.release_hello());
-    return Open();
+    return Open(*request.mutable_hello());
   }
   const absl::Status status =
       CheckRequest(request, static_cast<uint32_t>(session_->identity().arms.size()));
   if (!status.ok()) return status;
   // This copy keeps the session alive, because ending it clears session_.
-  const std::shared_ptr<GameSession> session = session_;
+  const std::shared_ptr<sessions::GameSession> session = session_;
   if (request.has_goodbye()) {
     session->End();
   } else if (request.has_box_view()) {
-    session->boxes().OnView(request.box_view());
+    session->boxes().OnView(FromProto(request.box_view()));
   } else {
-    session->Apply(request);
+    FromProto(request, telemetry_);
+    session->Apply(telemetry_);
   }
   return absl::OkStatus();
 }
 
-absl::Status TelemetryStream::Open() {
-  time_scale_ = std::max(1.0, hello_->time_scale());
-  protocol_version_ = hello_->protocol_version();
-  if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
-  if (absl::Status status = CheckHello(*hello_, context_.options); !status.ok()) return status;
-  if (absl::Status status = CheckProject(caller_, hello_->project()); !status.ok()) return status;
-  if (absl::Status status = CheckResumption(); !status.ok()) return status;
-  if (std::shared_ptr<GameSession> session = FindSession()) {
-    Enter(std::move(session), /*resumed=*/true);
-    return absl::OkStatus();
-  }
-  return Load();
-}
-
-absl::Status TelemetryStream::CheckResumption() {
-  const auto token_id = TokenOfSession(*hello_, context_.options);
-  if (!token_id) hello_->clear_session_id();
-  if (!token_id || *token_id == caller_.token_id)
-    return context_.sessions.CheckKicked(hello_->session_id());
-  return Refused(v1::ERROR_REASON_FOREIGN_SESSION,
-                 "this session began with another token; begin a new one");
-}
-
-std::shared_ptr<GameSession> TelemetryStream::FindSession() {
-  std::shared_ptr<GameSession> session = context_.sessions.Find(hello_->session_id());
-  if (session && session->superseded()) {
-    context_.sessions.Forget(*session);
-    return nullptr;  // the store has what the other daemon made of it
-  }
-  if (!session || CanResume(*session, *hello_)) return session;
-  hello_->clear_session_id();
-  return nullptr;
-}
-
-absl::Status TelemetryStream::Load() {
-  DecisionLoop& loop = context_.loop;
-  loop.PostAt(loop.clock().NowNs() + context_.options.load_patience_ns, [weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->OnLoadOverdue();
-  });
-  counting_ = counting_ || !hello_->session_id().empty();
-  auto load = [weak = weak_from_this(), &loop, &options = context_.options, wanted = *hello_,
-               counts = counting_](priors::PriorReader& store) {
-    if (weak.expired()) return;  // Nobody waits for it any more.
-    // Behind the commits that it sees, which are told with PostLater, too.
-    loop.PostLater([weak, start = LoadStart(store, wanted, options, counts)] {
-      if (const auto self = weak.lock()) self->OnLoaded(start);
-    });
-  };
-  const bool submitted =
-      counting_ ? context_.store.Submit(std::move(load)) : context_.store.Read(std::move(load));
-  if (submitted) return absl::OkStatus();
-  return Refused(v1::ERROR_REASON_STORE_BUSY,
-                 "the prior store has too much to do; connect again later");
-}
-
-void TelemetryStream::OnLoadOverdue() {
-  if (end_ || session_) return;
-  counting_ = true;  // as well as it can be
-  OnLoaded({.priors = {},
-            .prior_source_count = 0,
-            .source = {},
-            .new_scene = UnstoredScene{.project_count = 0},
-            .refusal = {},
-            .status = Refused(v1::ERROR_REASON_STORE_BUSY, "no answer")});
-}
-
-void TelemetryStream::OnLoaded(const StoredStart& start) {
-  if (end_ || session_) return;
-  if (absl::Status status = Begin(start); !status.ok()) return Reject(status);
-  if (session_) transport_.Read();
-}
-
-absl::Status TelemetryStream::Begin(const StoredStart& start) {
-  // Another connection may have resumed the same session in the meantime, possibly with other arms,
-  // and an operator may have ended it since.
-  if (absl::Status kicked = context_.sessions.CheckKicked(hello_->session_id()); !kicked.ok())
-    return kicked;
-  if (std::shared_ptr<GameSession> session = FindSession()) {
-    Enter(std::move(session), /*resumed=*/true);
-    return absl::OkStatus();
-  }
-  if (start.source && hello_->session_id().empty()) return Load();
-  if (context_.options.shares_store && !hello_->session_id().empty() && !start.status.ok()) {
-    return Refused(v1::ERROR_REASON_STORE_FAILED,
-                   "the store that has the session cannot be read; connect again later");
-  }
-  if (!start.refusal.ok()) return start.refusal;
-  if (start.new_scene && !std::exchange(counting_, true)) {
-    first_look_ = start;
-    return Load();
-  }
-  std::optional<NewScenes::Hold> hold;
-  if (start.new_scene) {
-    auto taken = context_.sessions.new_scenes().Take(FromProto(*hello_), *start.new_scene);
-    if (!taken.ok()) return taken.status();
-    hold.emplace(*std::move(taken));
-  }
-  const bool is_still_new = first_look_ && !decision::IsAnythingKnown(start.priors);
-  auto session =
-      MakeSession(context_, *hello_, is_still_new ? *first_look_ : start, caller_.token_id);
-  if (!session.ok()) return session.status();
-  if (hold) (*session)->Keep(*std::move(hold));
-  if (absl::Status status = context_.sessions.Add(*session); !status.ok()) return status;
-  if (!start.status.ok()) ReportMissingEvidence(start.status);
-  Enter(*std::move(session), /*resumed=*/start.source.has_value());
+absl::Status TelemetryStream::Open(v1::Hello& hello) {
+  time_scale_ = std::max(1.0, hello.time_scale());
+  protocol_version_ = hello.protocol_version();
+  if (hello.policy().empty()) hello.set_policy(context_.options.decision.policy);
+  if (absl::Status status = CheckHello(hello, context_.options); !status.ok()) return status;
+  if (absl::Status status = CheckProject(caller_, hello.project()); !status.ok()) return status;
+  opening_ = std::make_shared<sessions::SessionOpening>(
+      context_.sessions, FromProto(hello), caller_.token_id,
+      [this](const absl::StatusOr<sessions::OpenedSession>& opened) { OnOpened(opened); });
+  opening_->Run();
   return absl::OkStatus();
+}
+
+void TelemetryStream::OnOpened(const absl::StatusOr<sessions::OpenedSession>& opened) {
+  if (!opened.ok()) return Reject(opened.status());
+  if (!opened->missing.ok()) ReportMissingEvidence(opened->missing);
+  Enter(*opened);
 }
 
 void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
@@ -250,21 +162,26 @@ void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
       std::string(status.message()), count);
 }
 
-void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) {
-  session_ = std::move(session);
-  context_.sessions.Attach(*session_, *this,
-                           {.address = transport_.peer(), .build = hello_->build()});
+void TelemetryStream::Enter(const sessions::OpenedSession& opened) {
+  session_ = opened.session;
+  const std::shared_ptr<sessions::SessionOpening> opening = std::exchange(opening_, nullptr);
+  const sessions::Hello& hello = opening->hello();
+  context_.sessions.Attach(*session_, *this, {.address = transport_.peer(), .build = hello.build});
   ++context_.counters.connected_stream_count;
-  if (resumed) ++context_.counters.resumed_count;
+  if (opened.resumed) ++context_.counters.resumed_count;
   v1::Welcome& welcome = *Outbox().mutable_welcome();
-  welcome = WelcomeOf(*session_, *hello_, resumed, streams_.all.size(), context_.options);
+  ToProto(*session_, hello, context_.options, welcome);
+  welcome.set_resumed(opened.resumed);
+  welcome.set_protocol_version(std::min(protocol_version_, kMaxProtocolVersion));
   decision_interval_ms_ = welcome.decision_interval_ms();
-  batch_interval_ms_ = welcome.batch_interval_ms();
+  batch_interval_ms_ = BatchIntervalMs(decision_interval_ms_, streams_.all.size());
+  welcome.set_batch_interval_ms(batch_interval_ms_);
   WriteNext();
-  session_->Start(*hello_);
-  hello_.reset();
-  transport_.Read();  // ahead of the message that OnMessage or OnLoaded reads
-  context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");
+  session_->Start(hello);
+  // The Hello has been used, so both requests are free.
+  for (size_t i = 0; i < TelemetryTransport::kMaxReads; ++i) transport_.Read();
+  context_.log.debug("session {} {}", session_->identity().id,
+                     opened.resumed ? "resumed" : "began");
 }
 
 void TelemetryStream::OnHalfClose() {
@@ -280,7 +197,8 @@ void TelemetryStream::EndIfRefused() {
 
 void TelemetryStream::Drain(uint32_t delay_ms) {
   if (end_) return;
-  if (const std::shared_ptr<GameSession> session = session_) return session->Drain(delay_ms);
+  if (const std::shared_ptr<sessions::GameSession> session = session_)
+    return session->Drain(delay_ms);
   SendReconnect(delay_ms);
   Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
 }
@@ -401,14 +319,20 @@ void TelemetryStream::Abort(const absl::Status& status) {
 }
 
 void TelemetryStream::LeaveSession() {
-  if (const std::shared_ptr<GameSession> session = std::exchange(session_, nullptr)) {
+  opening_.reset();
+  if (const std::shared_ptr<sessions::GameSession> session = std::exchange(session_, nullptr))
     context_.sessions.Detach(*session, *this);
-  }
 }
 
 uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank) {
   const uint64_t later_ms = rank * 1'000 / options.reconnects_per_s;
   return options.reconnect_delay_ms + static_cast<uint32_t>(later_ms);
+}
+
+uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count) {
+  const uint32_t alone = std::clamp(decision_interval_ms / 8, 1u, 250u);
+  const uint64_t shared = std::min<uint64_t>(stream_count / 10, decision_interval_ms / 2);
+  return std::max(alone, static_cast<uint32_t>(shared));
 }
 
 void TelemetryStreams::EndRefused() {

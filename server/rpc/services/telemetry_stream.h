@@ -13,7 +13,7 @@
 #include "server/auth/rate_limit.h"
 #include "server/rpc/services/service_context.h"
 #include "server/sessions/game_session.h"
-#include "server/sessions/session_start.h"
+#include "server/sessions/session_opening.h"
 #include "sweepstake/v1/telemetry.pb.h"
 
 namespace sweepstake::rpc {
@@ -37,6 +37,11 @@ struct TelemetryStreams {
 // Returns the delay after which a drained client is to come back. Ranks are those of all clients,
 // from 0.
 uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank);
+
+// Returns how long a client collects frames: an eighth of the decision interval, 250 ms at most.
+// With more streams it is longer, so that all together send 10,000 batches a second, but at most
+// half of the decision interval.
+uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count);
 
 // What carries a stream. It owns the stream and tells it what happens; its functions are called on
 // the decision loop, do not wait and do not call the stream back.
@@ -66,7 +71,7 @@ class TelemetryTransport {
 // batch before it; no more are, so that a flood waits in the client's own buffers. At most one
 // write is pending, and the outbox behind it is bounded. Finish is called exactly once, whatever
 // ends the stream.
-class TelemetryStream final : public ClientStream,
+class TelemetryStream final : public sessions::ClientStream,
                               public std::enable_shared_from_this<TelemetryStream> {
  public:
   TelemetryStream(ServiceContext& context, TelemetryStreams& streams, TelemetryTransport& transport,
@@ -112,21 +117,12 @@ class TelemetryStream final : public ClientStream,
   // Hellos of its token or address than max_hellos_per_s).
   absl::Status CountMessage(const v1::StreamTelemetryRequest& request);
   absl::Status Dispatch(v1::StreamTelemetryRequest& request);
-  absl::Status Open();
-  // Checks that the session of the Hello is the caller's. A Hello without its resume token forgets
-  // its id.
-  absl::Status CheckResumption();
-  // Returns the session in memory that the Hello resumes, or null. If there is one that it may not
-  // resume, the Hello forgets its id.
-  std::shared_ptr<GameSession> FindSession();
-  absl::Status Load();
-  void OnLoadOverdue();
-  void OnLoaded(const StoredStart& start);
-  absl::Status Begin(const StoredStart& start);
-  // Counts a session that begins without all of the store's evidence, and says so in the log, at
-  // most once a minute for all streams.
+  absl::Status Open(v1::Hello& hello);
+  void OnOpened(const absl::StatusOr<sessions::OpenedSession>& opened);
+  // Counts a session that begins without all of the store's evidence. Logs a warning at most once a
+  // minute for all streams.
   void ReportMissingEvidence(const absl::Status& status);
-  void Enter(std::shared_ptr<GameSession> session, bool resumed);
+  void Enter(const sessions::OpenedSession& opened);
   void Reject(const absl::Status& status);
   // What the next write sends.
   v1::StreamTelemetryResponse& Outbox();
@@ -137,7 +133,7 @@ class TelemetryStream final : public ClientStream,
   void ClearOutbox();
   void WriteNext();
   void LeaveSession();
-  // Whatever the client sends now is of no more use: what came before goes to the disk.
+  // The client has ended the session: later messages are ignored, earlier ones go to the disk.
   bool SaidGoodbye() const;
 
   ServiceContext& context_;
@@ -146,19 +142,14 @@ class TelemetryStream final : public ClientStream,
   const auth::Principal caller_;
   uint64_t number_ = 0;  // in streams_
   std::string address_;  // under which streams_ counts it; empty if not
-  std::shared_ptr<GameSession> session_;
-  // The Hello as received, with the policy filled in and without the id of a session that it may
-  // not resume, while the session is being loaded.
-  std::unique_ptr<v1::Hello> hello_;
-  double time_scale_ = 1;          // of the Hello
-  uint32_t protocol_version_ = 1;  // the newest that the client speaks
+  std::shared_ptr<sessions::GameSession> session_;
+  std::shared_ptr<sessions::SessionOpening> opening_;  // from Hello until there is a session
+  sessions::Telemetry telemetry_;                      // reused
+  double time_scale_ = 1;                              // of the Hello
+  uint32_t protocol_version_ = 1;                      // the newest that the client speaks
   uint32_t decision_interval_ms_ = 0;
-  uint32_t batch_interval_ms_ = 0;  // that the client was told
+  uint32_t batch_interval_ms_ = 0;  // the latest one that the client got
   auth::RateBucket messages_;
-  // The store is read on its writing thread, since a new scene counts against its project's quota.
-  // Of a new scene: with what others tell, which the look that counts does not read.
-  std::optional<StoredStart> first_look_;
-  bool counting_ = false;
   // What is to be sent with the next write. Only the latest of each kind is kept, so that a client
   // that reads slowly gets the newest state and costs one response.
   v1::StreamTelemetryResponse outbox_;

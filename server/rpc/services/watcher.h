@@ -60,7 +60,9 @@ class Watcher : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void EndIfRefused();
   // Ends the stream. The log tells of a refusal.
   void Close(const absl::Status& status);
-  int64_t waiting_since_ns() const override { return writing_ ? write_start_ns_ : Clock::kNever; }
+  int64_t waiting_since_ns() const override {
+    return writing_ ? write_start_ns_ : sessions::Clock::kNever;
+  }
   void OnStalled() override;
 
   void OnWriteDone(bool ok) override;

@@ -7,20 +7,21 @@
 
 namespace sweepstake::rpc {
 
-watch::WatchHub::Loop HubLoop(DecisionLoop& loop) {
+watch::WatchHub::Loop HubLoop(sessions::DecisionLoop& loop) {
   // The sums of a scene must not overtake the news of the commits that they have.
-  return {.post = [&loop](DecisionLoop::Task task) { loop.PostLater(std::move(task)); },
+  return {.post = [&loop](sessions::DecisionLoop::Task task) { loop.PostLater(std::move(task)); },
           .post_after =
-              [&loop](int64_t delay_ns, DecisionLoop::Task task) {
+              [&loop](int64_t delay_ns, sessions::DecisionLoop::Task task) {
                 loop.PostAt(loop.clock().NowNs() + delay_ns, std::move(task));
               }};
 }
 
 bool WatcherSet::Watches(const priors::SceneKey& scene) { return !group_.Of(scene).empty(); }
 
-void WatcherSet::OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) {
+void WatcherSet::OnDecision(const sessions::DecisionEvent& event) {
+  const priors::SceneKey& scene = event.session.scene;
   v1::WatchPosteriorsResponse& waiting = decisions_[scene];
-  *waiting.add_decisions() = event;
+  ToProto(event, *waiting.add_decisions());
   if (waiting.decisions_size() < kDecisionsPerMessage) return;
   TellDecisions(scene, waiting);
   decisions_.erase(scene);

@@ -14,7 +14,7 @@ namespace sweepstake::rpc {
 class PosteriorWatcher;
 
 // How a hub runs its tasks on the decision loop.
-watch::WatchHub::Loop HubLoop(DecisionLoop& loop);
+watch::WatchHub::Loop HubLoop(sessions::DecisionLoop& loop);
 
 class WatcherSet final : public watch::WatchListener {
  public:
@@ -23,7 +23,7 @@ class WatcherSet final : public watch::WatchListener {
   WatcherGroup<PosteriorWatcher>& group() { return group_; }
 
   bool Watches(const priors::SceneKey& scene) override;
-  void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) override;
+  void OnDecision(const sessions::DecisionEvent& event) override;
   void OnTick() override;
   void OnPosterior(const priors::SceneEvidence& scene) override;
   // All watchers read all their scenes again.

@@ -11,7 +11,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "server/sessions/unix_time.h"
+#include "server/sessions/common/unix_time.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_reader.h"

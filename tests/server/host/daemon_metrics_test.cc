@@ -63,8 +63,8 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
 TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
   const std::map<std::string, size_t> series_counts = {
       {"sweepstake_errors_total", static_cast<size_t>(v1::ErrorReason_descriptor()->value_count())},
-      {"sweepstake_rejected_frames_total", rpc::kRejectionReasonNames.size()},
-      {"sweepstake_rejected_shadow_samples_total", rpc::kRejectionReasonNames.size()}};
+      {"sweepstake_rejected_frames_total", sessions::kRejectionReasonNames.size()},
+      {"sweepstake_rejected_shadow_samples_total", sessions::kRejectionReasonNames.size()}};
   for (const auto& family : metrics_.Collect(counters_, events_, {.database = database_})) {
     const bool is_of_process = family.name.starts_with("process_");
     const bool is_counter = family.type == prometheus::MetricType::Counter;

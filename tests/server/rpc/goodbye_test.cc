@@ -137,7 +137,7 @@ TEST_F(GoodbyeTest, BehindADrainItIsKnownWhatADiskRefusedAndWhoSendsItAgain) {
   ended.Send(Goodbye());
   ExpectRefusal(ended);
   server_->Drain(std::chrono::minutes(10));
-  const HeldEvidence held = server_->CountHeld();
+  const sessions::HeldEvidence held = server_->CountHeld();
   EXPECT_EQ(held.session_count, 2u);
   EXPECT_EQ(held.ended_session_count, 1u);
 }

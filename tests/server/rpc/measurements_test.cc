@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/watch/log_histogram.h"
+#include "server/sessions/common/log_histogram.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -75,14 +75,14 @@ TEST_F(MeasurementsTest, AWatcherIsToldWhatTheFramesOfEachWindowCost) {
   frames.mutable_frame_batch()->set_flags(1, v1::FRAME_FLAG_LOADING);
   frames.mutable_frame_batch()->set_frame_time_ns(2, 40'000'000);
   const v1::FrameMeasurements told = DecideAndTell(client, frames).measurements();
-  const uint32_t usual = watch::LogHistogram::BucketOf(10'000'000);
+  const uint32_t usual = sessions::LogHistogram::BucketOf(10'000'000);
   ASSERT_EQ(told.frame_time_ns().counts_size(), 2);
   EXPECT_EQ(told.frame_time_ns().bucket_steps(0), usual);
   EXPECT_EQ(told.frame_time_ns().bucket_steps(1), 16U) << "four times as much: two octaves";
   EXPECT_EQ(told.frame_time_ns().counts(0), 27U);
   EXPECT_EQ(told.frame_time_ns().counts(1), 1U);
   EXPECT_EQ(CountOf(told.detection_time_ns()), 28U);
-  EXPECT_EQ(told.native_bytes().bucket_steps(0), watch::LogHistogram::BucketOf(1 << 20));
+  EXPECT_EQ(told.native_bytes().bucket_steps(0), sessions::LogHistogram::BucketOf(1 << 20));
   const v1::DecisionEvent next = DecideAndTell(client, Frames(3, 5));
   EXPECT_EQ(CountOf(next.measurements().frame_time_ns()), 5U) << "those of this window alone";
 }
@@ -110,7 +110,7 @@ TEST_F(MeasurementsTest, AreAtMostAKilobyteWhateverAClientSends) {
   v1::FrameBatch& batch = *frames.mutable_frame_batch();
   for (int i = 0; i < batch.frame_time_ns_size(); ++i) {
     const auto size = static_cast<uint64_t>(std::exp2(10 + i / 8.0));
-    batch.set_frame_time_ns(i, std::clamp<uint64_t>(size, 1'000, kMaxFrameNs));
+    batch.set_frame_time_ns(i, std::clamp<uint64_t>(size, 1'000, sessions::kMaxFrameNs));
     batch.set_detection_time_ns(i, std::min(size, batch.frame_time_ns(i)));
     batch.set_native_bytes(i, std::min<uint64_t>(size, 1ull << 45));
   }

@@ -11,7 +11,7 @@ namespace sweepstake::rpc {
 namespace {
 
 // Keeps what its client would be sent.
-class RecordingLink final : public ClientStream {
+class RecordingLink final : public sessions::ClientStream {
  public:
   void SendSwitch(const SwitchCommand& command) override { switches.push_back(command); }
   void SendAcknowledgement(uint64_t /*sequence*/) override {}
@@ -37,7 +37,7 @@ class OperatorOrderTest : public ::testing::Test {
  protected:
   void SetUp() override {
     OnLoop([&] {
-      session_ = *MakeSession(context_, HelloMessage(), {}, 0);
+      session_ = *sessions::MakeSession(context_, HelloMessage(), {}, 0);
       Begin(/*takes_orders=*/true);
     });
   }
@@ -87,14 +87,14 @@ class OperatorOrderTest : public ::testing::Test {
   }
 
   RpcOptions options_;
-  ManualClock clock_;
+  sessions::ManualClock clock_;
   Counters counters_;
   storage::StoreThread thread_{*storage::OpenMemoryPriorStore(), {}};
-  DecisionLoop loop_{clock_};
+  sessions::DecisionLoop loop_{clock_};
   watch::WatchHub hub_{thread_, {.post = [](auto&&) {}, .post_after = [](int64_t, auto&&) {}}};
-  SessionContext context_{options_, loop_, thread_, counters_, hub_};
+  sessions::SessionContext context_{options_, loop_, thread_, counters_, hub_};
   RecordingLink link_;
-  std::shared_ptr<GameSession> session_;
+  std::shared_ptr<sessions::GameSession> session_;
   uint64_t sequence_ = 0;
   std::vector<absl::StatusCode> answers_;
 };

@@ -9,7 +9,7 @@
 
 #include "server/rpc/services/watcher_set.h"
 #include "server/sessions/session_table.h"
-#include "tests/server/rpc/manual_clock.h"
+#include "tests/server/sessions/manual_clock.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -36,18 +36,18 @@ struct Services {
     }
   }
 
-  ManualClock clock;
+  sessions::ManualClock clock;
   BusyStore store;
   RpcOptions options;
   Counters counters;
   spdlog::logger log{"test"};
   watch::WatchHub watch_hub{store, {}};
-  DecisionLoop loop{clock};
-  SessionTable sessions{options, loop};
+  sessions::DecisionLoop loop{clock};
+  sessions::SessionTable sessions{{options, loop, store, counters, watch_hub}};
   StallSweep stalls{loop, options.watcher_patience_ns};
   AccessControl access{options, clock, log};
-  ServiceContext context{
-      {options, loop, store, counters, watch_hub}, sessions, watchers, stalls, access, log};
+  ServiceContext context{options,  loop,     store,  counters, watch_hub,
+                         sessions, watchers, stalls, access,   log};
   WatcherSet watchers{context};
 };
 

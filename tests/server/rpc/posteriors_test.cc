@@ -122,7 +122,7 @@ TEST_F(RpcTest, ReflectionIsOffUnlessAskedFor) {
   EXPECT_EQ(CallReflection(channel_), grpc::StatusCode::UNIMPLEMENTED);
   RpcOptions options = options_;
   options.reflection = true;
-  ManualClock clock;
+  sessions::ManualClock clock;
   auto reflecting = RpcServer::Start("127.0.0.1:0", options, clock, store_, log_);
   ASSERT_TRUE(reflecting.ok());
   const auto channel = grpc::CreateChannel("127.0.0.1:" + std::to_string((*reflecting)->port()),
@@ -416,7 +416,7 @@ TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoSceneAndReadsTheStoreOnce
 
 // Moves the clock until the call has ended, and returns how.
 template <typename Call>
-grpc::Status EndOfStalled(ManualClock& clock, Call& call) {
+grpc::Status EndOfStalled(sessions::ManualClock& clock, Call& call) {
   std::future<grpc::Status> end = std::async(std::launch::async, [&] { return call.Finish(); });
   while (end.wait_for(std::chrono::milliseconds(1)) != std::future_status::ready)
     clock.Advance(kSecondNs);

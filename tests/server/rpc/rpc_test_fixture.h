@@ -25,7 +25,7 @@
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/rpc/holding_store.h"
 #include "tests/server/rpc/log_text.h"
-#include "tests/server/rpc/manual_clock.h"
+#include "tests/server/sessions/manual_clock.h"
 
 namespace sweepstake::rpc {
 
@@ -287,7 +287,7 @@ class RpcTest : public ::testing::Test {
   }
 
   RpcOptions options_;
-  ManualClock clock_;
+  sessions::ManualClock clock_;
   const std::shared_ptr<LogText> logged_ = std::make_shared<LogText>();
   spdlog::logger log_{"test", logged_};
   storage::StoreThread thread_;

@@ -231,8 +231,8 @@ TEST_F(PageAheadTest, APageThatComesWhenItsClientIsGoneIsDropped) {
 
 // Otherwise the hub would add increments to sums that have them already.
 TEST(HubLoopTest, TheSumsOfASceneDoNotOvertakeTheNewsOfCommits) {
-  ManualClock clock;
-  DecisionLoop loop(clock, {}, DecisionLoop::Runner::kCaller);
+  sessions::ManualClock clock;
+  sessions::DecisionLoop loop(clock, {}, sessions::DecisionLoop::Runner::kCaller);
   std::vector<std::string> done;
   loop.PostLater([&] { done.push_back("commit"); });
   HubLoop(loop).post([&] { done.push_back("sums"); });

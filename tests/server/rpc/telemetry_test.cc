@@ -8,7 +8,7 @@ namespace {
 using Response = v1::StreamTelemetryResponse;
 using ::testing::HasSubstr;
 
-std::vector<uint64_t> ValuesOf(const RejectionCounts& counts) {
+std::vector<uint64_t> ValuesOf(const sessions::RejectionCounts& counts) {
   return {counts.begin(), counts.end()};
 }
 

@@ -1,5 +1,5 @@
 // The decision loop: how late its timers run, and who runs it.
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,9 @@
 #include <future>
 #include <vector>
 
-#include "tests/server/rpc/manual_clock.h"
+#include "tests/server/sessions/manual_clock.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -61,4 +61,4 @@ TEST(DecisionLoopTest, WhatIsPostedOvertakesAMassOfLaterTasksAndTimers) {
 }
 
 }  // namespace
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -47,7 +47,7 @@ class HostileSourcesTest : public RpcTest {
     for (int arm = 0; arm < hello.arms_size(); ++arm) {
       const double reward = decision::RewardOf(std::log(costs_us[static_cast<size_t>(arm)]));
       const auto visit = decision::LogCostIncrement(0, reward, /*noise=*/0.02 * 0.02);
-      update.increments.push_back({EvidenceKeyOf(FromProto(hello), hello.arms(arm).name(),
+      update.increments.push_back({EvidenceKeyOf(FromProto(hello).scene, hello.arms(arm).name(),
                                                  hello.arms(arm).backend_version(), "lane"),
                                    {.alpha = visits * visit.alpha,
                                     .beta = visits * visit.beta,

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 TEST(LostSessionsTest, TheOneThatWasLostFirstLeavesFirstUnlessItsEvidenceIsNotOnDisk) {
@@ -36,4 +36,4 @@ TEST(LostSessionsTest, EachTokenHasItsOwn) {
 }
 
 }  // namespace
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -188,11 +188,13 @@ class CountedStore final : public storage::ForwardingStore {
 TEST_F(SceneQuotaTest, ANewSceneIsCountedOnceWhereItsHelloIsReadExactlyAndNowhereElse) {
   CountedStore store;
   options_.max_scenes = 0;
-  const StoredStart beside = LoadStart(store, OneArmHello(), options_, /*counts=*/false);
+  const sessions::StoredStart beside =
+      sessions::LoadStart(store, OneArmHello(), options_, /*counts=*/false);
   EXPECT_TRUE(beside.new_scene);
   EXPECT_TRUE(beside.refusal.ok());
   EXPECT_EQ(store.count(), 0);
-  const StoredStart exact = LoadStart(store, OneArmHello(), options_, /*counts=*/true);
+  const sessions::StoredStart exact =
+      sessions::LoadStart(store, OneArmHello(), options_, /*counts=*/true);
   EXPECT_EQ(ReasonOfRefusal(exact.refusal), v1::ERROR_REASON_TOO_MANY_SCENES);
   EXPECT_EQ(store.count(), 1);
 }
@@ -213,7 +215,7 @@ class UnreadableStore final : public storage::ForwardingStore {
 TEST_F(SceneQuotaTest, TheProjectOfASceneThatCannotBeReadIsKnownOnlyWhereTheSceneIsDamaged) {
   const auto project_count = [&](const absl::Status& error) {
     UnreadableStore store(error);
-    SceneQuota quota(store, options_);
+    sessions::SceneQuota quota(store, options_);
     EXPECT_TRUE(quota.Add({"game", "a", "desktop", 1}, {"Grid", 1}).ok());
     return quota.unstored()->project_count;
   };

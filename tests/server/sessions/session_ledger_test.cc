@@ -6,9 +6,9 @@
 
 #include <future>
 
-#include "tests/server/rpc/manual_clock.h"
+#include "tests/server/sessions/manual_clock.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 // Keeps what it is offered until the test answers.
@@ -60,7 +60,7 @@ class SessionLedgerTest : public ::testing::Test {
   }
 
   ManualClock clock_;
-  Counters counters_;
+  SessionCounters counters_;
   LateStore store_;
   DecisionLoop loop_{clock_};
   std::shared_ptr<SessionLedger> ledger_ = std::make_shared<SessionLedger>(
@@ -197,4 +197,4 @@ TEST_F(SessionLedgerTest, AuditRowsOfAnUpdateThatCanNeverBeStoredAreCounted) {
 }
 
 }  // namespace
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

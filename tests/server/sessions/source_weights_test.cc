@@ -9,7 +9,7 @@
 #include "engine_client/decider/policy/log_cost.h"
 #include "tests/server/storage/forwarding_store.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 using priors::PriorRecord;
@@ -81,4 +81,4 @@ TEST_F(SourceWeightsTest, RewardsThatTellNoCostsAreSummed) {
 }
 
 }  // namespace
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

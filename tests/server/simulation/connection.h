@@ -69,7 +69,7 @@ class Connection final : public rpc::TelemetryTransport,
   int64_t last_to_daemon_ns_ = 0;
   int64_t last_to_game_ns_ = 0;
 
-  rpc::DecisionLoop* loop_ = nullptr;
+  sessions::DecisionLoop* loop_ = nullptr;
   std::shared_ptr<rpc::TelemetryStream> stream_;
   std::deque<v1::StreamTelemetryRequest> arrived_;
   uint32_t pending_reads_ = 0;

@@ -12,17 +12,13 @@ SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
     : world_(world),
       options_(options),
       log_("simulation"),
-      loop_(world, {}, rpc::DecisionLoop::Runner::kCaller),
+      loop_(world, {}, sessions::DecisionLoop::Runner::kCaller),
       store_(std::move(store), {.own_thread = false}, std::move(reads)),
       access_(options_, world, log_),
-      context_{{options_, loop_, store_, counters_, watch_hub_},
-               sessions_,
-               watchers_,
-               stalls_,
-               access_,
-               log_},
-      sessions_(options_, loop_),
       watch_hub_(store_, rpc::HubLoop(loop_)),
+      sessions_({options_, loop_, store_, counters_, watch_hub_}),
+      context_{options_,  loop_,     store_,  counters_, watch_hub_,
+               sessions_, watchers_, stalls_, access_,   log_},
       watchers_(context_),
       stalls_(loop_, options_.watcher_patience_ns) {
   watch_hub_.Add(watchers_);
@@ -61,7 +57,7 @@ void SimulatedDaemon::Run() {
   const int64_t due_ns = loop_.RunReady();
   if (due_ns < wake_ns_ || wake_ns_ <= world_.NowNs()) {
     wake_ns_ = due_ns;
-    if (due_ns != rpc::Clock::kNever) world_.After(due_ns - world_.NowNs(), [] {});
+    if (due_ns != sessions::Clock::kNever) world_.After(due_ns - world_.NowNs(), [] {});
   }
   if (store_.queued_count() > 0) RunLater(store_busy_, &storage::StoreThread::RunNext);
   if (store_.queued_read_count() > 0) RunLater(reads_busy_, &storage::StoreThread::RunNextRead);

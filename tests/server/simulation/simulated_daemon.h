@@ -13,7 +13,7 @@
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_stream.h"
 #include "server/rpc/services/watcher_set.h"
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 #include "server/sessions/prior_store.h"
 #include "server/sessions/session_table.h"
 #include "server/storage/store_thread.h"
@@ -58,12 +58,12 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   rpc::Counters counters_;
   spdlog::logger log_;
   bool draining_ = false;
-  rpc::DecisionLoop loop_;
+  sessions::DecisionLoop loop_;
   storage::StoreThread store_;
   rpc::AccessControl access_;
-  rpc::ServiceContext context_;  // refers to the members below
-  rpc::SessionTable sessions_;
   watch::WatchHub watch_hub_;
+  sessions::SessionTable sessions_;
+  rpc::ServiceContext context_;  // also refers to members below
   rpc::WatcherSet watchers_;
   rpc::StallSweep stalls_;
   rpc::TelemetryStreams streams_;
@@ -71,7 +71,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   int64_t max_store_delay_ns_ = 60 * kMsNs;
   bool store_busy_ = false;
   bool reads_busy_ = false;
-  int64_t wake_ns_ = rpc::Clock::kNever;  // when the world runs the daemon again at the latest
+  int64_t wake_ns_ = sessions::Clock::kNever;  // when the world runs the daemon again at the latest
 };
 
 }  // namespace sweepstake::simulation

@@ -8,7 +8,6 @@
 
 #include "server/rpc/common/access_control.h"
 #include "server/watch/watch_hub.h"
-#include "sweepstake/v1/posteriors.pb.h"
 
 namespace sweepstake::simulation {
 
@@ -27,9 +26,8 @@ class SimulatedWatcher final : public watch::WatchListener {
   bool Watches(const priors::SceneKey& scene) override {
     return filter_.Matches(scene.project, scene.scene);
   }
-  void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) override {
-    Check(scene.project);
-    Check(event.project());
+  void OnDecision(const sessions::DecisionEvent& event) override {
+    Check(event.session.scene.project);
   }
   void OnTick() override {}
   void OnPosterior(const priors::SceneEvidence& scene) override {

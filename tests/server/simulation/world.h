@@ -8,14 +8,14 @@
 #include <random>
 #include <utility>
 
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 
 namespace sweepstake::simulation {
 
 inline constexpr int64_t kMsNs = 1'000'000;
 inline constexpr int64_t kSecondNs = 1'000 * kMsNs;
 
-class World final : public rpc::Clock {
+class World final : public sessions::Clock {
  public:
   explicit World(uint64_t seed) : random_(seed) {}
 

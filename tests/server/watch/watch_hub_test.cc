@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "sweepstake/v1/posteriors.pb.h"
 #include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::watch {
@@ -64,7 +63,7 @@ class ManualStore final : public priors::AsyncPriorStore {
 class RecordingListener final : public WatchListener {
  public:
   bool Watches(const SceneKey& scene) override { return scene.scene != "unwatched"; }
-  void OnDecision(const SceneKey&, const v1::DecisionEvent&) override { ++decision_count; }
+  void OnDecision(const sessions::DecisionEvent&) override { ++decision_count; }
   void OnTick() override { decisions_told = decision_count; }
   void OnPosterior(const SceneEvidence& scene) override { posteriors.push_back(scene); }
   void OnReset() override { ++reset_count; }
@@ -154,10 +153,14 @@ TEST_F(WatchHubTest, ASceneIsToldOncePerTickAndNothingRunsWhileNothingChanges) {
 }
 
 TEST_F(WatchHubTest, DecisionsHaveATickToBeToldAt) {
-  const v1::DecisionEvent decision;
-  hub_.OnDecision(Scene("a"), decision);
-  hub_.OnDecision(Scene("a"), decision);
-  hub_.OnDecision(Scene("unwatched"), decision);
+  const decision::DecisionRecord record;
+  sessions::SessionIdentity session;
+  const sessions::DecisionEvent decision{.session = session, .record = record};
+  session.scene = Scene("a");
+  hub_.OnDecision(decision);
+  hub_.OnDecision(decision);
+  session.scene = Scene("unwatched");
+  hub_.OnDecision(decision);
   EXPECT_EQ(listener_.decisions_told, 0);
   EXPECT_EQ(Tick(), 1U);
   EXPECT_EQ(listener_.decisions_told, 2);

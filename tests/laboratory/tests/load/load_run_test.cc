@@ -54,7 +54,7 @@ class LoadRunTest : public ::testing::Test {
     }
   }
 
-  rpc::SteadyClock clock_;
+  sessions::SteadyClock clock_;
   spdlog::logger log_{"test"};
   std::unique_ptr<storage::StoreThread> thread_;
   std::unique_ptr<rpc::HoldingStore> store_;

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "server/rpc/common/error_reasons.h"
-#include "tests/server/rpc/manual_clock.h"
+#include "tests/server/sessions/manual_clock.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -33,7 +33,7 @@ class RefusalLogTest : public ::testing::Test {
 
   std::ostringstream text_;
   spdlog::logger log_{"test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)};
-  ManualClock clock_;
+  sessions::ManualClock clock_;
   RefusalLog refusals_{clock_, log_};
 };
 
@@ -71,7 +71,7 @@ class BusySink final : public spdlog::sinks::base_sink<spdlog::details::null_mut
 TEST(RefusalLogLockTest, CallsAreRefusedWhileALineIsWritten) {
   const auto sink = std::make_shared<BusySink>();
   spdlog::logger log("test", sink);
-  ManualClock clock;
+  sessions::ManualClock clock;
   RefusalLog refusals(clock, log);
   const auto refuse = [&] {
     refusals.Tell("ipv4:192.0.2.7:1", Refused(v1::ERROR_REASON_HELLO_OVERDUE, "no"));

@@ -16,7 +16,7 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/refusal_log.h"
 #include "server/rpc/connection_listener.h"
-#include "tests/server/rpc/manual_clock.h"
+#include "tests/server/sessions/manual_clock.h"
 #include "tests/support/http_exchange.h"
 
 namespace sweepstake::rpc {
@@ -42,7 +42,7 @@ class OpenConnectionsTest : public ::testing::Test {
   }
 
   RpcOptions options_;
-  ManualClock clock_;
+  sessions::ManualClock clock_;
   std::map<int, std::string> names_;     // of the descriptors that are open
   std::string own_ = "ipv4:192.0.2.1:";  // what names of this machine begin with
   OpenConnections connections_{
@@ -100,7 +100,7 @@ class KeptConnections final : public grpc::experimental::ExternalConnectionAccep
 TEST(ConnectionListenerTest, ClosesAConnectionTooManyOfAnAddressAndSaysSo) {
   RpcOptions options;
   options.max_streams_per_address = 1;
-  ManualClock clock;
+  sessions::ManualClock clock;
   OpenConnections connections(
       options, clock, [](int descriptor) { return "ipv4:192.0.2.7:" + std::to_string(descriptor); },
       [](int) { return false; });

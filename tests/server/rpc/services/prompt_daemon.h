@@ -15,7 +15,7 @@
 #include "server/rpc/services/telemetry_stream.h"
 #include "server/rpc/services/watcher_set.h"
 #include "server/sessions/session_table.h"
-#include "tests/server/rpc/manual_clock.h"
+#include "tests/server/sessions/manual_clock.h"
 #include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::rpc {
@@ -71,17 +71,17 @@ struct PromptDaemon {
   }
 
   RpcOptions options;
-  ManualClock clock;
+  sessions::ManualClock clock;
   PromptStore store;
   Counters counters;
   spdlog::logger log{"test"};
-  DecisionLoop loop{clock, {}, DecisionLoop::Runner::kCaller};
-  SessionTable sessions{options, loop};
+  sessions::DecisionLoop loop{clock, {}, sessions::DecisionLoop::Runner::kCaller};
   watch::WatchHub hub{store, HubLoop(loop)};
+  sessions::SessionTable sessions{{options, loop, store, counters, hub}};
   StallSweep stalls{loop, options.watcher_patience_ns};
   AccessControl access{options, clock, log};
-  ServiceContext context{
-      {options, loop, store, counters, hub}, sessions, watchers, stalls, access, log};
+  ServiceContext context{options,  loop,     store,  counters, hub,
+                         sessions, watchers, stalls, access,   log};
   WatcherSet watchers{context};
   TelemetryStreams streams;
 };

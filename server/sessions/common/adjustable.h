@@ -1,9 +1,9 @@
-// A number that may change while others read it. Thread-safe; copies are numbers of their own.
+// A number that may change while other threads read it. Thread-safe; copies are independent.
 #pragma once
 
 #include <atomic>
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
 template <typename T>
 class Adjustable {
@@ -21,4 +21,4 @@ class Adjustable {
   std::atomic<T> value_;
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

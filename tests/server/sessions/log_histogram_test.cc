@@ -1,4 +1,4 @@
-#include "server/watch/log_histogram.h"
+#include "server/sessions/common/log_histogram.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace sweepstake::watch {
+namespace sweepstake::sessions {
 namespace {
 
 uint64_t CountOf(const LogHistogram& histogram) {
@@ -78,4 +78,4 @@ TEST(LogHistogram, TheSmallestValuesShareABucketWhereThereAreTooMany) {
 }
 
 }  // namespace
-}  // namespace sweepstake::watch
+}  // namespace sweepstake::sessions

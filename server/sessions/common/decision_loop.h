@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
 // The clock of the decision loop. It returns the time and waits for a time. Tests replace it.
 //
@@ -44,13 +44,14 @@ class SteadyClock final : public Clock {
 
 // The one thread on which sessions live and decisions are made.
 //
-// gRPC's callbacks and the store's only post tasks here, so that sessions need no locks and no
-// other thread waits for a decision. Post, PostLater and PostAt are thread-safe. Tasks run in the
-// order of posting, those of PostAt when they are due; those of PostLater and PostAt let what is
-// posted overtake them, a few at a time, so that a frame's news does not wait for a thousand
-// commits. They must not wait and must not throw. The queues are bounded, because each stream,
-// watcher and commit has at most a few tasks in them. The destructor runs the posted tasks, drops
-// those that are not due yet, and ends the thread. The clock must outlive the loop.
+// The callbacks of the transport and of the store only post tasks here. Sessions therefore need no
+// locks, and no other thread waits for a decision. Post, PostLater and PostAt are thread-safe.
+//
+// Tasks run in the order of posting, those of PostAt when they are due. Tasks of Post overtake
+// those of PostLater and PostAt, of which a few run per turn, so that a frame does not wait for a
+// thousand commits. Tasks must not wait and must not throw. The queues are bounded, because each
+// stream, watcher and commit has at most a few tasks in them. The destructor runs the posted tasks,
+// drops those that are not due yet, and ends the thread. The clock must outlive the loop.
 class DecisionLoop {
  public:
   using Task = std::function<void()>;
@@ -58,22 +59,22 @@ class DecisionLoop {
 
   enum class Runner {
     kOwnThread,
-    kCaller,  // RunReady runs the tasks, and the destructor drops those that it has not run
+    kCaller,  // RunReady runs the tasks, and the destructor drops the others
   };
 
-  // `on_timer`, if there is one, is told on the loop's thread how late each task of PostAt runs.
+  // `on_timer`, if set, gets the lateness of each task of PostAt, on the loop's thread.
   explicit DecisionLoop(Clock& clock, OnTimer on_timer = {}, Runner runner = Runner::kOwnThread);
   ~DecisionLoop();
   DecisionLoop(const DecisionLoop&) = delete;
   DecisionLoop& operator=(const DecisionLoop&) = delete;
 
   void Post(Task task);
-  // As Post, of a task that may come after others.
+  // Like Post, but tasks of Post may overtake this one.
   void PostLater(Task task);
   // Runs `task` once the clock has reached `due_ns`.
   void PostAt(int64_t due_ns, Task task);
-  // Runs all that is posted and due, and what comes of it. Returns when the next task is due, or
-  // Clock::kNever. REQUIRES: the caller is the runner.
+  // Runs the tasks that are posted and due, and those that they post. Returns the time at which the
+  // next task is due, or Clock::kNever. REQUIRES: the caller is the runner.
   int64_t RunReady();
 
   Clock& clock() { return clock_; }
@@ -81,7 +82,7 @@ class DecisionLoop {
  private:
   using Timers = std::multimap<int64_t, Task>;
 
-  // What runs before the loop looks for more.
+  // The tasks that run before the loop looks for more.
   struct Turn {
     std::vector<Task> ready;
     Timers due;
@@ -93,8 +94,8 @@ class DecisionLoop {
   void Run();
   template <typename Queue>
   void Put(Queue& queue, Task task);
-  // Moves all that is posted into the turn, then a few of the tasks that may come later and of the
-  // timers that are due. Returns false if the loop closes and nothing is left.
+  // Moves all tasks of Post into the turn, and a few of PostLater and of the due ones of PostAt.
+  // Returns false if the loop closes and nothing is left.
   bool Collect(Turn& turn);
   void RunTasks(Turn& turn);
 
@@ -108,4 +109,4 @@ class DecisionLoop {
   std::thread thread_;        // last: it uses the members above; none if the caller is the runner
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -10,12 +10,12 @@
 #include <span>
 #include <vector>
 
-namespace sweepstake::watch {
+namespace sweepstake::sessions {
 
 class LogHistogram {
  public:
-  // Eight octaves, far more than the frames of a game differ by. Beyond it the smallest values are
-  // counted in the lowest bucket, so that the high percentiles stay what they are.
+  // Eight octaves, a far larger range than the frames of a game have. If values need more, the
+  // smallest ones share the lowest bucket, so that the high percentiles stay right.
   static constexpr size_t kMaxBuckets = 64;
 
   struct Bucket {
@@ -37,10 +37,10 @@ class LogHistogram {
 
  private:
   std::vector<Bucket> buckets_;
-  size_t latest_ = 0;  // the index of the bucket that was counted in last, if there is one
+  size_t latest_ = 0;  // index of the bucket of the latest value, if there is one
 };
 
-// What frames cost.
+// The cost of frames.
 struct FrameHistograms {
   LogHistogram frame_time_ns;
   LogHistogram detection_time_ns;
@@ -59,4 +59,4 @@ struct FrameHistograms {
   }
 };
 
-}  // namespace sweepstake::watch
+}  // namespace sweepstake::sessions

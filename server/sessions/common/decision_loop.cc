@@ -1,11 +1,11 @@
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 
 #include <algorithm>
 #include <chrono>
 #include <iterator>
 #include <utility>
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 namespace {
 
 constexpr size_t kLaterTasksPerTurn = 8;
@@ -116,4 +116,4 @@ int64_t DecisionLoop::RunReady() {
   return turn.next_due_ns;
 }
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

@@ -1,10 +1,10 @@
-#include "server/watch/log_histogram.h"
+#include "server/sessions/common/log_histogram.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 
-namespace sweepstake::watch {
+namespace sweepstake::sessions {
 namespace {
 
 // 2^(63 + k/8) for k = 1 to 7, rounded up: where the buckets of an octave begin after its first.
@@ -47,4 +47,4 @@ void LogHistogram::Add(uint64_t value) {
   latest_ = static_cast<size_t>(place - buckets_.begin());
 }
 
-}  // namespace sweepstake::watch
+}  // namespace sweepstake::sessions

@@ -4,9 +4,9 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "server/sessions/decision_loop.h"
+#include "server/sessions/common/decision_loop.h"
 
-namespace sweepstake::rpc {
+namespace sweepstake::sessions {
 
 class ManualClock final : public Clock {
  public:
@@ -37,4 +37,4 @@ class ManualClock final : public Clock {
   bool wake_ = false;               // guarded by mutex_
 };
 
-}  // namespace sweepstake::rpc
+}  // namespace sweepstake::sessions

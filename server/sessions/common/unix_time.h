@@ -1,5 +1,5 @@
-// The wall clock, for times that people read and that outlive the process. It may jump; durations
-// and timeouts are of steady clocks.
+// The wall clock, for times that people read or that outlive the process. It may jump, so durations
+// and timeouts use a steady clock.
 #pragma once
 
 #include <chrono>

@@ -1,0 +1,102 @@
+// What a client tells its session, as plain values that have been checked. telemetry.proto explains
+// the fields.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine_client/decider/types.h"
+#include "server/sessions/prior_store.h"
+
+namespace sweepstake::sessions {
+
+struct ArmKey {
+  std::string name;
+  uint32_t backend_version = 1;
+
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
+  friend auto operator<=>(const ArmKey&, const ArmKey&) = default;
+};
+
+// The first message of a stream.
+struct Hello {
+  priors::SceneKey scene;  // with the reward version of the policy
+  std::vector<ArmKey> arms;
+  std::string build;         // empty if unknown
+  std::string session_id;    // of the session to resume; empty for a new one
+  std::string resume_token;  // proves that the session is the client's
+  std::string policy;        // never empty
+  Mode mode = Mode::kManual;
+  uint32_t active_arm = 0;
+  uint32_t switch_epoch = 0;
+  uint64_t seed = 0;  // 0: the daemon chooses one
+  double time_scale = 1;
+  bool ignores_priors = false;
+  bool takes_orders = false;
+  bool shows_boxes = false;
+};
+
+inline std::vector<std::string> ArmNamesOf(const Hello& hello) {
+  std::vector<std::string> names;
+  for (const ArmKey& arm : hello.arms) names.push_back(arm.name);
+  return names;
+}
+
+// In the order of the arms.
+inline std::vector<uint32_t> BackendVersionsOf(const Hello& hello) {
+  std::vector<uint32_t> versions;
+  for (const ArmKey& arm : hello.arms) versions.push_back(arm.backend_version);
+  return versions;
+}
+
+struct FrameBatch {
+  std::vector<FrameSample> frames;
+  std::vector<ShadowSample> shadows;
+  uint64_t dropped_frame_count = 0;
+  std::optional<decision::SceneDescriptor> descriptor;
+};
+
+// The answer to a switch command, or a switch of the game's own.
+struct SwitchAnswer {
+  uint64_t command_id = 0;
+  bool executed = false;
+  uint32_t arm = 0;
+  uint32_t switch_epoch = 0;
+  SwitchReason reason = {};
+  decision::SwitchCost cost;
+};
+
+struct BailOut {
+  uint64_t frame_index = 0;
+  FrameSample frame;
+};
+
+struct OrderRefusal {
+  uint64_t order_id = 0;
+  bool takes_orders = false;  // the game takes orders, but does not know this one
+};
+
+// A message of a newer protocol.
+struct UnknownMessage {};
+
+// A message after Hello that changes the session.
+struct Telemetry {
+  uint64_t sequence = 0;  // from 1; a message that is sent again has the same one
+  std::variant<UnknownMessage, FrameBatch, SwitchAnswer, BailOut, ModeChange, OrderRefusal> message;
+};
+
+// The boxes of some of a frame's objects.
+struct BoxView {
+  uint64_t frame_index = 0;
+  uint32_t object_count = 0;
+  uint32_t stride = 0;
+  std::vector<float> bounds;
+  std::string boxes;
+  std::string pairs;
+};
+
+}  // namespace sweepstake::sessions

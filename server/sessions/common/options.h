@@ -1,0 +1,104 @@
+// The bounds and counters of sessions. Each field says what happens at its bound.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <string>
+#include <string_view>
+
+#include "engine_client/decider/options.h"
+#include "server/sessions/common/adjustable.h"
+
+namespace sweepstake::sessions {
+
+// The largest box view that a game is asked for; a larger one is INVALID_ARGUMENT.
+inline constexpr size_t kMaxBoxViewBytes = 64 * 1024;
+inline constexpr uint64_t kMaxFrameNs = 3'600'000'000'000;  // an hour; a longer frame is left out
+// The maximum bytes of audit rows that wait for the disk, of one session (64 rows of 7 arms, which
+// are two minutes) and of all sessions. A row beyond them is lost.
+inline constexpr size_t kMaxWaitingAuditBytesOfSession = 64 * 1024;
+inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
+
+// Adjustable members may change at any time.
+struct SessionOptions {
+  // Its policy is that of sessions that name none.
+  decision::DecisionOptions decision;
+  std::string daemon_version;  // of the program, as in Welcome and the audit log
+  // Whether the sessions that begin write rows of the audit log.
+  Adjustable<bool> keeps_audit = true;
+  // Whether other daemons write the store, too. A session that cannot be read then may continue in
+  // another daemon. It is refused, since what its client sends again might count twice.
+  bool shares_store = false;
+  // The maximum number of sessions in memory, connected or resumable. At the bound the session that
+  // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
+  // new one is RESOURCE_EXHAUSTED.
+  Adjustable<uint32_t> max_sessions = 20'000;
+  // The maximum number of sessions of one token, with the same consequences. One token thus leaves
+  // half of the daemon to the others.
+  Adjustable<uint32_t> max_sessions_per_token = 10'000;
+  // The maximum number of projects. One more, in a Hello or an import, is RESOURCE_EXHAUSTED. For a
+  // Hello, projects that only sessions in memory have count too.
+  Adjustable<uint32_t> max_projects = 100;
+  // The maximum number of scenes of a project, by name, with the same consequences.
+  Adjustable<uint32_t> max_scenes = 1'000;
+  // The secret from which the resume token of every session is made, 32 random bytes. If it
+  // changes, no earlier session can be resumed.
+  std::string resume_secret;
+  // Makes the ids and seeds of new sessions. Called on the decision loop.
+  std::function<uint64_t()> random_bits = [] {
+    std::random_device device;
+    return (uint64_t{device()} << 32) | device();
+  };
+  // A lost session leaves memory after this time; from then on it is resumed from the store.
+  Adjustable<int64_t> resume_window_ns = 600'000'000'000;
+  // If the store has not answered a Hello after this time, the session begins without its evidence.
+  // A client waits ten seconds for the welcome.
+  int64_t load_patience_ns = 5'000'000'000;
+};
+
+// The impossible value of a frame or a shadow visit (rejection.h).
+enum class RejectionReason : size_t {
+  kFrameTime,
+  kDetectionTime,
+  kBuildTime,
+  kCheckCount,
+  kNativeBytes,
+};
+inline constexpr std::array<std::string_view, 5> kRejectionReasonNames = {
+    "frame_time", "detection_time", "build_time", "check_count", "native_bytes"};
+using RejectionCounts = std::array<std::atomic<uint64_t>, kRejectionReasonNames.size()>;
+
+// Counts of events since the daemon's start, and of what exists now. The decision loop writes them
+// and any thread may read them. Each counter is exact, but several are not read at one moment.
+struct SessionCounters {
+  std::atomic<uint64_t> session_count{0};  // sessions in memory, connected or lost
+  std::atomic<uint64_t> goodbye_count{0};  // sessions that the client ended
+  // Messages of a newer protocol, which were not applied.
+  std::atomic<uint64_t> unknown_message_count{0};
+  // Messages whose sequence number was applied before.
+  std::atomic<uint64_t> replayed_message_count{0};
+  std::atomic<uint64_t> applied_message_count{0};
+  // Frames and shadow visits. The rejected ones are counted by RejectionReason.
+  std::atomic<uint64_t> accepted_frame_count{0};
+  RejectionCounts rejected_frame_counts{};
+  std::atomic<uint64_t> accepted_shadow_count{0};
+  RejectionCounts rejected_shadow_counts{};
+  // Bail-outs that were answered but are not evidence: more than a game, or the games of a token or
+  // address, can have.
+  std::atomic<uint64_t> surplus_bail_out_count{0};
+  std::atomic<uint64_t> dropped_frame_count{0};  // dropped by the clients' queues
+  std::atomic<uint64_t> decision_count{0};
+  std::atomic<uint64_t> switch_command_count{0};
+  std::atomic<uint64_t> refused_switch_count{0};  // commands that a client did not execute
+  std::atomic<uint64_t> stored_commit_count{0};
+  std::atomic<uint64_t> failed_commit_count{0};
+  std::atomic<uint64_t> waiting_audit_bytes{0};  // of audit rows that wait for the disk now
+  // Audit rows that are not in the log, because too many waited or the store could not write them.
+  std::atomic<uint64_t> lost_audit_row_count{0};
+};
+
+}  // namespace sweepstake::sessions

@@ -1,0 +1,135 @@
+#include "server/sessions/session_opening.h"
+
+#include <optional>
+
+#include "server/sessions/common/reasons.h"
+#include "server/sessions/resume_token.h"
+
+namespace sweepstake::sessions {
+namespace {
+
+absl::Status StoreBusy() {
+  return Refused(reasons::kStoreBusy, "the prior store has too much to do; connect again later");
+}
+
+// Returns whether the Hello, whose token has been checked, may resume this session in memory.
+bool CanResume(const GameSession& session, const Hello& hello) {
+  const SessionIdentity& identity = session.identity();
+  return !session.ended() && identity.scene == hello.scene && identity.arms == ArmNamesOf(hello) &&
+         identity.backend_versions == BackendVersionsOf(hello);
+}
+
+}  // namespace
+
+void SessionOpening::Run() {
+  if (absl::Status status = CheckResumption(); !status.ok()) return Finish(status);
+  if (std::shared_ptr<GameSession> session = FindInMemory())
+    return Finish(OpenedSession{std::move(session), /*resumed=*/true, absl::OkStatus()});
+  ReadStore();
+}
+
+absl::Status SessionOpening::CheckResumption() {
+  const auto token_id =
+      TokenOfSession(hello_.session_id, hello_.resume_token, context().options.resume_secret);
+  if (!token_id) hello_.session_id.clear();
+  if (token_id && *token_id != token_id_) {
+    return Refused(reasons::kForeignSession,
+                   "this session began with another token; begin a new one");
+  }
+  return table_.CheckKicked(hello_.session_id);
+}
+
+std::shared_ptr<GameSession> SessionOpening::FindInMemory() {
+  std::shared_ptr<GameSession> session = table_.Find(hello_.session_id);
+  if (session && session->superseded()) {
+    table_.Forget(*session);
+    return nullptr;  // the store has the state that the other daemon wrote
+  }
+  if (!session || CanResume(*session, hello_)) return session;
+  hello_.session_id.clear();
+  return nullptr;
+}
+
+void SessionOpening::ReadStore() {
+  DecisionLoop& loop = context().loop;
+  if (!SubmitRead()) return Finish(StoreBusy());
+  loop.PostAt(loop.clock().NowNs() + context().options.load_patience_ns, [weak = weak_from_this()] {
+    const auto self = weak.lock();
+    if (!self) return;
+    StoredStart nothing;
+    nothing.new_scene = UnstoredScene{.project_count = 0};
+    nothing.status = Refused(reasons::kStoreBusy, "no answer");
+    self->OnRead(nothing);
+  });
+}
+
+bool SessionOpening::SubmitRead() {
+  const auto deliver = [weak = weak_from_this(), &loop = context().loop](StoredStart start) {
+    // With PostLater, as the news of commits: the loop then knows the commits that were read.
+    loop.PostLater([weak, start = std::move(start)] {
+      if (const auto self = weak.lock()) self->OnRead(start);
+    });
+  };
+  priors::AsyncPriorStore& store = context().store;
+  const SessionOptions& options = context().options;
+  if (!hello_.session_id.empty()) {
+    return store.Submit([deliver, hello = hello_, &options](priors::PriorStore& writer) {
+      StoredStart start = LoadStart(writer, hello, options, /*is_writing_thread=*/true);
+      CountScene(writer, hello, options, start);
+      deliver(std::move(start));
+    });
+  }
+  return store.Read([weak = weak_from_this(), deliver, hello = hello_, &options,
+                     &store](priors::PriorReader& reader) {
+    if (weak.expired()) return;  // nobody waits for it any more
+    StoredStart start = LoadStart(reader, hello, options, /*is_writing_thread=*/false);
+    if (!start.new_scene) return deliver(std::move(start));
+    const auto count = [deliver, hello, &options, start](priors::PriorStore& writer) mutable {
+      CountScene(writer, hello, options, start);
+      deliver(std::move(start));
+    };
+    if (store.Submit(count)) return;
+    start.refusal = StoreBusy();
+    deliver(std::move(start));
+  });
+}
+
+void SessionOpening::OnRead(const StoredStart& start) {
+  if (!done_) return;  // the store answered too late, or the patience ran out after its answer
+  // An operator may have kicked the session in the meantime, and another connection resumed it.
+  if (absl::Status kicked = table_.CheckKicked(hello_.session_id); !kicked.ok())
+    return Finish(kicked);
+  if (std::shared_ptr<GameSession> session = FindInMemory())
+    return Finish(OpenedSession{std::move(session), /*resumed=*/true, absl::OkStatus()});
+  if (start.source && hello_.session_id.empty()) {
+    return Finish(Refused(reasons::kStoreBusy,
+                          "another connection has just ended this session; connect again"));
+  }
+  Finish(Begin(start));
+}
+
+absl::StatusOr<OpenedSession> SessionOpening::Begin(const StoredStart& start) {
+  if (context().options.shares_store && !hello_.session_id.empty() && !start.status.ok()) {
+    return Refused(reasons::kStoreFailed,
+                   "the store that has the session cannot be read; connect again later");
+  }
+  if (!start.refusal.ok()) return start.refusal;
+  std::optional<NewScenes::Hold> hold;
+  if (start.new_scene) {
+    auto taken = table_.new_scenes().Take(hello_.scene, *start.new_scene);
+    if (!taken.ok()) return taken.status();
+    hold.emplace(*std::move(taken));
+  }
+  auto session = MakeSession(context(), hello_, start, token_id_);
+  if (!session.ok()) return session.status();
+  if (hold) (*session)->Keep(*std::move(hold));
+  if (absl::Status status = table_.Add(*session); !status.ok()) return status;
+  return OpenedSession{*std::move(session), /*resumed=*/start.source.has_value(), start.status};
+}
+
+void SessionOpening::Finish(absl::StatusOr<OpenedSession> result) {
+  const auto self = shared_from_this();  // its owner may drop it
+  std::exchange(done_, nullptr)(std::move(result));
+}
+
+}  // namespace sweepstake::sessions
