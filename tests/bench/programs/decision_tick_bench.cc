@@ -87,13 +87,14 @@ class Game {
 
   void RunFrames() {
     for (int i = 0; i < kFramesPerTick; ++i) {
-      const Frame frame{.frame_time_ns = 100'000'000,
-                        .detection_time_ns = static_cast<uint64_t>(CostNs(session_.active_arm())),
-                        .aabb_check_count = 10'000,
-                        .native_bytes = 1 << 20,
-                        .object_count = 1'000,
-                        .arm = session_.active_arm(),
-                        .switch_epoch = epoch_};
+      const FrameSample frame{
+          .frame_time_ns = 100'000'000,
+          .detection_time_ns = static_cast<uint64_t>(CostNs(session_.active_arm())),
+          .aabb_check_count = 10'000,
+          .native_bytes = 1 << 20,
+          .object_count = 1'000,
+          .arm = session_.active_arm(),
+          .switch_epoch = epoch_};
       session_.ObserveFrames({&frame, 1});
     }
   }
