@@ -99,7 +99,7 @@ TEST(PriorsCommand, ExportsAFileThatImportReads) {
 TEST(PriorsCommand, SaysWhichRecordsAreKnownUnderAnotherScene) {
   FakeDaemonServices daemon;
   PriorRecord renamed = SomeRecord(2);
-  renamed.scene = "renamed";
+  renamed.key.scene = "renamed";
   ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{SomeRecord(1), SomeRecord(2)}).ok());
   daemon.priors.parts->resize(1);
   for (const v1::PriorRecord& record : daemon.priors.imported.get()) {

@@ -189,7 +189,8 @@ TEST_F(FlightRecorderTest, OptionsOutOfRangeNameTheirBounds) {
                 HasSubstr("frame_budget_ms must be over 0"));
   }
   EXPECT_THAT(message_of({.memory_mb = 1}), HasSubstr("flight_recorder.directory"));
-  EXPECT_THAT(message_of({.memory_mb = 1, .directory = folder + "/none"}), HasSubstr("make it"));
+  EXPECT_THAT(message_of({.memory_mb = 1, .directory = folder + "/none"}),
+              HasSubstr("create it first"));
 }
 
 }  // namespace

@@ -59,16 +59,12 @@ TEST(ArmOfPriors, IsNoneOfWhatWaitsInQuarantine) {
 
 TEST(ArmOfPriors, IsOneThatThePriorsKnow) {
   EmbeddedOptions options;
-  for (const char* policy : {"default", "calibrated"}) {
-    options.policy = policy;
-    for (const size_t first_arm : {1, 2}) {
-      options.priors_data = Visits(first_arm);
-      const auto arm = EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions);
-      ASSERT_TRUE(arm.ok()) << arm.status().message();
-      EXPECT_EQ(*arm, "KDTree");
-    }
+  for (const size_t first_arm : {1, 2}) {
+    options.priors_data = Visits(first_arm);
+    const auto arm = EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions);
+    ASSERT_TRUE(arm.ok()) << arm.status().message();
+    EXPECT_EQ(*arm, "KDTree");
   }
-  options.policy = "default";
   options.scene = "a new one, whose neighbour compares nothing";
   EXPECT_EQ(EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions).status().code(),
             StatusCode::kNotFound);

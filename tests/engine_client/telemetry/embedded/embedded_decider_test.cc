@@ -126,7 +126,7 @@ TEST(EmbeddedDecider, LearnsFromTheShadowLaneWhichArmIsTheBest) {
 
 TEST(EmbeddedDecider, TakesDescriptorsOfTheScene) {
   EmbeddedOptions options;
-  options.policy = "lin-ts";
+  options.policy = "adaptive";
   const auto with = MakeDecider(options);
   const auto without = MakeDecider(options);
   Game told({30, 60, 15});
@@ -291,7 +291,8 @@ TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
   records.back().key.reward_version = 2;
   ASSERT_TRUE(WritePriorsFile(records, path_).ok());
   const auto decider = MakeDecider(Options());
-  EXPECT_EQ(decider->prior_source_count(), 2U);
+  // As in a daemon, the count includes the scene's sources of other arms and versions.
+  EXPECT_EQ(decider->prior_source_count(), 4U);
   EXPECT_EQ(decider->beliefs()[0].alpha, 21);
   EXPECT_EQ(decider->beliefs()[0].beta, 11);
   EXPECT_EQ(decider->beliefs()[1].alpha, 1);
@@ -492,7 +493,7 @@ TEST(EmbeddedDeciderCreate, KnowsNoAblationOfTheLaboratory) {
   const Status status = EmbeddedDecider::Create(options, kArms, kVersions, 0).status();
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("unknown policy"));
-  EXPECT_THAT(status.message(), HasSubstr("paper-one-draw"));
+  EXPECT_THAT(status.message(), HasSubstr("adaptive, default, paper"));
   EXPECT_THAT(status.message(), testing::Not(HasSubstr("adaptive-without-gate")));
 }
 
