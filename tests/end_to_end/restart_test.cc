@@ -113,7 +113,7 @@ TEST(RestartTest, ADaemonWithAnotherPolicyGivesTheGameANewSessionAndItGoesOnLear
   const std::string first = game.stats().session_id;
   EXPECT_EQ(daemon->Terminate(), 0);
   daemon = std::make_unique<DaemonProcess>(
-      data.path(), address, std::vector<std::string>{"--decision-policy", "calibrated"});
+      data.path(), address, std::vector<std::string>{"--decision-policy", "adaptive"});
   double least = std::numeric_limits<double>::infinity();  // at the start of the session
   ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
     if (stats.session_id == first || stats.beliefs.empty()) return false;

@@ -37,7 +37,7 @@ TEST_F(VerdictTest, IsStableWhereOneArmIsClearlyTheBest) {
 
 TEST_F(VerdictTest, IsATieWhereAllArmsCostTheSame) {
   SessionOptions options = FastOptions();
-  options.policy = "calibrated";
+  options.policy = "adaptive";
   ScriptedGame game(daemon_.address(), options, ArmCostsMs(7, 5));
   const SceneVerdict verdict = Hear(Verdict::kTie, game);
   EXPECT_LT(verdict.leader_probability, 0.8);

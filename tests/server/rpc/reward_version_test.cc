@@ -165,7 +165,7 @@ TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
 
   for (const auto& change : std::vector<std::function<void(v1::Hello&)>>{
            [](v1::Hello& other) { other.set_project("other"); },
-           [](v1::Hello& other) { other.set_policy("calibrated"); },
+           [](v1::Hello& other) { other.set_policy("paper"); },
            [](v1::Hello& other) { other.set_ignore_priors(true); }}) {
     v1::Hello other = hello;
     other.set_scene("tundra");
@@ -183,11 +183,6 @@ TEST_F(RewardVersionTest, ANewSceneOfANewClassOfMachinesBeginsWithThoseOfTheOthe
   const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
   EXPECT_EQ(welcome.prior_source_count(), 1u);
   EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02);
-}
-
-TEST_F(RewardVersionTest, PoliciesOfOneVersionShareTheirEvidence) {
-  Learn("paper", 1);
-  EXPECT_EQ(WelcomeOf("ucb1").prior_source_count(), 1u);
 }
 
 TEST_F(RewardVersionTest, TheWelcomeNamesThePolicyAsTheRegistryDoes) {

@@ -48,13 +48,13 @@ TEST_F(TelemetryTest, TheWelcomeHasTheVersionAndTheCapabilitiesThatBothSidesHave
 
 TEST_F(TelemetryTest, AHelloWithoutAPolicyGetsTheDaemonsOwn) {
   StopServer();
-  options_.decision.policy = "ucb1";
+  options_.decision.policy = "paper";
   StartServer();
   v1::Hello hello = HelloMessage();
   hello.clear_policy();
-  EXPECT_EQ(TelemetryClient(channel_).Open(hello).policy(), "ucb1");
-  hello.set_policy("random");
-  EXPECT_EQ(TelemetryClient(channel_).Open(hello).policy(), "random");
+  EXPECT_EQ(TelemetryClient(channel_).Open(hello).policy(), "paper");
+  hello.set_policy("adaptive");
+  EXPECT_EQ(TelemetryClient(channel_).Open(hello).policy(), "adaptive");
 }
 
 TEST_F(TelemetryTest, TheTimeScaleDividesTheIntervalsOfTheWelcome) {
