@@ -76,14 +76,22 @@ TEST_F(BadInputTest, ShadowSamplesMustNameAnArmAndATimeAndBeNoMoreThanABatchMayH
   EXPECT_EQ(EndAfter(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
+sessions::Telemetry Converted(const v1::StreamTelemetryRequest& request) {
+  sessions::Telemetry telemetry;
+  FromProto(request, telemetry);
+  return telemetry;
+}
+
 TEST(MessageValidation, TakesOnlyWhatWasMeasuredOfTheScene) {
-  v1::SceneDescriptor message;
+  v1::StreamTelemetryRequest request;
+  v1::SceneDescriptor& message = *request.mutable_frame_batch()->mutable_scene_descriptor();
   message.set_object_count(1000);
   message.set_density_ratio(std::numeric_limits<float>::quiet_NaN());
   message.set_size_spread(std::numeric_limits<float>::infinity());
   message.set_speed_mean(-1);
   message.set_static_ratio(0);
-  const decision::SceneDescriptor descriptor = FromProto(message);
+  const decision::SceneDescriptor descriptor =
+      *std::get<sessions::FrameBatch>(Converted(request).message).descriptor;
   EXPECT_EQ(descriptor.object_count, 1000.0);
   EXPECT_FALSE(descriptor.density_ratio.has_value());
   EXPECT_FALSE(descriptor.size_spread.has_value());
@@ -93,17 +101,21 @@ TEST(MessageValidation, TakesOnlyWhatWasMeasuredOfTheScene) {
 }
 
 TEST(MessageValidation, BoundsWhatASwitchMayHaveCost) {
-  v1::SwitchOutcome outcome;
+  v1::StreamTelemetryRequest request;
+  v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
+  const auto cost = [&request] {
+    return std::get<sessions::SwitchAnswer>(Converted(request).message).cost;
+  };
   outcome.set_rebuild_time_ns(12);
   outcome.set_settling_cost_ns(~0ull);
-  EXPECT_EQ(FromProto(outcome).rebuild_time_ns, 12u);
-  EXPECT_EQ(FromProto(outcome).settling_cost_ns, 3600u * uint64_t{kSecondNs});
-  EXPECT_FALSE(FromProto(outcome).ended_trial);
+  EXPECT_EQ(cost().rebuild_time_ns, 12u);
+  EXPECT_EQ(cost().settling_cost_ns, 3600u * uint64_t{kSecondNs});
+  EXPECT_FALSE(cost().ended_trial);
   outcome.set_trial_arm(2);
   outcome.set_trial_detection_time_ns(~0ull);
-  ASSERT_TRUE(FromProto(outcome).ended_trial);
-  EXPECT_EQ(FromProto(outcome).ended_trial->arm, 2u);
-  EXPECT_EQ(FromProto(outcome).ended_trial->detection_time_ns, 3600u * uint64_t{kSecondNs});
+  ASSERT_TRUE(cost().ended_trial);
+  EXPECT_EQ(cost().ended_trial->arm, 2u);
+  EXPECT_EQ(cost().ended_trial->detection_time_ns, 3600u * uint64_t{kSecondNs});
 }
 
 TEST(MessageValidation, ATrialIsThatOfAnArmOfTheSession) {
@@ -118,7 +130,8 @@ TEST(MessageValidation, ATrialIsThatOfAnArmOfTheSession) {
 }
 
 TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {
-  v1::ShadowSample message;
+  v1::StreamTelemetryRequest request;
+  v1::ShadowSample& message = *request.mutable_frame_batch()->add_shadow_samples();
   message.set_first_frame_index(1);
   message.set_arm(2);
   message.set_detection_time_ns(3);
@@ -128,7 +141,8 @@ TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {
   message.set_object_count(7);
   message.set_frame_count(8);
   message.set_flags(0xFF);
-  const ShadowSample sample = FromProto(message);
+  const ShadowSample sample =
+      std::get<sessions::FrameBatch>(Converted(request).message).shadows.at(0);
   EXPECT_EQ(sample.first_frame_index, 1u);
   EXPECT_EQ(sample.arm, 2u);
   EXPECT_EQ(sample.detection_time_ns, 3u);

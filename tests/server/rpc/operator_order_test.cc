@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/rpc/common/proto_conversion.h"
 #include "server/sessions/game_session.h"
 #include "server/sessions/session_start.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -37,7 +38,7 @@ class OperatorOrderTest : public ::testing::Test {
  protected:
   void SetUp() override {
     OnLoop([&] {
-      session_ = *sessions::MakeSession(context_, HelloMessage(), {}, 0);
+      session_ = *sessions::MakeSession(context_, FromProto(HelloMessage()), {}, 0);
       Begin(/*takes_orders=*/true);
     });
   }
@@ -54,7 +55,7 @@ class OperatorOrderTest : public ::testing::Test {
     v1::Hello hello = HelloMessage();
     if (takes_orders) hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
     session_->Attach(link_);
-    session_->Start(hello);
+    session_->Start(FromProto(hello));
   }
   // Runs the task on the loop and waits for it.
   void OnLoop(const std::function<void()>& task) {
@@ -78,10 +79,15 @@ class OperatorOrderTest : public ::testing::Test {
     request.mutable_mode_change()->set_mode(mode);
     request.mutable_mode_change()->set_active_arm(arm);
     request.mutable_mode_change()->set_order_id(order_id);
-    OnLoop([&] { session_->Apply(request); });
+    Apply(request);
+  }
+  void Apply(const v1::StreamTelemetryRequest& request) {
+    sessions::Telemetry telemetry;
+    FromProto(request, telemetry);
+    OnLoop([&] { session_->Apply(telemetry); });
   }
   void Play(uint32_t arm, uint32_t epoch) {
-    OnLoop([&] { session_->Apply(Frames(++sequence_, 30, 10, arm, epoch)); });
+    Apply(Frames(++sequence_, 30, 10, arm, epoch));
     clock_.Advance(options_.decision.decision_interval_ns);
     OnLoop([] {});
   }
@@ -129,7 +135,7 @@ TEST_F(OperatorOrderTest, ThatTheGameRefusesIsAFailedPrecondition) {
   request.set_sequence(1);
   request.mutable_order_refusal()->set_order_id(link_.order_ids[0]);
   request.mutable_order_refusal()->set_reason(v1::ORDER_REFUSAL_REASON_NOT_ALLOWED);
-  OnLoop([&] { session_->Apply(request); });
+  Apply(request);
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kFailedPrecondition));
   EXPECT_EQ(session_->decisions().mode(), Mode::kAi);
 }

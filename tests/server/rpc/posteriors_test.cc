@@ -1,4 +1,5 @@
 // Posteriors and priors are listed, watched, exported and imported.
+#include "engine_client/decider/policy/scene_diagnosis.h"
 #include "engine_client/decider/session/policy_registry.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 

@@ -4,6 +4,7 @@
 
 #include "engine_client/telemetry/error_reason.h"
 #include "server/rpc/common/error_reasons.h"
+#include "server/rpc/common/proto_conversion.h"
 #include "server/sessions/session_start.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -189,12 +190,12 @@ TEST_F(SceneQuotaTest, ANewSceneIsCountedOnceWhereItsHelloIsReadExactlyAndNowher
   CountedStore store;
   options_.max_scenes = 0;
   const sessions::StoredStart beside =
-      sessions::LoadStart(store, OneArmHello(), options_, /*counts=*/false);
+      sessions::LoadStart(store, FromProto(OneArmHello()), options_, /*counts=*/false);
   EXPECT_TRUE(beside.new_scene);
   EXPECT_TRUE(beside.refusal.ok());
   EXPECT_EQ(store.count(), 0);
   const sessions::StoredStart exact =
-      sessions::LoadStart(store, OneArmHello(), options_, /*counts=*/true);
+      sessions::LoadStart(store, FromProto(OneArmHello()), options_, /*counts=*/true);
   EXPECT_EQ(ReasonOfRefusal(exact.refusal), v1::ERROR_REASON_TOO_MANY_SCENES);
   EXPECT_EQ(store.count(), 1);
 }

@@ -99,7 +99,7 @@ class SessionOpeningTest : public ::testing::Test {
     priors::SourceUpdate update;
     update.progress.source_id = "source";
     update.progress.commit_sequence = 1;
-    update.increments.push_back({EvidenceKeyOf({"game", scene, "", 1}, "Grid", 1, {}),
+    update.increments.push_back({priors::EvidenceKeyOf({"game", scene, "", 1}, "Grid", 1, {}),
                                  {.alpha = 3, .beta = 1, .window_count = 4, .bail_out_count = 0}});
     EXPECT_TRUE(store_.store().Commit({&update, 1}).ok());
   }
