@@ -118,8 +118,8 @@ int RunReplay(const ReplayCommandOptions& options, Terminal& terminal) {
                           (options.log_file.empty() ? 0 : 1) + (options.recording.empty() ? 0 : 1);
   if (given_count != 1) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument,
-                                 "give one of --costs FILE.costs, --log FILE.csv and --recording "
-                                 "FILE.aabbs"));
+                                 "give exactly one of --costs FILE.costs, --log FILE.csv and "
+                                 "--recording FILE.aabbs"));
   }
   if (!options.recording.empty()) return ReplayRecording(options, terminal);
   return options.log_file.empty() ? ReplayTraces(options, terminal)
@@ -131,11 +131,11 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command.add_option("--costs", request.costs, "Cost traces, made by `sweepstake-lab trace`")
       ->delimiter(',');
   CLI::Option* log = command.add_option(
-      "--log", options.log_file, "Derive every decision of this audit log again, and compare");
+      "--log", options.log_file, "Derive every decision of this audit log again and compare");
   CLI::Option* recording =
       command.add_option("--recording", options.recording,
-                         "Time every arm on what a flight recorder has kept, and say what was "
-                         "decided in it");
+                         "Time every arm on the frames of a flight recorder, and show its switches "
+                         "and decisions");
   command
       .add_option("--policy", request.policies,
                   "Policies, or all; fixed for every arm, fixed:ARM, oracle")
@@ -154,13 +154,13 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command.add_option("--frame", request.frame, "Mean frame of the best fixed arm")
       ->capture_default_str();
   command.add_option("--other-work", request.other_work,
-                     "Of the frame, beside detection (default: nothing)");
+                     "Time of other work in each frame (default: none)");
   command.add_flag("--no-shadow", request.no_shadow,
-                   "Without the shadow lane; else the policies that learn from it have it");
+                   "Disable the shadow lane of the policies that learn from it");
   LaneErrors& errors = request.lane_errors;
   command
       .add_option("--lane-ratio", request.lane_ratios,
-                  "What the lane measures of an arm ÷ what the frame thread takes (default: 1)")
+                  "Time of an arm on the lane ÷ on the frame thread (default: 1)")
       ->type_name("ARM RATIO");
   command
       .add_option("--lane-bias", errors.bias_deviation,
@@ -169,7 +169,7 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       ->capture_default_str();
   command
       .add_option("--lane-noise", errors.noise_deviation,
-                  "Standard deviation of the logarithm of what visits of one arm measure")
+                  "Standard deviation of the logarithm of the times of one arm's visits")
       ->check(CLI::Range(0.0, 2.0))
       ->capture_default_str();
   command
@@ -184,27 +184,28 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       ->capture_default_str();
   command
       .add_option("--frame-load", request.frame_load.ratio,
-                  "Frame time while other work uses the frame thread's core ÷ without it; regret "
-                  "does not count it")
+                  "Frame time with other work on the frame thread's core ÷ without it; not counted "
+                  "in the regret")
       ->check(CLI::Range(1.0, 100.0))
       ->capture_default_str();
   command
       .add_option("--frame-load-share", request.frame_load.share,
-                  "Share of the time with that work, which stays for 10 s on average")
+                  "Share of the time with that work, in stretches of 10 s on average")
       ->check(CLI::Range(0.001, 0.999))
       ->capture_default_str();
   command
       .add_option(
           "--priors", request.priors,
-          "What a store serves after another game: of the same scene (right), with the ranking "
-          "reversed (wrong), on another class of machines (class), or after games of all other "
-          "traces (scenes; nothing where there is but one)")
+          "Priors from another game: of the same scene (right), with the ranking of the arms "
+          "reversed "
+          "(wrong), on another class of machines (class), or of all other traces (scenes; none if "
+          "there is only one trace)")
       ->check(OneOf(kReplayPriorsNames))
       ->capture_default_str();
-  command.add_option("--threads", request.thread_count, "Games played at a time")
+  command.add_option("--threads", request.thread_count, "Games played in parallel")
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
-  command.add_option("--csv", options.csv_file, "Every game as a row of this file")
+  command.add_option("--csv", options.csv_file, "Write a row per game to this file")
       ->excludes(log)
       ->excludes(recording);
   command
@@ -223,8 +224,7 @@ void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
     policies.append(" ").append(name);
   AddCommand<ReplayCommandOptions>(
       app, "replay",
-      "Let policies play recorded cost traces in virtual time, decisions be derived again, or a "
-      "flight recording be looked into",
+      "Replay cost traces in virtual time, the decisions of an audit log, or a flight recording",
       "  sweepstake-lab replay --costs hurricane.costs --policy default,paper,fixed --seeds 200\n"
       "  sweepstake-lab replay --costs a.costs,b.costs --policy default,oracle --priors wrong "
       "--json\n"

@@ -15,7 +15,7 @@ struct ReportOptions {
   std::string out;
 };
 
-// The lists without which the page cannot draw what a command printed.
+// Returns the lists that the page needs to draw the document of `command`.
 std::vector<std::string> ListsOf(const std::string& command) {
   if (command == "bench") return {"rows", "ratios"};
   if (command == "replay") return {"rows"};
@@ -31,7 +31,7 @@ std::string ErrorOf(const nlohmann::json& document) {
   const auto lists = named && document["command"].is_string()
                          ? ListsOf(document["command"].get<std::string>())
                          : std::vector<std::string>();
-  if (lists.empty()) return "is not what `sweepstake-lab bench|experiment|replay --json` prints";
+  if (lists.empty()) return "is not a document of `sweepstake-lab bench|experiment|replay --json`";
   for (const std::string& list : lists) {
     if (!document.contains(list) || !document[list].is_array()) return "has no list '" + list + "'";
   }
@@ -53,7 +53,8 @@ Status WriteReport(const ReportOptions& options, Terminal& terminal) {
     std::error_code none_there;
     if (std::filesystem::equivalent(path, options.out, none_there)) {
       return {StatusCode::kInvalidArgument,
-              "--out " + options.out + " would replace a document; give the report another name"};
+              "--out " + options.out +
+                  " would overwrite a document; choose another name for the report"};
     }
     auto document = ReadDocument(path);
     if (!document.ok()) return document.status();
@@ -66,7 +67,7 @@ Status WriteReport(const ReportOptions& options, Terminal& terminal) {
 void Declare(CLI::App& command, ReportOptions& options) {
   command
       .add_option("documents", options.documents,
-                  "Files with what bench, experiment or replay printed with --json")
+                  "JSON files printed by bench, experiment or replay with --json")
       ->required();
   command.add_option("--out", options.out, "The HTML file")->required();
 }

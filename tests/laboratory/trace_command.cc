@@ -35,7 +35,7 @@ struct TraceCommandOptions {
   bool json = false;
 };
 
-// One trace and where its file is, or shall be.
+// One trace and the path of its file, which may not exist yet.
 struct TraceJob {
   SceneChoice scene;
   std::string file;
@@ -45,7 +45,7 @@ Status Invalid(const std::string& message) { return {StatusCode::kInvalidArgumen
 
 Status CheckWords(const TraceCommandOptions& options, size_t job_count) {
   if (options.scenes.empty() == options.costs.empty()) {
-    return Invalid("give --scene to trace a scene, or --costs to look at a trace");
+    return Invalid("give --scene to trace a scene, or --costs to show a trace");
   }
   if (options.scenes.empty() != options.out.empty()) {
     return Invalid("--scene needs --out FILE.costs, and --costs takes no --out");
@@ -54,7 +54,8 @@ Status CheckWords(const TraceCommandOptions& options, size_t job_count) {
   return {};
 }
 
-// SCENE-OBJECTS-SEED.costs in the folder --out, or --out itself for a single trace.
+// Returns the jobs. The file of a job is SCENE-OBJECTS-SEED.costs in the folder --out, or --out
+// itself for a single trace.
 std::vector<TraceJob> JobsOf(const TraceCommandOptions& options) {
   std::vector<TraceJob> jobs;
   for (const std::string& file : options.costs) {
@@ -72,11 +73,11 @@ std::vector<TraceJob> JobsOf(const TraceCommandOptions& options) {
   return jobs;
 }
 
-// What is known before anything is measured.
+// Checks the paths before anything is measured.
 Status CheckPlaces(const TraceCommandOptions& options, const std::vector<TraceJob>& jobs) {
   if (options.scenes.empty()) return {};
   if (jobs.size() > 1 && options.out.ends_with(".costs")) {
-    return Invalid("--out names a folder where there are several traces, one file each");
+    return Invalid("--out must be a folder if there are several traces, one file each");
   }
   if (jobs.size() > 1 || !options.out.ends_with(".costs")) {
     std::error_code told_below;
@@ -158,8 +159,8 @@ void Declare(CLI::App& command, TraceCommandOptions& options) {
       ->capture_default_str();
   command
       .add_option("--repeats", options.repeats,
-                  "Runs of the scene; the trace holds the lower quartiles, which what disturbs "
-                  "the machine does not move")
+                  "Runs of the scene; the trace contains the lower quartiles over the runs, to "
+                  "exclude disturbances")
       ->check(CLI::Range(uint32_t{1}, uint32_t{99}))
       ->capture_default_str();
   command.add_option("--arms", options.arms, "all, or names of backends")
@@ -167,9 +168,10 @@ void Declare(CLI::App& command, TraceCommandOptions& options) {
       ->capture_default_str();
   command.add_option("--out", options.out,
                      "File to write; for several scenes or counts the folder of their files");
-  command.add_option("--costs", options.costs, "Look at these traces in place of making one")
+  command.add_option("--costs", options.costs, "Show these traces instead of making one")
       ->delimiter(',');
-  command.add_option("--csv", options.csv, "The trace as a table, a line per frame and arm");
+  command.add_option("--csv", options.csv,
+                     "Write the trace as a table with a line per frame and arm");
   command.add_flag("--json", options.json, "One JSON document on stdout");
 }
 
@@ -184,8 +186,9 @@ void AddTraceCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake-lab trace --costs b.costs --csv b.csv\n"
       "All arms see the same frames and take turns; a second structure of one of them is the A/A\n"
       "control. In bursts, every 60 frames, fresh structures show what a switch costs. An arm 16\n"
-      "times as slow as the cheapest is measured on one frame in 20 or fewer, and its time "
-      "held.\n" +
+      "times as slow as the cheapest is measured on one frame in 20 or fewer; the other frames "
+      "repeat\n"
+      "its last time.\n" +
           SceneHelp(),
       exit_code, Declare,
       [&terminal](const TraceCommandOptions& options) { return Trace(options, terminal); });

@@ -1,5 +1,5 @@
-// The cost of a traced scene without a policy: of each arm alone, and of oracles that know all
-// costs in advance.
+// The cost of a traced scene without a policy: each arm alone, and oracles that know all costs in
+// advance.
 //
 // Pure; safe from any thread. Borrows the scene. Times are nanoseconds of virtual time. All of them
 // play the same frames as Replay with the same seed, and pay neither for an exploration nor for
@@ -29,8 +29,8 @@ class FixedCosts {
     double active_share = 1;    // the dominant arm's
   };
   // Finds both oracles in O(frames × arms). The sequence may switch once per `interval_ns` of the
-  // best arm's frames, as a policy may at its ticks. If `warm`, a switch costs what one prepared by
-  // the shadow lane costs, else what a cold one does.
+  // best arm's frames, as a policy may at its ticks. If `warm`, each switch has the cost of a
+  // switch that the shadow lane has prepared, else the cost of a cold switch.
   OracleCost Oracle(int64_t interval_ns, bool warm) const;
 
  private:

@@ -15,8 +15,9 @@ constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 constexpr double kSpikeShape = 1.5;
 constexpr double kMaxSpike = 100;
 
-// Returns the options with a time cap that ends the same visits as where the trace was recorded, if
-// no frame took 15 ms there: the real lane's is longer then (ShadowOptions::visit_cap_ns).
+// Scales the time cap, so that it ends the same visits as on the machine of the trace. This holds
+// if no frame took 15 ms there, because the real lane has a longer cap for such frames
+// (ShadowOptions::visit_cap_ns).
 ShadowScheduleOptions Scaled(ShadowScheduleOptions options, const ReplayScene& scene) {
   const double cap_ns = static_cast<double>(options.visit_cap_ns) * scene.time_ratio();
   options.visit_cap_ns = static_cast<uint64_t>(std::clamp(cap_ns, 1.0, 1e18));
@@ -37,7 +38,7 @@ ReplayLane::ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& op
       seed_(seed),
       schedule_(Scaled(options, scene), scene.arm_count()) {}
 
-// Returns what the visit's times are multiplied by.
+// Returns the factor of the visit's times.
 double ReplayLane::ErrorOfVisit(uint32_t arm) const {
   decision::RandomStream of_arm = StreamOf(seed_, 0, arm);
   decision::RandomStream of_visit = StreamOf(seed_, visit_count_ + 1, arm);
@@ -98,8 +99,7 @@ void ReplayLane::BeginVisit(int64_t start_ns) {
   next_event_ns_ = start_ns + static_cast<int64_t>(visit_->busy_ns);
 }
 
-// The real lane makes a sweep's first visit twice, at most for kShadowWarmUpNs of the machine's
-// time.
+// The real lane repeats the first visit of a sweep, for at most kShadowWarmUpNs of real time.
 void ReplayLane::RepeatVisit() {
   const double max_ns = static_cast<double>(kShadowWarmUpNs) * scene_.time_ratio();
   const uint64_t repeated_ns = std::min(visit_->busy_ns, static_cast<uint64_t>(max_ns));
@@ -108,13 +108,13 @@ void ReplayLane::RepeatVisit() {
   next_event_ns_ += static_cast<int64_t>(repeated_ns);
 }
 
-// The real lane measures what its work costs (lane_cost.h); this one knows it.
+// The real lane measures the cost of its work (lane_cost.h); here the cost is known.
 void ReplayLane::Charge(int64_t begin_ns, int64_t end_ns) {
   schedule_.Charge(static_cast<uint64_t>(end_ns),
                    (errors_.contention_ratio - 1) * static_cast<double>(end_ns - begin_ns));
 }
 
-// Returns the times of a structure of `arm` that is built on this frame, for the frames of a visit,
+// Returns the times of a visit's frames for a structure of `arm` that is built on this frame,
 // multiplied by `ratio`.
 std::span<const uint64_t> ReplayLane::FreshFrames(uint32_t trace_frame, uint32_t arm,
                                                   double ratio) {

@@ -3,7 +3,7 @@
 //
 // The times of a visit are those of a running structure in the frames of its sweep, multiplied by
 // the slowdown of a fresh structure in the trace's nearest burst. The position in the scene is
-// therefore exact also between bursts. LaneErrors falsify them, as they are on a real machine.
+// therefore exact also between bursts. LaneErrors adds the measurement errors of a real machine.
 // Deterministic; not thread-safe. Borrows the scene. Times are nanoseconds of virtual time.
 #pragma once
 
@@ -18,15 +18,15 @@
 
 namespace sweepstake::cli {
 
-// How a visit's times differ from those of the frame thread, and what visits take from it. By
-// default not at all.
+// The errors of a visit's times relative to the frame thread, and the slowdown of frames during
+// visits. By default there are none.
 struct LaneErrors {
   // The standard deviation of ln(lane ÷ frame thread) between arms. Each game draws its own.
   double bias_deviation = 0;
-  // That between the visits of an arm.
+  // The standard deviation of the same logarithm between the visits of an arm.
   double noise_deviation = 0;
-  // The share of visits that something else interrupts: their times are multiplied by a draw of the
-  // Pareto distribution of shape 1.5 from 1 on, at most by 100.
+  // The share of visits that other work interrupts. Their times are multiplied by a draw from the
+  // Pareto distribution with shape 1.5 and minimum 1, capped at 100.
   double spike_ratio = 0;
   // Time of a frame during a visit ÷ that of a frame without; >= 1.
   double contention_ratio = 1;
@@ -46,21 +46,20 @@ class ReplayLane {
   // The position of the game.
   struct Place {
     int64_t now_ns = 0;      // the end of this frame
-    uint64_t search_ns = 0;  // what all searches have taken
+    uint64_t search_ns = 0;  // total time of all searches
     uint32_t game_frame = 0;
     uint32_t trace_frame = 0;
     uint32_t active_arm = 0;
   };
-  // Begins a sweep, if the searches allow for it, or ends the current visit, and returns what an
-  // ended visit measured. REQUIRES:
-  // place.now_ns >= next_event_ns().
+  // Begins a sweep if the search time allows it, or ends the current visit. Returns the sample of a
+  // visit that ended. REQUIRES: place.now_ns >= next_event_ns().
   std::optional<ShadowSample> Advance(const Place& place);
 
   // Builds `arm` and keeps it up to date with the game; the current visit continues afterwards.
   // Returns the time at which the arm is ready to take over.
   int64_t WarmUp(uint32_t arm, const Place& place);
 
-  // Time of a frame ÷ what it takes without a lane.
+  // Time of a frame ÷ its time without a lane.
   double frame_ratio() const { return visit_ ? errors_.contention_ratio : 1; }
 
   uint64_t visit_count() const { return visit_count_; }
@@ -78,7 +77,7 @@ class ReplayLane {
   const uint64_t seed_;
   ShadowSchedule schedule_;
   int64_t next_event_ns_ = 0;
-  // Where the current sweep began; its visits use the frames from there on.
+  // The start of the current sweep; its visits use the frames from there on.
   Place sweep_;
   std::optional<ShadowVisit> visit_;  // ends at next_event_ns_; absent between sweeps
   std::vector<uint64_t> fresh_ns_;    // the result of FreshFrames

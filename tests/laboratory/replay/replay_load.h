@@ -1,6 +1,6 @@
-// Other work on the core of a replayed game's frame thread: another process, a page that is
-// compiled, a neighbour that streams memory. It comes and goes, and lengthens whatever the frame
-// thread does meanwhile; the shadow lane, on a core of its own, sees nothing of it.
+// Other work on the core of a replayed game's frame thread, such as another process or memory
+// traffic of a neighbour. It starts and stops at random and lengthens all frames in between. The
+// shadow lane runs on another core and is not affected.
 //
 // Deterministic; not thread-safe. Times are nanoseconds of virtual time.
 #pragma once
@@ -24,7 +24,8 @@ class ReplayLoad {
  private:
   FrameLoad load_;
   uint64_t seed_;
-  // The current stretch, with the work or without it, in turns; without it first.
+  // Number of the current stretch. Stretches without and with the work alternate; the first is
+  // without.
   uint64_t stretch_count_ = 0;
   int64_t stretch_end_ns_ = 0;
 };

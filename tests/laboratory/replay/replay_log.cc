@@ -39,8 +39,8 @@ std::string UnderivedText(const AuditReport& report) {
   if (report.incomplete_segment_count == 0) return "";
   return Counted(report.underived_decision_count, "decision") + " in " +
          Counted(report.incomplete_segment_count, "segment") +
-         " cannot be: rows before them were removed, as the log has bounds, or could not be "
-         "written\n";
+         " cannot be re-derived: earlier rows are missing, because the log is bounded or a "
+         "write failed\n";
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ Result<AuditReport> ReplayLog(const std::string& file) {
   if (!report.difference && report.decision_count + report.underived_decision_count == 0) {
     return Status(
         StatusCode::kInvalidArgument,
-        file + " holds no decisions; `sweepstake audit list` says which sessions have some");
+        file + " contains no decisions; `sweepstake audit list` shows the sessions that have some");
   }
   return report;
 }

@@ -10,11 +10,11 @@
 
 namespace sweepstake::cli {
 
-// Reads the file into memory and returns what was derived, with the first difference. Errors:
-// kNotFound (the file cannot be read), kInvalidArgument (it holds no decisions).
+// Reads the file into memory and returns the result of the derivation, with the first difference.
+// Errors: kNotFound (the file cannot be read), kInvalidArgument (it contains no decisions).
 Result<decision::AuditReport> ReplayLog(const std::string& file);
 
-// Return the report as one document and as whole lines.
+// Return the report as one JSON document and as lines of text.
 nlohmann::ordered_json ReplayLogJson(const decision::AuditReport& report, const std::string& file);
 std::string ReplayLogText(const decision::AuditReport& report);
 

@@ -25,7 +25,7 @@ Json VerdictsJson(const std::vector<double>& shares) {
   return json;
 }
 
-// The ranges of probabilities that there were decisions in.
+// Returns the ranges of probability that contain decisions.
 Json ReliabilityJson(const Reliability& reliability) {
   Json json = Json::array();
   for (size_t i = 0; i < Reliability::kBinCount; ++i) {
@@ -79,7 +79,7 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
   return json;
 }
 
-// Formats a number with its sign, as "+1.23"; what rounds to 0 has a plus.
+// Formats a number with its sign, as "+1.23". Values that round to 0 get a plus.
 std::string Signed(double value, int decimals) {
   const std::string text = Fixed(value, decimals);
   if (!text.starts_with('-')) return '+' + text;
@@ -127,7 +127,7 @@ void PrintRegret(const ReplayReport& report, std::ostream& out) {
                   row.bail_outs ? Fixed(*row.bail_outs, 2) : "-", AgainstPaperText(row)});
   }
   table.Print(out);
-  out << "\nRegret: frame time against the best fixed arm's on the same frames, mean of "
+  out << "\nRegret: frame time relative to the best fixed arm on the same frames, mean of "
       << report.options.seed_count
       << " seeds with its 95 % interval;\nafter_start leaves out the first minute and the "
          "exploration; vs_oracle: against the best\nsequence of arms that pays for its switches; "
@@ -167,7 +167,7 @@ void PrintMs(const ReplayReport& report, std::ostream& out) {
          "another core.\n";
 }
 
-// Returns, for each policy that says what is best, the reliability over all scenes.
+// Returns the reliability over all scenes for each policy that reports P(best).
 std::vector<std::pair<std::string, Reliability>> ReliabilityOfPolicies(const ReplayReport& report) {
   std::vector<std::pair<std::string, Reliability>> policies;
   for (uint32_t player = 0; player < report.options.players.size(); ++player) {
@@ -190,7 +190,8 @@ std::vector<std::string> ReliabilityHeader() {
 void PrintReliability(const ReplayReport& report, std::ostream& out) {
   const auto policies = ReliabilityOfPolicies(report);
   if (policies.empty()) return;
-  out << "\nWhere P(best) of the leader was in the range, how often it was the fastest arm\n\n";
+  out << "\nShare of decisions in which the leader was the fastest arm, by range of its "
+         "P(best)\n\n";
   TextTable table(ReliabilityHeader());
   for (const auto& [policy, reliability] : policies) {
     std::vector<std::string> cells{policy};
@@ -205,8 +206,8 @@ void PrintReliability(const ReplayReport& report, std::ostream& out) {
     table.AddRow(std::move(cells));
   }
   table.Print(out);
-  out << "\nJudged by the frames since the decision before; in brackets the number of decisions; "
-         "error: mean\ndistance of P(best) from that share.\n";
+  out << "\nJudged by the frames since the previous decision. In brackets: number of decisions. "
+         "error: mean\ndifference between P(best) and that share.\n";
 }
 
 }  // namespace

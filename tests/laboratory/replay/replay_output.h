@@ -23,7 +23,7 @@ struct ReplayReport {
 void PrintReplayTable(const ReplayReport& report, std::ostream& out);
 void PrintReplayJson(const ReplayReport& report, std::ostream& out);
 
-// Returns what frames take; `paper` is the detection of the policy paper.
+// Returns the times of a frame; `paper` is the detection time of the policy paper.
 nlohmann::ordered_json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper);
 
 // Writes one row per game. Errors: those of CsvFile.

@@ -79,7 +79,7 @@ Status CheckSameArms(const std::vector<StudyScene>& scenes) {
     if (each.scene.arms() == scenes.front().scene.arms()) continue;
     return Invalid(each.name + " has the arms " + Joined(each.scene.arms()) + ", but " +
                    scenes.front().name + " has " + Joined(scenes.front().scene.arms()) +
-                   "; replay them apart, or trace them with the same --arms");
+                   "; replay them separately, or trace them with the same --arms");
   }
   return {};
 }
@@ -100,7 +100,8 @@ Result<std::vector<StudyScene>> ReadScenes(const ReplayRequest& request) {
   return scenes;
 }
 
-// Returns the ratio of each arm of the traces, 1 for those that are not named; nothing if none is.
+// Returns the ratio of each arm of the traces, which is 1 unless the request names the arm. Empty
+// if it names none.
 Result<std::vector<double>> LaneRatios(const ReplayRequest& request,
                                        std::span<const std::string> arms) {
   std::vector<double> ratios(request.lane_ratios.empty() ? 0 : arms.size(), 1);

@@ -1,5 +1,5 @@
-// Plans `sweepstake-lab replay`: turns the command line's words into traced scenes and players. It
-// reads files and is not thread-safe.
+// Plans `sweepstake-lab replay`: converts the command line's words into traced scenes and players.
+// It reads files and is not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,8 @@ struct ReplayPlan {
 };
 
 // Reads the traces. Errors: those of ReadCosts and ReplayScene::Create, and kInvalidArgument (a
-// duration or player is not valid, or the traces have different arms), which says what would be
-// valid. REQUIRES: at least one trace.
+// duration or player is not valid, or the traces have different arms). The message lists the valid
+// values. REQUIRES: at least one trace.
 Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request);
 
 // Returns the players that `words` names: a policy, `all` policies (`default` is among them under

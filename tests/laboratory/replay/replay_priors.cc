@@ -15,7 +15,7 @@ using Sums = std::vector<EvidenceSum>;
 
 double MeanOf(const EvidenceSum& sum) { return sum.alpha / sum.evidence(); }
 
-// The arms of which nothing is known stay as they are.
+// Reverses the ranking of the arms that have evidence; the other arms are unchanged.
 Sums Reversed(const Sums& sums) {
   std::vector<size_t> ranking;
   for (size_t arm = 0; arm < sums.size(); ++arm) {
@@ -38,7 +38,7 @@ std::vector<double> ClassRatios(uint32_t arm_count, uint64_t seed) {
   return ratios;
 }
 
-// What one source says to a session that nothing is known of.
+// Returns the prior sums of a session that has no evidence of its own, from one source.
 Sums OfSource(const Sums& taught, const decision::SourceRelation& relation) {
   const double weight = decision::PowerPriorWeight(relation);
   decision::SourceEvidence source;
@@ -81,7 +81,7 @@ std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::
       if (compares) sums = OfOtherScenes(others, scene.arm_count(), teach);
       break;
   }
-  // The sums of all sources are what policies begin with whose rewards cannot be compared.
+  // A policy whose rewards cannot be compared between sources starts with the sums of all sources.
   if (compares && kind != ReplayPriors::kScenes) sums = OfSource(sums, own);
   if (!decision::IsAnythingKnown(sums)) return {};
   std::vector<decision::BetaPosterior> priors;

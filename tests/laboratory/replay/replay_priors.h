@@ -1,5 +1,5 @@
-// What a game begins with after others, as a daemon serves it
-// (server/sessions/session_start.h): from what they have taught, not from what they believe.
+// The priors that a daemon serves to a game after other games (server/sessions/session_start.h).
+// They are computed from the stored evidence of those games, not from their posteriors.
 #pragma once
 
 #include <array>
@@ -25,16 +25,16 @@ enum class ReplayPriors {
 inline constexpr std::array<std::string_view, 5> kReplayPriorsNames = {"none", "right", "wrong",
                                                                        "class", "scenes"};
 
-// The deviation of an arm's relative log-cost from one class of machines to another: that from
-// AVX-512 to SSE4, the median over the cells of
+// Standard deviation of an arm's relative log-cost between two classes of machines. The value was
+// measured between AVX-512 and SSE4: the median over the cells of
 // tests/bench/results/amd-zen4-2cores-instruction-sets.csv.
 inline constexpr double kClassDeviation = 0.17;
 
 // Plays a game of a scene.
 using Teach = std::function<ReplayResult(const ReplayScene& scene)>;
 
-// Returns one prior per arm, or none where nothing was taught. `others` are the project's other
-// scenes. `seed` determines how the other class of machines differs.
+// Returns one prior per arm, or none without evidence. `others` are the project's other scenes.
+// `seed` determines the differences of the other class of machines.
 std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::string& policy,
                                                   const ReplayScene& scene,
                                                   std::span<const ReplayScene* const> others,

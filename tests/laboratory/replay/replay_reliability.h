@@ -1,10 +1,10 @@
-// Whether the probabilities that a policy names are those with which it is right: a reliability
-// table (A. Murphy, "Reliability of subjective probability forecasts", Applied Statistics 26,
-// 1977).
+// Compares the probabilities that a policy states with the frequency at which it is right: a
+// reliability table (A. Murphy, "Reliability of subjective probability forecasts", Applied
+// Statistics 26, 1977).
 //
-// A decision names the arm that is the best most probably, the leader, and that probability. The
-// truth are the frames since the decision before, on which a trace knows the time of every arm.
-// Plain values.
+// A decision states the arm with the highest P(best), the leader, and that probability. It is
+// judged by the frames since the previous decision, for which the trace contains the time of every
+// arm. Plain values.
 #pragma once
 
 #include <algorithm>
@@ -37,8 +37,9 @@ class Reliability {
 
   const std::array<ReliabilityBin, kBinCount>& bins() const { return bins_; }
   uint64_t decision_count() const;
-  // Returns the mean over the decisions of |the mean probability of the bin − the share of it in
-  // which the leader was the fastest arm|, or 0 for no decisions.
+  // Returns the calibration error: the mean over the decisions of |mean probability of the
+  // decision's bin − share of that bin in which the leader was the fastest arm|. 0 without
+  // decisions.
   double error() const;
   bool operator==(const Reliability&) const = default;
 
@@ -46,13 +47,14 @@ class Reliability {
   std::array<ReliabilityBin, kBinCount> bins_{};
 };
 
-// Sums up what the arms take from one decision to the next.
+// Sums the times of the arms from one decision to the next.
 class ArmTimes {
  public:
   explicit ArmTimes(size_t arm_count) : ns_(arm_count) {}
 
   void Add(size_t arm, double ns) { ns_[arm] += ns; }
-  // Returns the arm's time ÷ the fastest arm's, minus 1; if that took none, the arm's time.
+  // Returns the arm's time ÷ the fastest arm's, minus 1. If the fastest arm's time is 0, returns
+  // the arm's time.
   double LossRatioOf(size_t arm) const;
   // Returns whether no arm took any time.
   bool empty() const {

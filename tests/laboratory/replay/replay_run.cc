@@ -26,7 +26,7 @@ decision::SessionSetup SetupOf(const ReplayScene& scene, const ReplaySetup& setu
           .active_arm = static_cast<uint32_t>(setup.seed % scene.arm_count())};
 }
 
-// Plays a game: simulates the client and its clock, and asks the real session.
+// Plays a game: simulates the client and its clock, and calls the real session.
 class Game {
  public:
   Game(const ReplayScene& scene, const ReplaySetup& setup);
@@ -69,7 +69,7 @@ class Game {
   ReplayLoad load_;
   SwitchCostMeter meter_;
   ReplayResult result_;
-  ArmTimes since_tick_;  // of the frames since the latest tick
+  ArmTimes since_tick_;  // over the frames since the latest tick
 
   int64_t now_ns_ = 0;      // end of the latest frame
   uint64_t search_ns_ = 0;  // of all frames
@@ -81,7 +81,7 @@ class Game {
   bool metering_ = false;
   std::optional<PendingSwitch> pending_;
   TrialGuard trial_;
-  std::optional<TrialGuard::End> trial_end_;  // pending_ is the way back from it
+  std::optional<TrialGuard::End> trial_end_;  // pending_ is then the switch back
   std::span<const double> slowdown_;          // per coming frame, while the structure is fresh
   uint32_t next_frame_flags_ = 0;
   std::vector<FrameSample> batch_;
@@ -181,7 +181,7 @@ FrameSample Game::NextFrame() {
   return frame;
 }
 
-// Lengthens the frame by what else runs on its core.
+// Lengthens the frame by the other work on its core.
 void Game::Load(FrameSample& frame) {
   const double ratio = load_.RatioAt(now_ns_);
   for (uint64_t* ns : {&frame.detection_time_ns, &frame.frame_time_ns})
@@ -266,7 +266,7 @@ void Game::Meter(const FrameSample& frame) {
   Report(*outcome);
 }
 
-// As the client does it: after a short trial the arm before still has its structure.
+// Ends a trial as the client does: after a short trial the previous arm still has its structure.
 void Game::EndTrial(const FrameSample& frame) {
   FrameSample sample{};
   sample.frame_time_ns = frame.frame_time_ns;
@@ -320,7 +320,7 @@ void Game::NoteTimes() {
     since_tick_.Add(arm, scene_.detection_ns(trace_frame_, arm));
 }
 
-// Compares what a tick says with the frames since the tick before.
+// Compares the diagnosis of a tick with the frames since the previous tick.
 void Game::Judge(const decision::Diagnosis& diagnosis) {
   if (since_tick_.empty()) return;
   if (!diagnosis.best_probability.empty()) {

@@ -7,10 +7,10 @@
 //
 // The client behaves as a real one. It sends frames to the session in batches (250 ms or 30
 // frames). Ticks happen when they are due, even within a long frame. A command is executed at the
-// start of the next frame. Without a shadow lane this is a cold switch, after which the frames cost
-// what a freshly built structure costs. With a lane the structure is warmed up first, and the
-// switch costs what the last frame of the warm-up does. The client's own SwitchCostMeter measures
-// switch costs. A frame over the limit is reported at once.
+// start of the next frame. Without a shadow lane this is a cold switch, and the next frames have
+// the cost of a freshly built structure. With a lane the structure is warmed up first, and the
+// switch has the cost of the warm-up's last frame. The client's own SwitchCostMeter measures switch
+// costs. A frame over the limit is reported at once.
 //
 // Cost: linear in the frames, plus the policy's own time.
 #pragma once
@@ -48,7 +48,7 @@ struct Activation {
   SwitchReason reason = SwitchReason::kPolicy;
 };
 
-// What a report shows of a run over time.
+// Events of a run over time, for a report.
 struct ReplayTimeline {
   uint32_t initial_arm = 0;
   std::vector<Activation> activations;              // executed switches
@@ -69,12 +69,12 @@ struct ReplayResult {
   std::vector<uint64_t> active_ns;           // frame time per arm in the whole run; sum: total_ns
   uint64_t bail_out_count = 0;               // frames over the limit
   std::vector<std::optional<int64_t>> first_active_ns;  // per arm, outside of the exploration
-  // What the first tick chose: the arm that it commanded, or the active one. Absent without a tick.
+  // The choice of the first tick: the commanded arm, or else the active one. Absent without a tick.
   std::optional<uint32_t> first_choice;
   std::vector<decision::BetaPosterior> posteriors;  // at the end
-  std::vector<decision::ArmEvidence> taught;        // what a store has of the game, per arm
+  std::vector<decision::ArmEvidence> taught;        // evidence for the store, per arm
   std::array<uint64_t, 5> verdict_counts{};         // of ticks, by Verdict
-  Reliability reliability;                          // of what the ticks say
+  Reliability reliability;                          // of the diagnoses at the ticks
   uint64_t decision_count = 0;
   uint64_t shadow_visit_count = 0;
   uint64_t shadow_ns = 0;  // time that the lane worked

@@ -28,7 +28,7 @@ Status Check(const GameOptions& options) {
     return Status(StatusCode::kInvalidArgument, problem);
   };
   if (options.frame_ns == 0 || options.other_work_ns >= options.frame_ns) {
-    return refused("the other work takes the whole frame; make --other-work less than --frame");
+    return refused("the other work fills the whole frame; make --other-work less than --frame");
   }
   if (options.run_ns < options.frame_ns) {
     return refused("the run is shorter than a frame; make --run longer");

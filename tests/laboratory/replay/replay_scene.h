@@ -4,8 +4,8 @@
 // kWindowFrameCount consecutive frames moves evenly through the trace, once per pass, and the game
 // shows the window's frames repeatedly. The scene thus changes at the speed of the pass, while two
 // seconds of the game contain tens of different frames, as in a real game. With a shorter window,
-// or if each frame were held for its share of the run, a few disturbed frames or the rebuild of a
-// tree would last for seconds of the game.
+// or if each frame were repeated for its share of the run, a few disturbed frames or the rebuild of
+// a tree would last for seconds of the game.
 //
 // Recorded times are multiplied by one factor, so that the mean frame of the best fixed arm takes
 // GameOptions::frame_ns, other work included. Only ratios between arms are judged, and frames of 10
@@ -41,7 +41,7 @@ class ReplayScene {
   // can have). REQUIRES: a valid trace, as ReadCosts returns it.
   static Result<ReplayScene> Create(const CostTrace& trace, const GameOptions& options);
 
-  // Returns the same game on a machine where each arm takes so many times as long.
+  // Returns the same game on a machine where the times of each arm are multiplied by its ratio.
   ReplayScene WithArmRatios(std::span<const double> ratios) const;
 
   const GameOptions& options() const { return options_; }
@@ -50,7 +50,7 @@ class ReplayScene {
   uint32_t frame_count() const { return frame_count_; }  // the game's
   uint32_t trace_frame_count() const { return trace_frame_count_; }
 
-  // detection_ns, aabb_check_count, native_bytes and object_count return what was measured in a
+  // detection_ns, aabb_check_count, native_bytes and object_count return the measured values of a
   // frame of the trace.
   double detection_ns(uint32_t trace_frame, uint32_t arm) const {
     return detection_ns_[size_t{trace_frame} * arms_.size() + arm];

@@ -10,7 +10,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// This is the seed of the games whose evidence becomes the priors of others.
+// Seed of the games whose evidence becomes the priors of other games.
 constexpr uint64_t kPriorsSeed = 1'000'000'007;
 
 // Plays the games of one seed on one scene.

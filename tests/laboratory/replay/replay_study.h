@@ -64,11 +64,11 @@ inline constexpr double kFrameMsAt60Hz = 1000.0 / 60;
 // The result of one player's game with one seed.
 struct StudyGame {
   double regret_best_fixed = 0;
-  double regret_oracle = 0;  // against the oracle that pays for its switches
+  double regret_oracle = 0;  // regret against the oracle that pays for its switches
   // Without the first minute and the exploration. Absent if nothing came after them, and for the
   // oracle.
   std::optional<double> regret_after_start_up{};
-  double headroom = 0;        // that oracle's: 1 − its time ÷ the best fixed arm's
+  double headroom = 0;        // of that oracle: 1 − its time ÷ the best fixed arm's
   double frame_headroom = 0;  // of an oracle with the best arm in every frame and free switches
   uint64_t switch_count = 0;  // after the exploration
   uint64_t after_start_up_switch_count = 0;  // policies only: after the first minute, too
@@ -77,8 +77,8 @@ struct StudyGame {
   std::optional<uint64_t> bail_out_count{};  // policies only
   std::vector<double> verdict_shares{};      // policies only: of ticks, by Verdict
   std::optional<double> first_best_s{};      // when a policy first chose the best fixed arm
-  std::optional<double> first_loss{};        // of what a policy's first tick chose, as a fixed arm
-  std::optional<double> opening_regret{};    // a policy's, of the first 10 s
+  std::optional<double> first_loss{};        // regret of the first choice, if kept
+  std::optional<double> opening_regret{};    // policies only: regret of the first 10 s
   double shadow_share = 0;                   // share of the time that the shadow lane worked
   FrameMs ms{};
   Reliability reliability{};  // of a policy's decisions

@@ -1,16 +1,17 @@
-// The page that reports are filled into, built from this folder and embedded in the program. Safe
-// from any thread.
+// The report page without documents, built from this folder and embedded in the program. Safe from
+// any thread.
 #pragma once
 
 #include <string_view>
 
 namespace sweepstake {
 
-// The page, in which the word SWEEPSTAKE_DOCUMENTS stands for the documents that it shows. Empty
-// where the program was built without it.
+// Returns the page. The word SWEEPSTAKE_DOCUMENTS in it is a placeholder for the documents. Empty
+// if the program was built without the page.
 std::string_view ReportPage();
 
-// Why the page is missing and how to get it, as a sentence. Empty where it is there.
+// Returns a sentence that says why the page is missing and how to build it. Empty if the page is
+// present.
 std::string_view ReportPageProblem();
 
 }  // namespace sweepstake

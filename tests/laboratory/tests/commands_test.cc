@@ -112,7 +112,7 @@ TEST(LabCommands, AnUnknownNameGetsTheValidOnes) {
   });
 }
 
-// Files that no command can read, each with what is wrong with it.
+// Files that no command can read, each with an expected part of the error.
 class BrokenScenes : public testing::Test {
  protected:
   std::string Write(const std::string& name, const std::string& bytes) {
@@ -184,7 +184,8 @@ TEST(CheckCommand, PrintsARowPerSceneCountAndArmAsJson) {
 TEST(CheckCommand, RefusesAFrameWithTooManyPairsAndSaysWhatToDo) {
   const CommandRun run = RunLabCommand("check --scene all-coincident --objects 6500 --frames 0");
   EXPECT_EQ(run.exit_code, kBadUsage);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("frame 0 is too crowded"), HasSubstr("take fewer objects")));
+  EXPECT_THAT(run.err,
+              AllOf(HasSubstr("frame 0 has too many pairs"), HasSubstr("take fewer objects")));
 }
 
 TEST(PairsCommand, PrintsTheSamePairsAsTextAndAsJson) {

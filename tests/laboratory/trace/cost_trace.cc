@@ -55,10 +55,10 @@ std::string ErrorOfCounts(const CostTrace& trace) {
            std::to_string(kMaxTracedFrames);
   }
   if (!IsOneShortLine(trace.scene) || !IsOneShortLine(trace.machine)) {
-    return "has a scene or machine whose name is no short line";
+    return "has a scene or machine name that is not one line of at most 1000 bytes";
   }
-  if (trace.repeat_count == 0) return "was measured no time";
-  if (trace.control_arm >= trace.arms.size()) return "has no such control arm as it says";
+  if (trace.repeat_count == 0) return "was measured in 0 runs";
+  if (trace.control_arm >= trace.arms.size()) return "has a control arm with an index out of range";
   if (trace.burst_frame_count < 2 || trace.burst_frame_count > kMaxBurstFrames) {
     return "has bursts of " + std::to_string(trace.burst_frame_count) + " frames, not 2 to " +
            std::to_string(kMaxBurstFrames);
@@ -67,7 +67,7 @@ std::string ErrorOfCounts(const CostTrace& trace) {
 }
 
 std::string ErrorOfTimes(const std::string& column, std::span<const uint64_t> times, size_t count) {
-  if (times.size() != count) return "has a column " + column + " of another length than its frames";
+  if (times.size() != count) return "has a column " + column + " with the wrong length";
   const bool valid = std::all_of(times.begin(), times.end(),
                                  [](uint64_t ns) { return ns >= 1 && ns <= kMaxTracedNs; });
   return valid ? "" : "has a time of nothing or of more than an hour in its column " + column;
@@ -85,7 +85,7 @@ std::string ErrorOfColumns(const CostTrace& trace) {
       {"held", trace.held.size() == all},
   };
   for (const auto& [column, fits] : lengths) {
-    if (!fits) return std::string("has a column ") + column + " of another length than its frames";
+    if (!fits) return std::string("has a column ") + column + " with the wrong length";
   }
   if (std::any_of(trace.held.begin(), trace.held.end(), [](uint8_t held) { return held > 1; })) {
     return "has a column held with other values than 0 and 1";
@@ -102,7 +102,7 @@ std::string ErrorOfBursts(const CostTrace& trace) {
   uint64_t free_from = 0;
   for (const TraceBurst& burst : trace.bursts) {
     if (burst.first_frame < free_from || burst.first_frame + uint64_t{length} > trace.frame_count) {
-      return "has a burst out of order or out of its frames";
+      return "has a burst out of order or beyond its frames";
     }
     free_from = burst.first_frame + uint64_t{1};
     if (std::string error =
@@ -250,7 +250,7 @@ Result<std::string> ReadBytes(const fs::path& path) {
   }
   const uint64_t size = fs::file_size(path, error);
   if (error || size > kHeaderBytes + kMaxCostsBytes) {
-    return Broken(path, "is larger than a cost trace may be");
+    return Broken(path, "exceeds the maximum size of a cost trace");
   }
   std::ifstream file(path, std::ios::binary);
   std::string bytes(size, '\0');
@@ -261,7 +261,7 @@ Result<std::string> ReadBytes(const fs::path& path) {
 
 // Returns what is wrong with the file's header, or an empty text.
 std::string ErrorOfHeader(std::string_view bytes) {
-  if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) return "is no cost trace";
+  if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) return "is not a cost trace";
   const uint64_t version = NumberAt(bytes, 8, 4);
   if (version != kVersion) {
     return "has version " + std::to_string(version) + ", and this program reads " +
@@ -270,12 +270,12 @@ std::string ErrorOfHeader(std::string_view bytes) {
   const std::string_view payload = bytes.substr(kHeaderBytes);
   const uint64_t size = NumberAt(bytes, 16, 8);
   if (NumberAt(bytes, 12, 4) != 0 || size != payload.size()) {
-    return "is cut short or has bytes too many: " + std::to_string(payload.size()) +
-           " in place of " + std::to_string(size);
+    return "is truncated or has extra bytes: " + std::to_string(payload.size()) + " in place of " +
+           std::to_string(size);
   }
   return NumberAt(bytes, 24, 8) == math::Fnv1a(math::kFnv1aStart, payload)
              ? ""
-             : "is damaged: its checksum does not fit";
+             : "is damaged: its checksum does not match";
 }
 
 }  // namespace
@@ -293,7 +293,7 @@ Status WriteCosts(const fs::path& path, const CostTrace& trace) {
   const std::string payload = MessageOf(trace).SerializeAsString();
   if (payload.size() > kMaxCostsBytes) {
     return {StatusCode::kResourceExhausted,
-            path.string() + " would be larger than a cost trace may be; trace fewer frames"};
+            path.string() + " would exceed the maximum size of a cost trace; trace fewer frames"};
   }
   auto file = WholeFile::Create(path);
   if (!file.ok()) return file.status();

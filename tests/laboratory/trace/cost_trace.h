@@ -62,7 +62,7 @@ struct CostTrace {
   std::string machine;  // machine class
   std::vector<TracedArm> arms;
   uint32_t frame_count = 0;
-  uint32_t repeat_count = 1;  // runs of the scene, of which every time is the lower quartile
+  uint32_t repeat_count = 1;  // runs of the scene; every time is the lower quartile over them
 
   // One value per frame.
   std::vector<uint32_t> object_count;

@@ -227,7 +227,7 @@ class TracePass {
     status_ = {StatusCode::kInternal, plan_.arms[arm] + " finds " + std::to_string(pair_count) +
                                           " pairs in frame " + std::to_string(frame) +
                                           ", another arm " + std::to_string(expected) +
-                                          "; `sweepstake-lab check` tells who is right"};
+                                          "; `sweepstake-lab check` shows which arm is wrong"};
   }
 
   void RunBurst(const std::vector<ArmTurn>& turns) {
@@ -265,7 +265,8 @@ class TracePass {
   Bench bench_;
   FrameBlock block_;
   std::vector<std::vector<FrameCost>> costs_;  // per contestant, the block's measured frames
-  // They begin one after the other, so that a descriptor of the latest frames is always at hand.
+  // The estimators start at staggered frames, so that a descriptor of the latest frames is always
+  // ready.
   static constexpr uint32_t kEstimators = 8;
   std::array<DescriptorEstimator, kEstimators> estimators_;
   CostTrace trace_;

@@ -26,7 +26,8 @@ enum class ArmTurn {
 // unless the scene has lost so many objects since then that the arm may have become fast.
 class ArmPace {
  public:
-  // Four times the spread of the arms up to 3,000 objects, where all are measured on every frame.
+  // Four times the ratio between the slowest and the fastest arm in scenes up to 3,000 objects, so
+  // that all arms are measured on every frame there.
   static constexpr uint64_t kSparseRatio = 16;
   static constexpr double kSparseShare = 0.1;
   // The scene has lost "so many objects" if less than this share of them is left.

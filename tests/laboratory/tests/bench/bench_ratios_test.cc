@@ -1,4 +1,4 @@
-// What a bench run concludes from its rows, on made-up times.
+// The ratios that a bench run computes from its rows, on synthetic times.
 #include "tests/laboratory/bench/bench_report.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// A report of one thread and one instruction set with cells and rows as the test adds them.
+// A report with one thread and one instruction set; the test adds cells and rows.
 class Bench {
  public:
   Bench() { report_.options.simd = {simd_}; }

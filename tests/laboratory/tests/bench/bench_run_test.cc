@@ -1,5 +1,5 @@
-// A bench of scenes so small that it takes milliseconds: its rows are those that were asked for. No
-// time is compared.
+// Runs a bench on scenes so small that it takes milliseconds, and checks that it has the requested
+// rows. No time is compared.
 #include "tests/laboratory/bench/bench_run.h"
 
 #include <gmock/gmock.h>
@@ -66,7 +66,7 @@ TEST(RunBench, HasARowForEachCellArmAndCountOfThreads) {
 TEST(RunBench, HasARowForEachInstructionSetTheBestFirst) {
   BenchOptions options = SmallOptions();
   const auto usable = SimdTargets();
-  // In the wrong order, and one of them twice.
+  // In the wrong order, and with one of them twice.
   options.simd.assign(usable.rbegin(), usable.rend());
   options.simd.emplace_back(usable.back());
   const auto report = Measured(options);

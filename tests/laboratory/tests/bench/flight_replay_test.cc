@@ -1,5 +1,5 @@
-// `sweepstake-lab replay --recording`: what a flight recorder's file says is told, and its boxes
-// are searched by every arm.
+// `sweepstake-lab replay --recording`: prints the notes of a flight recorder's file and times every
+// arm on its boxes.
 #include "tests/laboratory/bench/flight_replay.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// Five frames, of which three have boxes. The longest has none, the one after it has.
+// Five frames, of which three have boxes. The longest frame has none; the frame after it has boxes.
 json PlainNotes() {
   return {{"flight_recording", 1},
           {"project", "asteroids"},
@@ -61,7 +61,7 @@ json PlainNotes() {
 
 class FlightReplayTest : public testing::Test {
  protected:
-  // A file of three frames of 60 boxes with these notes.
+  // Returns a file with these notes and three frames of 60 boxes.
   std::string FileWith(const std::string& notes) const {
     const std::string path = (directory_.path() / "flight-x.aabbs").string();
     const auto scene = std::move(*MakeScene("suite-b", {.object_count = 60}));

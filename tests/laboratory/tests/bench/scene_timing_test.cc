@@ -76,7 +76,7 @@ TEST(TimeScene, StopsAContestantAtItsCapAndMeasuresWhatItDid) {
   EXPECT_EQ(timings[1].step_pairs[0], timings[0].step_pairs[0]);
 }
 
-// A broad phase that notes which instruction sets it was called with, and finds nothing.
+// A broad phase that records the instruction sets it was called with and finds no pairs.
 class Witness : public BroadPhase {
  public:
   explicit Witness(std::vector<std::string>& seen) : seen_(seen) {}
@@ -102,7 +102,7 @@ TEST(TimeScene, RunsEachContestantWithItsOwnInstructionSet) {
     if (i < SimdTargets().size()) contestants.back().simd = SimdTargets()[i];
   }
   const auto scene = std::move(*OpenScene({"suite-b", 100, 1}));
-  // More frames than a block has: everyone has several turns.
+  // More frames than a block, so every contestant has several turns.
   TimeScene(*scene, contestants, {.frames = 45}, [](size_t, uint64_t) {});
   for (size_t i = 0; i < seen.size(); ++i) {
     const std::string own = i < SimdTargets().size() ? std::string(SimdTargets()[i]) : before;

@@ -1,5 +1,5 @@
-// The folder of an experiment that was interrupted: what is found in it, what is refused, and how
-// it is resumed.
+// The folder of an interrupted experiment: which records are read, which are rejected, and how it
+// is resumed.
 #include "tests/laboratory/experiment/experiment_folder.h"
 
 #include <gmock/gmock.h>
@@ -136,8 +136,10 @@ TEST_F(InterruptedExperiment, ARecordOfAnotherFormatIsRefusedAndNamed) {
     return ReadRecord(path).status().message();
   };
   EXPECT_EQ(message([](json&) {}), "");
-  EXPECT_THAT(message([](json& d) { d["format"] = "other"; }), HasSubstr("its format is another"));
-  EXPECT_THAT(message([](json& d) { d["version"] = 2; }), HasSubstr("its format is another"));
+  EXPECT_THAT(message([](json& d) { d["format"] = "other"; }),
+              HasSubstr("its format or version is not supported"));
+  EXPECT_THAT(message([](json& d) { d["version"] = 2; }),
+              HasSubstr("its format or version is not supported"));
   EXPECT_THAT(message([](json& d) { d["run"].erase("switches"); }), HasSubstr("switches"));
   EXPECT_THAT(message([](json& d) { d["run"]["arms"] = 3; }), StartsWith(path.string()));
   EXPECT_THAT(message([](json& d) { d = json::array(); }), HasSubstr("is no record of a run"));
@@ -231,7 +233,7 @@ TEST_F(InterruptedExperiment, ABrokenManifestIsNamed) {
   EXPECT_THAT(status(document.dump()).message(), HasSubstr("the manifest of another program"));
 }
 
-// All runs and traces are there, so that nothing is played or timed.
+// All runs and traces exist, so nothing is played or timed.
 TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
   for (const PlannedRun& run : plan_.runs) Finish(run);
   TraceAll();

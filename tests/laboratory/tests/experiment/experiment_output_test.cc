@@ -1,4 +1,4 @@
-// The outputs of an experiment whose every run is known: CSV files, tables 3 and 4, JSON document.
+// The outputs of an experiment with known runs: CSV files, tables 3 and 4, JSON document.
 #include "tests/laboratory/experiment/experiment_output.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-// Two cells, of which the paper has the first only, two policies and two runs of each.
+// Two cells, of which the paper has only the first; two policies with two runs each.
 ExperimentReport Report() {
   ExperimentOptions options;
   options.scenes = {"brownian"};
@@ -227,7 +227,7 @@ TEST(ExperimentText, SaysFirstWhatIsMissing) {
   EXPECT_THAT(Text(report), StartsWith("\nTable 3"));
   report.records.resize(5);
   report.cells = SummarizeCells(report.plan, report.records);
-  EXPECT_THAT(Text(report), StartsWith("PARTIAL: 5 of 8 runs; --resume results goes on with it\n"));
+  EXPECT_THAT(Text(report), StartsWith("PARTIAL: 5 of 8 runs; continue with --resume results\n"));
 }
 
 json Document(const ExperimentReport& report) {

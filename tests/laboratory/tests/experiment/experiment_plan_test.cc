@@ -1,5 +1,4 @@
-// What an experiment is going to run: the grid, the seeds and the policies that the options ask
-// for.
+// The plan of an experiment: the grid, the seeds and the policies that result from the options.
 #include "tests/laboratory/experiment/experiment_plan.h"
 
 #include <gmock/gmock.h>
@@ -78,7 +77,7 @@ TEST(ExperimentPlan, QuickIsSixCellsWithOneRunOfEachPolicy) {
   EXPECT_EQ(plan.options.replay_seed_count, 10U);
   options.run_count = 3;
   options.trace_frame_count = 64;
-  EXPECT_EQ(PlanOf(options).runs.size(), 36U) << "what was asked for is kept";
+  EXPECT_EQ(PlanOf(options).runs.size(), 36U) << "explicit options are kept";
   EXPECT_EQ(PlanOf(options).options.trace_frame_count, 64U);
 }
 
@@ -192,7 +191,7 @@ TEST(ExperimentPlan, NamesWhatThereIsNot) {
               HasSubstr("hurricane-1000"));
 }
 
-// AI Decides without one of its components is compared with the whole of it in experiments only.
+// Ablations of AI Decides are available only in experiments.
 TEST(ExperimentPlan, AcceptsEveryAblation) {
   ExperimentOptions options = SmallOptions();
   options.policies = {"adaptive"};
@@ -232,7 +231,7 @@ TEST(PlayLive, StartsARunOfAnAblationAndEndsItWhenItMayNotGoOn) {
          return false;
        }});
   ASSERT_TRUE(record.ok()) << record.status().message();
-  EXPECT_FALSE(*record) << "a run that did not come to its end has no record";
+  EXPECT_FALSE(*record) << "an unfinished run has no record";
   EXPECT_EQ(asked_count, 1);
 }
 

@@ -1,4 +1,4 @@
-// What tests of experiments share: plans, and live runs made up of three arms, an exploration of 6
+// Plans and synthetic live runs for tests of experiments. A run has three arms, an exploration of 6
 // s and a window of 100 s.
 #pragma once
 
@@ -16,7 +16,7 @@ inline const std::vector<std::string> kRecordArms{"SAP", "KDTree", "Grid"};
 cli::RunRecord MakeRecord(const cli::ExperimentCell& cell, const std::string& policy, uint32_t run,
                           uint32_t arm, double share_percent);
 
-// The plan of options that have one; a test fails otherwise.
+// Returns the plan of valid options; the test fails if they are not valid.
 cli::ExperimentPlan PlanOf(const cli::ExperimentOptions& options);
 
 }  // namespace sweepstake::test_support

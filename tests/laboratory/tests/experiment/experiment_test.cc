@@ -1,4 +1,4 @@
-// Experiments but for their live runs: the records' files, what is made of them.
+// Experiments without their live runs: the files of records and the outputs made from them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -88,7 +88,7 @@ TEST(CellSummary, InterpretsSharesAndVerdicts) {
   cell.active_percent.mean = 45;
   EXPECT_EQ(cell.Interpretation(), "Stable preference for SAP.");
   cell.verdict = Verdict::kTie;
-  EXPECT_EQ(cell.Interpretation(), "Preference for SAP; others are as good as equal.");
+  EXPECT_EQ(cell.Interpretation(), "Preference for SAP; other arms are practically equal.");
   cell.verdict = Verdict::kDegraded;
   EXPECT_THAT(cell.Interpretation(), HasSubstr("misses the frame-rate floor"));
 }
@@ -139,7 +139,7 @@ TEST(ExperimentFolder, FindsTheRunsThatAreThereAndFit) {
   RunRecord record = MakeRecord(plan.cells[0], "default", 2, 1, 60);
   record.seed = plan.runs[3].seed;
   ASSERT_TRUE(WriteRecord(record, folder.RunFile(plan.runs[3])).ok());
-  // Another seed, and a file that is none.
+  // A record with another seed, and a file that is not a record.
   ASSERT_TRUE(
       WriteRecord(MakeRecord(plan.cells[0], "paper", 1, 1, 60), folder.RunFile(plan.runs[0])).ok());
   std::ofstream(folder.RunFile(plan.runs[1])) << "{";

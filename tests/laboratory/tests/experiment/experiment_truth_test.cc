@@ -1,5 +1,5 @@
-// The truth about an experiment and its JSON document, made from a report with everything in it
-// that can occur.
+// The truth figures of an experiment and its JSON document, from a report in which every field is
+// set.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -96,7 +96,7 @@ ExperimentReport Assess() {
   return report;
 }
 
-// The games take a second.
+// Assesses the report once, because the games take a second.
 const ExperimentReport& AssessedReport() {
   static const ExperimentReport report = Assess();
   return report;

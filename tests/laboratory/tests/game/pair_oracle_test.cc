@@ -47,7 +47,7 @@ TEST(PairOracle, StopsAtItsMaximum) {
   const auto refused = oracle.FindUpTo(9, boxes);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.status().code(), StatusCode::kResourceExhausted);
-  EXPECT_EQ(oracle.Find(boxes).size(), 10U) << "a refusal leaves nothing behind";
+  EXPECT_EQ(oracle.Find(boxes).size(), 10U) << "a rejected frame leaves no state";
 }
 
 TEST(ComparePairs, FindsNoDifferenceInAnyOrder) {

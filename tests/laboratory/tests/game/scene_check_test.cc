@@ -1,4 +1,4 @@
-// The judge of `sweepstake-lab check`: its oracle against the definition, and its eye for wrong
+// The core of `sweepstake-lab check`: its oracle agrees with the definition, and it detects wrong
 // backends.
 #include "tests/laboratory/game/scene_check.h"
 
@@ -12,7 +12,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// Finds the right pairs and then spoils them from a frame on.
+// Finds the right pairs, but falsifies them from a certain frame on.
 class WrongBackend : public BroadPhase {
  public:
   using Spoil = void (*)(std::vector<OverlapPair>& pairs);

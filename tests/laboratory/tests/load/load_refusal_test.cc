@@ -1,4 +1,4 @@
-// What a load tells of a daemon that refuses its games, by a daemon that each test scripts.
+// The errors of a load on a daemon that refuses its games. Each test scripts the daemon.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 using test_support::FakeDaemon;
 using testing::HasSubstr;
 
-// As a daemon refuses a call.
+// Returns the status with which a daemon refuses a call.
 grpc::Status RefusalOf(grpc::StatusCode code, const std::string& reason) {
   v1::ErrorInfo info;
   info.set_reason(reason);
@@ -49,7 +49,7 @@ TEST(LoadRefusal, TheFirstReasonIsToldAndNotThatThereWereManyOfIt) {
   daemon.SetScript([](auto& script) {
     script.refusal = RefusalOf(grpc::StatusCode::RESOURCE_EXHAUSTED, "TOO_MANY_FAILURES");
   });
-  // One is on its way at most that was greeted before, and the next one then follows a refusal.
+  // At most one earlier game is still in progress; the next one follows a refusal.
   size_t hello_count = 0;
   daemon.WaitUntil([&](const FakeDaemon& now) { return (hello_count = now.hellos.size()) > 0; });
   daemon.WaitUntil([&](const FakeDaemon& now) { return now.hellos.size() >= hello_count + 3; });

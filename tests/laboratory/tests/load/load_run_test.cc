@@ -1,4 +1,4 @@
-// What the generator of load counts is what the daemon counts.
+// The counts of the load generator equal the counts of the daemon.
 #include "tests/laboratory/load/load_run.h"
 #include "server/storage/sqlite_prior_store.h"
 
@@ -70,7 +70,7 @@ class LoadRunTest : public ::testing::Test {
 };
 
 TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
-  // Every stream has then had two ticks at least, and acknowledgements of the first.
+  // By then every stream has had at least two ticks, and acknowledgements of the first.
   const auto result =
       Run([&] { return server_->counters().stored_commit_count >= 4 * plan_.stream_count; });
   ASSERT_TRUE(result.ok()) << result.status().message();
@@ -85,7 +85,7 @@ TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
   EXPECT_EQ(counters.applied_message_count,
             result->batch_count + result->bail_out_count + result->switch_count);
   EXPECT_EQ(counters.invalid_message_count, 0U);
-  // Ten batches a second of each stream, as far as the machine keeps up.
+  // At most ten batches per second and stream; fewer if the machine is too slow.
   EXPECT_LE(result->measured_batch_count, result->tick_lateness_ms.size());
   EXPECT_GT(result->measured_batch_count, 0U);
   EXPECT_LE(static_cast<double>(result->measured_batch_count), 500 * (result->measured_s + 1));
@@ -102,7 +102,7 @@ TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
 TEST_F(LoadRunTest, WhatTheLastCommitBringsIsWaitedFor) {
   plan_.bail_out_share = 0;
   plan_.commit_patience_ns = 60'000'000'000;
-  // Nothing is acknowledged before the end of what is measured.
+  // Nothing is acknowledged before the end of the measurement.
   store_->Hold();
   const auto result = Run([&] {
     const bool ends = server_->counters().accepted_frame_count >= 30U * 100;
@@ -116,7 +116,7 @@ TEST_F(LoadRunTest, WhatTheLastCommitBringsIsWaitedFor) {
 
 TEST_F(LoadRunTest, StreamsComeBackToARestartedDaemon) {
   std::atomic<bool> restarted{false};
-  bool stop = false;  // used by the run alone
+  bool stop = false;  // used only by the run
   auto result = std::async(std::launch::async, [&] {
     return Run([&] { return stop; },
                [&](const std::string& text) { stop = restarted && text.starts_with("50 of 50"); });
@@ -136,7 +136,7 @@ TEST_F(LoadRunTest, StreamsComeBackToARestartedDaemon) {
 }
 
 TEST_F(LoadRunTest, ADaemonThatDoesNotComeBackIsAShortfall) {
-  bool stop = false;  // used by the run alone
+  bool stop = false;  // used only by the run
   std::atomic<bool> gone{false};
   auto result = std::async(std::launch::async, [&] {
     return Run([&] { return stop; },
@@ -154,10 +154,10 @@ TEST_F(LoadRunTest, ADaemonThatDoesNotComeBackIsAShortfall) {
 }
 
 TEST_F(LoadRunTest, AKickedGameDoesNotComeBack) {
-  int progress_count = 0;  // since the kick; used by the run alone
+  int progress_count = 0;  // since the kick; used only by the run
   std::atomic<bool> kicked{false};
   auto result = std::async(std::launch::async, [&] {
-    // One that comes back does so within a second, which is the interval of the progress.
+    // A stream that reconnects would do so within a second, the interval of the progress.
     return Run([&] { return progress_count == 3; },
                [&](const std::string&) { progress_count += kicked ? 1 : 0; });
   });

@@ -1,4 +1,4 @@
-// The figures of a load run say what was measured and leave out the rest.
+// The figures of a load run contain the measured values and omit the others.
 #include "tests/laboratory/load/load_summary.h"
 
 #include <gmock/gmock.h>

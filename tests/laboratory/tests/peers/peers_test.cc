@@ -12,7 +12,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The first frame in which the peer's pairs differ from the right ones; -1 for none.
+// Returns the first frame in which the peer's pairs are wrong, or -1.
 int FirstWrongFrame(Peer& peer, Scene& scene, int frames) {
   PairOracle oracle;
   PairBuffer pairs;

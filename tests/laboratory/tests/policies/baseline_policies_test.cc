@@ -1,4 +1,4 @@
-// Each baseline against its own formula, on scripted sessions in which every arm has its cost.
+// Each baseline against its own formula, on scripted sessions in which every arm has a fixed cost.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ class Game {
     client_.frame.frame_time_ns = 8'000'000 + client_.frame.detection_time_ns;
     return client_.RunToTick();
   }
-  // 15 minutes.
+  // Plays 15 minutes.
   const std::vector<Decision>& Run() {
     for (int i = 0; i < 450; ++i) Tick();
     return client_.log;
@@ -166,7 +166,7 @@ TEST(Random, KeepsItsArmForACooldown) {
   for (size_t i = 1; i < switches.size(); ++i) {
     const int64_t gap_ns = switches[i] - switches[i - 1];
     EXPECT_GE(gap_ns, 40 * kSecond);
-    // Chosen at whole cooldowns only, give or take the tick.
+    // It chooses only at multiples of the cooldown, rounded to a tick.
     EXPECT_LE(gap_ns % (40 * kSecond), 12 * kSecond);
   }
 }
@@ -253,14 +253,14 @@ TEST(LaneArgmin, RunsWhatTheLaneFindsCheapestByMoreThanTheMargin) {
   EXPECT_EQ(choice(1), 1u) << "nothing is known";
   visit(1, 1000);
   EXPECT_EQ(choice(1), 1u);
-  EXPECT_EQ(choice(0), 1u) << "the only arm that is known";
+  EXPECT_EQ(choice(0), 1u) << "the only arm with a visit";
   visit(2, 980);
   EXPECT_EQ(choice(1), 1u) << "within the margin";
   visit(2, 500);
   EXPECT_EQ(choice(1), 2u) << "smoothed, and clearly cheaper";
   policy->LearnBailOut(2);
   EXPECT_EQ(choice(1), 1u);
-  EXPECT_EQ(choice(2), 1u) << "an arm that bailed out is left and not chosen again";
+  EXPECT_EQ(choice(2), 1u) << "an arm that bailed out is not chosen again";
 }
 
 TEST(Discounted, ForgetsAllArmsByTheFactorAndMakesWholeWindowsDurable) {

@@ -129,7 +129,7 @@ TEST(BenchProgram, StopsAPeerAtItsCapAndSaysSo) {
   }
 }
 
-// The documents that a report holds.
+// Returns the documents in a report.
 json DocumentsIn(const std::string& path) {
   std::stringstream text;
   text << std::ifstream(path).rdbuf();
@@ -139,8 +139,8 @@ json DocumentsIn(const std::string& path) {
   return json::parse(html.substr(begin, html.find("</script>", begin) - begin));
 }
 
-// A program that was built without Node has no page: it says so and writes nothing. That is a
-// failure where tests/run.sh has installed what the page needs.
+// A program that was built without Node has no page: it prints an error and writes nothing. If
+// tests/run.sh has installed Node, that is a test failure.
 bool HasNoPage(const ProgramRun& run, const std::string& path) {
   if (run.exit_code != 3) return false;
   EXPECT_EQ(std::getenv("REQUIRE_REPORT_PAGE"), nullptr) << run.err;
@@ -211,7 +211,7 @@ TEST(ReportProgram, DoesNotReplaceItsDocument) {
   std::ofstream(saved.path()) << text;
   const ProgramRun run = RunLab("report " + saved.path() + " --out " + saved.path());
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("would replace a document"));
+  EXPECT_THAT(run.err, HasSubstr("would overwrite a document"));
   std::ifstream file(saved.path());
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), text);
 }

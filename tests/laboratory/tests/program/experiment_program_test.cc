@@ -85,7 +85,7 @@ TEST_F(ExperimentProgram, GoesOnWithWhatIsMissing) {
 }
 
 TEST_F(ExperimentProgram, EndsWithWhatIsThereWhenInterrupted) {
-  // The shell sends the signal when the first run is on the disk.
+  // The shell sends the signal when the first run has been written to disk.
   const std::string first = (folder_ / "runs" / "brownian-60-paper-1.json").string();
   const std::string out = folder_.string() + ".json";
   const std::string line = std::string(SWEEPSTAKE_PROGRAM) + " " + kTiny +
@@ -128,7 +128,7 @@ TEST_F(ExperimentProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     EXPECT_EQ(run.out, "") << arguments;
   }
   EXPECT_FALSE(std::filesystem::exists(folder_))
-      << "nothing is made before all is known to be good";
+      << "nothing is created before all options are valid";
 }
 
 TEST_F(ExperimentProgram, HelpHasExamples) {

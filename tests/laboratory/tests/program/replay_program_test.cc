@@ -113,7 +113,7 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     std::string said;
   } cases[] = {
       {"", "give one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
-      {"--costs " + Costs() + " --log x.csv", "give one of --costs"},
+      {"--costs " + Costs() + " --log x.csv", "give exactly one of --costs"},
       {"--log x.csv --report x.html", "--log excludes --report"},
       {"--log x.csv --csv y.csv", "--log excludes --csv"},
       {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},

@@ -122,7 +122,7 @@ TEST_F(TraceProgram, SaysWhatIsWrongWithItsWords) {
       {"trace --scene suite-b,suite-h --csv x.csv --out " + Place("f"), "--csv takes one trace"},
       {"trace --scene suite-b --frames 100000 --out /nonexistent/x.costs", "/nonexistent/x.costs"},
       {"trace --costs " + Place("none.costs"), "there is no file"},
-      {"trace --costs " + Place("broken.costs"), "is no cost trace"},
+      {"trace --costs " + Place("broken.costs"), "is not a cost trace"},
   };
   for (const auto& [arguments, said] : cases) {
     const ProgramRun run = RunLab(arguments);

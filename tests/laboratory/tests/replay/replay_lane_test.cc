@@ -23,7 +23,7 @@ constexpr int64_t kMsNs = 1'000'000;
 // AxisSweep's frames take 10 ms, KDTree's 20 ms.
 class ReplayLaneTest : public testing::Test {
  protected:
-  // The visits that end in the next `count` events, each seen when it is due.
+  // Returns the visits that end in the next `count` events, each at its due time.
   std::vector<ShadowSample> Visits(int count, uint32_t active_arm = 0) {
     std::vector<ShadowSample> visits;
     for (int i = 0; i < count; ++i) {
@@ -72,7 +72,7 @@ TEST_F(ReplayLaneTest, AVisitLastsAsLongAsItsFramesTake) {
 TEST_F(ReplayLaneTest, SpacesItsSweepsByTheBudget) {
   Visits(3);
   EXPECT_NEAR(static_cast<double>(lane_.next_event_ns()), 2 * 460e6, 20)
-      << "half of the time is the lane's";
+      << "the lane works for half of the time";
 }
 
 TEST_F(ReplayLaneTest, ASweepWaitsUntilTheSearchesAllowForIt) {
@@ -81,7 +81,7 @@ TEST_F(ReplayLaneTest, ASweepWaitsUntilTheSearchesAllowForIt) {
   lane_.Advance({due_ns, /*search_ns=*/500 * kMsNs, 7, 0, 0});
   const int64_t asks_again_ns = lane_.next_event_ns();
   EXPECT_EQ(asks_again_ns, due_ns + 10 * kMsNs) << "a frame later";
-  // Twice the 460 ms that the first sweep took, and what the lane may work ahead.
+  // Twice the 460 ms of the first sweep, minus the time that the lane may work ahead.
   lane_.Advance({asks_again_ns, /*search_ns=*/750 * kMsNs, 8, 0, 0});
   EXPECT_NEAR(static_cast<double>(lane_.next_event_ns() - asks_again_ns), 2 * 115e6, 20);
 }
@@ -94,7 +94,7 @@ TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
   ASSERT_TRUE(sample);
   EXPECT_EQ(sample->flags, kShadowActive | kShadowCapped);
   EXPECT_NEAR(static_cast<double>(capped.busy_ns()), 2 * 50e6, 10)
-      << "the frame that reaches the cap ends it";
+      << "the frame that reaches the cap ends the visit";
 }
 
 TEST_F(ReplayLaneTest, RepeatsNoMoreOfAVisitThanTheRealLane) {
@@ -107,13 +107,13 @@ TEST_F(ReplayLaneTest, RepeatsNoMoreOfAVisitThanTheRealLane) {
 TEST_F(ReplayLaneTest, WarmingAnArmUpDelaysTheVisitUnderWay) {
   Visits(1);
   const int64_t visit_end_ns = lane_.next_event_ns();
-  // 40 ms to build, three frames of the game that take 10 ms or as long as the arm's.
+  // 40 ms to build, then three frames that take 10 ms or the arm's own time.
   const int64_t ready_ns = lane_.WarmUp(0, {5 * kMsNs, 0, 1, 1, 1});
   EXPECT_NEAR(static_cast<double>(ready_ns), (5 + 40 + 10 + 10 + 11) * 1e6, 10);
   EXPECT_EQ(lane_.next_event_ns(), visit_end_ns + ready_ns - 5 * kMsNs);
 }
 
-// What the lane measures of AxisSweep in its first sweeps ÷ what a lane without errors does.
+// Returns the times of AxisSweep in the lane's first sweeps ÷ the times of a lane without errors.
 std::vector<double> RatiosWith(const LaneErrors& errors, uint64_t seed = 1) {
   const ReplayScene scene = SceneOf(TwiceAsSlow());
   ReplayLane lane(scene, {.duty_ratio = 1}, errors, seed);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int64_t kSecondNs = 1'000'000'000;
 
-// The ratio in every second of so many.
+// Returns the ratio in each of `seconds` seconds.
 std::vector<double> RatiosOf(const FrameLoad& load, uint64_t seed, int seconds) {
   ReplayLoad replayed(load, seed);
   std::vector<double> ratios;
@@ -51,7 +51,7 @@ TEST(Replay, ALoadLengthensTheGameAndIsNotCounted) {
   setup.frame_load = {.ratio = 2, .share = 0.5};
   const ReplayResult loaded = Replay(scene, setup);
   EXPECT_GT(loaded.decision_count, calm.decision_count * 5 / 4);
-  // Every frame takes 10 ms, but for those that build.
+  // Every frame takes 10 ms, except frames that build.
   const double unloaded_ns = scene.frame_count() * 10e6;
   EXPECT_NEAR(static_cast<double>(loaded.total_ns), unloaded_ns, 0.01 * unloaded_ns);
 }

@@ -1,5 +1,5 @@
-// `sweepstake-lab replay --log`: an audit log that a decider wrote is derived again, and what was
-// changed in it is found.
+// `sweepstake-lab replay --log`: derives the decisions of an audit log again and finds changed
+// rows.
 #include "tests/laboratory/replay/replay_log.h"
 
 #include <gmock/gmock.h>
@@ -32,8 +32,8 @@ struct Log {
   }
 };
 
-// A game in virtual time, 100 times as fast as real ones, on whose second arm frames take thrice as
-// long as on the first.
+// A game in virtual time, 100 times as fast as real ones. Frames on the second arm take three times
+// as long as on the first.
 Log PlayLog(const std::string& policy, uint32_t frame_count = 300) {
   Log log{.text = EmbeddedDecider::AuditHeader() + "\n"};
   EmbeddedOptions options;
@@ -117,7 +117,7 @@ TEST_F(ReplayLogTest, JsonIsOneDocumentWithTheCounts) {
   EXPECT_TRUE(document["difference"].is_null());
 }
 
-// A game of another seed would have decided otherwise.
+// A game with another seed would have made different decisions.
 TEST_F(ReplayLogTest, AnEditedSetupIsADifference) {
   std::string text = PlayLog("paper").text;
   const size_t seed = text.find(";seed=1;");
@@ -172,9 +172,11 @@ TEST_F(ReplayLogTest, SaysWhatCannotBeDerivedBecauseRowsBeforeItAreMissing) {
                            "\n" + log.text.substr(rest);
   const CommandRun outcome = Replay(text);
   EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
-  EXPECT_THAT(outcome.out, AllOf(StartsWith("0 decisions in 0 segments re-derived, all equal\n"),
-                                 HasSubstr(std::to_string(log.decision_count) +
-                                           " decisions in 1 segment cannot be: rows before")));
+  EXPECT_THAT(
+      outcome.out,
+      AllOf(StartsWith("0 decisions in 0 segments re-derived, all equal\n"),
+            HasSubstr(std::to_string(log.decision_count) +
+                      " decisions in 1 segment cannot be re-derived: earlier rows are missing")));
   const json document = json::parse(Replay(text, /*as_json=*/true).out);
   EXPECT_EQ(document["decisions"], 0);
   EXPECT_EQ(document["incomplete_segments"], 1);
@@ -206,7 +208,7 @@ TEST_F(ReplayLogTest, ALogWithoutDecisionsIsBadUsage) {
   const CommandRun outcome = Replay(EmbeddedDecider::AuditHeader() + "\n");
   EXPECT_EQ(outcome.exit_code, kBadUsage);
   EXPECT_EQ(outcome.out, "");
-  EXPECT_THAT(outcome.err, HasSubstr("decisions.csv holds no decisions"));
+  EXPECT_THAT(outcome.err, HasSubstr("decisions.csv contains no decisions"));
 }
 
 TEST_F(ReplayLogTest, WhatCannotBeReadIsBadUsage) {

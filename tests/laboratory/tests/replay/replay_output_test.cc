@@ -1,4 +1,4 @@
-// What `sweepstake-lab replay` prints of a study whose numbers are made up.
+// The outputs of `sweepstake-lab replay` for a study with synthetic numbers.
 #include "tests/laboratory/replay/replay_output.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The words of `sweepstake-lab replay`, made ready to run.
+// The plan that `sweepstake-lab replay` makes from its options.
 #include "tests/laboratory/replay/replay_plan.h"
 
 #include <gmock/gmock.h>
@@ -58,7 +58,7 @@ TEST_F(ReplayPlanTest, HasASceneForEachTraceAndAPlayerForEachWord) {
   EXPECT_EQ(plan->study.seed_count, 7U);
   EXPECT_EQ(plan->study.thread_count, 3U);
   EXPECT_EQ(plan->study.priors, ReplayPriors::kNone);
-  EXPECT_FALSE(plan->study.shadow_lane) << "the policy says whether it has the lane";
+  EXPECT_FALSE(plan->study.shadow_lane) << "the policy decides whether there is a lane";
 }
 
 TEST_F(ReplayPlanTest, ThePassIsTheRunsOrOneForAllTracesOrEachTracesOwn) {

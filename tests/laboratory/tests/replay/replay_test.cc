@@ -1,4 +1,4 @@
-// The virtual game of replay, on traces whose every number is known.
+// The virtual game of replay, on traces with known numbers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -133,7 +133,7 @@ TEST(FixedCosts, AddUpToTheRunOnTheBestArm) {
   EXPECT_NEAR(costs.TotalsFrom(90'000)[0], 0, 1);
 }
 
-// What a sequence of arms, bit by bit, costs with cold switches, each frame of which is paid.
+// Returns the cost of a sequence of arms, given by the bits of `arms`, with cold switches.
 double CostOf(const ReplayScene& scene, uint64_t seed, uint32_t arms) {
   FrameOrder order(scene, OffsetOfSeed(scene, seed));
   std::vector<uint32_t> shown(scene.frame_count());
@@ -213,7 +213,7 @@ TEST(Replay, AColdSwitchIsChargedOnce) {
   EXPECT_EQ(result.first_active_ns[0], 4'000'000'000);
   EXPECT_EQ(result.dominant_arm(), 0U);
   EXPECT_EQ(result.timeline.decisions.size(), result.decision_count);
-  // The tick at 6 s takes the switch as executed when its batches have it, which are 250 ms late.
+  // The session counts the switch as executed only when its batch arrives, which is 250 ms late.
   EXPECT_NEAR(result.active_share(), 1 - 4.285 / 902.035, 1e-4);
 }
 
@@ -226,7 +226,8 @@ TEST(Replay, AWarmSwitchWaitsForTheLaneAndCostsItsLastFrame) {
   EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 204 * 10 * kMs + 1 * kMs, 1e6);
 }
 
-// What the policy's gate takes a switch to cost, at most, where a build takes `slowdown` frames.
+// Returns the largest switch cost that the policy's gate assumes if a build takes as long as
+// `slowdown` frames.
 double CostInGate(double slowdown) {
   SyntheticTrace trace = TwiceAsSlow();
   trace.slowdown = [=](uint32_t k) { return k == 0 ? slowdown : 1.0; };
@@ -310,7 +311,7 @@ TEST(RunStudy, MillisecondsAreThoseOfTheTraceWithoutOtherWork) {
   EXPECT_NEAR(rows[0].regret_best_fixed, 0.6, 1e-9);  // of the frame, other work included
   EXPECT_EQ(slow.lane, 0);
   EXPECT_EQ(rows[0].paper_ms, rows[1].ms.detection);
-  // The lane works for a share of the time that the frames take; see the test of its budget.
+  // The lane works for a share of the frames' time; see the test of its budget.
   EXPECT_NEAR(rows[2].ms.lane, rows[2].shadow_share * 0.05 * 10 / 6, 1e-4);
   EXPECT_GT(rows[2].ms.lane, 0.001);
 }
@@ -416,7 +417,7 @@ TEST(RunStudy, TheFirstChoiceIsThatOfTheFirstDecision) {
   };
   EXPECT_EQ(losses(ReplayPriors::kNone, 1.0 / 3), (std::vector<double>{1, 0, 1})) << "they stay";
   EXPECT_EQ(losses(ReplayPriors::kRight, 2.0 / 3), (std::vector<double>{0, 1, 0}))
-      << "they leave it; of the fast one, a trial of the other";
+      << "they leave the slow arm; from the fast arm, they try the other one";
 }
 
 TEST(RunStudy, AFirstChoiceIsRightWithinATie) {
@@ -439,7 +440,7 @@ TEST(RunStudy, TheOpeningIsTheFirstTenSeconds) {
   EXPECT_FALSE(rows[1].opening_regret);
 }
 
-// What a game has taught in 50 visits of each arm, of which this one is the cheaper.
+// Returns the evidence of 50 visits per arm in a game in which `arm` is the cheaper one.
 ReplayResult TaughtThat(uint32_t arm) {
   ReplayResult result;
   result.taught.resize(2);

@@ -17,7 +17,7 @@ namespace {
 using std::filesystem::path;
 using testing::HasSubstr;
 
-// Two arms, ten frames, a burst and a descriptor, every number another one.
+// Two arms, ten frames, a burst and a descriptor; all numbers are different.
 CostTrace SmallTrace() {
   CostTrace trace;
   trace.scene = "suite-b";
@@ -137,9 +137,9 @@ TEST_F(CostsFile, RefusesEveryShorterFileAndALongerOne) {
   for (size_t size = 0; size < bytes.size(); ++size) {
     ASSERT_EQ(ReadOf(bytes.substr(0, size)).code(), StatusCode::kDataLoss) << size;
   }
-  ExpectBroken(bytes.substr(0, bytes.size() - 1), "is cut short or has bytes too many");
-  ExpectBroken(bytes + "x", "is cut short or has bytes too many");
-  ExpectBroken("", "is no cost trace");
+  ExpectBroken(bytes.substr(0, bytes.size() - 1), "is truncated or has extra bytes");
+  ExpectBroken(bytes + "x", "is truncated or has extra bytes");
+  ExpectBroken("", "is not a cost trace");
 }
 
 TEST_F(CostsFile, RefusesAFileInWhichAnyByteWasFlipped) {
@@ -151,7 +151,7 @@ TEST_F(CostsFile, RefusesAFileInWhichAnyByteWasFlipped) {
   }
   std::string last = bytes;
   last.back() = static_cast<char>(last.back() ^ 1);
-  ExpectBroken(last, "its checksum does not fit");
+  ExpectBroken(last, "its checksum does not match");
 }
 
 TEST_F(CostsFile, NamesAVersionThatItDoesNotRead) {
@@ -162,26 +162,28 @@ TEST_F(CostsFile, NamesAVersionThatItDoesNotRead) {
 
 TEST_F(CostsFile, RefusesAFileBeyondTheLargestWithoutReadingIt) {
   Bytes(SmallTrace());
-  std::filesystem::resize_file(Place(), kMaxCostsBytes + 1000);  // a hole: takes no room on disk
+  std::filesystem::resize_file(Place(),
+                               kMaxCostsBytes + 1000);  // a sparse file
   const Status status = ReadCosts(Place()).status();
   EXPECT_EQ(status.code(), StatusCode::kDataLoss);
-  EXPECT_THAT(status.message(), HasSubstr("larger than a cost trace may be"));
+  EXPECT_THAT(status.message(), HasSubstr("exceeds the maximum size of a cost trace"));
 }
 
 TEST_F(CostsFile, RefusesCountsThatDoNotFitTheColumns) {
   constexpr uint32_t kHuge = std::numeric_limits<uint32_t>::max();
   ExpectError([](CostTrace& t) { t.frame_count = kHuge; }, "has 4294967295 frames");
   ExpectError([](CostTrace& t) { t.frame_count = 0; }, "has 0 frames");
-  ExpectError([](CostTrace& t) { t.frame_count = 11; }, "column object_count of another length");
-  ExpectError([](CostTrace& t) { t.control_arm = 2; }, "no such control arm");
-  ExpectError([](CostTrace& t) { t.repeat_count = 0; }, "was measured no time");
+  ExpectError([](CostTrace& t) { t.frame_count = 11; },
+              "column object_count with the wrong length");
+  ExpectError([](CostTrace& t) { t.control_arm = 2; }, "a control arm with an index out of range");
+  ExpectError([](CostTrace& t) { t.repeat_count = 0; }, "was measured in 0 runs");
   ExpectError([](CostTrace& t) { t.burst_frame_count = kHuge; }, "has bursts of 4294967295");
-  ExpectError([](CostTrace& t) { t.burst_frame_count = 5; }, "of a burst of another length");
+  ExpectError([](CostTrace& t) { t.burst_frame_count = 5; }, "of a burst with the wrong length");
   ExpectError([](CostTrace& t) { t.arms.clear(); }, "has 0 arms");
   ExpectError([](CostTrace& t) { t.bursts.clear(); }, "has no burst");
   ExpectError([](CostTrace& t) { t.detection_ns.pop_back(); }, "column detection_ns");
   ExpectError([](CostTrace& t) { t.native_bytes.push_back(1); }, "column native_bytes");
-  ExpectError([](CostTrace& t) { t.held = {1}; }, "column held of another length");
+  ExpectError([](CostTrace& t) { t.held = {1}; }, "column held with the wrong length");
 }
 
 TEST_F(CostsFile, RefusesNumbersAndNamesThatNoTraceHas) {
@@ -190,7 +192,7 @@ TEST_F(CostsFile, RefusesNumbersAndNamesThatNoTraceHas) {
   ExpectError([](CostTrace& t) { t.held[4] = 2; }, "other values than 0 and 1");
   ExpectError([](CostTrace& t) { t.arms[1].name = "SAP"; }, "has the arm SAP twice");
   ExpectError([](CostTrace& t) { t.arms[1].name = "\x1b[2J"; }, "without a name");
-  ExpectError([](CostTrace& t) { t.scene = "a\nb"; }, "name is no short line");
+  ExpectError([](CostTrace& t) { t.scene = "a\nb"; }, "name that is not one line");
   ExpectError([](CostTrace& t) { t.bursts[1].first_frame = 2; }, "burst out of order");
   ExpectError([](CostTrace& t) { t.bursts[1].first_frame = 7; }, "burst out of order");
   ExpectError([](CostTrace& t) { t.descriptors[0].frame = 11; }, "descriptor out of");
@@ -204,7 +206,8 @@ TEST_F(CostsFile, RefusesNumbersAndNamesThatNoTraceHas) {
 TEST_F(CostsFile, RefusesAFlawedTraceInASoundFile) {
   CostTrace trace = SmallTrace();
   std::string bytes = Bytes(trace);
-  // The payload of nothing at all: a message without frames, its size and checksum in the header.
+  // An empty payload, which is a message without frames, with the right size and checksum in the
+  // header.
   bytes.resize(32);
   bytes.replace(16, 8, std::string(8, '\0'));
   const unsigned char fnv_of_nothing[] = {0x25, 0x23, 0x22, 0x84, 0xE4, 0x9C, 0xF2, 0xCB};

@@ -1,4 +1,4 @@
-// Cost traces made up by a test: every number known.
+// Cost traces with numbers that the test chooses.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@ namespace sweepstake::cli {
 struct SyntheticTrace {
   std::vector<std::string> arms = {"A", "B"};
   uint32_t frame_count = 64;
-  // Of arm `arm` in frame `frame`.
+  // The time of `arm` in frame `frame`.
   std::function<uint64_t(uint32_t frame, uint32_t arm)> detection_ns;
-  // A fresh structure's frame k takes this times as much as a running one's.
+  // The time of a fresh structure's frame k ÷ that of a running one.
   std::function<double(uint32_t k)> slowdown = [](uint32_t) { return 1.0; };
   uint32_t burst_frame_count = 8;
   uint32_t burst_interval = 16;

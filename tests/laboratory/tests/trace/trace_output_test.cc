@@ -1,4 +1,4 @@
-// What `sweepstake-lab trace` prints of a trace whose every number is known.
+// The outputs of `sweepstake-lab trace` for a trace with known numbers.
 #include "tests/laboratory/trace/trace_output.h"
 
 #include <gmock/gmock.h>

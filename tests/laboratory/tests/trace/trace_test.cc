@@ -1,5 +1,5 @@
-// How scenes are traced and what is said of a trace. No time is compared with another: what is
-// measured must be complete and in its place.
+// How scenes are traced and summarized. No times are compared; the tests check that all
+// measurements are present and in the right place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ TEST(ArmPace, LooksAgainWhenTheSceneHasLostAnEighthOfItsObjects) {
   EXPECT_EQ(pace.TurnOf(1, 875), ArmTurn::kNone);
   EXPECT_EQ(pace.TurnOf(1, 874), ArmTurn::kLastFrame);
   pace.Note(1, ArmTurn::kLastFrame, 874, 200, 400);
-  EXPECT_EQ(pace.TurnOf(1, 874), ArmTurn::kEveryFrame) << "it has become a good one";
+  EXPECT_EQ(pace.TurnOf(1, 874), ArmTurn::kEveryFrame) << "the arm has become fast";
 }
 
 TEST(Trace, HoldsEveryArmInEveryFrameOfASoundShape) {
@@ -149,7 +149,7 @@ TEST(Trace, SaysThatAScenesObjectsAreTooMany) {
   EXPECT_THAT(trace.status().message(), HasSubstr("up to 100000 objects"));
 }
 
-// The costs that the plan claims make BruteForce a hopeless arm until it has been measured.
+// With the costs in the plan BruteForce counts as very slow until it has been measured.
 CostTrace PassWithASlowArm(uint32_t control_arm) {
   TracePlan plan;
   plan.arms = {"KDTree", "BruteForce"};
