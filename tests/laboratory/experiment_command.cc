@@ -158,8 +158,9 @@ void Declare(CLI::App& command, CommandOptions& options) {
       .add_option("--policies", experiment.policies,
                   "Policies, also adaptive-without-... (default: paper,default)")
       ->delimiter(',');
-  command.add_option("--window", experiment.window,
-                     "Length of the observation after the exploration, before scaling (default: 15m)");
+  command.add_option(
+      "--window", experiment.window,
+      "Length of the observation after the exploration, before scaling (default: 15m)");
   command
       .add_option("--trace-frames", experiment.trace_frame_count,
                   "Frames of each scene on which every arm is timed (default: 600)")
@@ -190,7 +191,8 @@ void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& 
       "  sweepstake-lab experiment --scenes hurricane --objects 3000,10000 --policies paper --out "
       "h\n"
       "  sweepstake-lab experiment --resume results\n"
-      "Default: 3 scenes × (1000, 2000, 3000, 10000, 50000 objects) × 2 policies × 5 runs with fixed\n"
+      "Default: 3 scenes × (1000, 2000, 3000, 10000, 50000 objects) × 2 policies × 5 runs with "
+      "fixed\n"
       "seeds. A run is the exploration and 15 minutes, divided by the time scale. Ctrl-C writes\n"
       "partial results and ends with exit code 1; --resume continues after the finished runs.\n"
       "Keep the machine free of other work, which distorts the figures.",

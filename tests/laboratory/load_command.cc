@@ -51,8 +51,7 @@ void Declare(CLI::App& command, LoadOptions& options) {
       ->capture_default_str();
   command.add_option("--duration", options.duration, "Measured time after all games have begun")
       ->capture_default_str();
-  command.add_option("--project", plan.project, "Project of the games")
-      ->capture_default_str();
+  command.add_option("--project", plan.project, "Project of the games")->capture_default_str();
   command
       .add_option("--channels", plan.channel_count,
                   "Connections; 0: one per 100 streams, the maximum of a connection")
@@ -80,7 +79,8 @@ void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       app, "load", "Load a daemon with thousands of simulated games",
       "  sweepstake-lab load --daemon 127.0.0.1:7433 --streams 1000 --duration 30s\n"
       "  sweepstake-lab load --daemon 127.0.0.1:7433 --streams 10000 --server-pid PID --json\n"
-      "batches_per_s were passed to gRPC. acknowledged_per_s messages (batches, bail-outs, switches)\n"
+      "batches_per_s were passed to gRPC. acknowledged_per_s messages (batches, bail-outs, "
+      "switches)\n"
       "reached the daemon's disk at most 2.5 s after the measured time; if they are fewer, the\n"
       "daemon does not keep up.\n"
       "hello_latency is the time from the start of a connection to its welcome, decision_latency\n"

@@ -15,7 +15,7 @@ namespace sweepstake::cli {
 struct ExperimentOptions {
   std::vector<std::string> scenes;
   std::vector<uint32_t> object_counts;
-  std::vector<uint32_t> large_object_counts;  // a second grid of larger scenes, where a wrong choice costs more
+  std::vector<uint32_t> large_object_counts;  // a second grid, where a wrong choice costs more
   std::vector<std::string> policies;
   uint32_t run_count = 0;
   std::string window;     // length of the observation after the exploration

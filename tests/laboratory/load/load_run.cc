@@ -345,9 +345,9 @@ Status LoadRun::Shortfall() {
   if (result_.finished_count >= plan_.stream_count ||
       (last_error_.ok() && lost_.empty() && stop_()))
     return {};
-  const std::string reason = last_error_.ok()
-                                 ? "the daemon ended the others or did not answer their goodbye in time"
-                                 : "the last error: " + MessageWithReason(last_error_);
+  const std::string reason =
+      last_error_.ok() ? "the daemon ended the others or did not answer their goodbye in time"
+                       : "the last error: " + MessageWithReason(last_error_);
   return {StatusCode::kUnavailable, std::to_string(result_.finished_count) + " of " +
                                         std::to_string(plan_.stream_count) + " games finished; " +
                                         reason};
@@ -365,7 +365,8 @@ void LoadRun::SayGoodbye() {
 Result<LoadResult> LoadRun::Run() {
   if (plan_.server_pid != 0 && !CpuSeconds(plan_.server_pid)) {
     return Status(StatusCode::kInvalidArgument,
-                  "there is no process on this machine with the id " + std::to_string(plan_.server_pid) +
+                  "there is no process on this machine with the id " +
+                      std::to_string(plan_.server_pid) +
                       "; give --server-pid the id of the daemon, or leave it out");
   }
   if (Status status = OpenStreams(); !status.ok()) return status;
