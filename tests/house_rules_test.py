@@ -101,7 +101,7 @@ LANGUAGE_PENDING = (
     "server/watch", "server/web",
     "tests/server/auth", "tests/server/dashboard", "tests/server/net", "tests/server/rpc", "tests/server/sessions", "tests/server/simulation",
     "tests/server/storage", "tests/server/tls", "tests/server/watch", "tests/server/web",
-    "tests/laboratory/", "tests/engine_client/cli/", "tests/engine_client/decider/")
+    "tests/engine_client/cli/", "tests/engine_client/decider/")
 
 
 def language_errors(path, text):

@@ -56,9 +56,10 @@ void AddTlsOption(CLI::App& command, const std::string& name, std::string TlsOpt
 
 CLI::Validator WholeFrom(uint64_t min, uint64_t max) {
   CLI::Validator range = CLI::Range(min, max);
-  return {
-      [=](std::string& text) { return IsWhole(text) ? range(text) : text + " is no whole number"; },
-      range.get_description()};
+  return {[=](std::string& text) {
+            return IsWhole(text) ? range(text) : text + " is not a whole number";
+          },
+          range.get_description()};
 }
 
 CLI::Validator WholeUpTo(uint64_t max) { return WholeFrom(0, max); }
@@ -68,7 +69,7 @@ CLI::Validator RealFrom(double min, double max) {
   return {[=](std::string& text) {
             double value = 0;
             const bool is_number = CLI::detail::lexical_cast(text, value) && !std::isnan(value);
-            return is_number ? range(text) : text + " is no number";
+            return is_number ? range(text) : text + " is not a number";
           },
           range.get_description()};
 }

@@ -28,7 +28,7 @@ Result<uint64_t> ParseDuration(std::string_view text) {
   if (error != std::errc() || !(total_ns >= 1 && total_ns <= kMaxNs)) {
     return Status(StatusCode::kInvalidArgument,
                   "'" + std::string(text) +
-                      "' is no duration: give a number and ms, s, m or h, as 500ms, 60s or 15m");
+                      "' is not a duration: give a number and ms, s, m or h, as 500ms, 60s or 15m");
   }
   return static_cast<uint64_t>(total_ns);
 }

@@ -117,9 +117,9 @@ TEST(Commands, AnUnknownOptionOrAMissingOneIsNamed) {
 
 TEST(Commands, ANumberOutOfRangeIsNamedWithItsOption) {
   ExpectBadUsage({
-      {"run --scene suite-b --embedded --time-scale nan", "--time-scale: nan is no number"},
+      {"run --scene suite-b --embedded --time-scale nan", "--time-scale: nan is not a number"},
       {"run --scene suite-b --embedded --time-scale 1001", "--time-scale"},
-      {"run --scene suite-b --embedded --time-scale x", "--time-scale: x is no number"},
+      {"run --scene suite-b --embedded --time-scale x", "--time-scale: x is not a number"},
       {"run --scene suite-b --embedded --time-scale 0.5", "--time-scale"},
   });
 }

@@ -28,7 +28,7 @@ TEST(ParseDuration, AcceptsUpToThirtyDays) {
 }
 
 TEST(ParseDuration, RepeatsWhatItWasGiven) {
-  EXPECT_NE(ParseDuration("soon").status().message().find("'soon' is no duration"),
+  EXPECT_NE(ParseDuration("soon").status().message().find("'soon' is not a duration"),
             std::string::npos);
 }
 

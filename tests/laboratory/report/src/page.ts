@@ -55,7 +55,7 @@ function csvOf(rows: object[]): string {
   return lines.map((line) => line.map(field).join(',')).join('\r\n') + '\r\n';
 }
 
-// Pages that the browser does not trust with the clipboard copy what is selected.
+// Without clipboard permission, copies through a text selection.
 async function copy(content: string): Promise<boolean> {
   try {
     await navigator.clipboard.writeText(content);

@@ -19,7 +19,7 @@ function pageOf(data: Document): Page {
   throw new Error(`this page cannot show what ${JSON.stringify((data as { command?: unknown }).command)} printed`);
 }
 
-// A document that cannot be drawn does not take the others with it.
+// If a document cannot be drawn, its page contains the error, and the others are drawn.
 function pageOrError(data: Document, i: number): Page {
   try {
     return pageOf(data);

@@ -142,7 +142,7 @@ TEST_F(InterruptedExperiment, ARecordOfAnotherFormatIsRefusedAndNamed) {
               HasSubstr("its format or version is not supported"));
   EXPECT_THAT(message([](json& d) { d["run"].erase("switches"); }), HasSubstr("switches"));
   EXPECT_THAT(message([](json& d) { d["run"]["arms"] = 3; }), StartsWith(path.string()));
-  EXPECT_THAT(message([](json& d) { d = json::array(); }), HasSubstr("is no record of a run"));
+  EXPECT_THAT(message([](json& d) { d = json::array(); }), HasSubstr("is not a record of a run"));
 }
 
 TEST_F(InterruptedExperiment, ARecordWhoseListsDoNotFitIsRefused) {

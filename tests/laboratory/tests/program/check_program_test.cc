@@ -50,7 +50,7 @@ TEST(LabProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"check --scene all-coincident --objects 100000 --frames 0", "take fewer objects"},
       {"check --scene suite-b --objects 4000000000 --frames 1", "object_count"},
       {"bench --scene suite-b --threads 0", "--threads"},
-      {"bench --scene suite-b --peer-cap nan", "--peer-cap: nan is no number"},
+      {"bench --scene suite-b --peer-cap nan", "--peer-cap: nan is not a number"},
       {"bench --scene suite-b --threads 257", "--threads"},
       {"bench --scene suite-b --frames 0", "--frames"},
       {"bench --scene suite-b --seed -1", "--seed: -1 is negative"},

@@ -94,7 +94,7 @@ TEST_F(ReplayPlanTest, NamesTheWordThatIsWrong) {
     request.*field = value;
     return Problem(request);
   };
-  EXPECT_THAT(with(&ReplayRequest::run, "soon"), HasSubstr("'soon' is no duration"));
+  EXPECT_THAT(with(&ReplayRequest::run, "soon"), HasSubstr("'soon' is not a duration"));
   EXPECT_THAT(with(&ReplayRequest::other_work, "10ms"), HasSubstr("a.costs: the other work"));
   EXPECT_THAT(with(&ReplayRequest::passes, std::vector<std::string>{"1m", "2m", "3m"}),
               HasSubstr("3 durations for 2 traces"));

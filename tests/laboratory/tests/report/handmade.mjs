@@ -77,7 +77,7 @@ export function partialExperiment(whole) {
   return { ...whole, complete: false, finished_runs: 5, planned_runs: 8, rows, runs, truths, cells, over_cells: [], over_live: [] };
 }
 
-// What is no number is null in JSON; only figures that are computed can be that, counts cannot.
+// JSON has null in place of values that are not numbers. Computed figures can be null, counts cannot.
 const COUNTS = ['runs', 'objects', 'seeds'];
 const noNumbers = (values) => Object.fromEntries(Object.entries(values).map(([key, value]) =>
   [key, typeof value === 'number' && !COUNTS.includes(key) ? null : value]));

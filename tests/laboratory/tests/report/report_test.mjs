@@ -209,7 +209,7 @@ async function checkPartial(page, { runs }) {
   assert.equal(await count(page, '#timeline-1 [aria-label=tick] line'), 2 * runs.length, 'a stroke for each candidate held back');
 }
 
-// Whatever is missing, the page is drawn: it has its sections, and no picture holds what is no number.
+// Checks that the page is drawn with all sections, even if values are missing, and that no picture contains NaN or undefined.
 async function checkDrawn(page) {
   assert.ok(await count(page, 'section') > 2, await textOf(page, 'main'));
   for (const wrong of ['NaN', 'Infinity', 'undefined', 'null']) {

@@ -1,4 +1,5 @@
-// How often something said with a probability was true: a line per speaker, and the diagonal of those who know what they say.
+// // Reliability diagram: the observed frequency against the predicted probability, with a line per policy and the diagonal of perfect
+// calibration.
 import * as Plot from '@observablehq/plot';
 import { figure, widest } from './figure';
 import { axes } from './scales';

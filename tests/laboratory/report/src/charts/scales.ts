@@ -1,9 +1,9 @@
 // Ticks and domains of axes. Plot labels every digit of a logarithmic axis, or only decades.
 import * as Plot from '@observablehq/plot';
 
-const MIN_FACTOR = 4; // an axis reaches at least so far from end to end
+const MIN_FACTOR = 4; // minimum ratio of the ends of an axis
 
-// A little beyond the values on both sides; values without a logarithm are passed over.
+// Returns a range slightly larger than that of the values. Values without a logarithm are ignored.
 export function logDomain(values: number[], margin = 1.25): [number, number] {
   const positive = values.filter((value) => value > 0 && Number.isFinite(value));
   if (positive.length === 0) return [1, 10];

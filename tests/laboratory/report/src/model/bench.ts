@@ -25,8 +25,7 @@ export interface Scene { name: string; cells: Cell[] }
 // A row of the tables and a line of the charts: an arm with an instruction set, or a peer, with the fewest threads it ran with.
 export interface Contestant { name: string; family: string; kind: 'arm' | 'peer'; threads: number; simd: string | null }
 
-// Where all arms ran with one instruction set, no row and no ratio names it: it belongs to the machine. Else `sets` has all of
-// them, the best first.
+// If all arms ran with one instruction set, only the machine names it. Otherwise `sets` contains all of them, the best first.
 export interface BenchIndex {
   document: BenchDocument; scenes: Scene[]; cells: Cell[]; contestants: Contestant[]; families: string[];
   threadCounts: number[]; sets: (string | null)[]; rows: BenchRow[]; ratios: Ratio[];
@@ -100,7 +99,7 @@ export const hasGoal = ({ goal }: Ratio) => goal !== undefined && goal !== null;
 export const contestantTitle = (name: string, threads: number, simd: string | null) =>
   (simd ? `${name} ${simd}` : name) + (threads === 1 ? '' : ` (${threads} threads)`);
 
-// A recording goes by its file's name unless another recording has the same name.
+// Returns the title of a scene. For a recording this is the file's name, unless two recordings have the same one.
 export function sceneTitle({ scenes }: BenchIndex, scene: string): string {
   const fileName = (path: string) => path.split(/[\\/]/).at(-1)!;
   if (!scene.endsWith('.aabbs')) return scene;
@@ -108,7 +107,8 @@ export function sceneTitle({ scenes }: BenchIndex, scene: string): string {
   return same.length > 1 ? scene : fileName(scene);
 }
 
-// Our best against the best peer in a cell; against published ones there may be several comparisons, the hardest is the first.
+// Returns the comparisons of our best arm with the best peer in a cell. There may be several with published peers; the hardest is the
+// first.
 export function overallAt({ ratios }: BenchIndex, cell: Cell, threads: number, simd: string | null, published: boolean): Ratio[] {
   return ratios.filter((ratio) => ratio.kind === 'overall' && isPublished(ratio) === published && ratio.scene === cell.scene &&
     ratio.objects === cell.objects && ratio.threads === threads && ratio.simd === simd).sort((a, b) => a.value - b.value);

@@ -1,5 +1,5 @@
-// The document of `sweepstake-lab experiment --json`, and what the page sums up of it. Times of a run in
-// seconds since it began; ratios are plain numbers, 0.1 for 10 %.
+// The document of `sweepstake-lab experiment --json`, and the page's summaries of it. Times of a run in seconds since it began; ratios are
+// plain numbers, 0.1 for 10 %.
 import { mean, type Interval } from '../../../../../server/dashboard/src/format';
 import type { Machine } from '../page';
 import type { FrameMs } from './replay';
@@ -35,7 +35,7 @@ export interface Truth {
   cell: string; ranking: { arm: string; mean_ns: number; ratio: number }[]; control_ratio: number; headroom: number;
   players: Player[]; comparisons: Comparison[]; agreements: Agreement[];
 }
-// What the paper printed of a cell.
+// The paper's printed values of a cell.
 export interface PaperCell {
   scene: string; objects: number; dominant: string; dominant_runs: number; runs: number; dominance: string; interpretation: string;
   switches: number; switches_sd: number; active_percent: number; active_percent_sd: number; mu: number; mu_sd: number; n: number; n_sd: number;

@@ -1,10 +1,10 @@
 // The document of `sweepstake-lab replay --json`. Ratios are plain numbers, 0.1 for 10 %.
 import { mean, type Interval } from '../../../../../server/dashboard/src/format';
 
-// Decisions whose probability of the leader to be the best was in a range: its mean, and the share in which it was the fastest algorithm,
-// or as good as that.
+// // The decisions in which P(best) of the leader was in a range: the mean of P(best), and the share in which the leader was the fastest
+// algorithm, or within the tie ratio of it.
 export interface ReliabilityBin { low: number; high: number; decisions: number; predicted: number; best: number; best_or_tie: number }
-// Of a frame, as recorded; without other work. The lane’s is time of another core.
+// // Milliseconds per frame as recorded, without other work. `lane` is time on another core.
 export interface FrameMs { detection: number; best: number; median: number; worst: number; paper: number | null; regret: number; lane: number }
 export interface ReplayRow {
   costs: string; policy: string; regret_best_fixed: number; regret_oracle: number; ci95: Interval; switches: number; active_share: number;
@@ -17,7 +17,7 @@ export interface ReplayScene {
   costs: string; arms: string[]; trace_frames: number; frames: number; frame_ns: number; run_ns: number; pass_ns: number; control_regret: number;
   objects?: number;
 }
-// Added by tests/bench: a goal with the figure it is judged by.
+// Added by tests/bench: a goal and the measured value.
 export interface ReplayGoal { goal: string; limit_text: string; reached: number | null; met: boolean; cells: { cell: string; value: number; met: boolean }[] }
 export interface ReplayDocument {
   command: 'replay'; command_line?: string; seeds: number; own_policy?: string; scenes?: ReplayScene[]; rows: ReplayRow[]; goals?: ReplayGoal[];

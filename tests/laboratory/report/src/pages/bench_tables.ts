@@ -26,7 +26,7 @@ export function separateScenes(index: BenchIndex, row: Cell[]): Cell[] {
   return row;
 }
 
-// What the ratio's goal demands. REQUIRES: it has one.
+// Returns the limit of the ratio's goal. REQUIRES: the ratio has a goal.
 export function boundOf({ kind, other, goal, goal_at_least }: Ratio): string {
   if (goal_at_least !== undefined) return `${compact(goal_at_least)}× to ${compact(goal!)}×`;
   return `${largeIsGood(kind) ? '≥' : '≤'} ${kind === 'memory' ? other : `${compact(goal!)}×`}`;
@@ -65,7 +65,7 @@ function ratioOf(index: BenchIndex, kind: RatioKind, row: BenchRow): Ratio | und
     ratio.objects === row.objects && ratio.ours === row.arm && ratio.threads === row.threads && ratio.simd === row.simd);
 }
 
-// A figure with what a goal of this kind says of it.
+// Returns the cell of a figure with its goal's verdict.
 function judged(index: BenchIndex, kind: RatioKind, row: BenchRow, value: number, content: Child[]): Cell {
   const ratio = ratioOf(index, kind, row);
   return ratio ? cell([...content, goalVerdict(ratio)], value, goalClass(ratio)) : cell(content, value);

@@ -1,4 +1,4 @@
-// What the page of a bench says in words.
+// Texts of the page of a bench.
 import { details, headline, list, paragraph, terms, verdict, type Child } from '../dom';
 import { compact, grouped, significant, times } from '../../../../../server/dashboard/src/format';
 import { contestantTitle, overallSpan, sceneTitle, type BenchIndex, type BenchRow, type RatioKind } from '../model/bench';
@@ -67,7 +67,7 @@ export function resultHeadline(index: BenchIndex): Child[] {
       'through published ratios to one that did.')];
 }
 
-// What to know before believing the numbers: wrong pairs, and who was left out.
+// Warnings about the numbers: wrong pairs, and contestants that were left out.
 export function warnings(index: BenchIndex): Child[] {
   const where = (row: BenchRow, what: string) =>
     `${contestantTitle(row.arm, row.threads, row.simd)} in ${sceneTitle(index, row.scene)}, ${grouped(row.objects)} objects: ${what}`;

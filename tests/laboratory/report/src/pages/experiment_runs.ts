@@ -1,5 +1,5 @@
-// What happened in each run: who was active when, and what was believed. In minutes as the paper
-// counts them: before the time scale.
+// The timeline of each run: which algorithm was active when, and the posteriors. In minutes as the paper counts them: before the time
+// scale.
 import { panels, type Panel } from '../charts/panels';
 import { timelineChart, type Lane } from '../charts/timeline_chart';
 import { share, significant } from '../../../../../server/dashboard/src/format';

@@ -1,4 +1,4 @@
-// What live runs are judged by: the true ranking, regret by replay, tests, live against replay.
+// The figures that live runs are compared with: the true ranking, regret by replay, tests, live against replay.
 import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
 import { details, small, verdict, type Child } from '../dom';
 import { interval, mean, microseconds, percent, probability, share, shareInterval, significant, times } from '../../../../../server/dashboard/src/format';

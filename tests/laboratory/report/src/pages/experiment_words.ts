@@ -1,4 +1,4 @@
-// What the page of an experiment says in words.
+// Texts of the page of an experiment.
 import { h, headline, list, paragraph, terms, verdict, type Child } from '../dom';
 import { compact, counted, grouped, percent, significant } from '../../../../../server/dashboard/src/format';
 import { agreementCounts, chosenWell, frameTime, meanRegret, noisyCells, timeParts, type ExperimentDocument } from '../model/experiment';

@@ -5,7 +5,7 @@ import { percent, type Interval } from '../../../../../server/dashboard/src/form
 export const REGRET_AXIS = 'Percent of frame time lost to the best fixed algorithm';
 const MIN_PERCENT = 0.01;
 
-// What loses less, or wins, stands at the left edge of the logarithmic axis.
+// Smaller or negative regrets are drawn at the left edge of the logarithmic axis.
 export const onAxis = (ratio: number) => Math.max(100 * ratio, MIN_PERCENT);
 
 export type PlayerStyle = Required<Pick<RangeRow, 'colour' | 'symbol' | 'solid'>>;
