@@ -14,7 +14,7 @@ function distance({ left, right, top, bottom }: DOMRect, x: number, y: number): 
   return Math.hypot(Math.max(left - x, 0, x - right), Math.max(top - y, 0, y - bottom));
 }
 
-// // Replaces titles by labels, because the browser's own tooltip would cover ours.
+// Replaces titles by labels, because the browser's own tooltip would cover ours.
 function takeTitles(svg: SVGElement): Map<SVGElement, string> {
   const texts = new Map<SVGElement, string>();
   for (const title of svg.querySelectorAll<SVGTitleElement>(':scope > g title')) {
@@ -98,7 +98,7 @@ export function figure({ id, title, note }: FigureSpec, picture: SVGElement | HT
     h('figcaption', {}, h('strong', {}, title), note && h('span', {}, note)), plot, ...below);
 }
 
-// // Replaces the content of a figure's `plot` by `picture`.
+// Replaces the content of a figure's `plot` by `picture`.
 export function show(plot: HTMLElement, title: string, picture: SVGElement | HTMLElement): void {
   plot.replaceChildren(picture);
   picture.setAttribute('role', 'group');

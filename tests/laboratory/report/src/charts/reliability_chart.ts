@@ -1,4 +1,4 @@
-// // Reliability diagram: the observed frequency against the predicted probability, with a line per policy and the diagonal of perfect
+// Reliability diagram: the observed frequency against the predicted probability, with a line per policy and the diagonal of perfect
 // calibration.
 import * as Plot from '@observablehq/plot';
 import { figure, widest } from './figure';

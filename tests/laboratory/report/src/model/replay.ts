@@ -1,10 +1,10 @@
 // The document of `sweepstake-lab replay --json`. Ratios are plain numbers, 0.1 for 10 %.
 import { mean, type Interval } from '../../../../../server/dashboard/src/format';
 
-// // The decisions in which P(best) of the leader was in a range: the mean of P(best), and the share in which the leader was the fastest
+// The decisions in which P(best) of the leader was in a range: the mean of P(best), and the share in which the leader was the fastest
 // algorithm, or within the tie ratio of it.
 export interface ReliabilityBin { low: number; high: number; decisions: number; predicted: number; best: number; best_or_tie: number }
-// // Milliseconds per frame as recorded, without other work. `lane` is time on another core.
+// Milliseconds per frame as recorded, without other work. `lane` is time on another core.
 export interface FrameMs { detection: number; best: number; median: number; worst: number; paper: number | null; regret: number; lane: number }
 export interface ReplayRow {
   costs: string; policy: string; regret_best_fixed: number; regret_oracle: number; ci95: Interval; switches: number; active_share: number;
