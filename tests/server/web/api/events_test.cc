@@ -361,7 +361,7 @@ TEST_F(ShortLivedTest, WhoComesWhenATopicIsAboutToEndIsServed) {
 
 class LittleStateTest : public EventsTest {
  protected:
-  LittleStateTest() { event_limits_.max_state_bytes = 2'000; }
+  LittleStateTest() { event_limits_.max_state_bytes = 6'000; }
 };
 
 TEST_F(LittleStateTest, MoreStateThanThereMayBeEndsTheTopic) {
