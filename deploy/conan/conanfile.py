@@ -12,14 +12,12 @@ from conan.tools.files import collect_libs, copy, load, rmdir
 LIBRARIES = {
     "math": [],
     "text": [],
-    "decision": ["math", "text"],
-    "baselines": ["decision"],
-    "pooling": ["decision"],
-    "audit": ["decision"],
+    "decider": ["math", "text"],
+    "embedded_decider": ["adaptive", "decider"],
     "broad_phase": ["math", "text", "highway::highway"],
     "scene": ["math", "text"],
     "adaptive": ["broad_phase", "math", "text"],
-    "embedded": ["adaptive", "audit", "baselines", "math", "pooling", "scene", "text"],
+    "embedded": ["decider", "embedded_decider", "scene"],
 }
 TELEMETRY = {
     "proto": ["grpc::grpc", "protobuf::protobuf"],
