@@ -58,8 +58,8 @@ TEST_F(ReloadTest, QuotasRatesBoundsAndBackupsAreApplied) {
   Write("");
   Start();
   Write("max_scenes = 1\nmax_reads_per_s = 5\nbackup_hours = 2\naudit_mb = 8\naudit_days = 7\n");
-  EXPECT_TRUE(ReloadSays(
-      "applied: max_scenes, max_reads_per_s, backup_hours, audit_mb, audit_days"));
+  EXPECT_TRUE(
+      ReloadSays("applied: max_scenes, max_reads_per_s, backup_hours, audit_mb, audit_days"));
   EXPECT_THAT(daemon_->log(), ::testing::Not(::testing::HasSubstr("restart the daemon")));
   ScriptedGame first(daemon_->address(), FastOptions());
   EXPECT_TRUE(first.RunUntil(IsConnected));

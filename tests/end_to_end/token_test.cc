@@ -107,8 +107,9 @@ TEST_F(TokenTest, AFileThatIsGoneUnderADaemonIsSaidToBeMissingAndWhatANewOneEnds
   const std::filesystem::path tokens = data_.path() / "tokens.db";
   std::filesystem::remove(tokens);
   EXPECT_TRUE(rpc::Eventually([&] {
-    return daemon.log().find("the token file is invalid, so the tokens read before stay in effect: " +
-                             tokens.string() + " is missing, though") != std::string::npos;
+    return daemon.log().find(
+               "the token file is invalid, so the tokens read before stay in effect: " +
+               tokens.string() + " is missing, though") != std::string::npos;
   }));
   EXPECT_THAT(daemon.log(), HasSubstr("in a file without the others, which ends those"));
   EXPECT_EQ(daemon.Terminate(), 0);

@@ -110,7 +110,7 @@ namespace Sweepstake.Tests
         {
             string log = Path.Combine(daemon.Folder, "decisions.csv");
             RunTool(new[] { "audit", "export", "--daemon", daemon.Address, "--out", log }.Concat(filter).ToArray());
-            using JsonDocument report = JsonDocument.Parse(RunTool("replay", "--log", log, "--json"));
+            using JsonDocument report = JsonDocument.Parse(Run(DaemonProcess.Program("sweepstake-lab"), 0, new[] { "replay", "--log", log, "--json" }));
             long Member(string name) => report.RootElement.GetProperty(name).GetInt64();
             Assert.That(report.RootElement.GetProperty("equal").GetBoolean(), Is.True);
             Assert.That((Member("sessions"), Member("underived_decisions")), Is.EqualTo((sessions, 0L)));

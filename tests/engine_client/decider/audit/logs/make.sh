@@ -20,5 +20,5 @@ for policy in "$@"; do
   "$bin/sweepstake" run --daemon "$address" --policy "$policy" --project logs --scene-name "$policy" --scene hurricane \
     --objects 300 --arm AxisSweep --shadow on --time-scale 100 --duration 1200ms >/dev/null
   "$bin/sweepstake" audit export --daemon "$address" --scene "$policy" --out "$policy.csv"
-  "$bin/sweepstake" replay --log "$policy.csv"
+  "$bin/sweepstake-lab" replay --log "$policy.csv"
 done
