@@ -164,6 +164,7 @@ std::vector<BetaPosterior> Prior::posteriors() const {
 }
 
 bool IsBetterVersion(uint32_t version, uint32_t other, uint32_t own) {
+  if (other == 0) return version > 0;
   return version != other && other != own && (version == own || version > other);
 }
 

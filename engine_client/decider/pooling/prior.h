@@ -71,7 +71,7 @@ struct Prior {
 };
 
 // Returns whether evidence of one version of an arm counts instead of evidence of another. The
-// session's own version comes first, then the latest.
+// session's own version comes first, then the latest. Versions count from 1; 0 stands for none.
 bool IsBetterVersion(uint32_t version, uint32_t other, uint32_t own);
 
 // Returns the prior of a session. Records of other projects and reward versions are ignored.

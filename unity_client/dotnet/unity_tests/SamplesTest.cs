@@ -284,7 +284,7 @@ namespace Sweepstake.Tests
 
         private static string RunTool(params string[] arguments)
         {
-            using Process process = Process.Start(new ProcessStartInfo(DaemonProcess.Program("sweepstake"), arguments) { RedirectStandardOutput = true });
+            using Process process = Process.Start(new ProcessStartInfo(DaemonProcess.Program("sweepstake-lab"), arguments) { RedirectStandardOutput = true });
             string output = process!.StandardOutput.ReadToEnd();
             process.WaitForExit();
             Assert.That(process.ExitCode, Is.EqualTo(0), output);

@@ -74,7 +74,7 @@ TEST(DaemonProgram, BadUsageEndsWithTwo) {
       {"priors import --daemon 127.0.0.1:1 --in no-such.json", "no-such.json"},
   };
   for (const auto& [arguments, said] : cases) {
-    const ProgramRun run = RunProgram(arguments);
+    const ProgramRun run = RunEither(arguments);
     EXPECT_EQ(run.exit_code, 2) << arguments;
     EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
   }
@@ -362,16 +362,16 @@ TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {
       RunProgram("audit export --project q --out " + file + "-none --daemon " + daemon.address());
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_THAT(nothing.err, HasSubstr("the daemon has no such decisions"));
-  const ProgramRun replayed = RunProgram("replay --log " + file);
+  const ProgramRun replayed = RunLab("replay --log " + file);
   EXPECT_EQ(replayed.exit_code, 0);
   EXPECT_THAT(replayed.out, HasSubstr("in " + std::to_string(segments.size()) + " segment"));
   EXPECT_THAT(replayed.out, HasSubstr("re-derived, all equal"));
 
   std::ofstream(file, std::ios::app) << "one more line\n";
-  const ProgramRun edited = RunProgram("replay --log " + file);
+  const ProgramRun edited = RunLab("replay --log " + file);
   EXPECT_EQ(edited.exit_code, 1);
   EXPECT_THAT(edited.out, HasSubstr("is it cut off?"));
-  const ProgramRun as_json = RunProgram("replay --json --log " + file);
+  const ProgramRun as_json = RunLab("replay --json --log " + file);
   EXPECT_EQ(as_json.exit_code, 1);
   EXPECT_EQ(json::parse(as_json.out)["equal"], false);
 }

@@ -38,6 +38,11 @@ ProgramRun RunProgram(const std::string& arguments) { return Run(SWEEPSTAKE_PROG
 
 ProgramRun RunLab(const std::string& arguments) { return Run(SWEEPSTAKE_LAB_PROGRAM, arguments); }
 
+ProgramRun RunEither(const std::string& arguments) {
+  const bool is_lab = arguments.starts_with("load ") || arguments.starts_with("replay ");
+  return is_lab ? RunLab(arguments) : RunProgram(arguments);
+}
+
 ProgramRun RunDaemonProgram(const std::string& arguments) {
   return Run(SWEEPSTAKED_PATH, arguments);
 }

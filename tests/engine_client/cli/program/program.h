@@ -18,6 +18,9 @@ ProgramRun RunProgram(const std::string& arguments);
 // The same with `sweepstake-lab`.
 ProgramRun RunLab(const std::string& arguments);
 
+// The same with the program that has the command: `sweepstake-lab` for `load` and `replay`.
+ProgramRun RunEither(const std::string& arguments);
+
 // The same with `sweepstaked`.
 ProgramRun RunDaemonProgram(const std::string& arguments);
 

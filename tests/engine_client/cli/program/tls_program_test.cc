@@ -62,7 +62,7 @@ TEST_F(TlsProgram, EveryCommandThatTalksToADaemonDoesSo) {
                                              "audit list",
                                              "audit export --out " + Path("log.csv")};
   for (const std::string& command : commands) {
-    const ProgramRun run = RunProgram(command + WithTls());
+    const ProgramRun run = RunEither(command + WithTls());
     EXPECT_EQ(run.exit_code, 0) << command << '\n' << run.err;
   }
 }
@@ -104,7 +104,7 @@ TEST_F(TlsProgram, WhereItFailsItSaysWhatToDo) {
     for (const std::string command :
          {"watch --once", "load --streams 1 --duration 100ms", "priors list",
           "run --scene suite-b --objects 10 --duration 2s"}) {
-      const ProgramRun run = RunProgram(command + options);
+      const ProgramRun run = RunEither(command + options);
       EXPECT_EQ(run.exit_code, exit_code) << command << options << '\n' << run.err;
       EXPECT_THAT(run.err, HasSubstr(said)) << command << options;
       EXPECT_THAT(run.err, Not(HasSubstr(".cc:"))) << "lines of gRPC's own: " << command << options;

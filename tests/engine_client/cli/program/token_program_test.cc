@@ -73,7 +73,7 @@ TEST_F(TokenProgram, EveryCommandThatTalksToADaemonBringsItsToken) {
                                              "audit list",
                                              "audit export --out " + Path("log.csv")};
   for (const std::string& command : commands) {
-    const ProgramRun run = RunProgram(command + Daemon() + " --token-file " + admin_);
+    const ProgramRun run = RunEither(command + Daemon() + " --token-file " + admin_);
     EXPECT_EQ(run.exit_code, 0) << command << '\n' << run.err;
   }
 }

@@ -188,6 +188,7 @@ TEST(IsBetterVersion, TheSessionsOwnComesFirstThenTheLatest) {
   EXPECT_FALSE(IsBetterVersion(1, 2, 5));
   EXPECT_TRUE(IsBetterVersion(1, 2, 1));
   EXPECT_FALSE(IsBetterVersion(2, 1, 1));
+  EXPECT_TRUE(IsBetterVersion(1, 0, 0)) << "any version is better than none";
   EXPECT_FALSE(IsBetterVersion(2, 2, 2));
 }
 

@@ -302,7 +302,8 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   EXPECT_EQ(document["planned_runs"], 24);
   EXPECT_TRUE(document["rows"].empty());
   EXPECT_EQ(document["cells"].size(), 4U);
-  EXPECT_THAT(FileText(out / "tables.txt"), StartsWith("PARTIAL: 0 of 24 runs; --resume "));
+  EXPECT_THAT(FileText(out / "tables.txt"),
+              StartsWith("PARTIAL: 0 of 24 runs; continue with --resume "));
 }
 
 }  // namespace

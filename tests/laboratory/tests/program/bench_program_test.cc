@@ -195,7 +195,7 @@ TEST(ReportProgram, SaysWhatADocumentLacks) {
       {R"({"command":"bench"})", "has no list 'rows'"},
       {R"({"command":"bench","rows":[],"ratios":[]})", "has no rows"},
       {R"({"command":"experiment","rows":[{}],"arms":[]})", "has no list 'sittings'"},
-      {R"({"command":7})", "is not what"}};
+      {R"({"command":7})", "is not a document of"}};
   for (const auto& [text, error] : documents) {
     std::ofstream(saved.path()) << text;
     const ProgramRun run = RunLab("report " + saved.path() + " --out " + page.path());

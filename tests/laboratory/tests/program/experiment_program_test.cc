@@ -88,7 +88,7 @@ TEST_F(ExperimentProgram, EndsWithWhatIsThereWhenInterrupted) {
   // The shell sends the signal when the first run has been written to disk.
   const std::string first = (folder_ / "runs" / "brownian-60-paper-1.json").string();
   const std::string out = folder_.string() + ".json";
-  const std::string line = std::string(SWEEPSTAKE_PROGRAM) + " " + kTiny +
+  const std::string line = std::string(SWEEPSTAKE_LAB_PROGRAM) + " " + kTiny +
                            "--runs 60 --json --out '" + folder_.string() + "' >'" + out +
                            "' 2>/dev/null & child=$!; while [ ! -e '" + first +
                            "' ] && kill -0 $child; do sleep 0.05; done; kill -TERM $child; "

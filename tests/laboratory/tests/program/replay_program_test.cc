@@ -112,7 +112,7 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     std::string arguments;
     std::string said;
   } cases[] = {
-      {"", "give one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
+      {"", "give exactly one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
       {"--costs " + Costs() + " --log x.csv", "give exactly one of --costs"},
       {"--log x.csv --report x.html", "--log excludes --report"},
       {"--log x.csv --csv y.csv", "--log excludes --csv"},
@@ -144,7 +144,7 @@ TEST_F(ReplayProgram, TracesWithOtherArmsAreRefusedTogether) {
             0);
   const ProgramRun run = RunLab("replay --costs " + Costs() + "," + other);
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("replay them apart"));
+  EXPECT_THAT(run.err, HasSubstr("replay them separately"));
 }
 
 }  // namespace
