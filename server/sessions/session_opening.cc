@@ -101,10 +101,9 @@ void SessionOpening::OnRead(const StoredStart& start) {
     return Finish(kicked);
   if (std::shared_ptr<GameSession> session = FindInMemory())
     return Finish(OpenedSession{std::move(session), /*resumed=*/true, absl::OkStatus()});
-  if (start.source && hello_.session_id.empty()) {
-    return Finish(Refused(reasons::kStoreBusy,
-                          "another connection has just ended this session; connect again"));
-  }
+  // Another connection has resumed the session with other arms, so this one gets a new session. The
+  // evidence must be read again, without that of the session.
+  if (start.source && hello_.session_id.empty()) return ReadStore();
   Finish(Begin(start));
 }
 

@@ -186,17 +186,17 @@ class CountedStore final : public storage::ForwardingStore {
   int count_ = 0;
 };
 
-TEST_F(SceneQuotaTest, ANewSceneIsCountedOnceWhereItsHelloIsReadExactlyAndNowhereElse) {
+TEST_F(SceneQuotaTest, ANewSceneIsCountedOnceAndOnlyByCountScene) {
   CountedStore store;
   options_.max_scenes = 0;
-  const sessions::StoredStart beside =
-      sessions::LoadStart(store, FromProto(OneArmHello()), options_, /*counts=*/false);
-  EXPECT_TRUE(beside.new_scene);
-  EXPECT_TRUE(beside.refusal.ok());
+  const sessions::Hello hello = FromProto(OneArmHello());
+  sessions::StoredStart start =
+      sessions::LoadStart(store, hello, options_, /*is_writing_thread=*/false);
+  EXPECT_TRUE(start.new_scene);
+  EXPECT_TRUE(start.refusal.ok());
   EXPECT_EQ(store.count(), 0);
-  const sessions::StoredStart exact =
-      sessions::LoadStart(store, FromProto(OneArmHello()), options_, /*counts=*/true);
-  EXPECT_EQ(ReasonOfRefusal(exact.refusal), v1::ERROR_REASON_TOO_MANY_SCENES);
+  sessions::CountScene(store, hello, options_, start);
+  EXPECT_EQ(ReasonOfRefusal(start.refusal), v1::ERROR_REASON_TOO_MANY_SCENES);
   EXPECT_EQ(store.count(), 1);
 }
 
