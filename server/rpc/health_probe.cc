@@ -40,9 +40,9 @@ std::string Advice(const std::string& reason, const tls::Files& files) {
   const auto has = [&](const char* words) { return reason.find(words) != std::string::npos; };
   if (has("Connection refused")) return "; is the daemon running there?";
   if (has("wrong version number"))
-    return "; the daemon speaks plain text, and --tls-cert says that it does not";
+    return "; the daemon uses plain text, so leave out --tls-cert and --tls-key";
   if (!has("Socket closed") && !has("Connection reset by peer") && !has("Broken pipe")) return "";
-  if (files.cert.empty()) return "; the daemon may speak TLS: say its --tls-cert and --tls-key";
+  if (files.cert.empty()) return "; the daemon may require TLS: give its --tls-cert and --tls-key";
   return "; with --tls-client-ca, the daemon's own certificate must be one that this authority "
          "accepts of clients, and must not have expired";
 }
