@@ -106,7 +106,8 @@ TEST_F(TlsTest, AGameThatTrustsTheAuthorityLearns) {
 TEST_F(TlsTest, AGameThatTrustsAnotherAuthorityIsToldToNameThisOne) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags());
   tls_.ca_file = other_authority_.cert();
-  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("give the certificate of the authority that signed it"));
+  EXPECT_THAT(Play(daemon.address(), tls_),
+              HasSubstr("give the certificate of the authority that signed it"));
 }
 
 TEST_F(TlsTest, APlainGameIsToldThatTheDaemonMaySpeakTlsOnly) {
@@ -165,7 +166,8 @@ TEST_F(TlsTest, AReplacedCertificateIsServedAndNoRunningStreamIsLost) {
   EXPECT_EQ(running.stats().dropped_frame_count, 0u);
   // The old certificate must not be served any longer.
   tls_.ca_file = authority_.cert();
-  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("give the certificate of the authority that signed it"));
+  EXPECT_THAT(Play(daemon.address(), tls_),
+              HasSubstr("give the certificate of the authority that signed it"));
 }
 
 TEST_F(TlsTest, FilesThatBreakAreToldOnceAndNoRunningStreamIsLost) {
