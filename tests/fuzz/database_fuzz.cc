@@ -108,24 +108,6 @@ void Read(PriorStore& store) {
   }
 }
 
-// Returns the sums of all arms, or nullopt if they cannot be read.
-std::optional<std::vector<priors::Evidence>> Sums(PriorStore& store) {
-  const auto scenes = store.List({}, std::nullopt, kPage);
-  if (!scenes.ok()) return std::nullopt;
-  std::vector<priors::Evidence> sums;
-  for (const auto& scene : *scenes) {
-    for (const auto& arm : scene.arms) sums.insert(sums.end(), {arm.live, arm.lane});
-  }
-  return sums;
-}
-
-void FoldAll(PriorStore& store) {
-  const auto before = Sums(store);
-  const absl::Status status = Fold(store, kNowS);
-  Require(Sums(store) == before, "folding leaves the sums as they are");
-  Require(status.ok() || !status.message().empty(), "a fold that fails says why");
-}
-
 void Write(PriorStore& store) {
   const SourceUpdate update = Update("a", 2);
   (void)store.Commit({&update, 1});
