@@ -19,8 +19,17 @@ struct EvidenceKey {
   std::string machine_class;     // empty for the unknown class
   uint32_t reward_version = 1;   // >= 1
 
-  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
-  friend auto operator<=>(const EvidenceKey&, const EvidenceKey&) = default;
+  // Written out, because libc++ before version 16 cannot order strings by <=>.
+  friend std::strong_ordering operator<=>(const EvidenceKey& a, const EvidenceKey& b) {
+    for (const auto field : {&EvidenceKey::project, &EvidenceKey::scene, &EvidenceKey::measured_by,
+                             &EvidenceKey::arm}) {
+      if (const int order = (a.*field).compare(b.*field); order != 0) return order <=> 0;
+    }
+    if (a.backend_version != b.backend_version) return a.backend_version <=> b.backend_version;
+    if (const int order = a.machine_class.compare(b.machine_class); order != 0) return order <=> 0;
+    return a.reward_version <=> b.reward_version;
+  }
+  friend bool operator==(const EvidenceKey&, const EvidenceKey&) = default;
 };
 
 // An amount of evidence, which includes no prior.
