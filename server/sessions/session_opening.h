@@ -1,5 +1,6 @@
-// The road from one Hello to its session. It goes one way: session_table, store, scene_quota,
-// session_start (which calls decision::PriorFor), new_scenes, session_table.
+// The road from one Hello to its session: session_table, store, scene_quota, session_start (which
+// calls decision::PriorFor), new_scenes, session_table. It turns back only if another connection
+// resumes the session in the meantime and this one may not.
 //
 // - If the session to resume is in memory, the client gets it back unchanged.
 // - Otherwise the store is read, on its reading thread. If it does not have the scene, its writing
