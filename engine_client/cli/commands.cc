@@ -87,6 +87,7 @@ int RunCommandLine(std::span<char* const> words, Terminal& terminal) {
 }
 
 int RunProgram(const Program& program, std::span<char* const> words, Terminal& terminal) {
+  terminal.program = program.name;
   CLI::App app(program.description, program.name);
   app.set_version_flag("--version", SWEEPSTAKE_VERSION);
   app.require_subcommand(1);

@@ -51,7 +51,7 @@ decision::PriorKey PriorKeyOf(const Hello& hello, const StoredStart& start) {
           .compares_sources = StartsFromPriors(hello)};
 }
 
-// What was read from the store, and records that borrow its strings.
+// The evidence read from the store, and records that borrow its strings.
 struct StoredEvidence {
   // `source` must outlive the records.
   void AddOwn(const priors::SourceState& source, std::string_view build) {

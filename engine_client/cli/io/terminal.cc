@@ -21,7 +21,7 @@ std::string Bar(uint64_t done, uint64_t total) {
 }  // namespace
 
 int Fail(Terminal& terminal, const Status& status) {
-  terminal.err << "sweepstake: " << status.message() << '\n';
+  terminal.err << terminal.program << ": " << status.message() << '\n';
   if (status.code() == StatusCode::kUnavailable) return kUnreachable;
   return status.code() == StatusCode::kInternal ? kCheckFailed : kBadUsage;
 }
@@ -34,7 +34,7 @@ int FailAnswer(Terminal& terminal, const Status& status) {
 }
 
 void Say(Terminal& terminal, const std::string& text) {
-  terminal.err << "sweepstake: " << text << std::endl;
+  terminal.err << terminal.program << ": " << text << std::endl;
 }
 
 void SayConnection(Terminal& terminal, const Status& status) {

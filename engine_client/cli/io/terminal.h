@@ -21,10 +21,11 @@ struct Terminal {
   std::ostream& err;
   bool out_is_tty = false;
   bool err_is_tty = false;
-  size_t err_columns = 0;  // 0: `err` is no terminal
+  size_t err_columns = 0;              // 0: `err` is not a terminal
+  std::string program = "sweepstake";  // the name before each message
 };
 
-// Prints "sweepstake: MESSAGE" and returns the exit code of the status: kUnreachable for
+// Prints "PROGRAM: MESSAGE" and returns the exit code of the status: kUnreachable for
 // kUnavailable, kCheckFailed for kInternal, kBadUsage for all others.
 int Fail(Terminal& terminal, const Status& status);
 // The same for what a daemon answered: kUnreachable also for kResourceExhausted, since it is full
@@ -32,9 +33,9 @@ int Fail(Terminal& terminal, const Status& status);
 // understood and refused.
 int FailAnswer(Terminal& terminal, const Status& status);
 
-// Prints "sweepstake: TEXT" to `err`.
+// Prints "PROGRAM: TEXT" to `err`.
 void Say(Terminal& terminal, const std::string& text);
-// Prints "sweepstake: MESSAGE; trying again", or of OK that it is connected again.
+// Prints "PROGRAM: MESSAGE; trying again" or, if the status is OK, that the connection is back.
 void SayConnection(Terminal& terminal, const Status& status);
 
 // Returns the beginning of `text` (UTF-8) that fits into `columns`, where each character takes one

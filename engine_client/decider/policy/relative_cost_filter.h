@@ -56,7 +56,7 @@ class RelativeCostFilter {
   void ObserveBound(uint32_t arm, double log_cost);
   // Successive visits with the same `sweep` share that sweep's offset.
   void ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost);
-  // A visit that a cap ended. The value is a lower bound of what it would have measured.
+  // A visit that a cap ended. The value is a lower bound of the complete visit's cost.
   void ObserveShadowBound(uint32_t arm, uint64_t sweep, double log_cost);
   // Replaces the belief about the arm's cost by this value.
   void Assume(uint32_t arm, double log_cost);

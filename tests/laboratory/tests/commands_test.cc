@@ -184,6 +184,7 @@ TEST(CheckCommand, PrintsARowPerSceneCountAndArmAsJson) {
 TEST(CheckCommand, RefusesAFrameWithTooManyPairsAndSaysWhatToDo) {
   const CommandRun run = RunLabCommand("check --scene all-coincident --objects 6500 --frames 0");
   EXPECT_EQ(run.exit_code, kBadUsage);
+  EXPECT_THAT(run.err, StartsWith("sweepstake-lab: "));
   EXPECT_THAT(run.err,
               AllOf(HasSubstr("frame 0 has too many pairs"), HasSubstr("take fewer objects")));
 }
