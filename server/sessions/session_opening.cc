@@ -52,8 +52,10 @@ std::shared_ptr<GameSession> SessionOpening::FindInMemory() {
 
 void SessionOpening::ReadStore() {
   DecisionLoop& loop = context().loop;
+  // Before the read, so that the patience covers all of it.
+  const int64_t deadline_ns = loop.clock().NowNs() + context().options.load_patience_ns;
   if (!SubmitRead()) return Finish(StoreBusy());
-  loop.PostAt(loop.clock().NowNs() + context().options.load_patience_ns, [weak = weak_from_this()] {
+  loop.PostAt(deadline_ns, [weak = weak_from_this()] {
     const auto self = weak.lock();
     if (!self) return;
     StoredStart nothing;
