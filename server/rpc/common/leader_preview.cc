@@ -1,9 +1,11 @@
 #include "server/rpc/common/leader_preview.h"
 
 #include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
-#include "server/rpc/common/proto_conversion.h"
+#include "engine_client/decider/pooling/scene_prior.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -12,20 +14,23 @@ constexpr uint32_t kScenesPerRead = 200;
 
 // Returns the arm that has the best mean in its newest version; empty if nothing is known.
 std::string LeaderOf(const priors::SceneEvidence& scene) {
-  v1::ScenePosterior told;
-  ToProto(scene, told);
-  std::string leader;
+  std::vector<std::string_view> names;
+  std::vector<decision::ArmEvidence> evidence;
+  for (size_t i = 0; i < scene.arms.size(); ++i) {  // ordered by name and version
+    if (i + 1 < scene.arms.size() && scene.arms[i + 1].name == scene.arms[i].name) continue;
+    names.push_back(scene.arms[i].name);
+    evidence.push_back(EvidenceOf(scene.arms[i]));
+  }
+  const std::vector<decision::EvidenceSum> pooled = decision::PoolEvidence(evidence);
+  std::string_view leader;
   double best = -1;
-  for (int i = 0; i < told.arms_size(); ++i) {  // ordered by name and version
-    const v1::ArmPosterior& arm = told.arms(i);
-    if (i + 1 < told.arms_size() && told.arms(i + 1).arm() == arm.arm()) continue;
-    const double weight = arm.posterior().alpha() + arm.posterior().beta();
-    const double mean = arm.posterior().alpha() / weight;
-    if (weight <= 2 || mean <= best) continue;
-    leader = arm.arm();
+  for (size_t i = 0; i < names.size(); ++i) {
+    const double mean = (1 + pooled[i].alpha) / (2 + pooled[i].evidence());
+    if (!(pooled[i].evidence() > 0) || mean <= best) continue;
+    leader = names[i];
     best = mean;
   }
-  return leader;
+  return std::string(leader);
 }
 
 }  // namespace

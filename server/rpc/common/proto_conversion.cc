@@ -202,6 +202,14 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   SetDiagnosis(arms, message);
 }
 
+absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
+    const absl::StatusOr<std::vector<priors::SceneEvidence>>& page) {
+  if (!page.ok()) return page.status();
+  std::vector<v1::ScenePosterior> messages(page->size());
+  for (size_t i = 0; i < page->size(); ++i) ToProto((*page)[i], messages[i]);
+  return messages;
+}
+
 void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message) {
   const sessions::SessionIdentity& identity = event.session;
   const decision::DecisionRecord& record = event.record;

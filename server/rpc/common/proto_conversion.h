@@ -42,7 +42,11 @@ void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& mess
 // Fills in the key only.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
 // The posteriors are Beta(1,1) plus the pooled evidence. The caller sets active_session_count.
+// Computes the scene's figures, which takes 0.3 to 3 ms (7 to 32 arms): most of it goes into the
+// intervals. For many scenes, call it on the store's reading thread, not on the decision loop.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
+absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
+    const absl::StatusOr<std::vector<priors::SceneEvidence>>& page);
 void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message);
 // Answers the Hello with the capabilities that both sides have. The caller sets resumed,
 // protocol_version and batch_interval_ms.

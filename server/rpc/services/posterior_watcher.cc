@@ -70,7 +70,7 @@ void PosteriorWatcher::LoadPage() {
   loading_ =
       context().store.Read([weak = std::weak_ptr(self), &loop = context().loop, filter = filter(),
                             after = last_of_page_](priors::PriorReader& store) {
-        loop.Post([weak, page = store.List(filter, after, kScenesPerPage)] {
+        loop.Post([weak, page = ToProto(store.List(filter, after, kScenesPerPage))] {
           if (const auto watcher = weak.lock()) watcher->OnPage(page);
         });
       });
@@ -80,19 +80,19 @@ void PosteriorWatcher::LoadPage() {
   }
 }
 
-void PosteriorWatcher::OnPage(const absl::StatusOr<std::vector<priors::SceneEvidence>>& page) {
+void PosteriorWatcher::OnPage(const absl::StatusOr<std::vector<v1::ScenePosterior>>& page) {
   loading_ = false;
   if (closed()) return;
   if (!page.ok()) return Close(StoreFailed(page.status()));
-  for (const priors::SceneEvidence& scene : *page) {
+  for (const v1::ScenePosterior& scene : *page) {
     // What came before the page was asked for is older than the page. What came since may be newer,
     // and takes the page's place.
-    const auto waiting = posteriors_.extract(scene.key);
+    const auto waiting = posteriors_.extract(FromProto(scene));
     const bool newer = !waiting.empty() && waiting.mapped().page == page_count_;
     scenes_.push_back(newer ? waiting.mapped().event : context().watchers.Encode(scene));
   }
   page_wanted_ = page->size() == kScenesPerPage;
-  if (page_wanted_) last_of_page_ = page->back().key;
+  if (page_wanted_) last_of_page_ = FromProto(page->back());
   WriteNext();
 }
 

@@ -47,7 +47,7 @@ class PosteriorWatcher final : public Watcher {
 
   std::optional<grpc::ByteBuffer> TakeEvent();
   void LoadPage();
-  void OnPage(const absl::StatusOr<std::vector<priors::SceneEvidence>>& page);
+  void OnPage(const absl::StatusOr<std::vector<v1::ScenePosterior>>& page);
 
   std::deque<grpc::ByteBuffer> scenes_;               // the rest of the current page
   std::optional<priors::SceneKey> last_of_page_;      // the next page begins after it

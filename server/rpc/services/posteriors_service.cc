@@ -91,15 +91,15 @@ grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
     ReadAndAnswer(
         context_, end,
         [filter, after, limit](priors::PriorReader& store) {
-          return store.List(filter, after, limit);
+          return ToProto(store.List(filter, after, limit));
         },
-        [this, response, limit](const std::vector<SceneEvidence>& scenes) {
-          for (const SceneEvidence& scene : scenes) {
-            ToProto(scene, *response->add_scenes());
-            response->mutable_scenes()->rbegin()->set_active_session_count(
-                context_.sessions.ActiveCount(scene.key));
+        [this, response, limit](const std::vector<v1::ScenePosterior>& scenes) {
+          for (const v1::ScenePosterior& scene : scenes) {
+            v1::ScenePosterior& added = *response->add_scenes() = scene;
+            added.set_active_session_count(context_.sessions.ActiveCount(FromProto(scene)));
           }
-          if (scenes.size() == limit) response->set_next_page_token(TokenOf(scenes.back().key));
+          if (scenes.size() == limit)
+            response->set_next_page_token(TokenOf(FromProto(scenes.back())));
           return absl::OkStatus();
         });
   });

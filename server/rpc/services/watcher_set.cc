@@ -42,7 +42,9 @@ void WatcherSet::TellDecisions(const priors::SceneKey& scene,
 }
 
 void WatcherSet::OnPosterior(const priors::SceneEvidence& scene) {
-  const grpc::ByteBuffer encoded = Encode(scene);
+  v1::ScenePosterior posterior;
+  ToProto(scene, posterior);
+  const grpc::ByteBuffer encoded = Encode(std::move(posterior));
   const std::vector<PosteriorWatcher*> told = group_.Of(scene.key);
   for (PosteriorWatcher* watcher : told) watcher->OnPosterior(scene.key, encoded);
 }
@@ -51,10 +53,10 @@ void WatcherSet::OnReset() {
   group_.ForEach([](PosteriorWatcher& watcher) { watcher.Resend(); });
 }
 
-grpc::ByteBuffer WatcherSet::Encode(const priors::SceneEvidence& scene) const {
+grpc::ByteBuffer WatcherSet::Encode(v1::ScenePosterior scene) const {
+  scene.set_active_session_count(context_.sessions.ActiveCount(FromProto(scene)));
   v1::WatchPosteriorsResponse response;
-  ToProto(scene, *response.mutable_posterior());
-  response.mutable_posterior()->set_active_session_count(context_.sessions.ActiveCount(scene.key));
+  *response.mutable_posterior() = std::move(scene);
   ToProto(context_.watch_hub.NextStamp(), *response.mutable_stamp());
   return Serialize(response);
 }

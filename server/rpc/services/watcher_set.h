@@ -30,7 +30,7 @@ class WatcherSet final : public watch::WatchListener {
   void OnReset() override;
 
   // Returns the message with the scene's posterior.
-  grpc::ByteBuffer Encode(const priors::SceneEvidence& scene) const;
+  grpc::ByteBuffer Encode(v1::ScenePosterior scene) const;
   // Returns the message that all scenes have been told.
   grpc::ByteBuffer EncodeMark() const;
 
