@@ -36,7 +36,7 @@ Result<std::string> ReadTokenFile(const std::string& path) {
 // Returns the token, or an empty text if there is none.
 Result<std::string> TokenText(const ClientToken& token) {
   if (!token.file.empty() && !token.text.empty())
-    return Status(StatusCode::kInvalidArgument, "give a token or a token file, not both");
+    return Status(StatusCode::kInvalidArgument, "set either a token or a token file, not both");
   std::string text = token.text;
   if (!token.file.empty()) {
     auto read = ReadTokenFile(token.file);
@@ -48,9 +48,10 @@ Result<std::string> TokenText(const ClientToken& token) {
   const bool printable =
       std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
   if (printable && text.size() <= kMaxTokenBytes) return text;
-  return Status(StatusCode::kInvalidArgument,
-                (token.file.empty() ? std::string("the token given") : token.file) +
-                    " is not a token: it has spaces, invalid characters or more than 4096 bytes");
+  return Status(
+      StatusCode::kInvalidArgument,
+      (token.file.empty() ? std::string("the given text") : token.file) +
+          " is not a token: it contains spaces or invalid characters, or exceeds 4096 bytes");
 }
 
 // Adds the token to each call. Call credentials would do the same with TLS only.
@@ -93,8 +94,8 @@ std::shared_ptr<grpc::Channel> MakeChannel(
                                                                  std::move(senders));
 }
 
-// Returns whether the daemon closed the connection, as it does with clients that it rejects. The
-// message depends on which side wrote first.
+// Returns whether the daemon closed the connection while it was being set up, which is how it
+// rejects clients. The error message depends on which side wrote first.
 bool IsHungUp(const std::string& reason) {
   return Has(reason, "Socket closed") || Has(reason, "Connection reset by peer") ||
          Has(reason, "Broken pipe");

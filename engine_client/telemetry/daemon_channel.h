@@ -14,11 +14,11 @@
 
 namespace sweepstake {
 
-// Returns a channel to HOST:PORT, which connects at its first call. The files of `tls` and `token`
-// are read now, and every call sends the token. `arguments` are added to those of all channels.
-// kInvalidArgument: the address, the options or files of `tls`, or a token that is invalid or would
-// cross a network in plain text. Messages refer to the options by `names`; no message contains the
-// token.
+// Returns a channel to HOST:PORT, which connects at its first call. Reads the files of `tls` and
+// `token` now. Every call sends the token. `arguments` are extra channel arguments.
+// kInvalidArgument: the address, the TLS options or files, or the token are invalid, or the token
+// would cross a network in plain text. Messages refer to the options by `names`; no message
+// contains the token.
 Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& address,
                                                          const std::optional<TlsOptions>& tls,
                                                          const ClientToken& token,

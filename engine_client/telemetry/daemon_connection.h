@@ -46,7 +46,7 @@ class DaemonConnection final : public grpc::ClientBidiReactor<grpc::ByteBuffer, 
 
   // Returns whether Write may be called: the stream is open and no write is in flight.
   bool writable();
-  // REQUIRES: writable(), no HalfClose before.
+  // Starts to write a message. REQUIRES: writable(), and HalfClose was not called.
   void Write(const std::string& message);
   // Announces that there are no more writes. REQUIRES: writable().
   void HalfClose();
@@ -70,7 +70,7 @@ class DaemonConnection final : public grpc::ClientBidiReactor<grpc::ByteBuffer, 
   grpc::ClientContext context_;
   grpc::ByteBuffer writing_;  // used while a write is in flight
   grpc::ByteBuffer read_;     // used while a read is in flight
-  bool held_ = true;          // the owner may still start operations
+  bool held_ = true;          // whether the owner may still start operations
 
   std::mutex mutex_;  // guards the members below
   std::deque<std::string> inbox_;

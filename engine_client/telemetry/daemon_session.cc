@@ -24,8 +24,8 @@ constexpr uint64_t kNever = UINT64_MAX;
 
 uint64_t NowNs() { return SteadyClock().NowNs(); }
 
-// Returns a seed that differs between the sessions of one process, so that their jitter differs
-// too. No decision depends on it.
+// Returns a seed for the delays of reconnections that differs between the sessions of one process.
+// No decision depends on it.
 uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs(); }
 
 class DaemonSession final : public SessionBase {
@@ -74,7 +74,8 @@ bool DaemonSession::Step(bool stopping) {
 
 void DaemonSession::Connect(uint64_t now_ns) {
   auto channel = DaemonConnection::MakeChannel(address_, options_.tls, options_.token, names_);
-  // The files were valid when the session was made, so they may become valid again.
+  // The certificate and token files were valid when the session was made, so a failure to read them
+  // now may be temporary.
   if (!channel.ok())
     return OnClosed({.code = 0, .message = channel.status().message(), .details = ""}, now_ns);
   connection_ = std::make_unique<DaemonConnection>(*std::move(channel), [this] { Wake(); });

@@ -1,4 +1,5 @@
-// The session with a daemon of session.h, for a caller whose options have other names.
+// Makes the session with a daemon of session.h, for a program whose command-line options have other
+// names than the fields of SessionOptions.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Why the daemon refused a call or ended a stream (errors.proto), read from the status. Pure
+// Reads from a status why the daemon refused a call or ended a stream (errors.proto). Pure
 // functions.
 #pragma once
 
@@ -10,7 +10,8 @@
 
 namespace sweepstake {
 
-// Returns the reason; ERROR_REASON_UNSPECIFIED if there is none or it is of a newer daemon.
+// Returns the reason; ERROR_REASON_UNSPECIFIED if the status contains none or one that only newer
+// versions define.
 v1::ErrorReason ReasonOf(const grpc::Status& status);
 
 // Returns the message, with the reason's name in brackets if there is one: "... (DRAINING)".

@@ -201,7 +201,7 @@ TEST_F(TlsTest, FilesThatBreakAreToldOnceAndNoRunningStreamIsLost) {
   EXPECT_TRUE(PlaysInTheEnd(daemon.address(), tls_));
   EXPECT_EQ(running.stats().connection_count, 1u);
   const std::string log = daemon.log();
-  const size_t told = log.find(server_.key.string() + " holds no private key");
+  const size_t told = log.find(server_.key.string() + " contains no unencrypted private key");
   ASSERT_NE(told, std::string::npos) << log;
   EXPECT_EQ(log.find("are invalid", told), std::string::npos) << "told again";
 }

@@ -294,7 +294,7 @@ TEST_F(GameTest, RefusesADaemonThatChoosesAVersionItDoesNotSpeakAndTakesItOnceIt
   ScriptedGame game(daemon_.address(), FastOptions());
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.refusal.empty(); }));
   EXPECT_EQ(game.stats().refusal, "the daemon at " + daemon_.address() +
-                                      " speaks version 3 of the protocol, this game speaks 1 to 2; "
+                                      " uses version 3 of the protocol, this game supports 1 to 2; "
                                       "update the older one");
   EXPECT_THAT(game.stats().last_error, StartsWith(game.stats().refusal));
   EXPECT_EQ(game.stats().connection_count, 0u);

@@ -1,9 +1,9 @@
-// The loop of an embedded decider: it takes what the frame thread queued, decides, and posts the
-// command. The embedded session runs it on its sender thread; the C API runs it on the thread that
-// polls.
+// The loop of an embedded decider: it empties the queue that the frame thread fills, decides, and
+// posts the switch command. The embedded session runs it on its sender thread; the C API runs it on
+// the thread that polls.
 //
-// Everything is passed on in the order in which it happened. Not thread-safe; it is the queue's
-// consumer. Memory: a buffer of 256 frames.
+// Items reach the decider in the order in which they happened. Not thread-safe; the loop is the
+// queue's only consumer. Memory: a buffer of 256 frames.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace sweepstake {
 
 class DeciderLoop {
  public:
-  // The queue and the broad phase are borrowed; the latter is told that a decider is
-  // present, and takes over its settling time.
+  // The queue and the broad phase are borrowed. The constructor marks the broad phase as having a
+  // decider and sets its settling time to that of the decider.
   DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
               std::unique_ptr<EmbeddedDecider> decider);
 
@@ -30,7 +30,7 @@ class DeciderLoop {
   std::optional<SwitchCommand> Decide(uint64_t now_ns);
   // Returns whether a decision was made since the latest PublishBeliefs, or none was published yet.
   bool has_news() const { return decider_->decision_count() != published_decision_count_; }
-  // Tells the broad phase the posterior means, the verdict and the latest decision.
+  // Publishes the posterior means, the verdict and the latest decision to the broad phase.
   void PublishBeliefs();
 
   EmbeddedDecider& decider() { return *decider_; }
@@ -43,12 +43,13 @@ class DeciderLoop {
   SampleQueue& queue_;
   AdaptiveBroadPhase& adaptive_;
   const std::unique_ptr<EmbeddedDecider> decider_;
-  std::vector<FrameSample> frames_;  // frames not yet handed on; the memory is reused
-  uint64_t frame_count_ = 0;         // handed on by the TakeQueue under way
+  std::vector<FrameSample> frames_;  // frames not yet passed to the decider; the memory is reused
+  uint64_t frame_count_ = 0;         // frames passed to the decider by the current TakeQueue
   uint64_t published_decision_count_ = ~uint64_t{0};
 };
 
-// Passes the means of the posteriors on, for bail-outs while no decider is present.
+// Passes the means of the posteriors to the broad phase, which uses them for bail-outs while no
+// decider is present.
 void SetPosteriorMeans(const std::vector<ArmBelief>& beliefs, AdaptiveBroadPhase& adaptive);
 
 }  // namespace sweepstake

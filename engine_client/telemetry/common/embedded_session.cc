@@ -39,7 +39,7 @@ class EmbeddedSession final : public SessionBase {
 
   const StudyMaker maker_;
   const EmbeddedOptions embedded_;
-  mutable std::mutex mutex_;         // between the sender thread and ExportPriors
+  mutable std::mutex mutex_;         // shared by the sender thread and ExportPriors
   std::optional<DeciderLoop> loop_;  // guarded by mutex_; present from Prepare on
 };
 

@@ -1,5 +1,5 @@
-// Writes the notes of a flight recorder's file. Frames are rows of numbers, because there are
-// thousands.
+// Writes the notes of a flight recorder's file. Frames are rows of numbers, which keeps thousands
+// of them short.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/decider/audit/cell_text.h"

@@ -35,7 +35,7 @@ namespace sweepstake {
 struct FlightFrame {
   FrameSample sample{};
   uint64_t first_box = 0;  // index of its first box, counted since the ring began
-  uint32_t box_count = 0;  // 0: its boxes were not copied, or are overwritten
+  uint32_t box_count = 0;  // 0: its boxes were not copied, or were overwritten
 };
 
 class FlightRing {

@@ -1,4 +1,4 @@
-// Step 6 of the one path: the queue between the frame thread and one sender thread.
+// The queue between the frame thread and the sender thread of a session.
 //
 // It is a FrameSink that never waits: a full queue drops its oldest element and counts it. Frames
 // have their own queue. The rarer notes (descriptors, switch outcomes, mode changes) store the

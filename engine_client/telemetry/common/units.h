@@ -1,4 +1,4 @@
-// Factors between the protocol's units and the library's.
+// Conversion factors between the units of the protocol and of the library.
 #pragma once
 
 #include <cstdint>

@@ -23,7 +23,7 @@ uint32_t Backoff::LongMs() {
 }
 
 uint32_t Backoff::JitterMs(uint32_t bound_ms) {
-  // The upper 32 bits, scaled: even enough for a delay.
+  // Scales the upper 32 bits. The small bias of this method does not matter for a delay.
   return static_cast<uint32_t>(((random_.Next() >> 32) * (uint64_t{bound_ms} + 1)) >> 32);
 }
 

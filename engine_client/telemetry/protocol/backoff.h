@@ -1,5 +1,5 @@
-// How long to wait before connecting again: exponential with full jitter, so that ten thousand
-// clients of a restarted daemon do not all come back at once.
+// The delay before a reconnection: exponential back-off with full jitter, so that ten thousand
+// clients of a restarted daemon do not reconnect at the same time.
 //
 // The same seed gives the same delays. Not thread-safe.
 #pragma once
@@ -23,7 +23,7 @@ class Backoff {
   uint32_t LongMs();
   // Returns a number that is uniform in [0, bound_ms].
   uint32_t JitterMs(uint32_t bound_ms);
-  // Resets the bound to min_ms, to be called after a good connection.
+  // Resets the bound to min_ms. Call it after a connection that lasted.
   void Reset() { bound_ms_ = min_ms_; }
 
  private:

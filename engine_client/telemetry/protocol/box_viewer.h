@@ -1,9 +1,10 @@
-// Shows a game's boxes to a daemon that asks: from time to time asks the frame thread for some of a
-// frame's boxes (engine_client/adaptive/view_tap.h) and makes a message of them, for as long as the
-// daemon wants them. What it shows is no evidence: one view waits at most, and is lost with the
-// connection.
+// Sends a game's boxes to a daemon that requests them. While the request is valid, it regularly
+// requests some of a frame's boxes from the frame thread (engine_client/adaptive/view_tap.h) and
+// encodes them as a message. Views are not evidence: at most one view waits to be sent, and it is
+// dropped if the connection is lost.
 //
-// Time: as SessionLink. Not thread-safe. Memory: while views are wanted one message and the tap's.
+// Time: `now_ns` as in SessionLink. Not thread-safe. Memory: one message and the memory of the tap,
+// while views are requested.
 #pragma once
 
 #include <cstdint>
@@ -25,15 +26,16 @@ class BoxViewer {
   // The tap is borrowed.
   explicit BoxViewer(ViewTap& tap) : tap_(tap) {}
 
-  // The latest request counts. What is out of its range is brought into it.
+  // Replaces the previous request. Values out of range are clamped.
   void OnRequest(const protocol::BoxRequest& request, uint64_t now_ns);
-  // No views are wanted any more.
+  // Ends the current request.
   void Stop() { until_ns_ = 0; }
-  // Goes on, and returns whether there is a message to send. Called every few milliseconds.
+  // Requests and encodes the next view if it is due. Returns whether there is a message to send.
+  // Call it every few milliseconds.
   bool Advance(uint64_t now_ns);
-  // The message, whole. REQUIRES: Advance returned true.
+  // Returns the encoded message. REQUIRES: Advance returned true.
   std::string_view message() const { return message_; }
-  // The message was sent.
+  // Drops the message after it was sent.
   void MarkSent() { message_.clear(); }
 
  private:
@@ -43,15 +45,15 @@ class BoxViewer {
   ViewTap& tap_;
   uint32_t max_bytes_ = 0;
   uint64_t interval_ns_ = 0;
-  uint64_t until_ns_ = 0;  // views are wanted before it
-  uint64_t next_ns_ = 0;   // of the next view
-  bool asked_ = false;     // the tap holds memory, and may be asked for boxes
-  bool waits_ = false;     // for a frame
+  uint64_t until_ns_ = 0;  // end of the current request
+  uint64_t next_ns_ = 0;   // time of the next view
+  bool asked_ = false;     // the tap holds memory until Release
+  bool waits_ = false;     // the tap waits for a frame
   std::string message_;    // empty: none
 };
 
-// Returns the view of the frame's boxes, in at most `max_bytes` bytes of boxes and pairs.
-// Invalid boxes are left out, as are pairs for which there is no room.
+// Returns the view of the frame's boxes, in at most `max_bytes` bytes of boxes and pairs. Omits
+// invalid boxes, and pairs that do not fit.
 protocol::BoxView ViewOf(const ViewedFrame& frame, uint32_t max_bytes);
 
 }  // namespace sweepstake

@@ -1,5 +1,5 @@
-// Decoding. The numbers are those of telemetry.proto and errors.proto; a field is read by the name
-// of its tag, which tests/wire_fields_test.py looks for.
+// Decodes messages. The tags are the field numbers of telemetry.proto and errors.proto.
+// tests/wire_fields_test.py checks that the code reads each field by the name of its tag.
 #include <protozero/pbf_message.hpp>
 #include <string>
 #include <utility>
@@ -75,9 +75,9 @@ enum class StatusDetailsTag : Number { kDetails = 3 };
 enum class AnyTag : Number { kTypeUrl = 1, kValue = 2 };
 enum class ErrorInfoTag : Number { kReason = 1, kDomain = 2 };
 
-// Each Read takes the fields of a message in whatever order they come. A field that comes twice
-// replaces or, a message, completes itself; one with the encoding of another type is unknown. All
-// of that is as protobuf does it.
+// The Read functions follow protobuf's rules. Fields may come in any order. If a field comes twice,
+// the last value wins, and messages are merged. A field with the wire type of another type is
+// unknown.
 template <typename Tag>
 class Reader {
  public:
@@ -91,12 +91,12 @@ class Reader {
   }
   bool has_unknown() const { return has_unknown_; }
 
-  // An integer, an enumeration, or a bool.
+  // Reads an integer, an enumeration or a bool.
   template <typename Value>
   void TakeNumber(Value& value) {
     if (!Is(pbf_wire_type::varint)) return Skip();
     const uint64_t number = message_.get_uint64();
-    // An enumeration may hold what only a newer protocol has.
+    // An enumeration may hold a value that only a newer protocol defines.
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange)
     value = static_cast<Value>(number);
   }
@@ -120,7 +120,7 @@ class Reader {
     if (!Is(pbf_wire_type::varint)) return Skip();
     TakeNumber(value.emplace());
   }
-  // Repeated numbers come one by one or packed.
+  // Reads repeated numbers, which are encoded one by one or packed.
   template <typename Value>
   void TakeNumbers(std::vector<Value>& values) {
     if (Is(pbf_wire_type::varint))
@@ -139,7 +139,7 @@ class Reader {
   bool has_unknown_ = false;
 };
 
-// Calls `take` for each field; returns whether one was unknown.
+// Calls `take` for each field. Returns whether any field was unknown.
 template <typename Tag, typename Take>
 bool ReadFields(std::string_view bytes, const Take& take) {
   Reader<Tag> in(bytes);
@@ -269,7 +269,7 @@ void Read(std::string_view bytes, ArmStanding& standing) {
       case ArmStandingTag::kBestProbability:
         return in.TakeDouble(standing.best_probability);
       case ArmStandingTag::kCostRatio:
-        // A field that is absent is 0 on the wire.
+        // Protobuf omits fields that are 0, so absent fields are 0 here too.
         return in.TakeMessage([&](std::string_view ratio) {
           if (!standing.cost_ratio)
             standing.cost_ratio = CostRatio{.median = 0, .low = 0, .high = 0};
@@ -342,7 +342,7 @@ void Read(std::string_view bytes, BoxRequest& request) {
   });
 }
 
-// Reads into the part, which begins as `absent` where the response has none yet.
+// Reads a message into `part`. If the response has no such part yet, it starts as `absent`.
 template <typename Part>
 void TakePart(Reader<StreamTelemetryResponseTag>& in, std::optional<Part>& part, Part absent = {}) {
   in.TakeMessage([&](std::string_view bytes) {
@@ -399,7 +399,7 @@ void Read(std::string_view bytes, ErrorInfo& info) {
   });
 }
 
-// Returns the reason in a google.protobuf.Any; empty if it holds something else.
+// Returns the error reason in a google.protobuf.Any; empty if it contains another message.
 std::string ReasonInDetail(std::string_view bytes) {
   std::string type_url;
   std::string value;

@@ -1,5 +1,5 @@
-// Encoding. The numbers are those of telemetry.proto; a field is written by the name of its tag,
-// which tests/wire_fields_test.py looks for.
+// Encodes messages. The tags are the field numbers of telemetry.proto. tests/wire_fields_test.py
+// checks that the code writes each field by the name of its tag.
 #include <protozero/pbf_builder.hpp>
 #include <string>
 #include <utility>
@@ -107,12 +107,12 @@ enum class BoxViewTag : Number {
   kPairs = 6
 };
 
-// Collects the fields of one message. A field that has its default value is left out, as proto3 has
-// it; a message within is there even if it is empty.
+// Collects the fields of one message. As in proto3, a field with its default value is omitted, but
+// an embedded message is written even if it is empty.
 template <typename Tag>
 class Writer {
  public:
-  // A varint: an integer, an enumeration, or a bool.
+  // Writes an integer, an enumeration or a bool as a varint.
   template <typename Value>
   void PutNumber(Tag tag, Value value) {
     if (const auto number = static_cast<uint64_t>(value); number != 0)
@@ -124,11 +124,11 @@ class Writer {
   void PutText(Tag tag, const std::string& text) {
     if (!text.empty()) builder_.add_bytes(tag, text);
   }
-  // A property of the scene, which is left out where it was not measured.
+  // Writes a property of the scene. A negative value was not measured and is omitted.
   void PutProperty(Tag tag, float value) {
     if (value >= 0) builder_.add_float(tag, value);
   }
-  // A member of each frame as a packed column.
+  // Writes one member of all frames as a packed field.
   template <typename Member>
   void PutColumn(Tag tag, const std::vector<FrameSample>& frames, Member FrameSample::*member) {
     if (frames.empty()) return;

@@ -9,9 +9,10 @@
 namespace sweepstake {
 namespace {
 
-// An upper bound for the tags and lengths of the columns, the sequence number and the descriptor.
+// An upper bound of the bytes for the tags and lengths of the columns, the sequence number and the
+// descriptor.
 constexpr uint32_t kBatchOverheadBytes = 160;
-constexpr uint32_t kMessageTagBytes = 2;  // tag and length of a message within the batch
+constexpr uint32_t kMessageTagBytes = 2;  // tag and length of a message embedded in the batch
 constexpr uint32_t kMaxShadowBytes = kMessageTagBytes + 5 * 11 + 4 * 6;
 
 uint32_t VarintBytes(uint64_t value) {
@@ -48,7 +49,7 @@ void FrameBatcher::Add(const FrameSample& sample, uint64_t now_ns) {
   assert(Fits(sample));
   if (empty()) {
     begun_ns_ = now_ns;
-    // Frames that the queue dropped show as a gap in the numbers.
+    // Frames that the queue dropped appear as a gap in the frame indices.
     if (sample.frame_index > next_frame_index_)
       batch_.dropped_frame_count = sample.frame_index - next_frame_index_;
   }

@@ -1,4 +1,4 @@
-// Step 7 on the sender thread: makes messages of the session from the content of the queue.
+// Turns the content of the queue into the messages of a session. Runs on the sender thread.
 #pragma once
 
 #include <cstddef>
@@ -20,25 +20,26 @@ struct BatchLimits {
 // Collects frames into columnar batches. A batch is due after an interval, a number of frames, or a
 // number of bytes, whichever comes first.
 //
-// Time comes in as an argument. Not thread-safe. Memory: one batch.
+// The caller passes the time. Not thread-safe. Memory: one batch.
 class FrameBatcher {
  public:
   static constexpr size_t kMaxShadows = 64;
 
   explicit FrameBatcher(const BatchLimits& limits) : limits_(limits) {}
 
-  // The limits hold from the next frame on. The current batch may already exceed them.
+  // Sets the limits from the next frame on. The current batch may already exceed them.
   void SetLimits(const BatchLimits& limits) { limits_ = limits; }
 
-  // Returns false if the current batch must be taken first, since it is full or the frame does not
-  // follow its last one.
+  // Returns false if the current batch must be taken first, because it is full or the frame does
+  // not directly follow its last one.
   bool Fits(const FrameSample& sample) const;
   // REQUIRES: Fits.
   void Add(const FrameSample& sample, uint64_t now_ns);
-  // Sends the descriptor with the current batch, or the next one; the latest wins.
+  // Sets the descriptor of the current batch or, if it is empty, of the next one. The latest
+  // descriptor wins.
   void SetDescriptor(const SceneDescriptor& descriptor);
-  // Returns whether the current batch, or the next one, has room for another visit of the shadow
-  // lane: a batch holds up to kMaxShadows, in at most half of its bytes.
+  // Returns whether the current batch, or the next one if it is empty, has room for another visit
+  // of the shadow lane. A batch holds at most kMaxShadows visits, in at most half of its bytes.
   bool TakesShadow() const;
   // REQUIRES: TakesShadow.
   void AddShadow(const ShadowSample& sample);
@@ -59,12 +60,12 @@ class FrameBatcher {
   uint64_t next_frame_index_ = 0;  // index of the frame after the latest one
 };
 
-// Takes the items of the queue in order and makes messages of them.
+// Takes the items of the queue in order and encodes them as messages.
 //
-// Frames go through the batcher. Everything else first ends the current batch, so that the daemon
-// sees things in the order they happened. A frame over the bail-out limit ends its batch too and is
-// reported at once. The shadow lane's samples are sent with the next batch. Not thread-safe; it is
-// the queue's consumer.
+// Frames go through the batcher. Switch outcomes and mode changes first end the current batch, so
+// that the daemon receives everything in the order in which it happened. A frame over the bail-out
+// limit also ends its batch, and is reported at once. The shadow lane's samples are sent with the
+// next batch. Not thread-safe; the intake is the queue's only consumer.
 class EvidenceIntake {
  public:
   // The queue and the state must outlive the intake.
@@ -73,8 +74,8 @@ class EvidenceIntake {
 
   void SetLimits(const BatchLimits& limits) { batcher_.SetLimits(limits); }
 
-  // Takes items until the queue is empty (true) or the session is full (false: the queue then drops
-  // its oldest).
+  // Takes items until the queue is empty, and returns true. Returns false if the session is full
+  // first; the queue then drops its oldest items when it is full too.
   bool Pump(uint64_t now_ns);
   // Ends the current batch. REQUIRES: the session is not full.
   void Flush();

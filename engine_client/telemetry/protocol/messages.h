@@ -1,8 +1,8 @@
-// The messages of sweepstake.v1.TelemetryService as plain data: what a client sends and what it
-// receives. What they mean is said in telemetry.proto; where a struct of frame_sample.h has the
-// same content, it is the message.
+// The messages of sweepstake.v1.TelemetryService that a client sends and receives, as plain
+// structs. telemetry.proto states their meaning. Structs of frame_sample.h serve as messages where
+// they have the same content.
 //
-// An enumeration that was received may hold a value of a newer protocol.
+// A received enumeration may hold a value that only a newer protocol defines.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ struct Hello {
   std::vector<Capability> capabilities;
 };
 
-// Frames without gaps. Their index and their count of pairs are not sent.
+// Consecutive frames. Their index and pair count are not sent.
 struct FrameBatch {
   std::vector<FrameSample> frames;
   std::optional<SceneDescriptor> scene_descriptor;  // a negative value is not sent
@@ -64,7 +64,7 @@ struct OrderRefusal {
   OrderRefusalReason reason = OrderRefusalReason::kUnknown;
 };
 
-// Some of a frame's boxes, as bytes of the protocol.
+// Some of a frame's boxes. `boxes` and `pairs` are encoded as telemetry.proto states.
 struct BoxView {
   uint64_t frame_index = 0;
   uint32_t object_count = 0;
@@ -121,7 +121,7 @@ struct BoxRequest {
   uint32_t until_ms = 0;
 };
 
-// Whatever has changed since the daemon's last response.
+// One response of the daemon; each part is optional.
 struct Response {
   std::optional<Welcome> welcome;
   std::optional<SwitchCommand> switch_command;
@@ -130,7 +130,7 @@ struct Response {
   std::optional<Reconnect> reconnect;
   std::optional<OperatorOrder> operator_order;
   std::optional<BoxRequest> box_request;
-  bool has_unknown = false;  // it has a field that only a newer protocol knows
+  bool has_unknown = false;  // it has a field that this version does not know
 };
 
 }  // namespace sweepstake::protocol

@@ -14,20 +14,21 @@
 namespace sweepstake {
 namespace {
 
-// The versions of the protocol that a game speaks.
+// The protocol versions that this client supports.
 constexpr uint32_t kMinProtocolVersion = 1;
 constexpr uint32_t kMaxProtocolVersion = 2;
-// A daemon that neither answers Hello nor ends a stream that we ended within this time is given up.
+// The time within which the daemon must answer Hello, and must end a stream after the client has
+// closed its side. Then the stream is cancelled.
 constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
 // After a connection that lasted this long, the next back-off starts from its minimum.
 constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
 constexpr uint32_t kMaxBatchFrames = 240;
-// A refused token is tried again after the longest back-off times this.
+// After a refused token, the delay is this factor times Backoff::LongMs.
 constexpr uint32_t kTokenDelayFactor = 6;
-// Of what a status says.
+// The maximum length of a status message in log lines and error texts.
 constexpr size_t kMaxEndBytes = 256;
 
-// The codes of gRPC that mean something to a session.
+// The gRPC status codes that a session handles.
 enum GrpcCode : uint32_t {
   kGrpcOk = 0,
   kGrpcInvalidArgument = 3,
@@ -66,9 +67,8 @@ BatchLimits LimitsOf(const SessionOptions& options) {
           .bytes = options.batch_bytes};
 }
 
-// Returns the limits of a batch. The daemon may ask for smaller batches. If the decision interval
-// is scaled down, batches are sent more often, since there would be decisions without frames
-// otherwise.
+// Returns the limits of a batch. The daemon may require smaller batches. Batches are sent at least
+// twice per decision interval, so that each decision has frames.
 BatchLimits LimitsOf(const SessionOptions& options, const protocol::Welcome& welcome) {
   uint64_t interval_ms = options.batch_interval_ms;
   if (welcome.batch_interval_ms > 0) interval_ms = welcome.batch_interval_ms;
@@ -83,11 +83,11 @@ BatchLimits LimitsOf(const SessionOptions& options, const protocol::Welcome& wel
   return limits;
 }
 
-// Returns why no session is possible with a daemon that speaks this version; empty if one is.
+// Returns why the daemon's protocol version allows no session; empty if it is supported.
 std::string VersionMismatch(const protocol::Welcome& welcome) {
   const uint32_t version = std::max(welcome.protocol_version, 1U);
   if (version >= kMinProtocolVersion && version <= kMaxProtocolVersion) return "";
-  return "speaks version " + std::to_string(version) + " of the protocol, this game speaks " +
+  return "uses version " + std::to_string(version) + " of the protocol, this game supports " +
          std::to_string(kMinProtocolVersion) + " to " + std::to_string(kMaxProtocolVersion) +
          "; update the older one";
 }
@@ -97,21 +97,20 @@ bool Has(const protocol::Welcome& welcome, protocol::Capability capability) {
   return std::find(chosen.begin(), chosen.end(), capability) != chosen.end();
 }
 
-// Returns whether the daemon refuses the session, which is likely to persist, so that trying again
-// soon does not help.
+// Returns whether the daemon refused the session for a reason that is likely to persist. A retry
+// soon after would fail too.
 bool IsLasting(uint32_t code) {
   return code == kGrpcInvalidArgument || code == kGrpcFailedPrecondition ||
          code == kGrpcUnauthenticated || code == kGrpcPermissionDenied ||
          code == kGrpcUnimplemented;
 }
 
-// Returns whether the daemon refuses the token. Another one needs a person, so that it is tried
-// rarely.
+// Returns whether the daemon refused the token. Only a person can replace it, so retries are rare.
 bool IsTokenRefused(uint32_t code, const std::string& reason) {
   return code == kGrpcUnauthenticated || reason == "TOO_MANY_FAILURES";
 }
 
-// Returns the text of another party as one that a log can show as it is: it may hold any bytes.
+// Makes a received text, which may contain any bytes, safe for one line of a log.
 std::string OneLine(std::string_view text) {
   const std::string_view beginning = text.substr(0, kMaxEndBytes);
   return text::IsLine(beginning) ? std::string(beginning) : text::PrintableLine(beginning);
@@ -133,7 +132,7 @@ std::string WithReason(const std::string& message, const std::string& reason) {
 
 std::string Describe(const StreamEnd& end, const std::string& reason, const std::string& daemon) {
   std::string what = daemon + " ended the connection";
-  // With details it is the daemon that says so.
+  // A status with details comes from the daemon, so it was reached.
   if (end.code == kGrpcUnavailable && end.details.empty()) what = "no connection to " + daemon;
   if (IsLasting(end.code)) what = daemon + " refuses the session";
   return end.message.empty() ? what : what + ": " + WithReason(end.message, reason);
@@ -207,7 +206,7 @@ bool SessionLink::Overdue(uint64_t now_ns) {
   return true;
 }
 
-// REQUIRES: there is one to send.
+// REQUIRES: there is a message to send.
 std::string SessionLink::NextMessage() {
   if (!stream_->hello_sent) {
     return protocol::Encode(state_.Connect({.active_arm = adaptive_.active_arm(),
@@ -250,7 +249,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
     return {StatusCode::kDataLoss, daemon_ + " " + stream_->fault};
   }
   if (response->welcome) OnWelcome(*response->welcome, now_ns);
-  // A daemon of another version may say anything.
+  // Responses of an unsupported protocol version are ignored.
   if (!state_.online()) return {};
   if (response->switch_command) OnCommand(*response->switch_command, now_ns);
   if (response->acknowledgement) OnAcknowledgement(*response->acknowledgement);
@@ -267,7 +266,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
 }
 
 void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
-  if (state_.online()) return;  // A second welcome of a connection is ignored.
+  if (state_.online()) return;  // A second welcome on the same connection is ignored.
   stream_->mismatch = VersionMismatch(welcome);
   if (!stream_->mismatch.empty()) return;
   if (welcome.session_id.empty()) {
@@ -297,7 +296,8 @@ void SessionLink::OnAcknowledgement(const protocol::Acknowledgement& message) {
 }
 
 void SessionLink::OnCommand(const SwitchCommand& command, uint64_t now_ns) {
-  // An unknown reason is one of a newer protocol, and could not be answered within this one.
+  // An unknown reason comes from a newer protocol. A SwitchOutcome must repeat the reason, so the
+  // command is not answered.
   if (!IsKnown(command.reason)) {
     ++unknown_message_count_;
     return;
@@ -328,7 +328,8 @@ void SessionLink::OnOrder(const OperatorOrder& order) {
   Answer(protocol::Encode(protocol::OrderRefusal{.order_id = order.order_id, .reason = reason}));
 }
 
-// A daemon that asks and does not acknowledge the answers must not fill the memory of the game.
+// Bounds the memory if a daemon keeps sending commands that need an answer but does not acknowledge
+// the answers.
 void SessionLink::Answer(std::string message) {
   if (state_.full()) {
     stream_->fault = "sends more that is refused than it acknowledges";
@@ -337,7 +338,7 @@ void SessionLink::Answer(std::string message) {
   state_.Append({std::move(message)});
 }
 
-// Beliefs are taken only where each is valid and there is one per arm.
+// Accepts the beliefs only if all are valid and there is one per arm.
 void SessionLink::TakeBeliefs(const std::vector<protocol::BetaPosterior>& posteriors) {
   const std::span<const std::string> arms = adaptive_.arms();
   if (posteriors.size() != arms.size()) return;
@@ -348,14 +349,14 @@ void SessionLink::TakeBeliefs(const std::vector<protocol::BetaPosterior>& poster
   SetPosteriorMeans(beliefs_, adaptive_);
 }
 
-// Taken where each is valid and there is one per belief.
+// Accepts the standings only if all are valid and there is one per belief.
 void SessionLink::TakeStandings(const std::vector<ArmStanding>& standings) {
   if (standings.size() != beliefs_.size()) return;
   if (!std::all_of(standings.begin(), standings.end(), IsStanding)) return;
   for (size_t arm = 0; arm < standings.size(); ++arm) beliefs_[arm].standing = standings[arm];
 }
 
-// A verdict of a newer protocol, or one out of range, is passed over.
+// Ignores a verdict of a newer protocol or with values out of range.
 void SessionLink::TakeVerdict(const SceneVerdict& verdict) {
   if (verdict.verdict > Verdict::kDegraded) {
     ++unknown_message_count_;
@@ -395,7 +396,7 @@ std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& given, uint64
   return delay_ms;
 }
 
-// Says what went wrong; returns false if the end was asked for.
+// Sets last_error_ and refusal_. Returns false if the stream ended as intended.
 bool SessionLink::Explain(const StreamEnd& end, const std::string& reason,
                           const LinkStream& stream) {
   const bool refused = end.code == kGrpcInvalidArgument || IsTokenRefused(end.code, reason) ||
@@ -425,7 +426,8 @@ uint32_t SessionLink::DelayMs(const StreamEnd& end, const std::string& reason,
   if (reason == "FOREIGN_SESSION") return backoff_.NextMs();
   if (IsLasting(end.code)) return backoff_.LongMs();
   if (!stream.reconnect_delay_ms) return backoff_.NextMs();
-  // A daemon that drains spreads its clients by the delay, over more than the longest back-off.
+  // A daemon that shuts down gives its clients different delays to spread their reconnections. Such
+  // a delay may exceed the longest back-off.
   const uint64_t max_ms = uint64_t{4} * options_.backoff_max_ms;
   const auto delay_ms =
       static_cast<uint32_t>(std::min<uint64_t>(*stream.reconnect_delay_ms, max_ms));
@@ -437,7 +439,7 @@ void SessionLink::Goodbye(uint64_t deadline_ns) {
   goodbye_deadline_ns_ = std::min(goodbye_deadline_ns_.value_or(deadline_ns), deadline_ns);
 }
 
-// Gives the stream up at the deadline of the goodbye, and says what the daemon owes until then.
+// Gives up the stream at the deadline of Goodbye, and reports which messages are unacknowledged.
 void SessionLink::GiveUp() {
   if (std::exchange(stream_->given_up, true)) return;
   adaptive_.SetDeciderPresent(false);

@@ -1,18 +1,18 @@
-// The whole protocol of a session with a daemon, without network, clock or thread: bytes and the
-// time come in, bytes go out. Whoever owns a gRPC stream of sweepstake.v1.TelemetryService, in
-// whatever language, moves the bytes; what is in a message, when it is sent, sent again or given
-// up, and when to connect, is decided here.
+// The protocol of a session with a daemon, without network, clock or thread. The caller passes the
+// time and the received bytes, and sends the returned bytes. The caller owns a gRPC stream of
+// sweepstake.v1.TelemetryService, in any language. This class decides what the messages contain,
+// when they are sent, resent or given up, and when to connect.
 //
 //   Connected → Advance, Take, OnMessage … → Disconnected → wait → Connected → …
 //
-// Advance is called every few milliseconds, connected or not: it empties the queue that the frame
-// thread fills, and says what to do. At the end comes Goodbye, then Advance until finished().
+// Call Advance every few milliseconds, connected or not. It empties the queue that the frame thread
+// fills, and returns what to do. To end the session, call Goodbye, then Advance until finished().
 //
-// Time: ns on any monotonic clock, the same for all calls. Thread safety: one caller at a time; it
-// is the queue's consumer. The frame thread never meets it: they share the queue and the mailboxes
-// of AdaptiveBroadPhase. Memory: the messages that are not acknowledged, at most
-// SessionOptions::unacknowledged_messages and a few more, whatever the daemon sends, one batch, and
-// while an operator looks at boxes some 200 kB.
+// Time: ns on any monotonic clock, the same for all calls. Thread safety: one caller at a time; the
+// link is the queue's only consumer. It shares only the queue and the mailboxes of
+// AdaptiveBroadPhase with the frame thread. Memory: the unacknowledged messages (at most
+// SessionOptions::unacknowledged_messages and a few more), one batch, and about 200 kB while an
+// operator views boxes.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@
 
 namespace sweepstake {
 
-// What the owner of the stream is to do.
+// What the owner of the stream must do.
 enum class LinkAction : uint32_t {
   kNone = 0,    // nothing now
   kSend = 1,    // write the next message
@@ -43,43 +43,47 @@ enum class LinkAction : uint32_t {
 
 // How a stream ended.
 struct StreamEnd {
-  uint32_t code = 0;        // of gRPC; 0: OK
-  std::string message;      // of the status: any bytes, of which a line of at most 256 is told on
-  std::string details;      // the bytes of grpc-status-details-bin; empty: none
-  std::string advice = {};  // of the stream's owner, to follow the message; empty: none
+  uint32_t code = 0;        // gRPC status code; 0: OK
+  std::string message;      // message of the status; any bytes. Errors show at most 256 of them
+  std::string details;      // bytes of grpc-status-details-bin; empty: none
+  std::string advice = {};  // advice from the stream's owner, shown after the message; empty: none
 };
 
-// Of SessionLink: the stream that is being opened or is open.
+// State of SessionLink for a stream that is open or being opened.
 struct LinkStream {
-  uint64_t deadline_ns = 0;  // the daemon's next answer must come before it
+  uint64_t deadline_ns = 0;  // when the daemon's next answer is overdue
   std::optional<uint64_t> online_since_ns;
-  std::string mismatch;  // why there can be no session with this daemon; empty: there can be
-  std::string fault;     // what the daemon did wrong; empty: nothing
-  std::optional<uint32_t> reconnect_delay_ms;  // the daemon wants the client to come back after it
+  std::string
+      mismatch;       // why this daemon's protocol version is unsupported; empty: it is supported
+  std::string fault;  // what the daemon did wrong; empty: nothing
+  std::optional<uint32_t>
+      reconnect_delay_ms;  // delay that the daemon requested for the next connection
   bool hello_sent = false;
   bool goodbye_sent = false;
   bool finished = false;  // nothing more will be sent
-  bool given_up = false;  // at the deadline of the goodbye
+  bool given_up = false;  // the deadline of Goodbye has passed
 
-  // Nothing more is sent or taken, and the owner is told to cancel until it has.
+  // Returns whether the stream is being cancelled. Then nothing is sent or accepted any more, and
+  // Advance returns kCancel until Disconnected.
   bool IsBeingCancelled() const { return given_up || !mismatch.empty() || !fault.empty(); }
 };
 
 class SessionLink {
  public:
-  // `daemon` is what messages call the other side, as "the daemon at 127.0.0.1:7433". The same seed
-  // gives the same delays; sessions of many games should have different ones. The queue and the
-  // broad phase are borrowed. REQUIRES: options are valid (ValidateSessionOptions).
+  // `daemon` names the other side in error messages, such as "the daemon at 127.0.0.1:7433". The
+  // same seed gives the same delays, so each session should have a different seed. The queue and
+  // the broad phase are borrowed. REQUIRES: options are valid (ValidateSessionOptions).
   SessionLink(const SessionOptions& options, std::string daemon, uint64_t jitter_seed,
               SampleQueue& queue, AdaptiveBroadPhase& adaptive);
 
   // Returns whether there is a stream: between Connected and Disconnected.
   bool connected() const { return stream_.has_value(); }
-  // Notes that a stream was opened, or is being opened: the first message is for it. REQUIRES: the
-  // former one, if any, was Disconnected, and the link is not finished.
+  // Notes that a stream was opened or is being opened. The next message is the first one of this
+  // stream. REQUIRES: Disconnected was called for the previous stream, if any, and the link is not
+  // finished.
   void Connected(uint64_t now_ns);
-  // Empties the queue and returns what to do now. kSend and kFinish are done with Take, once the
-  // stream can be written to; until then, Advance goes on to be called. kCancel is said again until
+  // Empties the queue and returns what to do now. After kSend and kFinish, call Take as soon as the
+  // stream is writable; until then, keep calling Advance. kCancel is returned again until
   // Disconnected.
   LinkAction Advance(uint64_t now_ns);
   // Returns the size in bytes of the next message, without taking it. REQUIRES: Advance returned
@@ -88,23 +92,23 @@ class SessionLink {
   // Returns the message to write; empty after kFinish. REQUIRES: Advance returned kSend or kFinish,
   // and nothing was called since.
   std::string Take(uint64_t now_ns);
-  // Acts on a message of the daemon. kDataLoss: it cannot be read; nothing of the session is lost,
+  // Processes a message of the daemon. kDataLoss: it cannot be parsed; the session loses nothing,
   // and Advance returns kCancel. kFailedPrecondition: there is no stream.
   Status OnMessage(std::string_view bytes, uint64_t now_ns);
-  // Notes how the stream ended, after its last message, and returns how many ms to wait before the
-  // next one; absent: there must be none, since the session has ended. Without Connected before it,
-  // it says why no stream could be opened at all.
+  // Notes how the stream ended, after its last message. Returns the delay before the next
+  // connection in ms, or nullopt if the session has ended. If Connected was not called before,
+  // `end` states why no stream could be opened.
   std::optional<uint32_t> Disconnected(const StreamEnd& end, uint64_t now_ns);
 
-  // Begins the end: what is in the queue is sent, then a goodbye, also if the game goes on. At the
-  // deadline it is given up; without a stream it is at once, and what was not sent is lost. A later
-  // call can only bring the deadline forward.
+  // Starts to end the session: the content of the queue is sent, then a goodbye; later frames are
+  // not sent. The link gives up at the deadline, or at once if there is no stream; unsent evidence
+  // is then lost. A later call can only bring the deadline forward.
   void Goodbye(uint64_t deadline_ns);
-  // Returns whether Goodbye was called and there is nothing more to do, but to end a stream that
-  // was given up.
+  // Returns whether Goodbye was called and nothing remains to be done, except to close a stream
+  // that was given up.
   bool finished() const { return goodbye_deadline_ns_ && (!stream_ || stream_->given_up); }
 
-  // The frames that the queue dropped are not in it.
+  // Returns the statistics. dropped_frame_count does not include the frames that the queue dropped.
   SessionStats stats() const;
 
  private:
@@ -133,8 +137,8 @@ class SessionLink {
   Backoff backoff_;
   std::optional<LinkStream> stream_;
   LinkAction next_ = LinkAction::kNone;  // what Advance returned
-  std::string next_message_;             // the one to send, if that is kSend
-  bool next_is_view_ = false;            // that message is of boxes_
+  std::string next_message_;             // the message to send if next_ is kSend
+  bool next_is_view_ = false;            // next_message_ comes from boxes_
   std::optional<uint64_t> goodbye_deadline_ns_;
   bool taken_all_ = false;  // the queue was empty after Goodbye; later frames are not sent
 
@@ -145,9 +149,9 @@ class SessionLink {
   LastDecision last_decision_;
   uint64_t command_count_ = 0;
   uint64_t unknown_message_count_ = 0;
-  protocol::Welcome welcome_;  // the latest one, with the batch interval of now
-  bool takes_orders_ = false;  // from this daemon
-  bool shows_boxes_ = false;   // to this daemon
+  protocol::Welcome welcome_;  // the latest welcome, with the current batch interval
+  bool takes_orders_ = false;  // whether this daemon may send operator orders
+  bool shows_boxes_ = false;   // whether this daemon may request boxes
 };
 
 }  // namespace sweepstake

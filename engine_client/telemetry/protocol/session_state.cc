@@ -67,8 +67,8 @@ protocol::Hello SessionState::Connect(const Position& position) {
 
 void SessionState::OnWelcome(const protocol::Welcome& welcome) {
   const bool resumed = welcome.resumed && welcome.session_id == session_id_;
-  // The store may have what was sent to a session that it could not read: a new session must not
-  // have it again.
+  // The daemon could not read its store, which may already contain the sent messages under the old
+  // session. They must not count again in a new session.
   if (!resumed && welcome.priors_unavailable && !session_id_.empty())
     counts_.discarded_frame_count += buffer_.DiscardSent();
   if (!resumed) BeginSession();

@@ -1,7 +1,7 @@
-// The messages as bytes of protocol buffers, without the protobuf library: a client encodes
-// requests and decodes responses. Encoding gives the very bytes that protobuf would give.
+// Converts messages to and from the protobuf wire format without the protobuf library. A client
+// encodes requests and decodes responses. Encoding gives the same bytes as protobuf.
 //
-// Pure functions; they throw nothing but std::bad_alloc.
+// Pure functions; the only exception that they throw is std::bad_alloc.
 #pragma once
 
 #include <cstdint>
@@ -24,16 +24,16 @@ std::string Encode(const Goodbye& goodbye);
 std::string Encode(const OrderRefusal& refusal);
 std::string Encode(const BoxView& view);
 
-// Returns the message with its sequence number. Evidence is kept without it, so that it can get
-// another number without being encoded again. REQUIRES: sequence > 0.
+// Returns the message with its sequence number. Evidence is stored without its number, so that it
+// can be renumbered without being encoded again. REQUIRES: sequence > 0.
 std::string Numbered(uint64_t sequence, std::string_view encoded);
 
-// Decodes a StreamTelemetryResponse. Absent: the bytes are no message, or a text in it is not UTF-8
-// or has control characters. Fields of a newer protocol are passed over.
+// Decodes a StreamTelemetryResponse. Returns nullopt if the bytes are not a valid message, or if a
+// text in it is not UTF-8 or has control characters. Skips fields of a newer protocol.
 std::optional<Response> DecodeResponse(std::string_view bytes);
 
-// Returns the name of the ErrorReason (errors.proto), without its prefix, that is in the bytes of
-// grpc-status-details-bin; empty if they have none.
+// Returns the name of the ErrorReason (errors.proto), without its prefix, in the bytes of
+// grpc-status-details-bin; empty if there is none.
 std::string ErrorReasonIn(std::string_view status_details);
 
 }  // namespace sweepstake::protocol

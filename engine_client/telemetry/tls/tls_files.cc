@@ -38,8 +38,8 @@ Bio Reader(const std::string& text) {
   return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
 }
 
-// OpenSSL's errors of a thread are in a queue that gRPC's handshakes read, too, so that none may
-// stay there.
+// Returns the first error in OpenSSL's queue of this thread, and clears the queue. gRPC's
+// handshakes read the same queue, so no error may remain in it.
 std::string TakeError() {
   const char* reason = ERR_reason_error_string(ERR_peek_error());
   ERR_clear_error();
@@ -49,24 +49,24 @@ std::string TakeError() {
 absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path) {
   if (path.empty()) return std::string();
   std::error_code error;
-  const uintmax_t size = std::filesystem::file_size(path, error);  // an error for what is no file
+  const uintmax_t size = std::filesystem::file_size(path, error);  // an error if it is not a file
   if (!error && size > kMaxFileBytes) error = std::make_error_code(std::errc::file_too_large);
   std::ifstream file(path, std::ios::binary);
   if (!error && !file) error = std::error_code(errno, std::generic_category());
   if (!error) return std::string(std::istreambuf_iterator<char>(file), {});
   return absl::InvalidArgumentError(absl::StrCat("cannot read ", path.string(), ": ",
                                                  error.message(),
-                                                 "; name a PEM file that this user may read"));
+                                                 "; name a PEM file that this user can read"));
 }
 
-// Returns the first certificate of `text`, or null unless all that is there can be parsed.
+// Returns the first certificate of `text`. Returns null if a certificate in it cannot be parsed.
 Certificate FirstCertificate(const std::string& text) {
   const Bio reader = Reader(text);
   Certificate first;
   while (Certificate next{PEM_read_bio_X509(reader.get(), nullptr, nullptr, nullptr)}) {
     if (first == nullptr) first = std::move(next);
   }
-  // The end of the file is an error of this kind; a certificate that is cut off is another one.
+  // PEM_R_NO_START_LINE means the end of the file. A truncated certificate gives another error.
   if (ERR_GET_REASON(ERR_peek_last_error()) != PEM_R_NO_START_LINE) first.reset();
   ERR_clear_error();
   return first;
@@ -74,10 +74,11 @@ Certificate FirstCertificate(const std::string& text) {
 
 absl::Status NoCertificate(const std::filesystem::path& path) {
   return absl::InvalidArgumentError(
-      absl::StrCat(path.string(), " holds no whole certificate in PEM form"));
+      absl::StrCat(path.string(), " contains no complete certificate in PEM format"));
 }
 
-// A passphrase is not asked for on the terminal, since nobody may be there.
+// Makes OpenSSL fail on an encrypted key. By default it would ask for the passphrase on the
+// terminal, which blocks a service.
 int NoPassphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/) { return -1; }
 
 absl::Status CheckPair(const Files& files, const Texts& texts) {
@@ -88,7 +89,9 @@ absl::Status CheckPair(const Files& files, const Texts& texts) {
   ERR_clear_error();
   if (key == nullptr) {
     return absl::InvalidArgumentError(
-        absl::StrCat(files.key.string(), " holds no private key in PEM form without a passphrase"));
+        absl::StrCat(files.key.string(),
+                     " contains no unencrypted private key in PEM format; remove its passphrase or "
+                     "name another file"));
   }
   const Context context(SSL_CTX_new(TLS_method()));
   if (context != nullptr && SSL_CTX_use_certificate(context.get(), certificate.get()) == 1 &&
@@ -100,8 +103,8 @@ absl::Status CheckPair(const Files& files, const Texts& texts) {
       " cannot be used together (", TakeError(), "); name the key of this certificate"));
 }
 
-// Returns what can be read; adds what is wrong with each file, and then with those that could be
-// read.
+// Returns the contents of the files that can be read. Adds an error for each unreadable file and
+// for each readable file with invalid content.
 Texts ReadAll(const Files& files, std::vector<absl::Status>& problems) {
   const auto add = [&](absl::Status status) {
     const bool is_ok = status.ok();

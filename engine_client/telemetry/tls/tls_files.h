@@ -1,7 +1,7 @@
-// The files of a TLS endpoint, read and checked whole. The daemon and its clients both do this
-// first, because gRPC would say of a file that it cannot use only that no connection could be made.
+// Reads and checks the files of a TLS endpoint. The daemon and its clients do this before they use
+// gRPC, which reports an unusable file only as a failed connection.
 //
-// Thread-safe. Files are PEM, of at most 1 MiB each.
+// Thread-safe. Files are in PEM format and have at most 1 MiB each.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,11 @@ namespace sweepstake::tls {
 
 // An empty path means that there is no such file.
 struct Files {
-  std::filesystem::path cert;  // of this endpoint; the certificates of its issuers may follow it
-  std::filesystem::path key;   // the private key of `cert`, without a passphrase
-  std::filesystem::path ca;    // the certificates of the authorities that the other side is held to
+  std::filesystem::path
+      cert;  // certificate of this endpoint, optionally followed by those of its issuers
+  std::filesystem::path key;  // the private key of `cert`, without a passphrase
+  std::filesystem::path
+      ca;  // certificates of the authorities that must have signed the other side's certificate
 };
 
 // The contents of Files.
@@ -27,17 +29,17 @@ struct Texts {
   std::string ca;
 };
 
-// Reads the files. Error: INVALID_ARGUMENT names the file that cannot be read, holds nothing in PEM
-// form or does not belong to the other one, and says what to do. REQUIRES: `cert` and `key` are
-// both given or both empty.
+// Reads the files. Error: INVALID_ARGUMENT if a file cannot be read, contains nothing in PEM
+// format, or if key and certificate do not match. The message names the file and says what to do.
+// REQUIRES: `cert` and `key` are both set or both empty.
 absl::StatusOr<Texts> Read(const Files& files);
 
-// Returns all errors that Read could have for these files, one after the other. A certificate or a
-// key without the other is checked alone.
+// Returns all errors of these files; Read returns only the first one. A certificate or a key
+// without the other is checked alone.
 std::vector<absl::Status> Check(const Files& files);
 
-// Returns when the first of these certificates expires, in seconds since 1970. REQUIRES: they are
-// Texts::cert that Read has returned.
+// Returns the earliest time at which one of these certificates expires, in seconds since 1970.
+// REQUIRES: `certificates` is the Texts::cert of a successful Read.
 int64_t EarliestExpiryUnixS(const std::string& certificates);
 
 }  // namespace sweepstake::tls

@@ -75,8 +75,8 @@ TEST_F(FilesWatchTest, EachProblemThatLastsIsToldOnceAndThatItIsMended) {
   const std::string whole = test_support::FileText(files_.cert);
   const int64_t expires_unix_s = expires_unix_s_;
   const std::vector<std::pair<std::string, std::string>> broken = {
-      {"garbage", "holds no whole certificate"},
-      {whole.substr(0, whole.size() / 2), "holds no whole certificate"},
+      {"garbage", "contains no complete certificate"},
+      {whole.substr(0, whole.size() / 2), "contains no complete certificate"},
       {test_support::FileText(authority_.cert()), "cannot be used together"}};
   for (const auto& [text, problem] : broken) {
     std::ofstream(files_.cert) << text;
@@ -91,7 +91,7 @@ TEST_F(FilesWatchTest, EachProblemThatLastsIsToldOnceAndThatItIsMended) {
   std::filesystem::remove(files_.key);
   EXPECT_THAT(Look(10), ::testing::ElementsAre(HasSubstr("cannot read " + files_.key.string())));
   std::ofstream(files_.key) << "garbage";
-  EXPECT_THAT(Look(10), ::testing::ElementsAre(HasSubstr("holds no private key")));
+  EXPECT_THAT(Look(10), ::testing::ElementsAre(HasSubstr("contains no unencrypted private key")));
 }
 
 TEST_F(FilesWatchTest, ACertificateThatIsReplacedBeforeItsKeyIsNoProblem) {

@@ -131,7 +131,7 @@ TEST(DaemonTlsProgram, FilesThatCannotBeUsedEndTheStartAndAreNamed) {
       {cert + " --tls-key nowhere.pem", 3, "cannot read nowhere.pem"},
       {cert + " --tls-key " + two.key.string(), 3, "name the key of this certificate"},
       {cert + " --tls-key " + one.key.string() + " --tls-client-ca " + two.key.string(), 3,
-       "holds no whole certificate"},
+       "contains no complete certificate"},
       {" --listen 0.0.0.0:0", 2, "set --tls-cert and --tls-key"},
   };
   for (const auto& [options, exit_code, said] : cases) {

@@ -287,7 +287,7 @@ TEST_F(SessionLinkTest, HasNoSessionWithADaemonOfAnotherVersion) {
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
   const auto delay_ms = link_.Disconnected(EndWith(1, "cancelled"), now_ns_);
   EXPECT_GE(delay_ms, 500U);
-  EXPECT_THAT(link_.stats().refusal, HasSubstr("speaks version 3"));
+  EXPECT_THAT(link_.stats().refusal, HasSubstr("uses version 3"));
   EXPECT_EQ(link_.stats().command_count, 0U);
 }
 

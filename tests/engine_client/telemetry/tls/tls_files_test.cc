@@ -95,7 +95,7 @@ TEST_F(TlsFilesTest, WhatIsNoWholeCertificateIsRefused) {
     Files changed = files_;
     changed.cert = Write("changed.pem", text);
     EXPECT_THAT(std::string(Read(changed).status().message()),
-                HasSubstr("changed.pem holds no whole certificate in PEM form"))
+                HasSubstr("changed.pem contains no complete certificate in PEM format"))
         << text;
     changed = files_;
     changed.ca = Path("changed.pem");
@@ -113,7 +113,7 @@ TEST_F(TlsFilesTest, AKeyWithAPassphraseIsRefusedWithoutAskingForIt) {
                                       sizeof passphrase - 1, nullptr, nullptr),
             1);
   std::fclose(file);
-  EXPECT_THAT(Error(), HasSubstr("holds no private key in PEM form without a passphrase"));
+  EXPECT_THAT(Error(), HasSubstr("contains no unencrypted private key in PEM format"));
 }
 
 }  // namespace
