@@ -97,7 +97,7 @@ LANGUAGE_EXCEPTIONS = {
 # Folders whose language has not been rewritten yet.
 LANGUAGE_PENDING = (
     "engine_client/cli",
-    "server/auth", "server/dashboard", "server/net", "server/rpc", "server/sessions", "server/tls",
+    "server/dashboard", "server/rpc/services",
     "server/watch", "server/web",
     "tests/server/auth", "tests/server/dashboard", "tests/server/net", "tests/server/rpc", "tests/server/sessions", "tests/server/simulation",
     "tests/server/storage", "tests/server/tls", "tests/server/watch", "tests/server/web",

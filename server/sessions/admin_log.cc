@@ -8,7 +8,7 @@
 namespace sweepstake::sessions {
 namespace {
 
-// Stands for all projects and all scenes.
+// Project and scene name of the log, which covers all of them.
 constexpr const char* kAll = "*";
 
 }  // namespace

@@ -1,10 +1,11 @@
 // Writes the actions of administrators into the audit log: who ended a session, gave an order,
-// imported, and made or revoked a token, and when.
+// imported evidence, or created or revoked a token, and when.
 //
-// The rows belong to the session kAdminSession; each run of the daemon has one segment. They go to
-// disk with the store's next commit. Rows that the disk refuses wait and are offered again. Any
-// thread may call Record, only the decision loop the rest. The object lives until the loop has run
-// its last task.
+// The rows belong to the session kAdminSession. Each run of the daemon is one segment. Rows go to
+// disk with the store's next commit; rows that could not be written wait and are offered again.
+//
+// Thread safety: any thread may call Record, only the decision loop the other functions. The object
+// must live until the loop has run its last task.
 #pragma once
 
 #include <cstdint>
@@ -25,13 +26,14 @@ namespace sweepstake::sessions {
 
 class AdminLog {
  public:
-  // The maximum number of rows that wait while the store cannot be read. More are lost and counted.
+  // Maximum number of rows that wait while the store cannot be read. Further rows are lost and
+  // counted.
   static constexpr size_t kMaxWaiting = 1'000;
 
   AdminLog(DecisionLoop& loop, priors::AsyncPriorStore& store, SessionCounters& counters)
       : loop_(loop), store_(store), counters_(counters) {}
 
-  // `action` and `who` are lines of text.
+  // `action` and `who` are one line of text each.
   void Record(std::string action, std::string who);
 
   // Repeats a read or write that the store failed.
@@ -49,24 +51,24 @@ class AdminLog {
     std::string who;
     int64_t now_ns = 0;
     int64_t unix_ms = 0;
-    uint64_t sequence = 0;  // of its row; 0 before the ledger has it
+    uint64_t sequence = 0;  // sequence number of its row; 0 until it is added to the ledger
   };
 
   void Write();
   void Load();
   void OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>& state);
-  // Begins a new segment after another daemon's, with the rows that were not written.
+  // Begins a new segment with the unwritten rows, after another daemon has written to the log.
   void StartAgain();
 
   DecisionLoop& loop_;
   priors::AsyncPriorStore& store_;
   SessionCounters& counters_;
-  std::deque<Action> waiting_;  // for the ledger
+  std::deque<Action> waiting_;  // not in the ledger yet
   std::deque<Action> offered_;  // in the ledger, perhaps not in the store
   bool loading_ = false;
-  std::shared_ptr<SessionLedger> ledger_;  // null before the store has been read
+  std::shared_ptr<SessionLedger> ledger_;  // null until the store has been read
   std::optional<decision::AdminRows> rows_;
-  uint64_t sequence_ = 0;  // of the latest row, over all segments
+  uint64_t sequence_ = 0;  // sequence number of the latest row, over all segments
 };
 
 }  // namespace sweepstake::sessions

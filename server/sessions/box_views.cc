@@ -10,7 +10,7 @@
 namespace sweepstake::sessions {
 namespace {
 
-// Half of the time for which a request is valid.
+// Interval at which the box request is renewed: half of the time for which a request is valid.
 constexpr int64_t kAskAgainNs = int64_t{BoxViews::kUntilMs} * 1'000'000 / 2;
 
 }  // namespace
@@ -20,7 +20,7 @@ void BoxViews::Connect(ClientStream& link, bool shows) {
   shows_ = shows;
   if (shows) return Ask();
   for (BoxViewer* viewer : std::exchange(viewers_, {}))
-    viewer->OnEnd(Refused(reasons::kBoxesNotShown, "the game does not show its boxes any more"));
+    viewer->OnEnd(Refused(reasons::kBoxesNotShown, "the game no longer shows its boxes"));
 }
 
 void BoxViews::Disconnect() {
@@ -40,7 +40,7 @@ absl::Status BoxViews::Add(BoxViewer& viewer) {
   }
   if (viewers_.size() >= kMaxViewers) {
     return Refused(reasons::kTooManyWatchers,
-                   "this session's boxes have as many viewers as they may; try again later");
+                   "this session's boxes have the maximum number of viewers; try again later");
   }
   viewers_.push_back(&viewer);
   if (viewers_.size() == 1) Ask();
@@ -54,7 +54,8 @@ void BoxViews::Remove(BoxViewer& viewer) {
 }
 
 void BoxViews::OnView(const BoxView& view) {
-  const std::vector<BoxViewer*> viewers = viewers_;  // a viewer that ends meanwhile is removed
+  // a copy, because a viewer that ends is removed meanwhile
+  const std::vector<BoxViewer*> viewers = viewers_;
   for (BoxViewer* viewer : viewers) viewer->OnView(view);
 }
 
@@ -63,7 +64,7 @@ void BoxViews::Ask() {
   link_->SendBoxRequest(kIntervalMs, kMaxBoxViewBytes, kUntilMs);
   loop_.PostAt(loop_.clock().NowNs() + kAskAgainNs,
                [this, weak = std::weak_ptr(turn_), turn = ++*turn_] {
-                 const auto present = weak.lock();  // as long as this lives
+                 const auto present = weak.lock();  // null after *this is destroyed
                  if (present && *present == turn) Ask();
                });
 }

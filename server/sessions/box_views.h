@@ -1,7 +1,7 @@
-// The people who look at the boxes of a session's objects, and the requests to its game meanwhile.
+// The viewers of the boxes of a session's objects, and the requests to its game.
 //
-// The game is asked again and again while somebody looks, and stops by itself otherwise. A view is
-// passed on and not kept. Used on the decision loop only.
+// While there are viewers, the request is renewed periodically; without renewal the game stops by
+// itself. Views are passed on and not kept. Used on the decision loop only.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace sweepstake::sessions {
 
 class ClientStream;
 
-// Somebody who looks.
+// A viewer of a session's boxes.
 class BoxViewer {
  public:
   virtual ~BoxViewer() = default;
@@ -39,29 +39,30 @@ class BoxViews {
   BoxViews(const BoxViews&) = delete;
   BoxViews& operator=(const BoxViews&) = delete;
 
-  // The game has connected; the link lives until Disconnect. `shows` says whether it shows boxes.
+  // Called when the game has connected. `link` must live until Disconnect. `shows` says whether the
+  // game was built to show boxes.
   void Connect(ClientStream& link, bool shows);
   void Disconnect();
-  // The session has ended.
+  // Called when the session has ended.
   void End();
 
   // Errors: FAILED_PRECONDITION (the game does not show its boxes), RESOURCE_EXHAUSTED (there are
-  // kMaxViewers already).
+  // already kMaxViewers viewers).
   absl::Status Add(BoxViewer& viewer);
-  // Does nothing if it was not added.
+  // Does nothing if the viewer was not added.
   void Remove(BoxViewer& viewer);
-  // Drops the view if nobody looks.
+  // Drops the view if there are no viewers.
   void OnView(const BoxView& view);
 
  private:
-  // Asks the game, and again before the request runs out.
+  // Sends a box request to the game, and schedules the next one before this one expires.
   void Ask();
 
   DecisionLoop& loop_;
-  ClientStream* link_ = nullptr;  // null: the game is away
+  ClientStream* link_ = nullptr;  // null while the game is not connected
   bool shows_ = false;
   std::vector<BoxViewer*> viewers_;
-  // The number of the latest request. Timers of earlier ones do nothing.
+  // The number of the latest request. Timers of earlier requests do nothing.
   std::shared_ptr<uint64_t> turn_ = std::make_shared<uint64_t>(0);
 };
 

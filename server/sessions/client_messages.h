@@ -1,5 +1,5 @@
-// What a client tells its session, as plain values that have been checked. telemetry.proto explains
-// the fields.
+// Messages from a client to its session, as plain values that have been checked. telemetry.proto
+// explains the fields.
 #pragma once
 
 #include <compare>
@@ -28,7 +28,7 @@ struct Hello {
   std::vector<ArmKey> arms;
   std::string build;         // empty if unknown
   std::string session_id;    // of the session to resume; empty for a new one
-  std::string resume_token;  // proves that the session is the client's
+  std::string resume_token;  // proves that the client owns the session
   std::string policy;        // never empty
   Mode mode = Mode::kManual;
   uint32_t active_arm = 0;
@@ -60,7 +60,7 @@ struct FrameBatch {
   std::optional<decision::SceneDescriptor> descriptor;
 };
 
-// The answer to a switch command, or a switch of the game's own.
+// The result of a switch command, or a switch that the game made by itself.
 struct SwitchAnswer {
   uint64_t command_id = 0;
   bool executed = false;
@@ -77,19 +77,19 @@ struct BailOut {
 
 struct OrderRefusal {
   uint64_t order_id = 0;
-  bool takes_orders = false;  // the game takes orders, but does not know this one
+  bool takes_orders = false;  // whether the game accepts orders, but not this kind
 };
 
-// A message of a newer protocol.
+// A message of a newer protocol. It is counted and ignored.
 struct UnknownMessage {};
 
 // A message after Hello that changes the session.
 struct Telemetry {
-  uint64_t sequence = 0;  // from 1; a message that is sent again has the same one
+  uint64_t sequence = 0;  // from 1; a resent message keeps its number
   std::variant<UnknownMessage, FrameBatch, SwitchAnswer, BailOut, ModeChange, OrderRefusal> message;
 };
 
-// The boxes of some of a frame's objects.
+// The boxes of some of the objects of a frame.
 struct BoxView {
   uint64_t frame_index = 0;
   uint32_t object_count = 0;

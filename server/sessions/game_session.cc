@@ -13,20 +13,21 @@
 namespace sweepstake::sessions {
 namespace {
 
+// Time after which an order without an answer is reported as unanswered.
 constexpr int64_t kOrderPatienceNs = 5'000'000'000;
-// A game keeps 48 bits of an order's id.
+// A game stores 48 bits of an order's id.
 constexpr uint64_t kOrderIdMask = (uint64_t{1} << 48) - 1;
 
 absl::Status TakesNoOrders() {
   return Refused(reasons::kOrderRefused,
-                 "this game takes no orders; build it with allow_operator_orders");
+                 "this game does not accept orders; build it with allow_operator_orders");
 }
 
 void Count(RejectionReason reason, RejectionCounts& counts) {
   ++counts.at(static_cast<size_t>(reason));
 }
 
-// Removes the impossible samples, and counts them.
+// Removes the impossible samples and counts them.
 template <typename Sample>
 void Reject(std::vector<Sample>& samples, RejectionCounts& counts) {
   std::erase_if(samples, [&](const Sample& sample) {
@@ -39,11 +40,12 @@ void Reject(std::vector<Sample>& samples, RejectionCounts& counts) {
 }  // namespace
 
 absl::Status UnknownSession() {
-  return Refused(reasons::kUnknownSession, "there is no such session in memory; list the sessions");
+  return Refused(reasons::kUnknownSession,
+                 "no session with this id is in memory; list the sessions to see their ids");
 }
 
 absl::Status SessionKicked() {
-  return Refused(reasons::kSessionKicked, "an operator ended the session; do not come back");
+  return Refused(reasons::kSessionKicked, "an operator ended this session; it cannot be resumed");
 }
 
 std::shared_ptr<GameSession> GameSession::Create(const SessionContext& context,
@@ -105,7 +107,8 @@ void GameSession::StartAudit() {
 
 void GameSession::Attach(ClientStream& link) {
   if (link_ != nullptr) {
-    link_->Abort(Refused(reasons::kSessionTakenOver, "another connection took this session over"));
+    link_->Abort(
+        Refused(reasons::kSessionTakenOver, "another connection has resumed this session"));
   }
   LoseOrder();
   boxes_.Disconnect();
@@ -157,7 +160,7 @@ void GameSession::ApplyMessage(FrameBatch& batch) {
   context_.counters.dropped_frame_count += batch.dropped_frame_count;
   dropped_frame_count_ += batch.dropped_frame_count;
   for (FrameSample& frame : batch.frames) {
-    // The client sets the flag, but only the time makes a bail-out.
+    // The client sets the flag, but only the frame time decides whether it is a bail-out.
     if (!IsOverLimit(frame)) frame.flags &= ~kFrameBailOut;
   }
   Reject(batch.frames, context_.counters.rejected_frame_counts);
@@ -183,7 +186,7 @@ void GameSession::ApplyMessage(SwitchAnswer& outcome) {
     ++context_.counters.refused_switch_count;
     return decisions_.ObserveRefusal(outcome.command_id);
   }
-  // A message that is sent again may be older than the state in the client's Hello.
+  // A resent message may be older than the state in the client's Hello.
   if (decision::IsLaterEpoch(switch_epoch_, outcome.switch_epoch)) return;
   switch_epoch_ = outcome.switch_epoch;
   decisions_.ObserveSwitch(outcome.arm, outcome.switch_epoch, outcome.reason,
@@ -199,11 +202,11 @@ void GameSession::ApplyMessage(BailOut& bail_out) {
   if (!rejection && !IsOverLimit(frame)) rejection = RejectionReason::kFrameTime;
   if (rejection) return Count(*rejection, context_.counters.rejected_frame_counts);
   const int64_t now_ns = context_.loop.clock().NowNs();
-  // A bail-out that the session itself does not use as evidence does not count against the limit.
+  // A bail-out that the session does not use as evidence does not count against the limit.
   if (decisions_.IsEvidence(frame, now_ns) && link_ != nullptr && !link_->SpendBailOut())
     frame.flags |= decision::kFrameNoEvidence;
-  // The evidence of the bail-out goes to disk with the next tick, not now: its sequence number
-  // would also acknowledge the frames before it, which are only in memory until then.
+  // The evidence of the bail-out goes to disk with the next tick. Committing it now would also
+  // acknowledge the earlier frames, which are only in memory until then.
   const uint64_t surplus_count = decisions_.counts().surplus_bail_out_count;
   SendDecision(decisions_.ObserveBailOut(frame, now_ns));
   if (link_ != nullptr) link_->Flush();
@@ -223,20 +226,21 @@ void GameSession::ApplyMessage(ModeChange& change) {
 }
 
 void GameSession::ApplyMessage(OrderRefusal& refusal) {
-  AnswerOrder(refusal.order_id, refusal.takes_orders
-                                    ? Refused(reasons::kOrderRefused,
-                                              "the game does not know such an order; update it")
-                                    : TakesNoOrders());
+  AnswerOrder(
+      refusal.order_id,
+      refusal.takes_orders
+          ? Refused(reasons::kOrderRefused, "the game does not support this order; update the game")
+          : TakesNoOrders());
 }
 
 void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) {
   if (link_ == nullptr || ended() || draining_) {
-    return answer(
-        Refused(reasons::kGameAway, "the game is not connected; try again when it has come back"));
+    return answer(Refused(reasons::kGameAway,
+                          "the game is not connected; try again when it has reconnected"));
   }
-  AnswerOrder(order_id_, Refused(reasons::kOrderReplaced, "a later order took its place"));
-  // An answer may refer to an order from before a restart of the daemon. Numbers made from the time
-  // are greater than those.
+  AnswerOrder(order_id_, Refused(reasons::kOrderReplaced, "a later order replaced this one"));
+  // An answer may refer to an order from before a restart of the daemon. Ids derived from the time
+  // are greater than those of earlier orders.
   order_id_ = std::max(order_id_ + 1, static_cast<uint64_t>(order.now_ns) / 1'000 & kOrderIdMask);
   if (!takes_orders_) return answer(TakesNoOrders());
   MarkActive();
@@ -246,8 +250,11 @@ void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) 
   context_.loop.PostAt(order.now_ns + kOrderPatienceNs, [weak = weak_from_this(), id = order_id_] {
     const auto self = weak.lock();
     if (!self) return;
-    self->AnswerOrder(id, Refused(reasons::kOrderUnanswered,
-                                  "the game has not answered; it may obey later, or be too old"));
+    self->AnswerOrder(
+        id,
+        Refused(
+            reasons::kOrderUnanswered,
+            "the game has not answered; it may execute the order later, or be too old for orders"));
   });
 }
 
@@ -258,7 +265,8 @@ void GameSession::AnswerOrder(uint64_t order_id, const absl::Status& status) {
 
 void GameSession::LoseOrder() {
   AnswerOrder(order_id_, Refused(reasons::kGameAway,
-                                 "the game was lost before it answered; it may have obeyed"));
+                                 "the connection to the game was lost before it answered; it may "
+                                 "have executed the order"));
 }
 
 void GameSession::ScheduleTick(int64_t due_ns) {
@@ -277,8 +285,8 @@ void GameSession::OnTimer(uint64_t generation) {
     return ScheduleTick(now_ns + decisions_.setup().options.decision_interval_ns);
   }
   SendDecision(decisions_.Tick(now_ns));
-  // The commit of this decision is acknowledged soon, and the posteriors go to the client with the
-  // acknowledgement, unless the store is still busy with the previous commit.
+  // The commit of this decision is acknowledged soon, and that message takes the posteriors to the
+  // client. If the store is still busy with the previous commit, send them now.
   const bool waits = ledger_->committing();
   Checkpoint();
   if (waits || !ledger_->committing()) link_->Flush();
@@ -299,7 +307,7 @@ void GameSession::KeepOpenEvidence() {
 void GameSession::OnCommitted(const absl::Status& status,
                               std::span<const priors::KeyedEvidence> increments) {
   if (superseded()) return LeaveToOther();
-  // The commit that seemed to fail may have succeeded. Watched sums then contain it already.
+  // The failed commit may have reached the disk. Watched sums then contain it already.
   if (std::exchange(commit_failed_, !status.ok()) && status.ok())
     context_.observer.Forget(identity_.scene);
   if (!increments.empty()) {
@@ -313,13 +321,13 @@ void GameSession::OnCommitted(const absl::Status& status,
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
   link_->Flush();
-  // If the store cannot write, the client need not wait: it keeps what is not acknowledged.
+  // If the store cannot write, do not let the client wait: it keeps what is not acknowledged.
   if (!status.ok() && (ended() || draining_)) return CloseLink(status);
   CloseIfSettled();
 }
 
-// The client is connected to the other daemon already, or has come back from it. In the latter case
-// it begins from the store again.
+// The client is already connected to the other daemon, or has returned from it. In the latter case
+// the client's session begins from the store again.
 void GameSession::LeaveToOther() {
   ++timer_generation_;
   context_.observer.Reload(identity_.scene);
@@ -369,7 +377,7 @@ void GameSession::PublishChange(SessionEnd end) const {
 
 void GameSession::PublishEnd() const {
   PublishChange(ended() ? end_ : SessionEnd::kForgotten);
-  // The store may have, or get, a commit whose answer nobody waits for any more.
+  // The store may contain, or still receive, a commit whose result is not awaited any more.
   if (!settled()) context_.observer.Reload(identity_.scene);
 }
 
@@ -387,7 +395,7 @@ void GameSession::Drain(uint32_t delay_ms) {
   ++timer_generation_;
   if (link_ == nullptr) return;
   link_->SendReconnect(delay_ms);
-  // A commit that has failed would otherwise wait for the next tick, but there are no more ticks.
+  // A failed commit would be retried at the next tick, but there are no more ticks.
   RetryCommit();
   CloseIfSettled();
 }
@@ -406,7 +414,7 @@ void GameSession::SendDecision(const decision::Decision& decision) {
   PublishDecision(decision.record);
 }
 
-// Sends the client changed posteriors or a changed verdict.
+// Sends the posteriors to the client if they or the verdict changed.
 void GameSession::PutPosteriors(const decision::Decision& decision) {
   const decision::Diagnosis& diagnosis = decision.record.diagnosis;
   const bool learnt = decision.increment || !decision.lane_increments.empty();

@@ -1,12 +1,14 @@
-// One game's session. It turns checked messages into decisions, switch commands, evidence on disk
+// One game's session. It turns checked messages into decisions, switch commands, stored evidence
 // and acknowledgements.
 //
-// It outlives a connection: a link is attached while a client is connected. Without a link there
-// are no ticks, since nobody could receive a command, and the window waits. There is no tick either
-// before the client has sent something, or something new since the last tick, unless known priors
-// allow a decision at once: a silent client costs no row and no commit. A session is used on the
-// decision loop only and is owned by the session table and the stream of its link. The memory is
-// bounded by the number of arms.
+// A session outlives a connection: a link is attached while a client is connected. Without a link
+// there are no ticks, because nobody could receive a command, and the window waits.
+//
+// A tick also needs a new message since the last tick, unless known priors allow a decision at
+// once. A silent client therefore costs no row and no commit.
+//
+// A session is used on the decision loop only. The session table and the stream of its link own it.
+// The memory is bounded by the number of arms.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +39,7 @@ namespace sweepstake::sessions {
 
 // The interface through which a session sends messages to its client.
 //
-// Used on the decision loop only. Nothing here waits; only the latest message of each kind is kept
+// Used on the decision loop only. Calls do not block. Only the latest message of each kind is kept
 // until it can be written.
 class ClientStream {
  public:
@@ -45,17 +47,17 @@ class ClientStream {
 
   virtual void SendSwitch(const SwitchCommand& command) = 0;
   virtual void SendAcknowledgement(uint64_t sequence) = 0;
-  // Adds the decision's posteriors to the next message; Flush sends them alone.
+  // Adds the decision's posteriors to the next message; Flush sends them without one.
   virtual void PutSnapshot(const decision::DecisionRecord& record) = 0;
   virtual void Flush() = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
   virtual void SendOrder(uint64_t order_id, const decision::OrderReport& order) = 0;
-  // Asks for boxes of at most `max_bytes`, for `until_ms`. All 0: for none any more.
+  // Requests boxes of at most `max_bytes` for `until_ms`. All 0: stops the boxes.
   virtual void SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, uint32_t until_ms) = 0;
   // Counts a bail-out against the limits of the client's token and address. Returns whether it is
-  // within them, and so evidence.
+  // within the limits and therefore evidence.
   virtual bool SpendBailOut() = 0;
-  // Ends the stream after all messages are written. The session has released the link before.
+  // Ends the stream after all messages are written. REQUIRES: the session has released the link.
   virtual void Close(const absl::Status& status) = 0;
   // Ends the stream at once.
   virtual void Abort(const absl::Status& status) = 0;
@@ -70,16 +72,16 @@ struct SessionContext {
   SessionObserver& observer;
 };
 
-// The part of a session's beginning that comes from the store.
+// The part of a new session that was read from the store.
 struct StoredSession {
   priors::SourceProgress progress;
-  bool has_evidence = false;                   // of its own; it may have progress alone
+  bool has_evidence = false;                   // own evidence; a session may have progress only
   std::optional<uint64_t> prior_source_count;  // absent if the store could not be read
 };
 
-// UNKNOWN_SESSION, for callers that name a session that is not in memory or not theirs to see.
+// UNKNOWN_SESSION, for callers that name a session that is not in memory or that they may not see.
 absl::Status UnknownSession();
-// SESSION_KICKED, for the client of a kicked session, also when it comes back.
+// SESSION_KICKED, for the client of a kicked session, also when it reconnects.
 absl::Status SessionKicked();
 
 class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
@@ -96,35 +98,35 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
   // Attaches a link. The previous one, if any, is aborted.
   void Attach(ClientStream& link);
-  // Called after the welcome: sends what the client may have missed, and begins to tick.
+  // Called after the welcome message: sends what the client may have missed, and begins to tick.
   void Start(const Hello& hello);
   // Called when the connection is lost. Does nothing if `link` is not the attached one.
   void Detach(ClientStream& link);
 
-  // Applies a message, or counts it as a replay. May use its frames up.
+  // Applies a message, or counts it as a replay. The frames of the message may be modified.
   void Apply(Telemetry& telemetry);
-  // Called when the client has stayed away, or the daemon stops: offers the store the evidence
-  // since the last tick, which is that of a bail-out, since the client may never send it again. The
-  // frames around it count as used, and the window that they began is given up.
+  // Called when the client has stayed away, or the daemon stops. Offers the store the evidence of
+  // bail-outs since the last tick, because the client may never resend them. The frames around them
+  // count as used, and the window that contains them is discarded.
   void KeepOpenEvidence();
   // Called at the client's goodbye: closes the link once everything is on disk.
   void End();
-  // Called when an operator kicks the client: ends the stream, and the session too unless the
-  // client may return. What was received still goes to disk.
+  // Called when an operator kicks the client. Ends the stream, and also the session unless the
+  // client may return. Received evidence still goes to disk.
   void Kick(bool may_return);
   bool ended() const { return end_ != SessionEnd::kNone; }
-  // Notifies the observer that the session has changed. `end` says why it has left memory, if so.
+  // Notifies the observer that the session has changed. `end` is the reason if it has left memory.
   void PublishChange(SessionEnd end = SessionEnd::kNone) const;
   // Notifies the observer that the session leaves memory.
   void PublishEnd() const;
   SessionEnd end() const { return end_; }
-  // Tells the client to reconnect after `delay_ms`, and closes the link once all pending writes are
-  // done.
+  // Requests the client to reconnect after `delay_ms`, and closes the link once all pending writes
+  // are done.
   void Drain(uint32_t delay_ms);
-  // Sends an operator's order to the game. It replaces one that the game has not answered. `answer`
-  // is called exactly once: with OK when the game has obeyed, otherwise with the game's refusal or
-  // the reason why the outcome is unknown. REQUIRES: order.arm, if set, is one of the session's
-  // arms.
+  // Sends an operator's order to the game. It replaces an order that the game has not answered.
+  // `answer` is called exactly once: with OK when the game has executed the order, otherwise with
+  // the game's refusal or the reason why the outcome is unknown. REQUIRES: order.arm, if set, is
+  // one of the session's arms.
   using OrderAnswer = std::function<void(const absl::Status&)>;
   void Order(const decision::OrderReport& order, OrderAnswer answer);
   // Returns whether nothing waits for the disk. If something does, RetryCommit offers it again.
@@ -134,10 +136,10 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
     ledger_->AppendWaiting(updates);
   }
   bool committing() const { return ledger_->committing(); }
-  // Returns whether another daemon continues the session. This one then only removes it.
+  // Returns whether another daemon continues the session. This daemon then only removes it.
   bool superseded() const { return ledger_->superseded(); }
 
-  // The boxes of its objects, and their viewers.
+  // The boxes of the session's objects, and their viewers.
   BoxViews& boxes() { return boxes_; }
 
   const SessionIdentity& identity() const { return identity_; }
@@ -153,12 +155,12 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
               const decision::SessionSetup& setup, const StoredSession& stored);
 
   // Makes the next tick decide. The audit log starts with the first call: for a session that only
-  // says Hello its first rows would dominate the cost.
+  // sends a Hello its first rows would dominate the cost.
   void MarkActive();
   void StartAudit();
   void OnAuditRow(std::string_view row) override { ledger_->AddAuditRow(row); }
 
-  // The message's frames are used up.
+  // May modify the frames of the message.
   void ApplyMessage(UnknownMessage& /*unknown*/) {}
   void ApplyMessage(FrameBatch& batch);
   void ApplyMessage(SwitchAnswer& outcome);
@@ -167,7 +169,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void ApplyMessage(OrderRefusal& refusal);
   bool IsOverLimit(const FrameSample& frame) const;
   void Measure(std::span<const FrameSample> frames);
-  // Ends the order that waits for an answer, if it is this one.
+  // Reports `status` to the caller of Order if the order with this id still waits for an answer.
   void AnswerOrder(uint64_t order_id, const absl::Status& status);
   void LoseOrder();
 
@@ -197,24 +199,24 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   uint64_t applied_sequence_;
   uint64_t frame_count_;            // frames in the messages up to applied_sequence_
   uint64_t acknowledged_sequence_;  // sent to the client
-  uint32_t switch_epoch_;           // the latest in a message other than frames
+  uint32_t switch_epoch_;           // the latest one in a message other than frames
   bool has_stored_evidence_;
   std::optional<uint64_t> last_bail_out_frame_;
   std::optional<SwitchCommand> unanswered_;   // sent again to a client that reconnects
-  Verdict sent_verdict_ = Verdict::kUnknown;  // sent to the client
+  Verdict sent_verdict_ = Verdict::kUnknown;  // the latest one sent to the client
   bool takes_orders_ = false;                 // according to the latest Hello
   BoxViews boxes_;
   uint64_t order_id_ = 0;               // of the latest order
   OrderAnswer order_answer_;            // empty if the game has answered it
   uint64_t timer_generation_ = 0;       // timers of an older generation are ignored
-  bool commit_failed_ = false;          // the last one
-  bool active_ = false;                 // the next tick has something to decide on
-  bool audited_ = false;                // the audit log has begun, if there is one
-  SessionEnd end_ = SessionEnd::kNone;  // why the session ends; its last evidence may wait
+  bool commit_failed_ = false;          // whether the latest commit failed
+  bool active_ = false;                 // whether the next tick has something to decide on
+  bool audited_ = false;                // whether the audit log has begun, or is off
+  SessionEnd end_ = SessionEnd::kNone;  // why the session ends; its last evidence may still wait
   std::optional<int64_t> last_message_ns_;
-  uint64_t dropped_frame_count_ = 0;  // that the client reported
+  uint64_t dropped_frame_count_ = 0;  // reported by the client
   bool draining_ = false;
-  // The cost of frames since the last published one; absent while nobody watches the scene.
+  // The cost of frames since it was last published; absent while nobody watches the scene.
   std::optional<FrameHistograms> measured_;
   int64_t next_measurements_ns_ = 0;  // the earliest time at which `measured_` is published
 };

@@ -11,17 +11,17 @@
 
 namespace sweepstake::sessions {
 
-// The part of a lost session that is not on disk, in the order in which sessions leave.
+// Evidence of a lost session that is not on disk, in the order in which sessions leave.
 enum class LostState : uint8_t {
-  kSettled,    // none
-  kUnsettled,  // evidence that its client sends again
-  kEnding,     // evidence that nobody sends again: the session stays until it is on disk
+  kSettled,    // no such evidence
+  kUnsettled,  // evidence that the client will resend
+  kEnding,     // evidence that no client will resend: the session stays until it is on disk
 };
 
-// In each state, the session that was lost first leaves first.
+// Within a state, the session that was lost first leaves first.
 struct LostRank {
   LostState state = LostState::kSettled;
-  uint64_t number = 0;  // of the loss, unique
+  uint64_t number = 0;  // number of the loss, unique
 
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
   friend auto operator<=>(const LostRank&, const LostRank&) = default;
@@ -39,7 +39,7 @@ class LostSessions {
     of_token_.erase({token_id, rank});
   }
 
-  // Returns the first one, of the token if one is given.
+  // Returns the first session to leave; if `token_id` is given, the first one of that token.
   std::optional<std::string> First(std::optional<int64_t> token_id) const {
     if (!token_id) return all_.empty() ? std::nullopt : std::optional(all_.begin()->second);
     const auto first = of_token_.lower_bound({*token_id, {}});

@@ -1,7 +1,7 @@
-// The scenes of sessions in memory that the store does not have yet, and their projects. The store
-// gets a scene with its first evidence; here it counts against the quotas from the Hello on.
+// The scenes of sessions in memory that are not in the store yet, and their projects. A scene
+// enters the store with its first evidence, but counts against the quotas from the Hello on.
 //
-// Used on the decision loop only. It outlives its holds.
+// Used on the decision loop only. It must outlive its holds.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,14 @@
 
 namespace sweepstake::sessions {
 
-// The store's counts for a scene that it does not have. They are read on its writing thread and
-// posted to the loop with PostLater, so they include exactly the scenes that were forgotten here
-// until then.
+// The store's counts for a scene that is not in the store. They are read on the writing thread and
+// posted to the loop with PostLater. They therefore include exactly the scenes that Forget has
+// removed here before they arrive.
 struct UnstoredScene {
   priors::SceneCount stored = {};  // of the project
-  bool new_name = true;            // no machine class or reward version of the scene is stored
-  // Stored projects; present if this project is not stored. 0 if the store cannot be read, so that
-  // at least the projects in memory count.
+  bool new_name = true;  // whether the scene is not stored for any machine class or reward version
+  // Number of stored projects; absent if this project is stored. 0 if the store cannot be read, so
+  // that at least the projects in memory count.
   std::optional<uint64_t> project_count;
 };
 
@@ -41,7 +41,7 @@ class NewScenes {
     ~Hold() {
       if (scenes_ != nullptr) scenes_->Release(scene_);
     }
-    // The store has the scene now: all holds of it end.
+    // Called when the store has the scene. Ends all holds of it.
     void OnStored() {
       if (scenes_ != nullptr) std::exchange(scenes_, nullptr)->Forget(scene_);
     }
@@ -55,14 +55,14 @@ class NewScenes {
   // projects).
   absl::StatusOr<Hold> Take(const priors::SceneKey& scene, const UnstoredScene& unstored);
 
-  // The store has the scene now: all holds of it end.
+  // Called when the store has the scene. Ends all holds of it.
   void Forget(const priors::SceneKey& scene);
-  // Returns how many scenes of all projects are held.
+  // Returns how many scenes are held, over all projects.
   size_t size() const;
 
  private:
   struct Project {
-    bool stored = false;  // the store has other scenes of it
+    bool stored = false;  // whether the store has other scenes of it
     // The number of sessions that hold each scene.
     std::map<std::string, uint32_t> names;
     std::map<priors::SceneKey, uint32_t> keys;

@@ -9,7 +9,7 @@
 
 namespace sweepstake::sessions {
 
-// The id of the token is in the clear behind the HMAC; 0 leaves it out.
+// The id of the token follows the HMAC in plain text; an id of 0 is omitted.
 std::string ResumeTokenOf(const std::string& session_id, int64_t token_id,
                           const std::string& secret) {
   const std::string suffix = token_id == 0 ? "" : absl::StrCat("/", token_id);

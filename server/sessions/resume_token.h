@@ -1,7 +1,7 @@
-// The proof that a client may resume a session. A session's id is public, so resuming needs its
-// resume token too, which only its client has: HMAC-SHA-256 of the session's id and of the id of
-// the token that the client authenticated itself with, under SessionOptions::resume_secret. It is
-// stored nowhere. Pure functions.
+// The proof that a client may resume a session. A session's id is public, so resuming also requires
+// its resume token, which only its client has. It is the HMAC-SHA-256 of the session's id and of
+// the id of the token with which the client authenticated, under SessionOptions::resume_secret. It
+// is not stored. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace sweepstake::sessions {
 
-// `token_id` is that of the token that the session began with; 0 for none.
+// `token_id` is the id of the token with which the session began; 0 for none.
 std::string ResumeTokenOf(const std::string& session_id, int64_t token_id,
                           const std::string& secret);
 
-// Returns the id of the token that the session began with, or nothing if `given` is not the
-// session's resume token. It takes the same time for every token.
+// Returns the id of the token with which the session began, or nothing if `given` is not the
+// session's resume token. The comparison takes constant time.
 std::optional<int64_t> TokenOfSession(const std::string& session_id, const std::string& given,
                                       const std::string& secret);
 

@@ -66,7 +66,7 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
   }
   new_scenes_.push_back(scene);
   Project& project = FindProject(scene.project);
-  // Another machine class of a known name adds no name.
+  // Another machine class of a known name does not add a name.
   const auto named = store_.List({scene.project, scene.scene}, std::nullopt, 1);
   unstored_ = {.stored = project.count,
                .new_name = !named.ok() || named->empty(),

@@ -1,5 +1,5 @@
-// Bounds how much of the store clients may fill: projects, scenes of each, and arms of each scene.
-// A client names all three, so without bounds one client could make any number of them.
+// Limits how much of the store clients may fill: projects, scenes per project, and arms per scene.
+// Clients choose all three names, so without limits one client could create any number of them.
 //
 // Used on a thread of the store, for one Hello or one import.
 #pragma once
@@ -20,15 +20,15 @@
 
 namespace sweepstake::sessions {
 
-// Error: RESOURCE_EXHAUSTED (`count` projects are too many).
+// Error: RESOURCE_EXHAUSTED (`count` exceeds the maximum number of projects).
 absl::Status CheckProjectCount(uint64_t count, const SessionOptions& options);
-// Error: RESOURCE_EXHAUSTED (`count` scenes are too many for a project).
+// Error: RESOURCE_EXHAUSTED (`count` exceeds the maximum number of scenes of a project).
 absl::Status CheckSceneCount(const priors::SceneCount& count, const SessionOptions& options);
 
 class SceneQuota {
  public:
-  // A scene counts once by its name. kKeysPerScene bounds its machine classes and reward versions,
-  // on average over the project; kVersionsPerArm bounds the versions of an arm.
+  // A scene counts once by its name. kKeysPerScene limits its machine classes and reward versions,
+  // on average over the project; kVersionsPerArm limits the versions of an arm.
   static constexpr uint32_t kKeysPerScene = 32;
   static constexpr uint32_t kVersionsPerArm = 32;
 
@@ -37,8 +37,8 @@ class SceneQuota {
   SceneQuota(priors::PriorReader& store, const SessionOptions& options, bool counts = true)
       : store_(store), options_(options), counts_(counts) {}
 
-  // Checks that the scene and its arm may be stored, beside the stored ones and those that were
-  // added before. Error: RESOURCE_EXHAUSTED names the limit. If the store cannot be read,
+  // Checks that the scene and its arm may be stored in addition to the stored and the added ones.
+  // Error: RESOURCE_EXHAUSTED, whose message names the limit. If the store cannot be read,
   // everything is allowed: such a store does not accept writes either.
   absl::Status Add(const priors::SceneKey& scene, const ArmKey& arm);
   absl::Status Add(const priors::EvidenceKey& key) {
@@ -46,7 +46,7 @@ class SceneQuota {
                {key.arm, key.backend_version});
   }
 
-  // The store's answer about the scene that was added last; absent if it has that scene.
+  // The store's counts for the scene that was added last; absent if that scene is stored.
   const std::optional<UnstoredScene>& unstored() const { return unstored_; }
   // Scenes passed to Add that are not in the store.
   const std::vector<priors::SceneKey>& new_scenes() const { return new_scenes_; }

@@ -12,11 +12,11 @@ namespace sweepstake::sessions {
 
 struct SessionIdentity {
   std::string id;
-  int64_t token_id = 0;  // of the token that it began with; only this token may resume it
+  int64_t token_id = 0;  // id of the token with which it began; only this token may resume it
   std::string build;     // of the game; empty if unknown
   priors::SceneKey scene;
   std::vector<std::string> arms;
-  std::vector<uint32_t> backend_versions;  // has one per arm
+  std::vector<uint32_t> backend_versions;  // one per arm
   uint64_t seed = 0;
   decision::DecisionOptions decision;      // time scale applied
   uint32_t audit_segment = 1;              // segment of the session's audit log

@@ -12,7 +12,7 @@
 namespace sweepstake::sessions {
 namespace {
 
-// Returns a number that no other ledger has, of any daemon. Used on decision loops.
+// Returns a number that no other ledger of any daemon has. Used on decision loops.
 uint64_t NextWriter() {
   static std::atomic<uint64_t> next = [] {
     std::random_device random;
@@ -152,7 +152,7 @@ void SessionLedger::OnCommitted(const absl::Status& status) {
     DropOffer();
   } else {
     ++counters_.failed_commit_count;
-    // An update that can never be stored must not block those after it.
+    // An update that can never be stored must not block later ones.
     superseded_ = absl::IsFailedPrecondition(status);
     if (priors::IsRefusal(status)) {
       counters_.lost_audit_row_count += offered_->audit.rows.size();

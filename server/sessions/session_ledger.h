@@ -1,22 +1,23 @@
-// Tracks which evidence of one session is on disk and which is still to be written.
+// Tracks which evidence of one session is on disk and which must still be written.
 //
-// Evidence waits for a checkpoint, a moment at which it contains every message applied so far (a
-// tick). A checkpoint commits the evidence and the sequence number that it covers in one atomic
-// update. Acknowledged messages are therefore never lost, and resent ones are never counted twice.
-// Evidence after a checkpoint is kept apart until the next one, since a commit in between would
+// Evidence waits for a checkpoint (a tick), the moment at which it covers exactly the messages
+// applied up to then. A checkpoint commits the evidence and the number of the last message in one
+// atomic update. Acknowledged messages are therefore never lost, and resent ones are never counted
+// twice. Evidence after a checkpoint is kept apart until the next one. A commit in between would
 // write it without the number of its message.
 //
-// A session whose client has sent nothing is not in the store. The first checkpoint with a message
-// puts it there, and the rows of its audit log wait until then. These rows are part of the update;
-// if the disk is too slow for them (kMaxWaitingAuditBytes), further rows are lost.
+// A session is not in the store until its client has sent a message. The first checkpoint with a
+// message stores it, and the rows of its audit log wait until then. These rows are part of the
+// update; if the disk is too slow for them (kMaxWaitingAuditBytes), further rows are lost.
 //
 // At most one update is pending. Later checkpoints merge into one behind it, so the memory is
 // bounded by the number of arms. A failed update is offered again, unchanged, at the next
-// checkpoint. If it reached the disk after all, the store recognises its number and ignores it.
+// checkpoint. If it had reached the disk after all, the store detects its commit number and ignores
+// it.
 //
 // If another daemon has written the session since this one read it from the store, the store
-// refuses updates. Then superseded() is true, and everything that is not on disk is forgotten,
-// since the client sends it to the other daemon.
+// refuses updates. Then superseded() is true, and everything that is not on disk is dropped,
+// because the client resends it to the other daemon.
 //
 // It is used on the decision loop only. The store's callback posts to the loop and has only a weak
 // pointer to the ledger.
@@ -41,7 +42,7 @@ namespace sweepstake::sessions {
 
 class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
  public:
-  // Takes the status of a commit and the increments that are on disk now, if any.
+  // Receives the status of a commit and the increments that have just reached the disk, if any.
   using CommitListener =
       std::function<void(const absl::Status&, std::span<const priors::KeyedEvidence>)>;
 
@@ -67,8 +68,8 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
     uint64_t decision_count = 0;
     uint64_t frame_count = 0;
   };
-  // Declares that the evidence so far is exactly that of the messages up to the position's
-  // sequence.
+  // Declares that the evidence so far is exactly that of the messages up to the position's sequence
+  // number.
   void Checkpoint(const Position& position);
   // Offers a failed update again.
   void Retry() { CommitNext(); }
@@ -80,7 +81,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   bool open() const { return !open_.empty(); }
   // Returns whether nothing waits for the disk.
   bool settled() const { return !offered_ && !checkpointed_; }
-  // Returns whether the store has an update that it has not answered yet.
+  // Returns whether an update was passed to the store and its result has not arrived.
   bool committing() const { return in_flight_; }
   bool superseded() const { return superseded_; }
 
@@ -111,9 +112,9 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   priors::AuditRows audit_;                        // rows between offer and checkpoint
   uint64_t audit_row_count_ = 0;                   // rows of the segment, lost ones included
   size_t audit_bytes_ = 0;                         // size of all rows held here
-  bool checkpointed_ = false;                      // `waiting_` may be offered
-  std::unique_ptr<priors::SourceUpdate> offered_;  // the store has not confirmed it yet
-  bool in_flight_ = false;                         // the store has `offered_`
+  bool checkpointed_ = false;                      // whether `waiting_` may be offered
+  std::unique_ptr<priors::SourceUpdate> offered_;  // not confirmed by the store yet
+  bool in_flight_ = false;                         // whether the store is writing `offered_`
   bool superseded_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Receives the changes of sessions, for people who watch them.
+// Receives the changes of sessions, for watchers.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,25 @@ namespace sweepstake::sessions {
 // Why a session has left memory. Numbered as v1::SessionEnd.
 enum class SessionEnd : uint8_t { kNone, kGoodbye, kKicked, kForgotten };
 
-// A change of a session. SessionTable has its present state.
+// A change of a session. SessionTable::Describe returns its present state.
 struct SessionChange {
   priors::SceneKey scene;
   SessionEnd end = SessionEnd::kNone;
 };
 
-// A decision of a session. It borrows everything.
+// A decision of a session. All pointers and references are borrowed.
 struct DecisionEvent {
   const SessionIdentity& session;
   const decision::DecisionRecord& record;
   int64_t unix_ms = 0;
   const FrameHistograms* measurements =
-      nullptr;  // what frames cost since the last ones; may be null
+      nullptr;  // cost of frames since the previous measurements; may be null
 };
 
-// Called on the decision loop. It does not call sessions back.
+// Called on the decision loop. It must not call sessions back.
 class SessionObserver {
  public:
-  // At this interval at most, decisions come with measurements.
+  // Minimum interval between two measurements in the decisions of a session.
   static constexpr int64_t kIntervalNs = 250'000'000;
 
   virtual ~SessionObserver() = default;
@@ -43,15 +43,15 @@ class SessionObserver {
   // Returns whether anybody watches this scene. If not, OnDecision need not be called.
   virtual bool Watches(const priors::SceneKey& scene) const = 0;
   virtual void OnDecision(const DecisionEvent& event) = 0;
-  // Increments of the scene have reached the disk. `new_source` says that they are the first of
-  // their session.
+  // Increments of the scene have reached the disk. `new_source` says that they are the first ones
+  // of their session.
   virtual void OnEvidence(const priors::SceneKey& scene,
                           std::span<const priors::KeyedEvidence> increments, bool new_source) = 0;
-  // It is unknown whether the scene's stored sums already contain the next increments: the sums are
-  // read again with them.
+  // It is unknown whether the scene's stored sums already contain the next increments. The sums are
+  // read again with the next OnEvidence.
   virtual void Forget(const priors::SceneKey& scene) = 0;
-  // The disk may have, or get, increments of the scene that no OnEvidence will follow: its sums are
-  // read again and published.
+  // The disk may contain, or still receive, increments of the scene for which OnEvidence is not
+  // called. The sums are read again and published.
   virtual void Reload(const priors::SceneKey& scene) = 0;
 };
 

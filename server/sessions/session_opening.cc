@@ -9,7 +9,7 @@ namespace sweepstake::sessions {
 namespace {
 
 absl::Status StoreBusy() {
-  return Refused(reasons::kStoreBusy, "the prior store has too much to do; connect again later");
+  return Refused(reasons::kStoreBusy, "the prior store is overloaded; connect again later");
 }
 
 // Returns whether the Hello, whose token has been checked, may resume this session in memory.
@@ -34,7 +34,7 @@ absl::Status SessionOpening::CheckResumption() {
   if (!token_id) hello_.session_id.clear();
   if (token_id && *token_id != token_id_) {
     return Refused(reasons::kForeignSession,
-                   "this session began with another token; begin a new one");
+                   "this session was started with another token; start a new session");
   }
   return table_.CheckKicked(hello_.session_id);
 }
@@ -52,7 +52,7 @@ std::shared_ptr<GameSession> SessionOpening::FindInMemory() {
 
 void SessionOpening::ReadStore() {
   DecisionLoop& loop = context().loop;
-  // Before the read, so that the patience covers all of it.
+  // Taken before the read, so that the time limit covers all of it.
   const int64_t deadline_ns = loop.clock().NowNs() + context().options.load_patience_ns;
   if (!SubmitRead()) return Finish(StoreBusy());
   loop.PostAt(deadline_ns, [weak = weak_from_this()] {
@@ -67,7 +67,8 @@ void SessionOpening::ReadStore() {
 
 bool SessionOpening::SubmitRead() {
   const auto deliver = [weak = weak_from_this(), &loop = context().loop](StoredStart start) {
-    // With PostLater, as the news of commits: the loop then knows the commits that were read.
+    // With PostLater, like the results of commits: the loop has then seen every commit that was
+    // read.
     loop.PostLater([weak, start = std::move(start)] {
       if (const auto self = weak.lock()) self->OnRead(start);
     });
@@ -83,7 +84,7 @@ bool SessionOpening::SubmitRead() {
   }
   return store.Read([weak = weak_from_this(), deliver, hello = hello_, &options,
                      &store](priors::PriorReader& reader) {
-    if (weak.expired()) return;  // nobody waits for it any more
+    if (weak.expired()) return;  // the stream has ended
     StoredStart start = LoadStart(reader, hello, options, /*is_writing_thread=*/false);
     if (!start.new_scene) return deliver(std::move(start));
     const auto count = [deliver, hello, &options, start](priors::PriorStore& writer) mutable {
@@ -97,14 +98,15 @@ bool SessionOpening::SubmitRead() {
 }
 
 void SessionOpening::OnRead(const StoredStart& start) {
-  if (!done_) return;  // the store answered too late, or the patience ran out after its answer
-  // An operator may have kicked the session in the meantime, and another connection resumed it.
+  // the store answered after the time limit, or the limit expired after its answer
+  if (!done_) return;
+  // Meanwhile an operator may have kicked the session, or another connection may have resumed it.
   if (absl::Status kicked = table_.CheckKicked(hello_.session_id); !kicked.ok())
     return Finish(kicked);
   if (std::shared_ptr<GameSession> session = FindInMemory())
     return Finish(OpenedSession{std::move(session), /*resumed=*/true, absl::OkStatus()});
   // Another connection has resumed the session with other arms, so this one gets a new session. The
-  // evidence must be read again, without that of the session.
+  // evidence must be read again, without that of the resumed session.
   if (start.source && hello_.session_id.empty()) return ReadStore();
   Finish(Begin(start));
 }
@@ -112,7 +114,7 @@ void SessionOpening::OnRead(const StoredStart& start) {
 absl::StatusOr<OpenedSession> SessionOpening::Begin(const StoredStart& start) {
   if (context().options.shares_store && !hello_.session_id.empty() && !start.status.ok()) {
     return Refused(reasons::kStoreFailed,
-                   "the store that has the session cannot be read; connect again later");
+                   "the session cannot be read from the store; connect again later");
   }
   if (!start.refusal.ok()) return start.refusal;
   std::optional<NewScenes::Hold> hold;
@@ -129,7 +131,7 @@ absl::StatusOr<OpenedSession> SessionOpening::Begin(const StoredStart& start) {
 }
 
 void SessionOpening::Finish(absl::StatusOr<OpenedSession> result) {
-  const auto self = shared_from_this();  // its owner may drop it
+  const auto self = shared_from_this();  // its owner may drop it in the callback
   std::exchange(done_, nullptr)(std::move(result));
 }
 

@@ -1,20 +1,21 @@
-// The road from one Hello to its session: session_table, store, scene_quota, session_start (which
-// calls decision::PriorFor), new_scenes, session_table. It turns back only if another connection
-// resumes the session in the meantime and this one may not.
+// The path from a Hello to its session: session_table, store, scene_quota, session_start (which
+// calls decision::PriorFor), new_scenes, session_table. The store is read a second time only if
+// another connection resumes the session meanwhile and this one may not.
 //
 // - If the session to resume is in memory, the client gets it back unchanged.
 // - Otherwise the store is read, on its reading thread. If it does not have the scene, its writing
-//   thread then counts the scene against the quotas, since only there the count is exact. A session
-//   to resume is read on the writing thread, since its latest commit may wait in the queue.
+//   thread then counts the scene against the quotas, because only there the count is exact. A
+//   session to resume is read on the writing thread, because its latest commit may wait in the
+//   queue.
 // - A new session begins, or one that continues with its stored progress.
 //
 // If the resume token is wrong, or the session to resume is unknown, has ended, or has another
 // scene, machine class, reward version or other arms, a new session begins. The answer is the same
 // in all these cases, so it reveals nothing about other sessions.
 //
-// Evidence that cannot be read is missing, and the session begins all the same: from Beta(1,1) plus
-// what could be read. If its own progress cannot be read, a session is not resumed, since its
-// messages might count twice: a new one begins.
+// Evidence that cannot be read is missing, and the session begins without it: from Beta(1,1) plus
+// the evidence that could be read. If the progress of a session cannot be read, it is not resumed,
+// because its messages might count twice: a new one begins.
 #pragma once
 
 #include <cstdint>
@@ -36,20 +37,20 @@ struct OpenedSession {
   absl::Status missing;  // why stored evidence is missing; OK if none is
 };
 
-// Used on the decision loop only. The client's stream owns it: without the stream no session
+// Used on the decision loop only. The client's stream owns it: if the stream ends, no session
 // begins.
 class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
  public:
   using Done = std::function<void(absl::StatusOr<OpenedSession>)>;
 
-  // The table outlives it. `token_id` is that of the client's token, 0 for none.
+  // The table outlives it. `token_id` is the id of the client's token, 0 for none.
   SessionOpening(SessionTable& table, Hello hello, int64_t token_id, Done done)
       : table_(table), hello_(std::move(hello)), token_id_(token_id), done_(std::move(done)) {}
 
   // Calls `done` once, on the loop, perhaps before Run returns. Errors: PERMISSION_DENIED (the
-  // session began with another token, or was kicked), RESOURCE_EXHAUSTED (a quota, or the table is
-  // full), INVALID_ARGUMENT (the arms and the policy do not make a valid session), UNAVAILABLE (the
-  // store has too much to do, or cannot read a session that another daemon may have).
+  // session began with another token, or was kicked), RESOURCE_EXHAUSTED (a quota is exceeded, or
+  // the table is full), INVALID_ARGUMENT (the arms and the policy do not make a valid session),
+  // UNAVAILABLE (the store is overloaded, or cannot read a session that another daemon may have).
   void Run();
 
   // The Hello, without the id of a session that it may not resume.
@@ -58,11 +59,11 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
  private:
   const SessionContext& context() const { return table_.context(); }
   absl::Status CheckResumption();
-  // Returns the session in memory that the Hello resumes, or null. If it may not resume that
-  // session, the Hello forgets its id.
+  // Returns the session in memory that the Hello resumes, or null. If the Hello may not resume that
+  // session, its session id is cleared.
   std::shared_ptr<GameSession> FindInMemory();
   void ReadStore();
-  // Offers the store a read. Returns false if it has too much to do.
+  // Offers the store a read. Returns false if it is overloaded.
   bool SubmitRead();
   void OnRead(const StoredStart& start);
   absl::StatusOr<OpenedSession> Begin(const StoredStart& start);
@@ -71,7 +72,7 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
   SessionTable& table_;
   Hello hello_;
   const int64_t token_id_;
-  Done done_;  // empty after the call
+  Done done_;  // empty after it was called
 };
 
 }  // namespace sweepstake::sessions

@@ -16,8 +16,9 @@ namespace {
 using decision::ArmRecord;
 using priors::EvidenceKey;
 
-// Bounds of the other scenes that are read for a prior: pages of kMaxOtherScenes, until as many are
-// of the session's machine class.
+// Limits of the other scenes that are read for a prior: up to kMaxOtherPages pages of
+// kMaxOtherScenes scenes. Reading stops earlier once kMaxOtherScenes have the session's machine
+// class.
 constexpr uint32_t kMaxOtherScenes = 200;
 constexpr int kMaxOtherPages = 5;
 
@@ -74,7 +75,7 @@ struct StoredEvidence {
     }
   }
 
-  // Reads the scene of `key`, which is a SceneKey or an EvidenceKey.
+  // Reads the scene from `key`, a SceneKey or an EvidenceKey.
   template <typename Key>
   static ArmRecord RecordOf(const Key& key, std::string_view source, std::string_view build,
                             std::string_view arm, uint32_t backend_version) {
@@ -94,7 +95,7 @@ struct StoredEvidence {
   std::vector<std::vector<priors::SceneEvidence>> other_scenes;  // pages
 };
 
-// Adds the sources of the scene. The session's own evidence is already there.
+// Adds the sources of the scene. The session's own evidence has already been added.
 absl::Status AddSources(priors::PriorReader& store, const Hello& hello, const StoredStart& start,
                         StoredEvidence& stored) {
   auto sources = store.LoadSources(hello.scene);
@@ -108,7 +109,7 @@ absl::Status AddSources(priors::PriorReader& store, const Hello& hello, const St
 }
 
 // Reads the sums of all sources, for policies whose rewards cannot be compared between sources. The
-// session's own evidence is among them.
+// sums include the session's own evidence.
 absl::Status AddSums(priors::PriorReader& store, const Hello& hello, StoredEvidence& stored) {
   auto scene = store.LoadScene(hello.scene);
   if (!scene.ok()) return scene.status();
@@ -140,7 +141,7 @@ absl::Status AddOtherScenes(priors::PriorReader& store, const Hello& hello,
   return absl::OkStatus();
 }
 
-// Returns lines that say which sources count how much, the heaviest first.
+// Returns lines that state the weights of the sources, the heaviest first.
 std::vector<std::string> Describe(const decision::Prior& prior, bool compares_sources) {
   constexpr size_t kMaxLines = 8;
   std::vector<std::string> lines;
@@ -165,8 +166,8 @@ bool LacksArms(const decision::Prior& prior) {
                      [](const auto& arm) { return !(arm.evidence() > 0); });
 }
 
-// Sets the prior, which includes the session's own evidence. Other scenes are read only if they can
-// say something new, and not on the writing thread, where reading them would delay commits.
+// Sets the prior, which includes the session's own evidence. Other scenes are read only if some arm
+// lacks evidence, and not on the writing thread, where reading them would delay commits.
 absl::Status LoadPrior(priors::PriorReader& store, const Hello& hello, bool is_writing_thread,
                        StoredStart& start) {
   const decision::PriorKey key = PriorKeyOf(hello, start);

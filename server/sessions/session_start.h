@@ -19,17 +19,17 @@
 
 namespace sweepstake::sessions {
 
-// The store's knowledge for a Hello.
+// What the store contains for a Hello.
 struct StoredStart {
-  decision::Prior prior;                        // for Hello's arms
+  decision::Prior prior;                        // for the Hello's arms
   std::vector<std::string> prior_sources = {};  // describes its sources in the audit log
   std::optional<priors::SourceState> source;    // present if a session is resumed
   // Id of a session with no stored evidence that another daemon may own; it is restarted under the
-  // same id. The first of the two that commits continues, so no message counts twice.
+  // same id. Only the first daemon to commit can continue it, so no message counts twice.
   std::string kept_id = {};
   std::optional<UnstoredScene> new_scene;  // present if the store does not have the scene
   absl::Status refusal;                    // a quota that the session would exceed
-  absl::Status status;                     // why some of it is missing; OK if nothing is
+  absl::Status status;                     // why some evidence is missing; OK if none is
 };
 
 // Reads everything for the Hello, on one of the store's threads. A scene that is not stored is not

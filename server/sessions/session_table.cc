@@ -45,7 +45,7 @@ bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
   if (!first) return false;
   GameSession& session = *entries_.at(*first).session;
   if (session.ended() && !session.settled()) return false;
-  session.KeepOpenEvidence();  // a store that is free writes it without the session
+  session.KeepOpenEvidence();  // the store may still write it after the session has left
   Remove(*first);
   return true;
 }
@@ -74,7 +74,7 @@ void SessionTable::Detach(GameSession& session, ClientStream& link) {
 }
 
 void SessionTable::Kick(GameSession& session, bool may_return) {
-  // Ending the stream may remove the session from the table.
+  // A reference, because ending the stream may remove the session from the table.
   const std::shared_ptr<GameSession> kept = session.shared_from_this();
   if (!may_return) RememberKick(session.identity().id);
   session.Kick(may_return);
@@ -191,7 +191,7 @@ void SessionTable::LookAt(const std::string& id) {
   if (settled && (entry.session->ended() || entry.session->superseded() || over)) return Remove(id);
   Recover(entry);
   LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
-  // The store could not be written, so this evidence is only in memory.
+  // The store could not write this evidence, so it is only in memory.
   if (!settled) entry.session->RetryCommit();
 }
 

@@ -1,15 +1,16 @@
 // The sessions in memory: connected ones, and lost ones that may be resumed. It is used on the
 // decision loop only.
 //
-// It is bounded by SessionOptions::max_sessions and resume_window_ns; the store knows every session
-// that has left. The evidence of a lost session that is not on disk is offered to the store again
-// every two seconds. A session that has said goodbye stays until that has succeeded, since nobody
-// would send its evidence again. The clients of the others still have what was not acknowledged.
+// SessionOptions::max_sessions and resume_window_ns limit its size; sessions that have left can be
+// read from the store. The evidence of a lost session that is not on disk is offered to the store
+// again every two seconds. A session that has said goodbye stays until that has succeeded, because
+// no client would resend its evidence. The clients of other lost sessions still have the
+// unacknowledged messages.
 //
-// If such a client is gone for good, only the bail-outs since the last tick matter: they go to the
-// store before the session leaves. At the end of the resume window the session stays until they
-// are stored. If it makes room for another, or the daemon drains, they are offered once, unless a
-// commit of the session is under way.
+// If such a client never returns, only the bail-outs since the last tick would be lost. They are
+// therefore offered to the store before the session leaves. At the end of the resume window the
+// session stays until they are stored. If it makes room for another, or the daemon drains, they are
+// offered once, unless a commit of the session is under way.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +31,7 @@
 
 namespace sweepstake::sessions {
 
-// The client of a session, by its latest connection.
+// The client of a session, as of its latest connection.
 struct SessionClient {
   std::string address;
   std::string build;
@@ -39,7 +40,7 @@ struct SessionClient {
 // Numbered as v1::SessionState.
 enum class SessionState : uint8_t { kConnected = 1, kLost = 2, kEnding = 3 };
 
-// A session as it is now, for people who look at it.
+// The present state of a session, for lists that people read.
 struct SessionView {
   std::string id;
   priors::SceneKey scene;
@@ -55,7 +56,7 @@ struct SessionView {
 // Sessions with evidence that the store does not have.
 struct HeldEvidence {
   size_t session_count = 0;
-  size_t ended_session_count = 0;  // of these, those whose clients will not send it again
+  size_t ended_session_count = 0;  // those whose clients will not resend it
 };
 
 class SessionTable {
@@ -78,21 +79,20 @@ class SessionTable {
 
   // Returns the session; absent if it is not in memory.
   std::optional<SessionView> Describe(const std::string& id) const;
-  // Returns up to `limit` matching sessions in the order of their ids, from the first one after
-  // `after` on.
+  // Returns up to `limit` matching sessions with ids above `after`, ordered by id.
   std::vector<SessionView> List(const priors::SceneFilter& filter, const std::string& after,
                                 size_t limit) const;
-  // Ends the session's stream, and the session too unless its client may return. REQUIRES: it is in
-  // memory.
+  // Ends the session's stream, and also the session unless its client may return. REQUIRES: it is
+  // in memory.
   void Kick(GameSession& session, bool may_return);
   // Error: SESSION_KICKED (the session is one of the latest kMaxKicked kicked ones since the daemon
-  // began). The store does not know that and would resume it.
+  // started). The store does not record kicks and would resume it.
   absl::Status CheckKicked(const std::string& id) const;
 
   // Removes a session that another daemon continues. REQUIRES: it is in memory, and superseded.
   void Forget(const GameSession& session);
 
-  // Offers the store again what it failed to write, and for the first time what lost sessions hold.
+  // Offers the store all evidence that it failed to write, and the open evidence of lost sessions.
   void RetryCommits();
   // Returns whether a commit of any session is under way.
   bool committing() const;
@@ -103,7 +103,7 @@ class SessionTable {
   // Returns how many sessions of the scene are connected.
   uint32_t ActiveCount(const priors::SceneKey& scene) const;
   size_t size() const { return entries_.size(); }
-  // The scenes of sessions that the store does not have yet.
+  // The scenes of sessions that are not in the store yet.
   NewScenes& new_scenes() { return new_scenes_; }
   const SessionContext& context() const { return context_; }
 
@@ -120,8 +120,8 @@ class SessionTable {
   };
 
   SessionView ViewOf(const Entry& entry) const;
-  // Removes the session that was lost first, of the token if one is given, preferably one whose
-  // evidence is on disk. Returns whether a session could leave.
+  // Removes the session that was lost first, preferably one whose evidence is on disk. If a token
+  // is given, only sessions of that token may leave. Returns whether a session could leave.
   bool MakeRoom(std::optional<int64_t> token_id);
   void Lose(Entry& entry);
   // Removes the entry from the lost ones. REQUIRES: it is lost.
@@ -143,7 +143,7 @@ class SessionTable {
   std::set<std::string> kicked_;
   std::deque<std::string> kicks_;  // the same, the oldest first
   uint64_t last_lost_number_ = 0;
-  bool sweep_scheduled_ = false;  // one timer, however many sessions come and go
+  bool sweep_scheduled_ = false;  // one timer for all sessions
 };
 
 }  // namespace sweepstake::sessions

@@ -1,5 +1,5 @@
-// The weight of each source of stored evidence in future sessions. It reads the store, and is used
-// on one of the store's threads.
+// The weight of each source of stored evidence in future sessions. It reads the store on one of the
+// store's threads.
 #pragma once
 
 #include <map>
@@ -10,21 +10,21 @@
 
 namespace sweepstake::sessions {
 
-// For lists of sources that people read. A scene is read once.
+// For lists of sources that people read. Each scene is read once.
 class SourceWeights {
  public:
   // `store` is borrowed.
   explicit SourceWeights(priors::PriorReader& store) : store_(store) {}
 
   // Returns the weight that PriorFor gives the record in a session of its scene and machine class,
-  // with the build that was seen there last and the newest version of the arm. 0 for records that
-  // such a session does not use: in quarantine, or not among the sources that LoadSources chooses.
+  // with the build that was seen there last and the newest version of the arm. Returns 0 for
+  // records that such a session does not use: in quarantine, or not chosen by LoadSources. Returns
   // 1 if the policy sums rewards over all sources. Errors: those of PriorReader::LoadSources.
   absl::StatusOr<double> Of(const priors::PriorRecord& record);
 
  private:
   struct Scene {
-    std::map<std::string, priors::SceneSource> sources;  // those of its class, by id
+    std::map<std::string, priors::SceneSource> sources;  // sources of its machine class, by id
     std::map<std::string, uint32_t> newest_versions;     // by arm
     std::string newest_build;
   };

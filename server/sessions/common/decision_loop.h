@@ -1,4 +1,4 @@
-// The decision loop, on whose thread all sessions live, and its clock.
+// The decision loop, the thread on which all sessions live, and its clock.
 #pragma once
 
 #include <chrono>
@@ -47,11 +47,11 @@ class SteadyClock final : public Clock {
 // The callbacks of the transport and of the store only post tasks here. Sessions therefore need no
 // locks, and no other thread waits for a decision. Post, PostLater and PostAt are thread-safe.
 //
-// Tasks run in the order of posting, those of PostAt when they are due. Tasks of Post overtake
-// those of PostLater and PostAt, of which a few run per turn, so that a frame does not wait for a
+// Tasks run in the order of posting, PostAt tasks when they are due. Only a few PostLater and
+// PostAt tasks run per turn and Post tasks overtake them, so that a frame does not wait for a
 // thousand commits. Tasks must not wait and must not throw. The queues are bounded, because each
 // stream, watcher and commit has at most a few tasks in them. The destructor runs the posted tasks,
-// drops those that are not due yet, and ends the thread. The clock must outlive the loop.
+// drops tasks that are not due yet, and ends the thread. The clock must outlive the loop.
 class DecisionLoop {
  public:
   using Task = std::function<void()>;
@@ -59,10 +59,10 @@ class DecisionLoop {
 
   enum class Runner {
     kOwnThread,
-    kCaller,  // RunReady runs the tasks, and the destructor drops the others
+    kCaller,  // RunReady runs the tasks; the destructor drops the remaining ones
   };
 
-  // `on_timer`, if set, gets the lateness of each task of PostAt, on the loop's thread.
+  // `on_timer`, if set, is called on the loop's thread with the lateness of each PostAt task.
   explicit DecisionLoop(Clock& clock, OnTimer on_timer = {}, Runner runner = Runner::kOwnThread);
   ~DecisionLoop();
   DecisionLoop(const DecisionLoop&) = delete;
@@ -82,7 +82,7 @@ class DecisionLoop {
  private:
   using Timers = std::multimap<int64_t, Task>;
 
-  // The tasks that run before the loop looks for more.
+  // The tasks that run before the loop collects again.
   struct Turn {
     std::vector<Task> ready;
     Timers due;
@@ -94,8 +94,8 @@ class DecisionLoop {
   void Run();
   template <typename Queue>
   void Put(Queue& queue, Task task);
-  // Moves all tasks of Post into the turn, and a few of PostLater and of the due ones of PostAt.
-  // Returns false if the loop closes and nothing is left.
+  // Moves all Post tasks into the turn, and a few of the PostLater and the due PostAt tasks.
+  // Returns false if the loop is closing and no task is left.
   bool Collect(Turn& turn);
   void RunTasks(Turn& turn);
 
@@ -106,7 +106,7 @@ class DecisionLoop {
   std::deque<Task> later_;    // guarded by mutex_
   Timers timers_;             // guarded by mutex_
   bool closing_ = false;      // guarded by mutex_
-  std::thread thread_;        // last: it uses the members above; none if the caller is the runner
+  std::thread thread_;  // last: it uses the members above; not started if the caller is the runner
 };
 
 }  // namespace sweepstake::sessions

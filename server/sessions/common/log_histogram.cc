@@ -7,7 +7,7 @@
 namespace sweepstake::sessions {
 namespace {
 
-// 2^(63 + k/8) for k = 1 to 7, rounded up: where the buckets of an octave begin after its first.
+// 2^(63 + k/8) for k = 1 to 7, rounded up: the lower bounds of buckets 2 to 8 of an octave.
 constexpr std::array<uint64_t, 7> kEighths = {
     0x8b95c1e3ea8bd6e7, 0x9837f0518db8a970, 0xa5fed6a9b15138eb, 0xb504f333f9de6485,
     0xc5672a115506dade, 0xd744fccad69d6af5, 0xeac0c6e7dd24392f};
@@ -25,7 +25,7 @@ uint32_t LogHistogram::BucketOf(uint64_t value) {
 
 void LogHistogram::Add(uint64_t value) {
   const uint32_t number = BucketOf(value);
-  // One frame costs about as much as the one before.
+  // Fast path: consecutive frames often fall into the same bucket.
   if (latest_ < buckets_.size() && buckets_[latest_].number == number) {
     ++buckets_[latest_].count;
     return;
@@ -37,7 +37,7 @@ void LogHistogram::Add(uint64_t value) {
   if (!known && buckets_.size() < kMaxBuckets) {
     place = buckets_.insert(place, {number, 0});
   } else if (!known && place != buckets_.begin()) {
-    // The lowest bucket makes room: its values are counted in the next one.
+    // Merge the lowest bucket into the next one, to make room for the new bucket.
     buckets_[1].count += buckets_[0].count;
     --place;
     std::move(buckets_.begin() + 1, place + 1, buckets_.begin());

@@ -1,8 +1,8 @@
-// Counts of values by their size, in eight buckets per octave: a percentile derived from it differs
-// from the exact one by at most 4.5 %. Histograms are merged by adding the counts of equal buckets.
+// Counts of values by size, in eight buckets per octave. A percentile derived from it differs from
+// the exact one by at most 4.5 %. Histograms are merged by adding the counts of equal buckets.
 //
-// Exact in integers, so that a value has the same bucket everywhere. Not thread-safe. The memory is
-// bounded by kMaxBuckets.
+// Buckets are computed in integers, so that a value has the same bucket on every machine. Not
+// thread-safe. The memory is bounded by kMaxBuckets.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace sweepstake::sessions {
 class LogHistogram {
  public:
   // Eight octaves, a far larger range than the frames of a game have. If values need more, the
-  // smallest ones share the lowest bucket, so that the high percentiles stay right.
+  // smallest ones share the lowest bucket, so that the high percentiles stay correct.
   static constexpr size_t kMaxBuckets = 64;
 
   struct Bucket {
@@ -32,7 +32,7 @@ class LogHistogram {
     latest_ = 0;
   }
   bool empty() const { return buckets_.empty(); }
-  // The buckets that hold values, in ascending order.
+  // The non-empty buckets, in ascending order.
   std::span<const Bucket> buckets() const { return buckets_; }
 
  private:
@@ -40,7 +40,7 @@ class LogHistogram {
   size_t latest_ = 0;  // index of the bucket of the latest value, if there is one
 };
 
-// The cost of frames.
+// The cost of frames: times in ns, memory in bytes.
 struct FrameHistograms {
   LogHistogram frame_time_ns;
   LogHistogram detection_time_ns;

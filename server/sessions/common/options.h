@@ -1,4 +1,4 @@
-// The bounds and counters of sessions. Each field says what happens at its bound.
+// The limits and counters of sessions. Each field says what happens at its limit.
 #pragma once
 
 #include <array>
@@ -15,52 +15,52 @@
 
 namespace sweepstake::sessions {
 
-// The largest box view that a game is asked for; a larger one is INVALID_ARGUMENT.
+// The largest box view that is requested from a game, in bytes; a larger one is INVALID_ARGUMENT.
 inline constexpr size_t kMaxBoxViewBytes = 64 * 1024;
-inline constexpr uint64_t kMaxFrameNs = 3'600'000'000'000;  // an hour; a longer frame is left out
-// The maximum bytes of audit rows that wait for the disk, of one session (64 rows of 7 arms, which
-// are two minutes) and of all sessions. A row beyond them is lost.
+inline constexpr uint64_t kMaxFrameNs = 3'600'000'000'000;  // an hour; longer frames are rejected
+// The maximum bytes of audit rows that wait for the disk, per session (64 rows of 7 arms, about two
+// minutes) and over all sessions. Rows above the limit are lost and counted.
 inline constexpr size_t kMaxWaitingAuditBytesOfSession = 64 * 1024;
 inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
 
 // Adjustable members may change at any time.
 struct SessionOptions {
-  // Its policy is that of sessions that name none.
+  // Its policy applies to sessions that name none.
   decision::DecisionOptions decision;
-  std::string daemon_version;  // of the program, as in Welcome and the audit log
-  // Whether the sessions that begin write rows of the audit log.
+  std::string daemon_version;  // version of the program, as in Welcome and the audit log
+  // Whether new sessions write rows of the audit log.
   Adjustable<bool> keeps_audit = true;
-  // Whether other daemons write the store, too. A session that cannot be read then may continue in
-  // another daemon. It is refused, since what its client sends again might count twice.
+  // Whether other daemons write to the store too. A session that cannot be read may then continue
+  // in another daemon. It is refused, because messages that its client resends might count twice.
   bool shares_store = false;
-  // The maximum number of sessions in memory, connected or resumable. At the bound the session that
+  // The maximum number of sessions in memory, connected or resumable. At the limit the session that
   // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
-  // new one is RESOURCE_EXHAUSTED.
+  // new session is RESOURCE_EXHAUSTED.
   Adjustable<uint32_t> max_sessions = 20'000;
-  // The maximum number of sessions of one token, with the same consequences. One token thus leaves
-  // half of the daemon to the others.
+  // The maximum number of sessions per token, with the same consequences. The default leaves half
+  // of the daemon to other tokens.
   Adjustable<uint32_t> max_sessions_per_token = 10'000;
-  // The maximum number of projects. One more, in a Hello or an import, is RESOURCE_EXHAUSTED. For a
-  // Hello, projects that only sessions in memory have count too.
+  // The maximum number of projects. A Hello or an import that adds another one is
+  // RESOURCE_EXHAUSTED. A Hello also counts projects that only sessions in memory have.
   Adjustable<uint32_t> max_projects = 100;
-  // The maximum number of scenes of a project, by name, with the same consequences.
+  // The maximum number of scene names per project, with the same consequences.
   Adjustable<uint32_t> max_scenes = 1'000;
-  // The secret from which the resume token of every session is made, 32 random bytes. If it
-  // changes, no earlier session can be resumed.
+  // The secret of all resume tokens: 32 random bytes. If it changes, earlier sessions cannot be
+  // resumed.
   std::string resume_secret;
-  // Makes the ids and seeds of new sessions. Called on the decision loop.
+  // Generates the ids and seeds of new sessions. Called on the decision loop.
   std::function<uint64_t()> random_bits = [] {
     std::random_device device;
     return (uint64_t{device()} << 32) | device();
   };
-  // A lost session leaves memory after this time; from then on it is resumed from the store.
+  // A lost session leaves memory after this time; later it is resumed from the store.
   Adjustable<int64_t> resume_window_ns = 600'000'000'000;
   // If the store has not answered a Hello after this time, the session begins without its evidence.
-  // A client waits ten seconds for the welcome.
+  // A client waits ten seconds for the welcome message.
   int64_t load_patience_ns = 5'000'000'000;
 };
 
-// The impossible value of a frame or a shadow visit (rejection.h).
+// The field with the impossible value, in a frame or a shadow visit (rejection.h).
 enum class RejectionReason : size_t {
   kFrameTime,
   kDetectionTime,
@@ -73,22 +73,23 @@ inline constexpr std::array<std::string_view, 5> kRejectionReasonNames = {
 using RejectionCounts = std::array<std::atomic<uint64_t>, kRejectionReasonNames.size()>;
 
 // Counts of events since the daemon's start, and of what exists now. The decision loop writes them
-// and any thread may read them. Each counter is exact, but several are not read at one moment.
+// and any thread may read them. Each counter is exact, but several counters are not read at one
+// moment.
 struct SessionCounters {
   std::atomic<uint64_t> session_count{0};  // sessions in memory, connected or lost
   std::atomic<uint64_t> goodbye_count{0};  // sessions that the client ended
   // Messages of a newer protocol, which were not applied.
   std::atomic<uint64_t> unknown_message_count{0};
-  // Messages whose sequence number was applied before.
+  // Messages whose sequence number had already been applied.
   std::atomic<uint64_t> replayed_message_count{0};
   std::atomic<uint64_t> applied_message_count{0};
-  // Frames and shadow visits. The rejected ones are counted by RejectionReason.
+  // Frames and shadow visits. Rejected ones are counted by RejectionReason.
   std::atomic<uint64_t> accepted_frame_count{0};
   RejectionCounts rejected_frame_counts{};
   std::atomic<uint64_t> accepted_shadow_count{0};
   RejectionCounts rejected_shadow_counts{};
-  // Bail-outs that were answered but are not evidence: more than a game, or the games of a token or
-  // address, can have.
+  // Bail-outs that were answered but not used as evidence, because the game, or the games of a
+  // token or address, exceeded their limit.
   std::atomic<uint64_t> surplus_bail_out_count{0};
   std::atomic<uint64_t> dropped_frame_count{0};  // dropped by the clients' queues
   std::atomic<uint64_t> decision_count{0};
@@ -97,7 +98,7 @@ struct SessionCounters {
   std::atomic<uint64_t> stored_commit_count{0};
   std::atomic<uint64_t> failed_commit_count{0};
   std::atomic<uint64_t> waiting_audit_bytes{0};  // of audit rows that wait for the disk now
-  // Audit rows that are not in the log, because too many waited or the store could not write them.
+  // Audit rows missing in the log, because too many waited or the store could not write them.
   std::atomic<uint64_t> lost_audit_row_count{0};
 };
 

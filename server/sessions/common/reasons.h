@@ -11,7 +11,7 @@
 namespace sweepstake::sessions {
 
 struct Reason {
-  absl::string_view name;  // that of a v1::ErrorReason, without its prefix
+  absl::string_view name;  // name of a v1::ErrorReason, without its prefix
   absl::StatusCode code;
 };
 
@@ -45,16 +45,16 @@ inline constexpr std::array kAll = {
 
 }  // namespace reasons
 
-// The payload of a status that holds the name of its reason.
+// The key of the status payload that holds the name of its reason.
 inline constexpr absl::string_view kReasonPayload = "sweepstake/reason";
 
-// Returns the status with another reason. Its code stays.
+// Returns the status with another reason and the same code.
 inline absl::Status WithReason(absl::Status status, absl::string_view name) {
   status.SetPayload(kReasonPayload, absl::Cord(name));
   return status;
 }
 
-// Returns a status with the reason and its code. `message` says what to do next.
+// Returns a status with the reason and its code. `message` must say what to do next.
 inline absl::Status Refused(const Reason& reason, absl::string_view message) {
   return WithReason(absl::Status(reason.code, message), reason.name);
 }

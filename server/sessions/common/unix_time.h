@@ -7,7 +7,7 @@
 
 namespace sweepstake::priors {
 
-// Since 1970 (UTC), rounded down.
+// The time since 1970 (UTC), rounded down.
 template <typename Unit>
 int64_t UnixNow() {
   return std::chrono::floor<Unit>(std::chrono::system_clock::now().time_since_epoch()).count();

@@ -353,7 +353,7 @@ TEST_F(SessionsTest, AnOrderOrKickThatIsRefusedIsToldInTheLogAsARefusalAndNotAsG
   const std::string id = client.Open(HelloMessage()).session_id();  // takes no orders
   EXPECT_EQ(ReasonOf(Order(id, v1::MODE_AI, "")), v1::ERROR_REASON_ORDER_REFUSED);
   EXPECT_EQ(ReasonOf(Kick("nobody", false)), v1::ERROR_REASON_UNKNOWN_SESSION);
-  EXPECT_THAT(logged_->text(), HasSubstr("(ORDER_REFUSED): this game takes no orders"));
+  EXPECT_THAT(logged_->text(), HasSubstr("(ORDER_REFUSED): this game does not accept orders"));
   EXPECT_THAT(logged_->text(), HasSubstr("(UNKNOWN_SESSION)"));
   EXPECT_THAT(logged_->text(), Not(HasSubstr("ordered")));
 }
