@@ -11,7 +11,7 @@ FailureLimit::Verdict FailureLimit::Count(const std::string& address, int64_t no
     window.start_ns = now_ns;
     starts_.emplace_back(now_ns, address);
   }
-  // Beyond the limit the count stays, so that it does not overflow.
+  // The count stops above the limit, so that it cannot overflow.
   if (window.count > kMaxFailures) return Verdict::kBeyond;
   ++window.count;
   if (window.count > kMaxFailures) return Verdict::kBeyond;

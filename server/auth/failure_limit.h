@@ -1,8 +1,8 @@
-// Counts the calls that came with a wrong token or none, by the address they came from, so that
-// one that guesses is told to wait.
+// Counts the calls with a wrong token or none, by source address, to slow down the guessing of
+// tokens.
 //
-// Thread-safe. The memory is bounded by kMaxAddresses; beyond it the address whose count is the
-// oldest is forgotten.
+// Thread-safe. The memory is bounded by kMaxAddresses; above it the address with the oldest window
+// is removed.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,13 @@ namespace sweepstake::auth {
 
 class FailureLimit {
  public:
-  static constexpr uint32_t kMaxFailures = 10;  // of an address in a minute
+  static constexpr uint32_t kMaxFailures = 10;  // per address and minute
   static constexpr int64_t kIntervalNs = 60'000'000'000;
   static constexpr size_t kMaxAddresses = 10'000;
 
   enum class Verdict { kBelow, kReached, kBeyond };
-  // Counts a failure. The minute of an address begins with its first one. Returns kReached once, at
-  // the last failure that is allowed.
+  // Counts a failure. The minute of an address begins with its first failure. Returns kReached
+  // once, at the last failure that is allowed.
   Verdict Count(const std::string& address, int64_t now_ns);
 
   size_t size() const;
@@ -36,9 +36,9 @@ class FailureLimit {
 
   void Forget(int64_t now_ns);
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::unordered_map<std::string, Window> windows_;
-  std::deque<std::pair<int64_t, std::string>> starts_;  // of the windows, oldest first
+  std::deque<std::pair<int64_t, std::string>> starts_;  // starts of the windows, oldest first
 };
 
 }  // namespace sweepstake::auth

@@ -1,5 +1,5 @@
-// How often somebody may do something: as many times a second as a rate says, and at once as many
-// as in ten seconds. Times are of a steady clock.
+// Limits the rate of events: a number per second, with a burst of ten seconds of that rate. Times
+// are of a steady clock.
 #pragma once
 
 #include <cstddef>
@@ -12,28 +12,28 @@
 
 namespace sweepstake::auth {
 
-// One bucket. Not thread-safe.
+// One token bucket. Not thread-safe.
 class RateBucket {
  public:
   static constexpr int64_t kBurstNs = 10'000'000'000;
 
-  // Returns whether it may be done now, and counts it if so. REQUIRES: per_s >= 1.
+  // Returns whether the event is allowed now, and counts it if so. REQUIRES: per_s >= 1.
   bool Take(double per_s, int64_t now_ns);
-  // Returns whether nothing is left of what was counted.
+  // Returns whether the bucket is full, so that it can be forgotten.
   bool full(int64_t now_ns) const { return due_ns_ <= now_ns; }
 
  private:
-  // What was counted is paid off by then, at the rate.
+  // Time at which the bucket is full again.
   int64_t due_ns_ = std::numeric_limits<int64_t>::min();
 };
 
-// A bucket for each of many. Thread-safe. The memory is bounded by kMaxBuckets; beyond it the one
-// that has not been used for the longest time is forgotten, which fills it.
+// A bucket per name. Thread-safe. The memory is bounded by kMaxBuckets; above it the least recently
+// used bucket is removed, so that its name starts with a full one.
 class RateLimit {
  public:
   static constexpr size_t kMaxBuckets = 10'000;
 
-  // As RateBucket::Take, of whoever has this name.
+  // Like RateBucket::Take, for the bucket of `name`.
   bool Take(const std::string& name, double per_s, int64_t now_ns);
 
   size_t size() const;
@@ -46,9 +46,9 @@ class RateLimit {
 
   void Forget(int64_t now_ns);
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::unordered_map<std::string, Entry> buckets_;
-  std::list<std::string> uses_;  // names, the one that was used last at the end
+  std::list<std::string> uses_;  // names, the most recently used one at the end
 };
 
 }  // namespace sweepstake::auth

@@ -23,8 +23,8 @@ std::string MadeText(const StoredToken& token) {
                       " of ", request.projects.empty() ? "all projects" : "some projects");
 }
 
-// Returns whether the list has the token at this place. A file only grows, so that a token stays in
-// its place; another file may have others there.
+// Returns whether the list has the token at this index. A file only grows, so a token keeps its
+// index; another file may have other tokens there.
 template <typename Entry>
 bool HasAt(const std::vector<Entry>& list, size_t place, const StoredToken& token) {
   return place < list.size() && list[place].token.id == token.id &&
@@ -95,7 +95,7 @@ absl::Status TokenRegistry::Read() {
   auto tokens = store_->Load();
   if (!tokens.ok()) return tokens.status();
   if (tokens->empty() && (store_->WereMade() || !empty())) return store_->Lost();
-  // A file from before there was the note has none.
+  // A file from an older version has no such note.
   if (!tokens->empty()) {
     if (absl::Status status = store_->NoteMade(); !status.ok()) return status;
   }
@@ -120,7 +120,7 @@ void TokenRegistry::Report(const Entries& before, const Entries& after) const {
   for (size_t i = 0; i < before.list.size(); ++i) {
     const StoredToken& token = before.list[i].token;
     if (!HasAt(after.list, i, token))
-      options_.on_change(absl::StrCat("token ", NameFor(token), " is in the file no more"));
+      options_.on_change(absl::StrCat("token ", NameFor(token), " is no longer in the file"));
   }
   for (size_t i = 0; i < after.list.size(); ++i) {
     const StoredToken& token = after.list[i].token;
@@ -160,7 +160,7 @@ absl::Status TokenRegistry::Follow() {
   if (!*in_place) return OpenStore();
   const auto version = store_->Version();
   if (!version.ok()) return version.status();
-  // What could not be read is read again, though it is the same.
+  // After a failed read, read again although the version is the same.
   if (readable_ && *version == version_) return absl::OkStatus();
   if (absl::Status status = Read(); !status.ok()) return status;
   version_ = *version;
@@ -176,7 +176,7 @@ void TokenRegistry::StoreUses() {
       uses.emplace_back(entry.token.id, used_s);
   }
   if (uses.empty()) return;
-  // What fails now is tried again a minute later.
+  // A failed update is tried again after use_interval.
   absl::Status status = store_->MarkUsed(uses);
   if (status.ok()) status = Read();
   status.IgnoreError();

@@ -1,9 +1,10 @@
-// The tokens of a running daemon: kept in memory, and read again within a second after
-// `sweepstaked token` has changed them, or another file was put in the place of theirs.
+// The tokens of a running daemon. They are kept in memory, and read again within a second after
+// `sweepstaked token` has changed the file, or the file was replaced.
 //
-// While the file is missing, cannot be read, or has none of the tokens that there have been, they
-// stay as they were, and on_problem says so once. Thread-safe. It owns one thread,
-// which alone uses the database: it also stores when tokens were last used, at most once a minute.
+// If the file is missing, cannot be read, or has lost all its tokens, the tokens in memory stay
+// valid, and on_problem is called once. Thread-safe. It owns one thread, the only one that uses the
+// database. This thread also stores the times at which tokens were last used, at most once a
+// minute.
 #pragma once
 
 #include <atomic>
@@ -27,18 +28,18 @@
 namespace sweepstake::auth {
 
 struct TokenRegistryOptions {
-  std::chrono::milliseconds interval{1'000};  // between two looks at the file
+  std::chrono::milliseconds interval{1'000};  // between two checks of the file
   std::chrono::milliseconds use_interval{60'000};
-  std::function<int64_t()> unix_now_s;  // the wall clock, from any thread
-  // Told what has been done to a token, and what is wrong with the file; on the registry's thread.
+  std::function<int64_t()> unix_now_s;  // the wall clock; called on any thread
+  // Called on the registry's thread with a changed token, and with a problem of the file.
   std::function<void(const std::string&)> on_change;
   std::function<void(const absl::Status&)> on_problem;
 };
 
 class TokenRegistry final : public TokenDirectory {
  public:
-  // Reads the file, and makes it if it is missing. Errors: those of TokenStore::Open; a file
-  // without a token, where there have been some, is FAILED_PRECONDITION as a missing one is.
+  // Reads the file; creates it if it is missing. Errors: those of TokenStore::Open. A file that has
+  // lost its tokens is FAILED_PRECONDITION, like a missing file.
   static absl::StatusOr<std::unique_ptr<TokenRegistry>> Open(const std::filesystem::path& path,
                                                              TokenRegistryOptions options);
   ~TokenRegistry() override;
@@ -54,8 +55,8 @@ class TokenRegistry final : public TokenDirectory {
   };
   struct Entries {
     std::vector<Entry> list;  // ordered by id
-    // Places in the list, by the first digits of the digest. These may be looked up in any time:
-    // who guesses a token cannot choose its digest.
+    // Indices in the list, by the first digits of the digest. These need no constant-time lookup:
+    // an attacker who guesses tokens cannot choose their digests.
     std::unordered_multimap<std::string, size_t> by_digest;
   };
 
@@ -66,7 +67,7 @@ class TokenRegistry final : public TokenDirectory {
   // Opens the file and reads it.
   absl::Status OpenStore();
   absl::Status Read();
-  // Reads the file if it was changed, or is another one.
+  // Reads the file if it was changed or replaced.
   absl::Status Follow();
   void Report(const Entries& before, const Entries& after) const;
   void Run();
@@ -77,11 +78,11 @@ class TokenRegistry final : public TokenDirectory {
   const std::filesystem::path path_;
   // These are used by Open, then by the thread.
   std::optional<TokenStore> store_;
-  int64_t version_ = 0;  // of what was read
+  int64_t version_ = 0;  // version of the data that was read
   bool readable_ = true;
   std::chrono::steady_clock::time_point next_use_store_{};
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::shared_ptr<const Entries> entries_ = std::make_shared<Entries>();
   std::condition_variable ending_changed_;
   bool ending_ = false;

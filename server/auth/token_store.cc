@@ -30,13 +30,13 @@ using storage::SqliteTransaction;
 constexpr int64_t kApplicationId = 0x53575431;  // "SWT1"
 constexpr int64_t kSchemaVersion = 1;
 constexpr size_t kTokenBytes = 32;
-// Makes a token known as one, for instance to programs that look for secrets in published files.
+// Makes tokens recognisable, for instance for programs that search published files for secrets.
 constexpr const char* kTokenPrefix = "sweepstake_";
-// Projects are names, which have no line ends. All projects are "*".
+// Project names contain no line ends. "*" means all projects.
 constexpr const char* kAllProjects = "*";
 constexpr size_t kMaxProjects = 100;
 
-// Times of 0 are those that have not come.
+// A time of 0 means that the event has not happened.
 constexpr const char* kSchema = R"sql(
   CREATE TABLE token (
     id INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -55,7 +55,7 @@ constexpr const char* kSchema = R"sql(
   ) STRICT;
 )sql";
 
-// A name of this process' own, since others may be making the same file.
+// The name contains the process id, because other processes may create the same file.
 fs::path UnfinishedName(const fs::path& path) {
   return absl::StrCat(path.string(), ".new-", getpid());
 }
@@ -67,19 +67,19 @@ bool Exists(const fs::path& path) {
   return fs::exists(path, unknown);
 }
 
-// A file without the tokens that there have been.
+// The error for a file whose tokens were lost.
 absl::Status LostFile(const fs::path& path) {
   return absl::FailedPreconditionError(absl::StrCat(
       path.string(),
-      Exists(path) ? " has no token, though there have been some"
-                   : " is missing, though there have been tokens",
-      ": put a copy in its place; `sweepstaked token create` makes tokens in a file without the "
-      "others, which ends those; to have none, stop the daemon and remove ",
+      Exists(path) ? " contains no tokens, but tokens were created earlier"
+                   : " is missing, but tokens were created earlier",
+      ": restore a copy of the file; or create new tokens with `sweepstaked token create`, which "
+      "invalidates the earlier ones; to run without tokens, stop the daemon and remove ",
       Exists(path) ? absl::StrCat(path.string(), " and ") : "", NoteBeside(path).string()));
 }
 
-// Gives a file its name unless there is one of that name. Not every file system has hard links
-// (FAT), nor every one a rename that replaces nothing (NFS). Returns 0 or the error's number.
+// Gives a file its name unless that name exists. Not every file system has hard links (FAT), and
+// not every one has a rename that does not replace (NFS). Returns 0 or the errno.
 int NameUnlessThere(const fs::path& unfinished, const fs::path& path) {
   if (link(unfinished.c_str(), path.c_str()) == 0) return 0;
   const int why = errno;
@@ -89,7 +89,7 @@ int NameUnlessThere(const fs::path& unfinished, const fs::path& path) {
   return errno == EEXIST ? EEXIST : why;
 }
 
-// The file appears complete. One that another process has made meanwhile stays.
+// The file appears complete. If another process has created it meanwhile, that file stays.
 absl::Status CreateFile(const fs::path& path) {
   const fs::path unfinished = UnfinishedName(path);
   absl::Status status = storage::CreatePrivateFile(unfinished);
@@ -115,19 +115,19 @@ absl::Status CreateFile(const fs::path& path) {
 absl::Status CheckFile(SqliteDatabase& database, const fs::path& path) {
   const auto damaged = [&](absl::string_view what) {
     return absl::DataLossError(absl::StrCat(
-        path.string(), " ", what, "; put a copy in its place, or remove it and make new tokens"));
+        path.string(), " ", what, "; restore a copy, or remove it and create new tokens"));
   };
   if (absl::Status status = database.Configure(); !status.ok() && !absl::IsDataLoss(status))
     return Explain(path, status);
   auto id = database.QueryInteger("PRAGMA application_id");
   if (!id.ok() && !absl::IsDataLoss(id.status())) return Explain(path, id.status());
-  if (!id.ok() || *id != kApplicationId) return damaged("is no database of tokens");
+  if (!id.ok() || *id != kApplicationId) return damaged("is not a token database");
   auto version = database.QueryInteger("PRAGMA user_version");
   if (!version.ok()) return Explain(path, version.status());
   if (*version != kSchemaVersion) {
-    return absl::FailedPreconditionError(absl::StrCat(path.string(), " has schema ", *version,
-                                                      ", this program knows ", kSchemaVersion,
-                                                      "; use the program that wrote it"));
+    return absl::FailedPreconditionError(
+        absl::StrCat(path.string(), " has schema ", *version, ", but this program supports schema ",
+                     kSchemaVersion, "; use the version of the program that wrote it"));
   }
   auto verdict = database.QueryText("PRAGMA integrity_check(1)");
   if (!verdict.ok() && !absl::IsDataLoss(verdict.status())) return Explain(path, verdict.status());
@@ -146,18 +146,18 @@ absl::Status Check(const TokenRequest& request, int64_t unix_s) {
   for (const std::string& project : request.projects) {
     if (!text::IsName(project) || project == kAllProjects)
       return absl::InvalidArgumentError(
-          "a project must have 1 to 128 bytes and no control characters; for all of them name "
-          "none");
+          "a project name must have 1 to 128 bytes and no control characters; omit projects to "
+          "allow all");
   }
   if (request.expires_unix_s && *request.expires_unix_s <= unix_s)
-    return absl::InvalidArgumentError("a token must not have expired when it is made");
+    return absl::InvalidArgumentError("the expiry time of a new token must be in the future");
   return absl::OkStatus();
 }
 
 absl::StatusOr<std::string> RandomToken() {
   std::array<unsigned char, kTokenBytes> bytes{};
   if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1)
-    return absl::UnavailableError("the system gives no random numbers; try again");
+    return absl::UnavailableError("the system returned no random numbers; try again");
   return absl::StrCat(kTokenPrefix,
                       absl::WebSafeBase64Escape(absl::string_view(
                           reinterpret_cast<const char*>(bytes.data()), bytes.size())));
@@ -172,7 +172,7 @@ std::vector<std::string> ProjectsOf(const std::string& text) {
   return absl::StrSplit(text, '\n');
 }
 
-// The column has a CHECK for it.
+// The column has a CHECK for valid roles.
 Role RoleOf(const std::string& name) {
   const auto* const found = std::find(kRoleNames.begin(), kRoleNames.end(), name);
   return static_cast<Role>(found - kRoleNames.begin());
@@ -213,7 +213,7 @@ absl::StatusOr<TokenStore> TokenStore::Open(const fs::path& path, IfLost if_lost
     if (if_lost == IfLost::kRefuse && Exists(NoteBeside(path))) return LostFile(path);
     if (absl::Status status = CreateFile(path); !status.ok()) return status;
   }
-  // Before it is opened: one that is put in its place just then is seen by IsInPlace.
+  // Taken before the file is opened: if the file is replaced in between, IsInPlace detects it.
   const auto file = storage::FileId::Of(path);
   if (!file.ok()) return file.status();
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
@@ -252,7 +252,8 @@ absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int6
   const auto count = database_.QueryInteger("SELECT count(*) FROM token");
   if (!count.ok()) return count.status();
   if (*count >= static_cast<int64_t>(kMaxTokens))
-    return absl::ResourceExhaustedError(absl::StrCat("there are ", kMaxTokens, " tokens already"));
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the token file already has the maximum of ", kMaxTokens, " tokens"));
   auto insert = database_.Prepare(R"sql(
     INSERT INTO token (name, digest, role, projects, created_unix_s, created_by, expires_unix_s)
     VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT (name) DO NOTHING RETURNING id)sql");
@@ -263,12 +264,12 @@ absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int6
                               unix_s, request.made_by, request.expires_unix_s.value_or(0));
   if (!status.ok()) return status;
   if (!inserted) {
-    return absl::AlreadyExistsError(absl::StrCat("there is, or was, a token of the name ",
+    return absl::AlreadyExistsError(absl::StrCat("there is, or was, a token with the name ",
                                                  text::PrintableLine(request.name),
                                                  "; choose another name"));
   }
-  // Before the commit, so that no token is made that could be lost unnoticed; after all else that
-  // can fail, so that the note is not of a token that there never was.
+  // Before the commit, so that no token exists without the note. After all other steps that can
+  // fail, so that there is no note without a token.
   if (status = NoteMade(); !status.ok()) return status;
   if (status = transaction.Commit(); !status.ok()) return status;
   return token;
@@ -282,11 +283,12 @@ absl::Status TokenStore::Revoke(const std::string& name, const std::string& revo
     return token.request.name == name;
   });
   if (found == tokens->end()) {
-    return absl::NotFoundError(absl::StrCat("there is no token of the name ",
+    return absl::NotFoundError(absl::StrCat("there is no token with the name ",
                                             text::PrintableLine(name),
                                             "; `sweepstaked token list` shows them"));
   }
-  if (found->revoked_unix_s) return absl::FailedPreconditionError("it was revoked before");
+  if (found->revoked_unix_s)
+    return absl::FailedPreconditionError("this token has already been revoked");
   auto update = database_.Prepare(
       "UPDATE token SET revoked_unix_s = ?2, revoked_by = ?3 WHERE id = ?1 AND revoked_unix_s = 0");
   if (!update.ok()) return update.status();

@@ -1,12 +1,12 @@
-// The database of tokens. The daemon and `sweepstaked token` have it open at the same time.
+// The database of tokens. The daemon and `sweepstaked token` may have it open at the same time.
 //
-// A token is 256 random bits as text. Only its SHA-256 is stored: whoever reads the file cannot
-// use what is in it. Rows are never removed, so that the file also says who made and who revoked a
-// token, and when. A file that is empty, damaged or of another program is refused, since without
-// its tokens a daemon on loopback asks nobody for one.
+// A token is 256 random bits as text. Only its SHA-256 is stored, so reading the file does not
+// reveal tokens. Rows are never removed, so that the file also records who created or revoked a
+// token, and when. An empty or damaged file, or one of another program, is refused, because a
+// daemon on loopback requires no token if the file has none.
 //
-// The file tokens-made beside it says that there have been tokens, so that a file that was lost is
-// not taken for none.
+// The file tokens-made beside it records that tokens were created, so that a lost token file is
+// detected.
 //
 // Used by one thread at a time.
 #pragma once
@@ -27,13 +27,13 @@
 
 namespace sweepstake::auth {
 
-// What a token is made from.
+// The properties of a token to create.
 struct TokenRequest {
-  std::string name;  // unique among all tokens, also those that were revoked
+  std::string name;  // unique among all tokens, including revoked ones
   Role role = Role::kWatch;
-  std::vector<std::string> projects;      // empty: all
+  std::vector<std::string> projects;      // empty: all projects
   std::optional<int64_t> expires_unix_s;  // absent: never
-  std::string made_by;                    // the user who asks for it
+  std::string made_by;                    // user who created it
 };
 
 struct StoredToken {
@@ -57,40 +57,39 @@ class TokenStore {
  public:
   static constexpr size_t kMaxTokens = 10'000;
 
-  // What to do about a missing file where there have been tokens.
+  // What to do if the file is missing although tokens were created.
   enum class IfLost { kRefuse, kReplace };
 
-  // Opens the file; a missing one is made, for its owner only. Errors: UNAVAILABLE (cannot be made
-  // or opened), DATA_LOSS (empty, damaged or of another program), FAILED_PRECONDITION (written by a
-  // newer version, or lost).
+  // Opens the file; creates a missing one, readable by its owner only. Errors: UNAVAILABLE (cannot
+  // be created or opened), DATA_LOSS (empty, damaged or of another program), FAILED_PRECONDITION
+  // (written by a newer version, or lost).
   static absl::StatusOr<TokenStore> Open(const std::filesystem::path& path,
                                          IfLost if_lost = IfLost::kRefuse);
 
-  // Returns whether there is such a file, or has been one with tokens.
+  // Returns whether the file exists, or has existed with tokens.
   static bool IsKnown(const std::filesystem::path& path);
 
-  // Makes a token and returns it; it cannot be read again. Errors: INVALID_ARGUMENT (a name or
-  // project is none, or it has expired), ALREADY_EXISTS, RESOURCE_EXHAUSTED (kMaxTokens),
-  // UNAVAILABLE.
+  // Creates a token and returns it; it cannot be read again. Errors: INVALID_ARGUMENT (invalid name
+  // or project, or the expiry is not in the future), ALREADY_EXISTS, RESOURCE_EXHAUSTED
+  // (kMaxTokens), UNAVAILABLE.
   absl::StatusOr<std::string> Create(const TokenRequest& request, int64_t unix_s);
-  // Errors: NOT_FOUND, FAILED_PRECONDITION (it was revoked before), UNAVAILABLE.
+  // Errors: NOT_FOUND, FAILED_PRECONDITION (already revoked), UNAVAILABLE.
   absl::Status Revoke(const std::string& name, const std::string& revoked_by, int64_t unix_s);
   // Returns all tokens, ordered by id.
   absl::StatusOr<std::vector<StoredToken>> Load();
   // Stores when tokens were last used: pairs of id and time.
   absl::Status MarkUsed(std::span<const std::pair<int64_t, int64_t>> uses);
-  // Returns whether the file that was opened is still the one of its name: another one may have
-  // been put in its place, or it was removed. Error: UNAVAILABLE (it cannot be told).
+  // Returns whether the opened file still has its name, that is, it was not replaced or removed.
+  // Error: UNAVAILABLE (the check failed).
   absl::StatusOr<bool> IsInPlace() const;
-  // Returns a number that differs from that of an earlier call if another connection has changed
-  // the file that was opened in between.
+  // Returns a number that changes if another connection has changed the opened file.
   absl::StatusOr<int64_t> Version() { return database_.QueryInteger("PRAGMA data_version"); }
 
-  // Returns whether there have been tokens, as the file beside it says.
+  // Returns whether tokens were ever created, according to the file tokens-made.
   bool WereMade() const;
-  // Makes that file, if it is missing; on return it is on disk. Error: UNAVAILABLE.
+  // Creates the file tokens-made if it is missing; it is on disk on return. Error: UNAVAILABLE.
   absl::Status NoteMade() const;
-  // What a file without the tokens that there have been is refused with.
+  // Returns the error for a file whose tokens were lost.
   absl::Status Lost() const;
 
  private:
@@ -98,7 +97,7 @@ class TokenStore {
       : path_(std::move(path)), file_(file), database_(std::move(database)) {}
 
   std::filesystem::path path_;
-  storage::FileId file_;  // that the database is
+  storage::FileId file_;  // identity of the opened file
   storage::SqliteDatabase database_;
 };
 

@@ -18,13 +18,13 @@ constexpr size_t kNetworkBytes = 8;
 
 using NameOfSocket = int (*)(int descriptor, sockaddr* address, socklen_t* size);
 
-// In gRPC's form, or nothing.
+// Returns the socket's address in gRPC's format, or an empty string.
 std::string NameFrom(NameOfSocket name_of, int descriptor) {
-  sockaddr_in6 address{};  // an IPv4 one is smaller
+  sockaddr_in6 address{};  // also large enough for an IPv4 address
   socklen_t size = sizeof address;
   if (name_of(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
   std::array<char, INET6_ADDRSTRLEN> text{};
-  const uint16_t port = ntohs(address.sin6_port);  // in the same place in both
+  const uint16_t port = ntohs(address.sin6_port);  // at the same offset for IPv4 and IPv6
   if (address.sin6_family == AF_INET) {
     const auto& ipv4 = reinterpret_cast<const sockaddr_in&>(address).sin_addr;
     inet_ntop(AF_INET, &ipv4, text.data(), text.size());

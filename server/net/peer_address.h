@@ -1,4 +1,4 @@
-// Where a call comes from: in gRPC's form, and as quotas count it.
+// The remote address of a call, in gRPC's format and in the format used by quotas.
 #pragma once
 
 #include <string>
@@ -6,19 +6,19 @@
 
 namespace sweepstake::net {
 
-// Returns who is at the other end of a connected socket, as grpc::ServerContext::peer has it, or
-// nothing if that cannot be told.
+// Returns the peer of a connected socket in the format of grpc::ServerContext::peer, or an empty
+// string if it cannot be determined.
 std::string PeerOf(int descriptor);
 
-// Returns whether both ends of a connected socket have the same IP address, as they have where a
-// program connects to an address of its own machine.
+// Returns whether both ends of a connected socket have the same IP address, as when a program
+// connects to an address of its own machine.
 bool ConnectsItself(int descriptor);
 
-// Returns the address in gRPC's name of a peer, without the port. Of IPv6 it is the network of 64
-// bits, since one machine may have all of its addresses.
+// Returns the address of a gRPC peer name, without the port. For IPv6 it is the /64 network,
+// because one machine may have all of its addresses.
 std::string AddressOf(std::string_view peer);
 
-// Returns whether the address of AddressOf is of the daemon's own machine.
+// Returns whether an address returned by AddressOf is on the daemon's own machine.
 bool IsLoopbackAddress(std::string_view address);
 
 }  // namespace sweepstake::net

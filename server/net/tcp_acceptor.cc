@@ -15,9 +15,9 @@ absl::Status TcpAcceptor::Listen(const std::string& listen) {
   try {
     Open(listen);
   } catch (const boost::system::system_error& error) {
-    return absl::UnavailableError(absl::StrCat("cannot listen on ", listen, ": ",
-                                               error.code().message(),
-                                               "; is the address right, and its port free?"));
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen on ", listen, ": ", error.code().message(),
+                     "; check that the address is correct and the port is free"));
   }
   for (Socket& socket : sockets_) Accept(socket);
   return absl::OkStatus();
@@ -28,7 +28,7 @@ void TcpAcceptor::Open(const std::string& listen) {
   std::string host = listen.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   const auto entries = tcp::resolver(io_).resolve(host, listen.substr(colon + 1));
-  // A name such as localhost may have an address of each kind, also where there is one kind only.
+  // A name such as localhost may resolve to IPv4 and IPv6 even if the machine supports only one.
   std::set<tcp::endpoint> endpoints;
   for (const auto& entry : entries) endpoints.insert(entry.endpoint());
   error_code problem;

@@ -1,5 +1,5 @@
-// Accepts TCP connections, for any protocol. It outlives a time without free descriptors: it tries
-// again until there are some, while whoever connects waits in the system's queue.
+// Accepts TCP connections, for any protocol. If no descriptors are free, it tries again until there
+// are some; meanwhile clients wait in the system's queue.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -15,7 +15,7 @@
 
 namespace sweepstake::net {
 
-// One thread at a time runs the context and uses this object.
+// Only one thread at a time may run the context and use this object.
 class TcpAcceptor {
  public:
   using OnConnection = std::function<void(boost::asio::ip::tcp::socket)>;
@@ -31,7 +31,7 @@ class TcpAcceptor {
   absl::Status Listen(const std::string& listen);
   int port() const { return sockets_.front().acceptor.local_endpoint().port(); }
 
-  // Between these two no further connection is accepted.
+  // Between Pause and Resume at most one more connection per address is accepted.
   void Pause() { paused_ = true; }
   void Resume();
 
@@ -51,7 +51,7 @@ class TcpAcceptor {
   boost::asio::io_context& io_;
   const std::chrono::milliseconds retry_;
   const OnConnection on_connection_;
-  std::deque<Socket> sockets_;  // which stay in their places
+  std::deque<Socket> sockets_;  // a deque, because handlers hold references
   bool paused_ = false;
 };
 

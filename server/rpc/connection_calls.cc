@@ -11,7 +11,8 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Ends a connection for both sides. gRPC finds nothing more in it, of which there may be megabytes.
+// Shuts the connection down in both directions and drains it. Otherwise gRPC would still process
+// the unread bytes, which may be megabytes.
 void Abort(int descriptor) {
   shutdown(descriptor, SHUT_RDWR);
   std::array<char, 16 * 1024> unread;
@@ -19,7 +20,7 @@ void Abort(int descriptor) {
   }
 }
 
-// Counts one call as long as it lives, which is as long as the call does.
+// Counts one call during its lifetime, which is that of the gRPC call.
 class CountedCall final : public grpc::experimental::Interceptor {
  public:
   CountedCall(std::shared_ptr<ConnectionCalls> calls, const std::string& peer)
@@ -36,7 +37,8 @@ class CountedCall final : public grpc::experimental::Interceptor {
  private:
   const std::shared_ptr<ConnectionCalls> calls_;
   const std::shared_ptr<ConnectionCalls::Peer> peer_;
-  // gRPC orders what its threads do; ThreadSanitizer, which does not see that, sees this.
+  // gRPC synchronises its threads in a way that ThreadSanitizer cannot see; this atomic makes it
+  // visible.
   std::atomic<bool> made_{false};
 };
 
@@ -83,7 +85,7 @@ std::shared_ptr<ConnectionCalls::Peer> ConnectionCalls::Begin(const std::string&
   if (++peer->call_count <= max_calls_ || std::exchange(peer->ended, true)) return peer;
   ++ended_count_;
   for (const int descriptor : peer->descriptors) {
-    // gRPC may have closed the descriptor already; then it may be of something else by now.
+    // gRPC may have closed the descriptor, and the system may have given it to another socket.
     if (net::PeerOf(descriptor) == name) Abort(descriptor);
   }
   return peer;

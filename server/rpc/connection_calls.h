@@ -1,10 +1,10 @@
-// Counts the calls of each connection that have begun and are not done, and ends a connection that
-// has far too many of them.
+// Counts the unfinished calls of each connection, and ends a connection that has too many of them.
 //
-// HTTP/2 bounds the open streams of a connection. A client that resets each stream at once may
-// begin the next one though the server has yet to end the call of the last. gRPC 1.51 does not
-// bound those: a single connection made it use 1.7 GB in 20 seconds. Many connections that do so at
-// once, on processors that are all busy, are counted too late: HAProxy keeps those away.
+// HTTP/2 limits the open streams of a connection. A client that resets each stream at once may
+// start the next one before the server has finished the previous call. gRPC 1.51 does not limit
+// such calls: a single connection made it use 1.7 GB in 20 seconds. If many connections do so at
+// once and all processors are busy, the calls are counted too late. HAProxy in front of the daemon
+// prevents that.
 #pragma once
 
 #include <grpcpp/support/server_interceptor.h>
@@ -19,26 +19,26 @@
 
 namespace sweepstake::rpc {
 
-// Thread-safe. The table is as large as there are descriptors.
+// Thread-safe. The size of the tables is bounded by the number of descriptors.
 class ConnectionCalls {
  public:
   // A connection that begins a call beyond `max_calls` is ended, and counted in `ended_count`. gRPC
-  // does not say which one a call came by where two have the same other end, one to each of two
-  // addresses of the daemon: they are counted together, and ended together.
+  // does not say on which connection a call came. If two connections to two addresses of the daemon
+  // have the same peer address and port, they are counted together and ended together.
   ConnectionCalls(uint32_t max_calls, std::atomic<uint64_t>& ended_count)
       : max_calls_(max_calls), ended_count_(ended_count) {}
 
-  // Takes notice of a connection that is accepted; gRPC closes the descriptor one day.
+  // Registers an accepted connection. gRPC closes the descriptor later.
   void Add(int descriptor);
 
-  // The other end of a connection; all but the name is guarded by mutex_.
+  // The remote end of one or more connections. mutex_ guards all fields except the name.
   struct Peer {
     const std::string name;
     std::set<int> descriptors;
     uint32_t call_count = 0;
     bool ended = false;
   };
-  // Returns the peer of a call that begins, or null if it is not known. `name` as in
+  // Returns the peer of a new call, or null if the peer is unknown. `name` has the format of
   // grpc::ServerContext::peer.
   std::shared_ptr<Peer> Begin(const std::string& name);
   void End(Peer& peer);
@@ -47,12 +47,13 @@ class ConnectionCalls {
   const uint32_t max_calls_;
   std::atomic<uint64_t>& ended_count_;
   std::mutex mutex_;
-  // Both guarded by mutex_. A connection is in them until its descriptor belongs to another.
+  // Both are guarded by mutex_. A connection stays in them until its descriptor is reused.
   std::unordered_map<int, std::shared_ptr<Peer>> by_descriptor_;
   std::unordered_map<std::string, std::shared_ptr<Peer>> by_name_;
 };
 
-// Makes every call of a server count, whoever answers it.
+// Returns an interceptor factory that counts every call of a server, including calls of gRPC's own
+// services.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> CountCalls(
     std::shared_ptr<ConnectionCalls> calls);
 

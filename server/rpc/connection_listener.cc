@@ -9,12 +9,13 @@ namespace {
 
 using boost::asio::ip::tcp;
 
+// Pause after an accept that failed because no descriptors were free.
 constexpr std::chrono::milliseconds kAcceptRetry{100};
-// A connection ends whose peer has not taken what was sent for so long, as gRPC's own listener has
-// it with the keepalive of SetLimits.
+// TCP_USER_TIMEOUT: closes a connection if the peer has not acknowledged sent data for this time.
+// gRPC's own listener sets it to the keepalive timeout of SetLimits.
 constexpr int kSendPatienceMs = 20'000;
-// While the system has more of a connection, gRPC reads on before it begins the calls that it has
-// read, and before ConnectionCalls can count them. So the system keeps little.
+// While the system has more bytes of a connection, gRPC reads on before it starts the calls that it
+// has read, and before ConnectionCalls can count them. A small buffer limits those calls.
 constexpr int kReceiveBufferBytes = 32 * 1024;
 using SendPatience = boost::asio::detail::socket_option::integer<IPPROTO_TCP, TCP_USER_TIMEOUT>;
 
@@ -44,7 +45,7 @@ absl::Status ConnectionListener::Listen(const std::string& address) {
 void ConnectionListener::HandOver(tcp::socket connection) {
   if (const absl::Status admitted = open_.Add(connection.native_handle()); !admitted.ok())
     return refusals_.Tell(net::PeerOf(connection.native_handle()), admitted);
-  // A connection that has ended already refuses these; gRPC notices that by itself.
+  // These calls fail if the connection has already ended; gRPC detects that by itself.
   boost::system::error_code ignored;
   connection.native_non_blocking(true, ignored);
   connection.set_option(tcp::no_delay(true), ignored);

@@ -1,7 +1,7 @@
 // Accepts the connections of the gRPC server, on a thread of its own.
 //
-// The listener of gRPC 1.51 dies for good when it cannot accept once, for instance because
-// descriptors have run out. This one tries again until there are some.
+// The listener of gRPC 1.51 stops permanently after one failed accept, for instance if there are no
+// free descriptors. This one tries again.
 #pragma once
 
 #include <grpcpp/server_builder.h>
@@ -22,9 +22,9 @@ namespace sweepstake::rpc {
 
 class ConnectionListener {
  public:
-  // `grpc` takes the connections from Listen on; its server has been started by then.
-  // `calls` is told of each connection. One that `open` refuses is closed, and told in `refusals`,
-  // which is borrowed.
+  // `grpc` receives the connections after Listen; its server must have been started before. Each
+  // connection is registered with `calls`. If `open` refuses a connection, it is closed and logged
+  // in `refusals`, which is borrowed.
   ConnectionListener(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc,
                      std::shared_ptr<ConnectionCalls> calls, OpenConnections open,
                      RefusalLog& refusals);

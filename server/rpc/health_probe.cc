@@ -35,16 +35,16 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ProbeCredentials(
   return grpc::experimental::TlsCredentials(options);
 }
 
-// The words are those of gRPC 1.51 and of OpenSSL 3; with others there is no advice.
+// Matches error texts of gRPC 1.51 and OpenSSL 3; for other texts there is no advice.
 std::string Advice(const std::string& reason, const tls::Files& files) {
   const auto has = [&](const char* words) { return reason.find(words) != std::string::npos; };
   if (has("Connection refused")) return "; is the daemon running there?";
   if (has("wrong version number"))
-    return "; the daemon uses plain text, so leave out --tls-cert and --tls-key";
+    return "; the daemon uses plain text: omit --tls-cert and --tls-key";
   if (!has("Socket closed") && !has("Connection reset by peer") && !has("Broken pipe")) return "";
   if (files.cert.empty()) return "; the daemon may require TLS: give its --tls-cert and --tls-key";
-  return "; with --tls-client-ca, the daemon's own certificate must be one that this authority "
-         "accepts of clients, and must not have expired";
+  return "; if the daemon uses --tls-client-ca, that authority must accept the daemon's own "
+         "certificate as a client certificate, and it must not have expired";
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ absl::StatusOr<Health> HealthOf(const std::shared_ptr<grpc::Channel>& channel,
                                 std::chrono::milliseconds patience) {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + patience);
-  const grpc::ByteBuffer request(nullptr, 0);  // an empty request asks for the whole server
+  const grpc::ByteBuffer request(nullptr, 0);  // an empty request means the whole server
   grpc::ByteBuffer response;
   std::promise<grpc::Status> done;
   grpc::GenericStub(channel).UnaryCall(

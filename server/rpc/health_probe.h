@@ -1,4 +1,4 @@
-// Asks a server through grpc.health.v1 how it is, as a whole. Thread-safe.
+// Reads the health of a whole server through grpc.health.v1. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -14,14 +14,15 @@ namespace sweepstake::rpc {
 
 enum class Health { kServing, kNotServing };
 
-// Waits for the answer for `patience` at most. Error: UNAVAILABLE (there is no answer, and why).
+// Waits at most `patience` for the answer. Error: UNAVAILABLE (no answer; the message has the
+// reason).
 absl::StatusOr<Health> HealthOf(const std::shared_ptr<grpc::Channel>& channel,
                                 std::chrono::milliseconds patience);
 
-// Asks a daemon at HOST:PORT that serves with these files of TLS, over a TCP connection of its own,
-// so that a listener that has died is noticed. It does not matter whose certificate the listener
-// has. A daemon that asks clients for one is shown its own. Errors: those of HealthOf, with what to
-// do where the certificate is to blame, and those of tls::Read.
+// Probes a daemon at HOST:PORT that serves with these TLS files, over a new TCP connection, so that
+// a dead listener is noticed. The listener's certificate is not verified. If the daemon requires
+// client certificates, the probe presents the daemon's own. Errors: those of HealthOf, with advice
+// for certificate problems, and those of tls::Read.
 absl::StatusOr<Health> ProbeHealth(const std::string& address, const tls::Files& files,
                                    std::chrono::milliseconds patience);
 

@@ -12,17 +12,18 @@ absl::Status OpenConnections::Add(int descriptor) {
   Forget(descriptor);
   std::string name = name_of_(descriptor);
   std::string address = net::AddressOf(name);
-  // All games of a proxy on this machine have its address; the daemon's own probe has it too.
+  // All games behind a proxy on this machine have its address, and so has the daemon's own probe.
   if (address.empty() || net::IsLoopbackAddress(address) || is_own_(descriptor))
     return absl::OkStatus();
   const size_t most = size_t{options_.max_streams_per_address} + kSpare;
   const auto known = addresses_.find(address);
   if (known != addresses_.end() && known->second.descriptors.size() >= most) {
     if (const size_t count = CountOpen(address); count >= most) {
-      return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
-                     absl::StrCat("this address has ", count, " connections, ", kSpare,
-                                  " more than it may have streams (max_streams_per_address); end "
-                                  "some, or raise it on the daemon"));
+      return Refused(
+          v1::ERROR_REASON_TOO_MANY_STREAMS,
+          absl::StrCat("this address has ", count,
+                       " open connections, the maximum (max_streams_per_address + ", kSpare,
+                       "); close some, or raise max_streams_per_address on the daemon"));
     }
   }
   addresses_[address].descriptors.insert(descriptor);

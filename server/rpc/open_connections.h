@@ -1,8 +1,8 @@
-// Bounds the connections that an address has open.
+// Limits the open connections per remote address.
 //
-// gRPC closes the descriptors of its connections without telling anybody. At the bound, and only
-// there, those of the address are looked at: one that is closed, or belongs to another connection
-// by now, has not the same other end any more.
+// gRPC closes the descriptors of its connections without notice. If an address reaches the limit,
+// its descriptors are checked. A descriptor whose peer has changed was closed or belongs to another
+// connection.
 #pragma once
 
 #include <cstdint>
@@ -19,20 +19,20 @@
 
 namespace sweepstake::rpc {
 
-// Used by one thread. The table is as large as there are descriptors.
+// Used by one thread. The size of the tables is bounded by the number of descriptors.
 class OpenConnections {
  public:
   using NameOf = std::function<std::string(int)>;
   using IsOwn = std::function<bool(int)>;
 
-  // Beyond the streams that an address may have: those who watch, and connections that are lost
-  // without the daemon's knowledge yet.
+  // Connections per address in addition to max_streams_per_address: for watchers, and for lost
+  // connections that the daemon has not noticed yet.
   static constexpr uint32_t kSpare = 1'000;
-  // The least time between two looks at the descriptors of one address.
+  // Minimum time between two checks of the descriptors of one address.
   static constexpr int64_t kLookIntervalNs = 1'000'000'000;
 
-  // It borrows the first two. `name_of` returns who is at the other end of a descriptor, `is_own`
-  // whether that is the daemon's own machine, at whichever of its addresses.
+  // `options` and `clock` are borrowed. `name_of` returns the peer of a descriptor. `is_own`
+  // returns whether the peer is on the daemon's own machine, at any of its addresses.
   OpenConnections(const RpcOptions& options, const sessions::Clock& clock,
                   NameOf name_of = net::PeerOf, IsOwn is_own = net::ConnectsItself)
       : options_(options),
@@ -40,9 +40,9 @@ class OpenConnections {
         name_of_(std::move(name_of)),
         is_own_(std::move(is_own)) {}
 
-  // Takes notice of a connection that is accepted. Error: RESOURCE_EXHAUSTED (its address, which is
-  // not of the daemon's own machine, has kSpare more than RpcOptions::max_streams_per_address
-  // already); the caller closes it.
+  // Registers an accepted connection. Error: RESOURCE_EXHAUSTED (its address, which is not on the
+  // daemon's own machine, already has RpcOptions::max_streams_per_address + kSpare connections);
+  // the caller closes it.
   absl::Status Add(int descriptor);
 
  private:
@@ -55,9 +55,9 @@ class OpenConnections {
     int64_t next_look_ns = INT64_MIN;
   };
 
-  // Forgets the connection that the descriptor was of.
+  // Removes the connection to which the descriptor belonged.
   void Forget(int descriptor);
-  // Forgets those of the address that are closed. Returns how many are left.
+  // Removes the closed connections of the address. Returns how many are left.
   size_t CountOpen(const std::string& address);
 
   const RpcOptions& options_;
@@ -65,7 +65,7 @@ class OpenConnections {
   const NameOf name_of_;
   const IsOwn is_own_;
   std::unordered_map<int, Connection> connections_;
-  std::unordered_map<std::string, Address> addresses_;  // of those in connections_
+  std::unordered_map<std::string, Address> addresses_;  // of the connections in connections_
 };
 
 }  // namespace sweepstake::rpc

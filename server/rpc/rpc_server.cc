@@ -33,15 +33,16 @@ class WithoutReflection : public grpc::ServerBuilderOption {
 };
 
 constexpr int kSecond = 1'000;
-// A connection may have so many calls for each stream that it may have open: those that the client
-// has ended take a while to be done.
+// Maximum unfinished calls of a connection per stream that it may have open. Calls that the client
+// has cancelled take some time to finish.
 constexpr uint32_t kCallsPerStream = 3;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
-constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;  // more than sessions take to retry
-constexpr int64_t kMaxSilenceNs = 10 * kHealthIntervalNs;
+constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;  // longer than sessions take to retry
+constexpr int64_t kMaxSilenceNs =
+    10 * kHealthIntervalNs;  // after this the loop counts as unresponsive
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
-constexpr unsigned kCertificateIntervalS = 1;  // between two looks at the files of TLS
+constexpr unsigned kCertificateIntervalS = 1;  // between two checks of the TLS files
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   // Without a quota one connection can use a gigabyte.
@@ -64,8 +65,8 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   add(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, options.connection_age_grace);
 }
 
-// TLS is 1.2 or newer. gRPC reads the files again at each interval, for the connections that begin
-// after it. It says nothing of files that it cannot use, so that they are checked here first.
+// Requires TLS 1.2 or newer. gRPC reads the files again at each interval, for new connections. It
+// does not report files that it cannot use, so they are checked here first.
 absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(const tls::Files& files) {
   if (files.cert.empty()) return grpc::InsecureServerCredentials();
   if (const auto read = tls::Read(files); !read.ok()) return read.status();
@@ -131,7 +132,7 @@ absl::Status RpcServer::Listen(const std::string& address) {
   const auto credentials = MakeCredentials(options_.tls);
   if (!credentials.ok()) return credentials.status();
   grpc::EnableDefaultHealthCheckService(true);
-  // This call also keeps the linker from dropping the library.
+  // This call also prevents the linker from dropping the library.
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetLimits(builder, options_);
@@ -154,7 +155,8 @@ absl::Status RpcServer::ServeOneself() {
   builder.SetOption(std::make_unique<WithoutReflection>());
   Register(builder);
   own_server_ = builder.BuildAndStart();
-  if (own_server_ == nullptr) return absl::UnavailableError("gRPC could not start its own server");
+  if (own_server_ == nullptr)
+    return absl::UnavailableError("gRPC could not start the daemon's internal server");
   auto channel = ConnectWithin(*own_server_);
   if (channel.ok()) own_channel_ = *std::move(channel);
   return channel.status();
@@ -214,7 +216,7 @@ void RpcServer::FollowOthers() {
   following_ = context_.store.Submit([this](priors::PriorStore& store) {
     loop_.Post([this, changed = store.TakeChangedScenes()] {
       following_ = false;
-      if (!changed.ok()) return;  // they are told by the next call
+      if (!changed.ok()) return;  // the next call returns these scenes again
       for (const priors::SceneKey& scene : *changed) watch_hub_.Reload(scene);
     });
   });
@@ -233,11 +235,11 @@ void RpcServer::UpdateHealth() {
   serving_ = !serving_;
   server_->GetHealthCheckService()->SetServingStatus(serving_);
   if (serving_) {
-    context_.log.info("the prior store writes and reads again");
+    context_.log.info("the prior store can be written and read again");
   } else {
     context_.log.error(
-        "the prior store cannot write, or a read of it does not end: decisions go on in memory, "
-        "and nothing is acknowledged that is not on disk");
+        "the prior store cannot be written, or a read does not finish: decisions continue in "
+        "memory, and only messages on disk are acknowledged");
   }
 }
 
@@ -248,8 +250,8 @@ void RpcServer::ReportLostAuditRows() {
   const int64_t now_ns = last_beat_ns_;
   if (lost == reported_lost_rows_ || now_ns < next_loss_report_ns_) return;
   context_.log.warn(
-      "{} rows of the audit log could not be written, {} since the start: decisions after them "
-      "cannot be derived again",
+      "{} rows of the audit log could not be written, {} since the start: later decisions of "
+      "these sessions cannot be replayed from the log",
       lost - reported_lost_rows_, lost);
   reported_lost_rows_ = lost;
   next_loss_report_ns_ = now_ns + kLossReportIntervalNs;
@@ -260,7 +262,8 @@ void RpcServer::KeepWaiting() {
   const int64_t now_ns = loop_.clock().NowNs();
   const bool is_away = !context_.store.healthy();
   if (is_away) away_at_ns_ = now_ns;
-  // One that is back gets what waits within the interval, and is still asked for the rest.
+  // A store that has recovered needs up to kKeepIntervalNs to commit what waits; keep the rest once
+  // more after that.
   const bool is_due =
       is_away ? now_ns >= keep_at_ns_ : is_kept_ && now_ns - away_at_ns_ >= kKeepIntervalNs;
   if (!is_due) return;
@@ -302,7 +305,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
 
 sessions::HeldEvidence RpcServer::CountHeld() {
   std::promise<sessions::HeldEvidence> held;
-  // The store's answers are posted so, too, and come before.
+  // The store's results are posted the same way, and run before this task.
   loop_.PostLater([&] { held.set_value(sessions_.CountHeld()); });
   return held.get_future().get();
 }

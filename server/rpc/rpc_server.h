@@ -1,9 +1,9 @@
-// The gRPC side of the daemon, which listens, serves and drains. grpc.health.v1 reports NOT_SERVING
-// while the store cannot write and after a drain has begun.
+// The gRPC side of the daemon: it listens, serves and drains. grpc.health.v1 reports NOT_SERVING
+// while the store cannot be written, and after a drain has begun.
 //
-// Thread-safe, except that one thread calls Drain. It owns the decision loop and the sessions; the
-// clock, the store and the log are borrowed. The owner ends it in this order: it calls Drain,
-// closes the store (whose callbacks still use the loop), destroys this object, and then destroys
+// Thread-safe, except that only one thread may call Drain. It owns the decision loop and the
+// sessions; the clock, the store and the log are borrowed. The owner shuts it down in this order:
+// call Drain, close the store (whose callbacks still use the loop), destroy this object, destroy
 // the store.
 #pragma once
 
@@ -40,9 +40,9 @@ class ConnectionListener;
 
 class RpcServer {
  public:
-  // `listen` is HOST:PORT; port 0 means any free port. It serves plain text unless the options name
-  // a certificate; the caller has checked that this is wanted. Errors: UNAVAILABLE (cannot listen
-  // there), INVALID_ARGUMENT (the files of TLS cannot be used).
+  // `listen` is HOST:PORT; port 0 means any free port. The server uses plain text unless the
+  // options name a certificate; the caller has checked that plain text is wanted. Errors:
+  // UNAVAILABLE (cannot listen there), INVALID_ARGUMENT (the TLS files cannot be used).
   static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
                                                           RpcOptions options,
                                                           sessions::Clock& clock,
@@ -52,52 +52,53 @@ class RpcServer {
 
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
-  // Writes what somebody did to the audit log. Any thread may call it.
+  // Writes an action into the audit log. Any thread may call it.
   void RecordAction(std::string action, std::string who) {
     admin_.Record(std::move(action), std::move(who));
   }
-  // Calls through it name in the metadata kCallerKey for whom they are. It may outlive the server,
-  // and then they are UNAVAILABLE.
+  // A channel to this server's services without the listener. Its calls name their original caller
+  // in the metadata kCallerKey. It may outlive the server; calls are UNAVAILABLE then.
   const std::shared_ptr<grpc::Channel>& own_channel() const { return own_channel_; }
-  // Who speaks HTTP, as AccessControl says. Any thread may ask.
+  // Identifies an HTTP caller, like AccessControl. Any thread may call it.
   absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
                                                    std::optional<std::string_view> token) {
     return access_.IdentifyOverHttp(caller, token);
   }
   bool asks_over_http() const { return access_.asks_over_http(); }
-  // Takes over the options that are Adjustable. Any thread may call it.
+  // Sets the Adjustable options. Any thread may call it.
   void Adjust(const RpcOptions& options);
-  // Returns whether the decision loop has run within ten seconds. Any thread may ask.
+  // Returns whether the decision loop has run within the last ten seconds. Any thread may call it.
   bool responsive() const;
 
-  // Refuses new streams, tells clients to reconnect later, waits for pending writes, and ends.
-  // Calls that are not done within `patience` are cancelled. Idempotent.
+  // Refuses new streams, requests clients to reconnect later, waits for pending writes, and ends.
+  // Calls that have not finished within `patience` are cancelled. Idempotent.
   void Drain(std::chrono::milliseconds patience);
-  // Returns what is not on disk, as the store's answers so far say. Must not be called on the loop.
+  // Counts the evidence that is not on disk, as of the store's latest results. Must not be called
+  // on the loop.
   sessions::HeldEvidence CountHeld();
 
  private:
   RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPriorStore& store,
             spdlog::logger& log);
   absl::Status Listen(const std::string& address);
-  // Starts the services a second time, for the daemon itself.
+  // Starts a second server with the same services, for the daemon's internal calls.
   absl::Status ServeOneself();
   void Register(grpc::ServerBuilder& builder);
-  // Makes the listener, whose connections the server of this builder will serve.
+  // Creates the listener. The server of this builder will serve its connections.
   void BindListener(grpc::ServerBuilder& builder,
                     const std::shared_ptr<grpc::ServerCredentials>& credentials);
-  // Runs on the loop once per second, which shows that the loop runs.
+  // Runs on the loop once per second, which also proves that the loop is alive.
   void WatchStore();
   // Ends the long streams of callers whose tokens were revoked or have expired.
   void EndRefused();
-  // Where other daemons write the store, too: reads what they have changed of what is watched here.
+  // If other daemons write to the store too: reloads the watched scenes that they have changed.
   void FollowOthers();
-  // A store that cannot write or read is not healthy.
+  // Reports NOT_SERVING while the store cannot be written or read.
   void UpdateHealth();
   void ReportLostAuditRows();
-  // While the store cannot be written: lets what waits for it be kept elsewhere.
+  // While the store cannot be written, passes the waiting updates to options_.keep_waiting.
   void KeepWaiting();
-  // Returns what waits for the store, as it is to be committed.
+  // Returns the updates that wait for the store.
   std::vector<priors::SourceUpdate> Waiting() const;
   // Runs `task` on the loop and waits for it. Must not be called on the loop.
   void RunOnLoop(const std::function<void()>& task);
@@ -118,23 +119,23 @@ class RpcServer {
   PriorsService priors_;
   AuditService audit_;
   SessionsService sessions_service_;
-  std::atomic<int64_t> last_beat_ns_{0};  // when the loop last looked at the store
-  bool serving_ = true;                   // the state of health; used on the loop
+  std::atomic<int64_t> last_beat_ns_{0};  // when the loop last ran WatchStore
+  bool serving_ = true;                   // the reported health; used on the loop
   bool draining_ = false;                 // used on the loop
-  bool following_ = false;                // the store has been asked; used on the loop
-  uint64_t lost_by_store_ = 0;            // audit rows that are counted; used on the loop
+  bool following_ = false;                // TakeChangedScenes is under way; used on the loop
+  uint64_t lost_by_store_ = 0;            // audit rows already counted; used on the loop
   uint64_t reported_lost_rows_ = 0;       // used on the loop
   int64_t next_loss_report_ns_ = 0;       // used on the loop
-  int64_t away_at_ns_ = 0;                // when the store was away last; used on the loop
-  int64_t keep_at_ns_ = 0;                // while it is away; used on the loop
-  bool is_kept_ = false;                  // something may be kept; used on the loop
+  int64_t away_at_ns_ = 0;                // when the store was last unhealthy; used on the loop
+  int64_t keep_at_ns_ = 0;                // next keep while it is unhealthy; used on the loop
+  bool is_kept_ = false;                  // updates may be kept elsewhere; used on the loop
   std::shared_ptr<grpc::Channel> own_channel_;
   bool drained_ = false;  // used by Drain's caller
-  // The loop is declared after everything that its tasks use, since its destructor runs the last
-  // ones.
+  // The loop is declared after everything that its tasks use, because its destructor runs the last
+  // tasks.
   sessions::DecisionLoop loop_;
   std::unique_ptr<grpc::Server> server_;
-  // Nobody but the daemon reaches it, so that no limit of a connection holds here.
+  // Only the daemon can reach it, so it has no connection limits.
   std::unique_ptr<grpc::Server> own_server_;
   std::unique_ptr<ConnectionListener> listener_;
   int port_ = 0;

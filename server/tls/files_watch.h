@@ -1,9 +1,9 @@
-// Follows the files of a TLS endpoint that runs, and tells what becomes of them. gRPC reads the
-// same files as often and says nothing: it goes on with those before while one cannot be read, and
-// connections that begin fail while one is broken.
+// Checks the files of a running TLS endpoint, and reports changes and problems. gRPC reads the same
+// files at the same interval, but reports nothing: it keeps the previous files while one cannot be
+// read, and new connections fail while one is broken.
 //
-// Thread-safe. It owns one thread, which the destructor ends; what it tells, it tells there, at the
-// first look on the thread of the constructor.
+// Thread-safe. It owns one thread, which the destructor ends. Callbacks run on that thread, except
+// for the first check, which runs in the constructor.
 #pragma once
 
 #include <chrono>
@@ -23,13 +23,14 @@ namespace sweepstake::tls {
 
 struct FilesWatchOptions {
   std::chrono::milliseconds interval{1'000};
-  bool own_thread = true;               // if false the owner calls Look
+  bool own_thread = true;               // if false, the owner calls Look
   std::function<int64_t()> unix_now_s;  // the wall clock
-  // Told at the first look, and when the files have changed: with OK, or with why they cannot be
-  // used, and when the certificate in use expires. A problem is told once, at the second look that
-  // meets it, since a certificate and its key are replaced one after the other.
+  // Called at the first check and when the files have changed. The status is OK, or says why the
+  // files cannot be used; `expires_unix_s` is the expiry of the certificate in use. A problem is
+  // reported once, at the second check that finds it, because a certificate and its key are
+  // replaced one after the other.
   std::function<void(const absl::Status&, int64_t expires_unix_s)> on_change;
-  // Told when the certificate in use has expired, or will within a week; once, and again each day.
+  // Called when the certificate in use has expired or expires within a week; repeated daily.
   std::function<void(int64_t expires_unix_s)> on_expiry;
 };
 
@@ -40,7 +41,7 @@ class FilesWatch {
   FilesWatch(const FilesWatch&) = delete;
   FilesWatch& operator=(const FilesWatch&) = delete;
 
-  // Reads the files. REQUIRES: there is no own thread.
+  // Reads the files. REQUIRES: own_thread is false.
   void Look();
 
  private:
@@ -52,13 +53,13 @@ class FilesWatch {
   const Files files_;
   const FilesWatchOptions options_;
   // These are used by one thread at a time.
-  std::optional<std::string> certificates_;  // that are in use: the endpoint's and authorities
-  std::string met_;                          // the problem of the latest look; empty if none
-  std::string told_;                         // the problem that was told last; empty if none
+  std::optional<std::string> certificates_;  // in use: the endpoint's and the authorities'
+  std::string met_;                          // problem found by the latest check; empty if none
+  std::string told_;                         // problem reported last; empty if none
   int64_t expires_unix_s_ = 0;
   std::optional<int64_t> expiry_told_unix_s_;
 
-  std::mutex mutex_;  // of the sleep alone
+  std::mutex mutex_;  // only for the sleep
   std::condition_variable_any sleep_;
   std::jthread thread_;  // the last member, because it uses the others
 };

@@ -122,7 +122,7 @@ TEST_F(TlsProbeTest, AProbeWithoutAnAnswerSaysWhatMayBeWrong) {
   {
     const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(&other_authority_));
     address = "--listen " + daemon.address();
-    EXPECT_THAT(Complaint(tls + address), HasSubstr("one that this authority accepts of clients"));
+    EXPECT_THAT(Complaint(tls + address), HasSubstr("as a client certificate"));
     EXPECT_THAT(Complaint(address), HasSubstr("the daemon may require TLS"));
     EXPECT_THAT(Complaint("--tls-cert nowhere.pem --tls-key nowhere.pem " + address),
                 HasSubstr("cannot read nowhere.pem"));

@@ -69,7 +69,7 @@ TEST_F(TokenTest, AGameWithATokenLearnsAndOneWithoutIsToldThatItNeedsOne) {
   EXPECT_TRUE(game.RunUntil(IsConnected));
   ScriptedGame other(daemon.address(), FastOptions());
   EXPECT_TRUE(other.RunUntil(IsRefused));
-  EXPECT_THAT(other.stats().refusal, HasSubstr("asks for a token"));
+  EXPECT_THAT(other.stats().refusal, HasSubstr("requires a token"));
   EXPECT_THAT(other.stats().refusal, HasSubstr("TOKEN_MISSING"));
   game.Stop();
   EXPECT_EQ(daemon.Terminate(), 0);
@@ -109,9 +109,9 @@ TEST_F(TokenTest, AFileThatIsGoneUnderADaemonIsSaidToBeMissingAndWhatANewOneEnds
   EXPECT_TRUE(rpc::Eventually([&] {
     return daemon.log().find(
                "the token file is invalid, so the tokens read before stay in effect: " +
-               tokens.string() + " is missing, though") != std::string::npos;
+               tokens.string() + " is missing, but tokens") != std::string::npos;
   }));
-  EXPECT_THAT(daemon.log(), HasSubstr("in a file without the others, which ends those"));
+  EXPECT_THAT(daemon.log(), HasSubstr("which invalidates the earlier ones"));
   EXPECT_EQ(daemon.Terminate(), 0);
 }
 

@@ -128,7 +128,7 @@ TEST_F(TokenCommandTest, RevokeTellsWhoAndList) {
   EXPECT_FALSE(token.revoked_by.empty());
   EXPECT_EQ(*token.request.expires_unix_s - token.created_unix_s, 30 * 86'400);
   EXPECT_THAT(Run({"list", "--json"}), HasSubstr("\"state\": \"revoked\""));
-  EXPECT_THAT(Run({"revoke", "gane"}), HasSubstr("there is no token of the name gane"));
+  EXPECT_THAT(Run({"revoke", "gane"}), HasSubstr("there is no token with the name gane"));
 }
 
 TEST_F(TokenCommandTest, MissingAndUnknownArgumentsAreErrors) {

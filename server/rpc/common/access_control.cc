@@ -18,7 +18,7 @@ namespace {
 
 constexpr absl::string_view kScheme = "Bearer ";
 
-// Returns the call's token; absent if there is none, or more than one.
+// Returns the call's token; absent if it has none, or more than one.
 std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
   const auto [first, last] = call.client_metadata().equal_range("authorization");
   if (first == last || std::next(first) != last) return std::nullopt;
@@ -30,7 +30,7 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
 // Returns whether the daemon itself makes the call.
 bool IsOwn(const grpc::ServerContextBase& call) { return call.peer().starts_with(kOwnPeer); }
 
-// Returns what a token is counted by, beside addresses.
+// Returns the key under which a token is counted.
 std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id); }
 
 }  // namespace
@@ -69,18 +69,20 @@ absl::Status AccessControl::CheckRole(const auth::Principal& caller, const std::
   if (auth::Includes(caller.role, rpc.role)) {
     return rpc.role == auth::Role::kWatch ? BeginRead(address, caller.token_id) : absl::OkStatus();
   }
-  return Refused(v1::ERROR_REASON_NOT_ALLOWED,
-                 absl::StrCat("this needs a token of the role ", std::string(NameOf(rpc.role)),
-                              "; yours has the role ", std::string(NameOf(caller.role))));
+  return Refused(
+      v1::ERROR_REASON_NOT_ALLOWED,
+      absl::StrCat("this call needs a token with the role ", std::string(NameOf(rpc.role)),
+                   "; this token has the role ", std::string(NameOf(caller.role))));
 }
 
 absl::Status AccessControl::Unauthenticated(const std::string& caller, bool has_token) {
   const std::string address = net::AddressOf(caller);
   const auto verdict = failures_.Count(address, clock_.NowNs());
-  const absl::Status beyond =
-      Refused(v1::ERROR_REASON_TOO_MANY_FAILURES,
-              absl::StrCat("more than ", auth::FailureLimit::kMaxFailures,
-                           " calls in a minute had no valid token; call with one, or wait"));
+  const absl::Status beyond = Refused(
+      v1::ERROR_REASON_TOO_MANY_FAILURES,
+      absl::StrCat(
+          "more than ", auth::FailureLimit::kMaxFailures,
+          " calls from this address had no valid token within a minute; use a valid one, or wait"));
   if (verdict == auth::FailureLimit::Verdict::kReached) refusals_.Tell(address, beyond);
   if (verdict == auth::FailureLimit::Verdict::kBeyond) return beyond;
   if (has_token) {
@@ -88,8 +90,8 @@ absl::Status AccessControl::Unauthenticated(const std::string& caller, bool has_
                    "this token is unknown, was revoked or has expired; use another one");
   }
   return Refused(v1::ERROR_REASON_TOKEN_MISSING,
-                 "this daemon asks for a token (--token-file of a command, authorization: Bearer "
-                 "TOKEN of another program); `sweepstaked token create` makes one");
+                 "this daemon requires a token (--token-file for commands, `authorization: Bearer "
+                 "TOKEN` for other programs); create one with `sweepstaked token create`");
 }
 
 std::string AccessControl::Count(auth::RateLimit& limit, double per_s, const std::string& address,
@@ -116,12 +118,11 @@ absl::Status AccessControl::BeginHello(const std::string& address, int64_t token
   const uint32_t per_s = options_.max_hellos_per_s;
   const std::string who = CountGame(hellos_, per_s, address, token_id);
   if (who.empty()) return absl::OkStatus();
-  return Refused(
-      v1::ERROR_REASON_TOO_MANY_HELLOS,
-      absl::StrCat(who, " begins more than ", per_s,
-                   " streams a second, and ten times as many at once "
-                   "(max_hellos_per_s); connect again in ten seconds, or raise it on the "
-                   "daemon"));
+  return Refused(v1::ERROR_REASON_TOO_MANY_HELLOS,
+                 absl::StrCat(who, " starts more than ", per_s,
+                              " streams per second (max_hellos_per_s), after a burst of ten times "
+                              "this; connect again in ten seconds, or raise the limit on the "
+                              "daemon"));
 }
 
 absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_id) {
@@ -130,7 +131,7 @@ absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_
   if (who.empty()) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_TOO_MANY_READS,
                  absl::StrCat(who, " reads more often than ", per_s,
-                              " times a second (max_reads_per_s); ask again in a second"));
+                              " times per second (max_reads_per_s); try again in a second"));
 }
 
 AccessControl::Share AccessControl::Shares::Take(const std::shared_ptr<Shares>& shares,
@@ -161,7 +162,7 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginTransfer(const auth::Pr
       (caller.token_id != 0 && own_count >= options_.max_transfers_per_token)) {
     return Refused(
         refusal, absl::StrCat(transfers_->count, " exports and imports are under way, ", own_count,
-                              " of this token, which is as many as there may be "
+                              " of them with this token, which is the maximum "
                               "(max_transfers, max_transfers_per_token); try again later"));
   }
   return Shares::Take(transfers_, std::move(holders));
@@ -171,7 +172,7 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginWatch(const auth::Princ
                                                                const std::string& address) {
   std::vector<std::string> holders;
   if (caller.token_id != 0) holders.push_back(HolderOf(caller.token_id));
-  // All who watch through a proxy on this machine have this address.
+  // All watchers behind a proxy on this machine have this address.
   if (!address.empty() && !net::IsLoopbackAddress(address)) holders.push_back(address);
   const uint32_t most = (options_.max_watchers + 1) / 2;
   const std::lock_guard lock(watchers_->mutex);
@@ -179,8 +180,8 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginWatch(const auth::Princ
     if (const uint32_t held = watchers_->Of(holder); held >= most) {
       return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
                      absl::StrCat(holder == address ? "this address" : "this token", " has ", held,
-                                  " watchers, half of what the daemon may have (max_watchers); "
-                                  "end some, or raise it on the daemon"));
+                                  " watchers, the maximum (half of max_watchers); "
+                                  "end some, or raise max_watchers on the daemon"));
     }
   }
   return Shares::Take(watchers_, std::move(holders));
@@ -194,9 +195,10 @@ absl::Status AccessControl::CheckStill(const auth::Principal& caller) const {
 
 absl::Status CheckProject(const auth::Principal& caller, std::string_view project) {
   if (caller.MayUse(project)) return absl::OkStatus();
-  return Refused(v1::ERROR_REASON_NOT_ALLOWED,
-                 absl::StrCat("this token is not for the project ", text::PrintableLine(project),
-                              "; use one that is (`sweepstaked token create --project`)"));
+  return Refused(
+      v1::ERROR_REASON_NOT_ALLOWED,
+      absl::StrCat("this token is not valid for the project ", text::PrintableLine(project),
+                   "; use a token that is (`sweepstaked token create --project`)"));
 }
 
 std::string CallerOf(const grpc::ServerContextBase& call) {
@@ -207,7 +209,7 @@ std::string CallerOf(const grpc::ServerContextBase& call) {
 }
 
 std::string NameForLog(const auth::Principal& caller) {
-  return caller.token_id == 0 ? "somebody without a token"
+  return caller.token_id == 0 ? "a caller without a token"
                               : absl::StrCat("token ", text::PrintableLine(caller.name));
 }
 

@@ -1,10 +1,11 @@
-// Who may call what. Every handler calls Authorize first: gRPC's interceptors cannot refuse a call
-// in C++, and its AuthMetadataProcessor does not run without TLS.
+// Decides who may call what. Every handler calls Authorize first: gRPC's interceptors cannot refuse
+// a call in C++, and its AuthMetadataProcessor does not run without TLS.
 //
-// A call brings its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
-// tokens everybody may do everything. How often somebody may read or begin a stream is counted
-// here, too, how often a bail-out is evidence, and how many exports, imports and watchers there
-// are. Thread-safe.
+// A call carries its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
+// tokens, every caller may do everything.
+//
+// This class also limits the rates of reads, of new streams and of bail-outs that count as
+// evidence, and the numbers of exports, imports and watchers. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -33,73 +34,75 @@ namespace sweepstake::rpc {
 
 class AccessControl {
  public:
-  // It borrows all three.
+  // All three arguments are borrowed.
   AccessControl(const RpcOptions& options, const sessions::Clock& clock, spdlog::logger& log)
       : options_(options), tokens_(options.tokens), clock_(clock), refusals_(clock, log) {}
 
-  // Returns who calls. Errors: UNAUTHENTICATED (no token, or one that is not valid),
-  // PERMISSION_DENIED (its role does not allow this RPC), RESOURCE_EXHAUSTED (too many calls from
-  // the address were not authenticated, or the token or the address reads too often). A valid token
-  // is never refused for calls without one from its address. What is refused is told in the log.
+  // Returns the caller. Errors: UNAUTHENTICATED (no token, or an invalid one), PERMISSION_DENIED
+  // (its role does not allow this RPC), RESOURCE_EXHAUSTED (too many unauthenticated calls from the
+  // address, or the token or the address reads too often). Unauthenticated calls from an address
+  // never block a valid token from there. Refusals are logged.
   absl::StatusOr<auth::Principal> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
 
-  // Returns whose token somebody brings by HTTP, with the errors that Authorize has whatever the
-  // role. `caller` is who it is, as gRPC names the other end.
+  // Returns the holder of a token that was sent over HTTP. Errors: those of Authorize, except for
+  // the role. `caller` is the remote address in gRPC's format.
   absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
                                                    std::optional<std::string_view> token);
 
-  // Returns whether calls must bring tokens.
+  // Returns whether calls must have tokens.
   bool asks_for_tokens() const { return tokens_ != nullptr && !tokens_->empty(); }
-  // The same of what comes by HTTP, which asks nobody for a certificate.
+  // Returns whether HTTP requests must have tokens: HTTP has no client certificates, so a client CA
+  // also makes tokens necessary.
   bool asks_over_http() const { return asks_for_tokens() || !options_.tls.ca.empty(); }
 
-  // Returns whether the caller may still go on: its token has not been revoked and has not expired
-  // since Authorize.
+  // Returns an error if the caller's token was revoked or has expired since Authorize.
   absl::Status CheckStill(const auth::Principal& caller) const;
 
-  // Counts a call that reads, of a token (0: none) at an address, for Authorize. Error:
-  // RESOURCE_EXHAUSTED.
+  // Counts a read of a token (0: none) at an address, for Authorize. Error: RESOURCE_EXHAUSTED.
   absl::Status BeginRead(const std::string& address, int64_t token_id);
 
-  // Counts a Hello likewise, but no address of the daemon's own machine.
+  // Counts a Hello like a read. Addresses of the daemon's own machine are not counted. Error:
+  // RESOURCE_EXHAUSTED.
   absl::Status BeginHello(const std::string& address, int64_t token_id);
 
-  // Counts a bail-out as a Hello is counted. Returns whether it is evidence: a client that begins
-  // one session after the other has no more of them than kBailingOutGames.
+  // Counts a bail-out like a Hello. Returns whether it is evidence. The limit is that of
+  // kBailingOutGames games, also if a client starts one session after the other.
   bool SpendBailOut(const std::string& address, int64_t token_id);
 
-  // What is counted as long as this lives. It may outlive the server.
+  // A slot that is counted until the last copy is destroyed. It may outlive the server.
   using Share = std::shared_ptr<void>;
-  // Counts an export or import. Error: RESOURCE_EXHAUSTED (the daemon or the token has as many as
-  // it may); its reason is `refusal`.
+  // Counts an export or import. Error: RESOURCE_EXHAUSTED with the reason `refusal` (the daemon or
+  // the token has the maximum number of them).
   absl::StatusOr<Share> BeginTransfer(const auth::Principal& caller, v1::ErrorReason refusal);
-  // Counts one who watches, at an address. Error: RESOURCE_EXHAUSTED (the token, or the address
-  // unless it is of the daemon's own machine, has half of RpcOptions::max_watchers, rounded up).
+  // Counts a watcher at an address. Error: RESOURCE_EXHAUSTED (the token or the address already has
+  // half of RpcOptions::max_watchers, rounded up; addresses of the daemon's own machine are not
+  // counted).
   absl::StatusOr<Share> BeginWatch(const auth::Principal& caller, const std::string& address);
 
   RefusalLog& refusals() { return refusals_; }
 
  private:
   struct Shares {
-    // Counts one for each of the holders until what it returns ends. REQUIRES: mutex is locked.
+    // Counts one for each of the holders until the returned share is destroyed. REQUIRES: mutex is
+    // locked.
     static Share Take(const std::shared_ptr<Shares>& shares, std::vector<std::string> holders);
     uint32_t Of(const std::string& holder) const;  // REQUIRES: mutex is locked
 
-    std::mutex mutex;  // guards what follows
+    std::mutex mutex;  // guards the members below
     uint32_t count = 0;
-    std::map<std::string, uint32_t> counts;  // of those that have any
+    std::map<std::string, uint32_t> counts;  // per holder; holders without shares are removed
   };
 
-  // Returns whose token it is, or somebody who needs none.
+  // Returns the holder of the token, or a caller that needs none if `asks` is false.
   absl::StatusOr<auth::Principal> Identify(const std::string& caller,
                                            std::optional<std::string_view> token, bool asks);
   absl::Status CheckRole(const auth::Principal& caller, const std::string& address, Rpc rpc);
-  // Counts what the token (0: none) at the address (empty: not counted) does. Returns who does it
-  // too often; empty if neither does.
+  // Counts a call of the token (0: none) at the address (empty: not counted). Returns a description
+  // of the token or address that exceeds the rate; empty if neither does.
   std::string Count(auth::RateLimit& limit, double per_s, const std::string& address,
                     int64_t token_id);
-  // As Count, but an address of the daemon's own machine is not counted: all games of a proxy on it
-  // have this one.
+  // Like Count, but does not count addresses of the daemon's own machine, which all games behind a
+  // local proxy share.
   std::string CountGame(auth::RateLimit& limit, double per_s, const std::string& address,
                         int64_t token_id);
   absl::Status Unauthenticated(const std::string& caller, bool has_token);
@@ -116,27 +119,27 @@ class AccessControl {
   const std::shared_ptr<Shares> watchers_ = std::make_shared<Shares>();
 };
 
-// Error: PERMISSION_DENIED (the caller's token is not for this project), whether the project exists
-// or not.
+// Error: PERMISSION_DENIED (the caller's token is not valid for this project), whether the project
+// exists or not.
 absl::Status CheckProject(const auth::Principal& caller, std::string_view project);
 
-// Narrows a filter to what the caller may see. Errors: those of CheckProject.
+// Restricts a filter to the projects that the caller may see. Errors: those of CheckProject.
 template <typename Filter>
 absl::Status Narrow(const auth::Principal& caller, Filter& filter) {
   filter.projects = caller.projects;
   return filter.project.empty() ? absl::OkStatus() : CheckProject(caller, filter.project);
 }
 
-// The metadata in which the daemon's HTTP side says for whom it makes a call, as gRPC names the
-// other end. Of other callers it counts for nothing.
+// The metadata in which the daemon's HTTP side names the original caller, in gRPC's format. It is
+// ignored in calls from others.
 inline constexpr char kCallerKey[] = "sweepstake-caller";
-// Returns who is at the other end of a call, as gRPC names it: of one that the daemon's HTTP side
-// makes, for whom that is.
+// Returns the caller's address in gRPC's format. For a call of the daemon's HTTP side it is the
+// HTTP client's address.
 std::string CallerOf(const grpc::ServerContextBase& call);
 
 // Returns the caller's name for the log.
 std::string NameForLog(const auth::Principal& caller);
-// Returns who and where the caller is, for the audit log: without a token it is the address alone.
+// Returns the caller's name and address for the audit log; the address alone if there is no token.
 std::string NameAndAddress(const auth::Principal& caller, const grpc::ServerContextBase& call);
 
 // A streaming call that is refused at once.

@@ -62,7 +62,7 @@ v1::ErrorReason ReasonOfRefusal(const absl::Status& status) {
 }
 
 absl::Status StoreFailed(const absl::Status& status) {
-  // The store calls a record of the client invalid.
+  // The store returns INVALID_ARGUMENT for an invalid record of the client.
   return sessions::WithReason(status, absl::IsInvalidArgument(status)
                                           ? sessions::reasons::kInvalidMessage.name
                                           : sessions::reasons::kStoreFailed.name);

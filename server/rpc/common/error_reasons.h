@@ -1,5 +1,6 @@
 // Makes the statuses that refuse a call or end a stream. Each has a reason for programs to act on;
-// server/sessions/common/reasons.h has those of sessions. Pure functions, except for the counting.
+// server/sessions/common/reasons.h has the reasons of sessions. Pure functions, except for the
+// counting.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -12,20 +13,20 @@
 
 namespace sweepstake::rpc {
 
-// Returns a status with the reason and its code. `message` says what to do next.
+// Returns a status with the reason and its code. `message` must say what to do next.
 absl::Status Refused(v1::ErrorReason reason, absl::string_view message);
 // Returns the reason of such a status; UNSPECIFIED if it has none.
 v1::ErrorReason ReasonOfRefusal(const absl::Status& status);
-// Returns an error of the store with a reason. Its code stays, since it says what the client can
-// do.
+// Adds a reason to an error of the store. The code is kept, because it determines what the client
+// can do.
 absl::Status StoreFailed(const absl::Status& status);
 
 // Returns the status for the client, with its reason in a google.rpc.ErrorInfo, and counts the
 // reason. A status without a reason counts as ERROR_REASON_UNSPECIFIED, unless it is OK or
-// CANCELLED, which is the status of clients that have gone.
+// CANCELLED, the status of clients that have disconnected.
 grpc::Status ToGrpc(const absl::Status& status, Counters& counters);
 
-// Returns the name that the reason has in google.rpc.ErrorInfo.
+// Returns the reason's name in google.rpc.ErrorInfo.
 absl::string_view NameOf(v1::ErrorReason reason);
 
 }  // namespace sweepstake::rpc

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t kScenesPerRead = 200;
 
-// Returns the arm that has the best mean in its newest version; empty if nothing is known.
+// Returns the arm whose newest version has the best mean; empty if there is no evidence.
 std::string LeaderOf(const priors::SceneEvidence& scene) {
   std::vector<std::string_view> names;
   std::vector<decision::ArmEvidence> evidence;
@@ -64,7 +64,7 @@ absl::StatusOr<v1::LeaderChanges> LeaderPreview::Changes() const {
   std::map<priors::SceneKey, std::pair<std::string, std::string>> leaders;
   for (const auto& [scene, leader] : *before_) leaders[scene].first = leader;
   for (const auto& [scene, leader] : *after_) leaders[scene].second = leader;
-  // Where there are more, scenes that one side has not read are no change.
+  // If there are more than kMaxScenes, ignore scenes beyond the last one that both sides have read.
   for (const Leaders* side : {&*before_, &*after_}) {
     if (side->size() >= kMaxScenes)
       leaders.erase(leaders.upper_bound(side->rbegin()->first), leaders.end());

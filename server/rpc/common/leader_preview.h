@@ -1,6 +1,6 @@
-// What a change of the evidence would do to the arms that scenes are believed to cost least with:
-// the leaders as they are are compared with those in the store as it would be. It is used on the
-// store's thread.
+// Previews how a change of the evidence would change the leading arm of each scene. It compares the
+// leaders before the change with those in the store as it would be after it. Used on the store's
+// thread.
 #pragma once
 
 #include <map>
@@ -14,13 +14,13 @@ namespace sweepstake::rpc {
 
 class LeaderPreview {
  public:
-  // Reads the leaders of the project, or of all if it is empty, where `is_preview`. A scene costs a
-  // read before the change and one after it; beyond kMaxScenes none is read.
+  // If `is_preview`, reads the current leaders of the project (empty: of all projects). Each scene
+  // costs one read before the change and one after it. At most kMaxScenes scenes are read.
   LeaderPreview(priors::PriorReader& store, std::string project, bool is_preview);
 
-  // Returns what the store's method takes for `preview`; it must not outlive this object.
+  // Returns the `preview` argument for the store's method; it must not outlive this object.
   priors::Preview preview();
-  // Returns the differences; none where it is no preview. Errors: those of PriorReader::List.
+  // Returns the differences; none if this is not a preview. Errors: those of PriorReader::List.
   absl::StatusOr<v1::LeaderChanges> Changes() const;
 
  private:

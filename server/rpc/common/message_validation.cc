@@ -21,7 +21,7 @@ using text::IsName;
 using text::IsOptionalName;
 
 constexpr uint64_t kMaxSequence = (1ull << 63) - 1;
-// Two years at 1,000 frames/s; the counter holds the sum of 2^28 such reports.
+// Two years at 1,000 frames/s; the 64-bit counter can hold the sum of 2^28 such reports.
 constexpr uint64_t kMaxDroppedFrames = 1ull << 36;
 
 absl::Status Invalid(absl::string_view message) {
@@ -43,20 +43,20 @@ absl::Status CheckTimeScale(double scale, double max) {
   if (!(scale == 0 || (scale >= 1 && scale <= kMaxTimeScale)))
     return Invalid(absl::StrCat("time_scale must be 1 to ", kMaxTimeScale, ", or absent"));
   if (scale <= max) return absl::OkStatus();
-  return Refused(
-      v1::ERROR_REASON_TIME_SCALE,
-      absl::StrCat("this daemon allows a time scale up to ", max, ", not ", scale,
-                   "; ask for less, or start the daemon with --max-time-scale ", std::ceil(scale)));
+  return Refused(v1::ERROR_REASON_TIME_SCALE,
+                 absl::StrCat("this daemon allows a time scale up to ", max, ", not ", scale,
+                              "; use a smaller one, or start the daemon with --max-time-scale ",
+                              std::ceil(scale)));
 }
 
-// The newest version that both sides speak must be one that both still speak.
+// The two version ranges must overlap.
 absl::Status CheckVersions(const v1::Hello& hello) {
   const uint32_t newest = hello.protocol_version();
   const uint32_t oldest = hello.min_protocol_version() == 0 ? newest : hello.min_protocol_version();
   if (std::min(newest, kMaxProtocolVersion) >= std::max(oldest, kMinProtocolVersion))
     return absl::OkStatus();
   return Refused(v1::ERROR_REASON_PROTOCOL_VERSION,
-                 absl::StrCat("this daemon speaks the protocol versions ", kMinProtocolVersion,
+                 absl::StrCat("this daemon supports the protocol versions ", kMinProtocolVersion,
                               " to ", kMaxProtocolVersion, ", the client ", oldest, " to ", newest,
                               "; update the older side"));
 }
@@ -176,11 +176,12 @@ absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
 
 absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t arm_count) {
   if (request.has_hello())
-    return Refused(v1::ERROR_REASON_MESSAGE_ORDER, "Hello was sent already on this stream");
-  // A message of a newer protocol is an unknown field.
+    return Refused(v1::ERROR_REASON_MESSAGE_ORDER,
+                   "Hello was already sent on this stream; send it once, as the first message");
+  // A message of a newer protocol appears as an unknown field.
   if (request.message_case() == v1::StreamTelemetryRequest::MESSAGE_NOT_SET &&
       request.GetReflection()->GetUnknownFields(request).empty())
-    return Invalid("the request has no message");
+    return Invalid("the request contains no message");
   if (absl::Status status = CheckSequence(request); !status.ok()) return status;
   switch (request.message_case()) {
     case v1::StreamTelemetryRequest::kFrameBatch:

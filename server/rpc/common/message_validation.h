@@ -1,4 +1,4 @@
-// Checks a client's message before anything of it is applied. Pure functions; the cost is linear in
+// Checks a client's message before any part of it is applied. Pure functions; the cost is linear in
 // the size of the message.
 //
 // A message that breaks the contract (lengths, indices, names, absent fields) ends the stream with
@@ -14,8 +14,8 @@
 
 namespace sweepstake::rpc {
 
-// Checks a Hello against the daemon's options. REQUIRES: it names a policy; the caller has filled
-// in the daemon's default if the client named none.
+// Checks a Hello against the daemon's options. REQUIRES: it names a policy; if the client named
+// none, the caller has filled in the daemon's default.
 absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options);
 
 // Checks any request after Hello. REQUIRES: arm_count > 0.

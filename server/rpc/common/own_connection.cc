@@ -14,7 +14,7 @@ namespace sweepstake::rpc {
 absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectWithin(grpc::Server& server) {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends) != 0)
-    return absl::ErrnoToStatus(errno, "cannot make the sockets of the daemon's own calls");
+    return absl::ErrnoToStatus(errno, "cannot create the sockets for the daemon's internal calls");
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
   grpc::AddInsecureChannelFromFd(&server, ends[0]);

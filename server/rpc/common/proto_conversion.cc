@@ -27,7 +27,7 @@ uint32_t Milliseconds(int64_t interval_ns) {
       std::clamp<int64_t>((interval_ns + kNsPerMs / 2) / kNsPerMs, 0, UINT32_MAX));
 }
 
-// Returns the registry's name, since options may call it "default".
+// Returns the name in the registry; options may call the policy "default".
 std::string PolicyNameOf(const sessions::SessionIdentity& identity) {
   return std::string(
       decision::PolicyKindOf(identity.decision.policy, decision::ShippedPolicies()).name);
@@ -131,8 +131,8 @@ std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::A
   return decision::PoolEvidence(evidence);
 }
 
-// Pools the newest version of each arm with those of the others, as sessions do, and older ones
-// alone.
+// Pools the newest version of each arm with the newest versions of the others, as sessions do. Each
+// older version is pooled alone.
 std::vector<decision::EvidenceSum> PoolVersions(std::span<const priors::SceneEvidence::Arm> arms) {
   std::vector<priors::SceneEvidence::Arm> newest;
   std::vector<bool> is_newest(arms.size());
@@ -147,8 +147,8 @@ std::vector<decision::EvidenceSum> PoolVersions(std::span<const priors::SceneEvi
   return pooled;
 }
 
-// Returns the evidence that a live window of the scene has on average; 0 if none is known. The
-// penalties of bail-outs are evidence without windows: arms that have some are left out.
+// Returns the average evidence per live window of the scene; 0 if there is none. Arms with
+// bail-outs are left out, because the penalties of bail-outs are evidence without windows.
 double WindowEvidence(std::span<const priors::SceneEvidence::Arm> arms) {
   double evidence = 0;
   double window_count = 0;

@@ -36,19 +36,19 @@ void ToProto(const SwitchCommand& command, v1::SwitchCommand& message);
 // The caller sets order_id.
 void ToProto(const decision::OrderReport& order, v1::OperatorOrder& message);
 void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
-// REQUIRES: something is learnt.
+// REQUIRES: the record has posteriors.
 void ToProto(const decision::DecisionRecord& record, uint32_t arm, v1::ArmStanding& message);
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message);
-// Fills in the key only.
+// Sets only the key.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
 // The posteriors are Beta(1,1) plus the pooled evidence. The caller sets active_session_count.
-// Computes the scene's figures, which takes 0.3 to 3 ms (7 to 32 arms): most of it goes into the
-// intervals. For many scenes, call it on the store's reading thread, not on the decision loop.
+// Computing the scene's figures takes 0.3 to 3 ms (7 to 32 arms), most of it for the intervals. For
+// many scenes, call it on the store's reading thread, not on the decision loop.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
 absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
     const absl::StatusOr<std::vector<priors::SceneEvidence>>& page);
 void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message);
-// Answers the Hello with the capabilities that both sides have. The caller sets resumed,
+// Sets the capabilities that both the Hello and the daemon have. The caller sets resumed,
 // protocol_version and batch_interval_ms.
 void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
              const RpcOptions& options, v1::Welcome& message);
@@ -60,13 +60,13 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 
 // The messages below must have passed message_validation.h.
 Mode FromProto(v1::Mode mode);
-// The reward version is that of the policy, which Hello must name.
+// Sets the reward version of the policy, which Hello must name.
 sessions::Hello FromProto(const v1::Hello& message);
-// Reuses the memory of `telemetry`. A scene descriptor's value that is negative or not finite
+// Reuses the memory of `telemetry`. A value of a scene descriptor that is negative or not finite
 // counts as not measured, and each cost of a switch is limited to kMaxFrameNs.
 void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& telemetry);
 sessions::BoxView FromProto(const v1::BoxView& message);
-// Reads the key only.
+// Reads only the key.
 priors::SceneKey FromProto(const v1::ScenePosterior& message);
 priors::PriorRecord FromProto(const v1::PriorRecord& message);
 

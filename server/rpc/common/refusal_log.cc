@@ -44,7 +44,7 @@ void RefusalLog::TellLeftOut() {
       left_out_counts.at(reason) = std::exchange(line.left_out_count, 0);
     }
   }
-  // Writing a line may take its time, and calls wait for the lock.
+  // Outside the lock: writing a line may be slow, and calls wait for the lock.
   for (size_t reason = 0; reason < left_out_counts.size(); ++reason) {
     if (left_out_counts.at(reason) == 0) continue;
     log_.warn("refused {} more ({})", left_out_counts.at(reason),

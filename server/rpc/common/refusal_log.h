@@ -1,5 +1,5 @@
-// Says in the log what was refused, one line for each reason in ten seconds, and how many lines
-// that left out. Thread-safe.
+// Logs refused calls: at most one line per reason in ten seconds, and the number of omitted lines.
+// Thread-safe.
 #pragma once
 
 #include <array>
@@ -24,12 +24,12 @@ class RefusalLog {
 
   RefusalLog(const sessions::Clock& clock, spdlog::logger& log) : clock_(clock), log_(log) {}
 
-  // `peer` is whose call or stream was refused.
+  // Logs a refusal. `peer` is the caller whose call or stream was refused.
   void Tell(std::string_view peer, const absl::Status& refusal);
-  // As Tell, of whatever ended a call: what is no refusal is left out, which are success, a client
-  // that has gone, the daemon's own end, and that nothing is known of what was asked for.
+  // Logs the end of a call if it is a refusal. Success, a client that disconnected, a draining
+  // daemon and an unknown scene are not refusals.
   void TellEnd(std::string_view peer, const absl::Status& end);
-  // Says what was left out, once that is due. To be called every second or so.
+  // Logs the numbers of omitted lines that are due. Call it about once per second.
   void TellLeftOut();
 
  private:

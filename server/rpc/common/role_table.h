@@ -1,5 +1,5 @@
-// Which role each RPC needs. A handler names its RPC with RpcOf, which does not compile for one
-// that has no row; a test compares the rows with the services of proto/.
+// The role that each RPC needs. A handler names its RPC with RpcOf, which does not compile for an
+// RPC without a row; a test compares the rows with the services of proto/.
 #pragma once
 
 #include <array>

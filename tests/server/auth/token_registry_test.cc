@@ -140,7 +140,7 @@ TEST_F(TokenRegistryTest, AFileThatIsMissingForATimeIsToldOnceAndItsTokensStay) 
   const auto registry = Open();
   const std::filesystem::path copy = Copy();
   std::filesystem::remove(path_);
-  EXPECT_THAT(AwaitProblems(1), ElementsAre(HasSubstr("put a copy in its place")));
+  EXPECT_THAT(AwaitProblems(1), ElementsAre(HasSubstr("restore a copy of the file")));
   EXPECT_TRUE(registry->Find(token));
   std::filesystem::rename(copy, path_);
   EXPECT_TRUE(TokenStore::Open(path_)->Revoke("game", "bob", 2'000).ok());
@@ -158,7 +158,7 @@ TEST_F(TokenRegistryTest, ATokenOfAnotherFileIsNotTakenForTheOneOfItsId) {
   request.made_by = "eve";
   const std::string new_token = TokenStore::Open(other)->Create(request, 1).value();
   std::filesystem::rename(other, path_);
-  EXPECT_THAT(AwaitChanges(2), ElementsAre(HasSubstr("game is in the file no more"),
+  EXPECT_THAT(AwaitChanges(2), ElementsAre(HasSubstr("game is no longer in the file"),
                                            HasSubstr("game was made by eve")));
   while (!registry->Find(new_token)) std::this_thread::yield();
   EXPECT_FALSE(registry->Find(token));
@@ -174,7 +174,7 @@ TEST_F(TokenRegistryTest, AFileWithoutTokensInThePlaceOfOneWithThemLetsNobodyIn)
   const auto other = elsewhere.path() / "tokens.db";
   ASSERT_TRUE(TokenStore::Open(other).ok());
   std::filesystem::rename(other, path_);
-  EXPECT_THAT(AwaitProblems(1), ElementsAre(HasSubstr("has no token, though")));
+  EXPECT_THAT(AwaitProblems(1), ElementsAre(HasSubstr("contains no tokens, but")));
   EXPECT_FALSE(registry->empty());
   EXPECT_TRUE(registry->Find(token));
 }

@@ -180,16 +180,17 @@ TEST_F(TokenStoreTest, AFileThatWasLostIsNotTakenForNone) {
   const absl::Status lost = TokenStore::Open(path_).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(lost)) << lost;
   const std::string note = (directory_.path() / "tokens-made").string();
-  EXPECT_EQ(lost.message(),
-            path_.string() +
-                " is missing, though there have been tokens: put a copy in its place; `sweepstaked "
-                "token create` makes tokens in a file without the others, which ends those; to "
-                "have none, stop the daemon and remove " +
-                note);
+  EXPECT_EQ(
+      lost.message(),
+      path_.string() +
+          " is missing, but tokens were created earlier: restore a copy of the file; or create new "
+          "tokens with `sweepstaked token create`, which invalidates the earlier ones; to "
+          "run without tokens, stop the daemon and remove " +
+          note);
   EXPECT_FALSE(fs::exists(path_)) << "where the copy is to be";
   EXPECT_TRUE(TokenStore::Open(path_, TokenStore::IfLost::kReplace).ok());
   EXPECT_THAT(std::string(Open().Lost().message()),
-              ::testing::AllOf(HasSubstr(path_.string() + " has no token, though"),
+              ::testing::AllOf(HasSubstr(path_.string() + " contains no tokens, but"),
                                HasSubstr("remove " + path_.string() + " and " + note)));
   fs::remove(path_);
   fs::remove(directory_.path() / "tokens-made");

@@ -309,8 +309,8 @@ TEST(MessageValidationTest, ATimeScaleIsRefusedWithWhatToDoUnlessTheDaemonAllows
   hello.set_time_scale(7.5);
   EXPECT_EQ(CheckHello(hello, options),
             Refused(v1::ERROR_REASON_TIME_SCALE,
-                    "this daemon allows a time scale up to 1, not 7.5; ask for "
-                    "less, or start the daemon with --max-time-scale 8"));
+                    "this daemon allows a time scale up to 1, not 7.5; use "
+                    "a smaller one, or start the daemon with --max-time-scale 8"));
   options.max_time_scale = 7;
   EXPECT_TRUE(absl::IsInvalidArgument(CheckHello(hello, options)));
   options.max_time_scale = 8;

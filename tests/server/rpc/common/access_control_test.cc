@@ -221,7 +221,7 @@ TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
     logged_->Clear();
     EXPECT_EQ(ReasonOf(call()), v1::ERROR_REASON_NOT_ALLOWED);
     EXPECT_THAT(logged_->text(),
-                HasSubstr("(NOT_ALLOWED): this token is not for the project theirs"))
+                HasSubstr("(NOT_ALLOWED): this token is not valid for the project theirs"))
         << "call " << &call - calls;
     clock_.Advance(RefusalLog::kIntervalNs);
   }
