@@ -120,7 +120,7 @@ void TokenRegistry::Report(const Entries& before, const Entries& after) const {
   for (size_t i = 0; i < before.list.size(); ++i) {
     const StoredToken& token = before.list[i].token;
     if (!HasAt(after.list, i, token))
-      options_.on_change(absl::StrCat("token ", NameFor(token), " is no longer in the file"));
+      options_.on_change(absl::StrCat("token ", NameFor(token), " was removed from the file"));
   }
   for (size_t i = 0; i < after.list.size(); ++i) {
     const StoredToken& token = after.list[i].token;

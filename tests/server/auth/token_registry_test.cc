@@ -158,7 +158,7 @@ TEST_F(TokenRegistryTest, ATokenOfAnotherFileIsNotTakenForTheOneOfItsId) {
   request.made_by = "eve";
   const std::string new_token = TokenStore::Open(other)->Create(request, 1).value();
   std::filesystem::rename(other, path_);
-  EXPECT_THAT(AwaitChanges(2), ElementsAre(HasSubstr("game is no longer in the file"),
+  EXPECT_THAT(AwaitChanges(2), ElementsAre(HasSubstr("game was removed from the file"),
                                            HasSubstr("game was made by eve")));
   while (!registry->Find(new_token)) std::this_thread::yield();
   EXPECT_FALSE(registry->Find(token));
