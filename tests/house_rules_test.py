@@ -96,7 +96,6 @@ LANGUAGE_EXCEPTIONS = {
 }
 # Folders whose language has not been rewritten yet.
 LANGUAGE_PENDING = (
-    "engine_client/cli",
     "server/dashboard", "server/rpc/services",
     "server/watch", "server/web",
     "tests/server/auth", "tests/server/dashboard", "tests/server/net", "tests/server/rpc", "tests/server/sessions", "tests/server/simulation",

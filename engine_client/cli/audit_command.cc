@@ -1,5 +1,5 @@
-// `sweepstake audit list|export`: a daemon's log of decisions, to read and to derive again
-// (`sweepstake-lab replay --log`).
+// `sweepstake audit list|export`: lists and exports a daemon's log of decisions. `sweepstake-lab
+// replay --log` recomputes the decisions of an export.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
@@ -20,13 +20,13 @@ struct AuditOptions {
   bool json = false;
 };
 
-// A number above 1 tells that the rows before it were removed. An older daemon does not say.
+// A number above 1 means that the rows before it were removed. Older daemons send 0.
 std::string FirstRowText(const v1::AuditSegment& segment) {
   return segment.first_row() == 0 ? "" : std::to_string(segment.first_row());
 }
 
 std::string SegmentsText(const std::vector<v1::AuditSegment>& segments) {
-  if (segments.empty()) return "The daemon has no log of this\n";
+  if (segments.empty()) return "The daemon has no matching decision log\n";
   TextTable table(
       {"session", "segment", "began (UTC)", "project", "scene", "rows", "first row", "lost rows"});
   for (const v1::AuditSegment& row : segments) {
@@ -89,11 +89,11 @@ void AddAuditCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
       "  sweepstake-lab replay --log decisions.csv");
   AddCommand<AuditOptions>(
-      *audit, "list", "Show which sessions' decisions there are",
+      *audit, "list", "List the sessions with logged decisions",
       "  sweepstake audit list --daemon 127.0.0.1:7433 --scene hurricane-3000\n", exit_code,
       Declare, [&terminal](const AuditOptions& options) { return RunList(options, terminal); });
   AddCommand<AuditOptions>(
-      *audit, "export", "Write the decisions as CSV, to read and to derive again",
+      *audit, "export", "Write the decisions as CSV, also for `sweepstake-lab replay`",
       "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
       "  sweepstake audit export --daemon 127.0.0.1:7433 --session ID --out one.csv\n"
       "  sweepstake-lab replay --log decisions.csv\n",

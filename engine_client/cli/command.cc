@@ -20,8 +20,8 @@ std::string Quoted(std::string_view word) {
   }
   std::string quoted = "'";
   for (const char character : word) {
-    // A single quote cannot stand inside single quotes: it closes them, follows escaped, and opens
-    // them again.
+    // A quoted text cannot contain a single quote. Close the quotes, add an escaped quote, and
+    // reopen them.
     if (character == '\'') {
       quoted += "'\\''";
     } else {
@@ -31,7 +31,7 @@ std::string Quoted(std::string_view word) {
   return quoted + '\'';
 }
 
-// However large, and with a sign or without.
+// Returns whether the text is a whole number of any size, with or without a sign.
 bool IsWhole(std::string_view text) {
   if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
@@ -39,7 +39,8 @@ bool IsWhole(std::string_view text) {
 
 TlsOptions& Tls(DaemonOptions& daemon) { return daemon.tls ? *daemon.tls : daemon.tls.emplace(); }
 
-// The variable of --tls-ca is SWEEPSTAKE_CLIENT_TLS_CA. `daemon` must outlive the command.
+// Adds a TLS option and its environment variable: SWEEPSTAKE_CLIENT_TLS_CA for --tls-ca. `daemon`
+// must outlive the command.
 void AddTlsOption(CLI::App& command, const std::string& name, std::string TlsOptions::*field,
                   DaemonOptions& daemon, const std::string& help) {
   std::string variable = "SWEEPSTAKE_CLIENT";
@@ -98,14 +99,15 @@ CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon) {
   command.add_flag_callback(
       "--tls", [&daemon] { Tls(daemon); }, "Connect with TLS; the options below imply it");
   AddTlsOption(command, "--tls-ca", &TlsOptions::ca_file, daemon,
-               "PEM file of the authorities to trust (default: the system's)");
+               "PEM file of the certificate authorities to trust (default: the system's)");
   AddTlsOption(command, "--tls-cert", &TlsOptions::cert_file, daemon,
-               "PEM file of your certificate, where the daemon asks for one");
+               "PEM file of your certificate, if the daemon requires one");
   AddTlsOption(command, "--tls-key", &TlsOptions::key_file, daemon,
                "PEM file of your certificate's private key");
   AddTlsOption(command, "--tls-server-name", &TlsOptions::server_name, daemon,
-               "Host in the daemon's certificate, where it is not that of --daemon");
-  // The variable with the token itself has no option: arguments can be read by others.
+               "Host name in the daemon's certificate, if it differs from that of --daemon");
+  // The token itself has only a variable, no option, because other users can read the arguments of
+  // a process.
   if (const char* token = std::getenv("SWEEPSTAKE_CLIENT_TOKEN")) daemon.token.text = token;
   command
       .add_option_function<std::string>(
@@ -113,7 +115,8 @@ CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon) {
           [&daemon](const std::string& file) {
             daemon.token = {file, ""};
           },
-          "File with the token that the daemon asks for; or the token in SWEEPSTAKE_CLIENT_TOKEN")
+          "File with the token that the daemon requires; or set SWEEPSTAKE_CLIENT_TOKEN to the "
+          "token")
       ->envname("SWEEPSTAKE_CLIENT_TOKEN_FILE");
   return address->required();
 }

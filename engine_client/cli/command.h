@@ -1,5 +1,5 @@
-// What the *_command.cc files share: how a subcommand is declared, the checks of its numbers, and
-// the options that several commands have.
+// Shared by the *_command.cc files: declaring a subcommand, checking its numbers, and the options
+// that several commands have.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -19,30 +19,30 @@ namespace sweepstake::cli {
 // Accepts whole numbers from `min` to `max`.
 CLI::Validator WholeFrom(uint64_t min, uint64_t max);
 // Accepts whole numbers from 0 to `max`. Without the check, the parser wraps "-1" around to the
-// largest number there is.
+// largest 64-bit number.
 CLI::Validator WholeUpTo(uint64_t max);
 
-// Accepts numbers from `min` to `max`. NaN, which passes every comparison of the parser, is
-// refused.
+// Accepts numbers from `min` to `max`. Rejects NaN, which would pass the parser's own comparisons.
 CLI::Validator RealFrom(double min, double max);
 
-// Accepts every number without a sign, for options of which all unsigned values are valid.
+// Rejects negative numbers, for options that accept every unsigned value.
 CLI::Validator NotNegative();
 
-// Accepts these words; for another one the message names the nearest first. `words` must outlive
-// the validator.
+// Accepts these words. For another word the message lists them, the nearest first. `words` must
+// outlive the validator.
 CLI::Validator OneOf(std::span<const std::string_view> words);
 
-// --daemon HOST:PORT, which is returned and required, and how to connect to it: --tls and the
-// --tls-... that imply it, which variables of the environment may give instead.
+// Adds --daemon HOST:PORT, which is required and returned, and the options of the connection:
+// --tls, the --tls-... options, which imply it, and --token-file. Environment variables can set the
+// latter.
 CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon);
-// --json.
+// Adds --json.
 void AddJsonFlag(CLI::App& command, bool& json);
-// --seed, not negative; `purpose` says what it seeds.
+// Adds --seed, which must not be negative. Its help text is "Seed of " + `purpose`.
 void AddSeedOption(CLI::App& command, uint64_t& seed, const std::string& purpose);
 
-// `words` as one line that a POSIX shell reads back as the same words. Words of letters, digits and
-// harmless punctuation stand as they are, the others in single quotes. A pure function.
+// Returns `words` as one line that a POSIX shell parses into the same words. Puts a word in single
+// quotes unless it consists of letters, digits and harmless punctuation. A pure function.
 std::string CommandLine(std::span<char* const> words);
 
 // Adds the subcommand `name`. Its help ends with `examples` (whole lines). `declare` binds the

@@ -11,7 +11,7 @@ namespace sweepstake::cli {
 namespace {
 
 // The parser's own message for a missing or unknown command does not list the commands, so this
-// looks first. `words` are the ones after the name of `app`.
+// function checks first. `words` are the ones after the name of `app`.
 Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
   const auto commands = app.get_subcommands({});
   if (commands.empty() || (!words.empty() && words.front()[0] == '-')) return {};
@@ -33,8 +33,8 @@ Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
           text::UnknownName("command of " + app.get_name(), words.front(), valid)};
 }
 
-// The parser's own message for an unknown option comes after the one for a missing option, and does
-// not say what is valid. `words` are the ones after the name of `app`.
+// Checks the names of options before the parser does. The parser reports a missing option first,
+// and does not list the valid options. `words` are the ones after the name of `app`.
 Status CheckOptionNames(const CLI::App& app, std::span<char* const> words) {
   if (!words.empty()) {
     for (const CLI::App* command : app.get_subcommands({})) {
@@ -77,7 +77,7 @@ int RunCommandLine(std::span<char* const> words, Terminal& terminal) {
                                     std::string_view(words[1])) != kLaboratoryCommands.end()) {
     const std::string name = words[1];
     return Fail(terminal, Status(StatusCode::kInvalidArgument,
-                                 "this is in sweepstake-lab: run `sweepstake-lab " + name +
+                                 "this command is in sweepstake-lab: run `sweepstake-lab " + name +
                                      "`; `cmake --workflow --preset release` builds it"));
   }
   return RunProgram({.name = "sweepstake",
@@ -110,9 +110,11 @@ int RunProgram(const Program& program, std::span<char* const> words, Terminal& t
   }
   terminal.out.flush();
   if (!terminal.out) {
-    return Fail(terminal,
-                Status(StatusCode::kInvalidArgument,
-                       "could not write to stdout; is its disk full or its reader gone?"));
+    return Fail(
+        terminal,
+        Status(
+            StatusCode::kInvalidArgument,
+            "cannot write to stdout; check that its disk is not full and its reader still runs"));
   }
   return exit_code;
 }

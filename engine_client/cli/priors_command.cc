@@ -1,5 +1,6 @@
-// `sweepstake priors list|export|import|promote|revoke`: a daemon's evidence to look at, to ship
-// with a game, to carry to another daemon, where it waits to be promoted, and to take out again.
+// `sweepstake priors list|export|import|promote|revoke`: shows the evidence of a daemon and exports
+// it for games and other daemons. Imports it into quarantine, promotes it from there, and removes
+// it again.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -32,7 +33,7 @@ struct PriorsOptions {
 
 std::string QuarantinedText(const PriorsGroups& groups) {
   if (groups.empty()) return "";
-  return "\nImports that wait, and count once they are promoted (`sweepstake priors promote`):\n" +
+  return "\nImports in quarantine, which count after `sweepstake priors promote`:\n" +
          ShowText(groups);
 }
 
@@ -55,14 +56,15 @@ int RunList(const PriorsOptions& options, Terminal& terminal) {
 std::string DescribeWaiting(uint64_t count) {
   if (count == 0) return "";
   return std::to_string(count) +
-         " records wait in quarantine, of which there are no sums (`sweepstake priors promote`)";
+         " records are in quarantine and not part of any sum; `sweepstake priors promote` makes "
+         "them count";
 }
 
-// A file that is to be written.
+// The content of an export file.
 struct ExportText {
   std::string text = {};
-  uint64_t count = 0;          // of the records or sums in it
-  uint64_t waiting_count = 0;  // of records that wait in quarantine and are left out
+  uint64_t count = 0;          // number of records or sums in `text`
+  uint64_t waiting_count = 0;  // number of omitted records, which are in quarantine
 };
 
 Result<ExportText> TextOfSums(const PriorsOptions& options) {
@@ -91,12 +93,14 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
   const bool leaves_some =
       !options.project.empty() || !options.scene.empty() || file->waiting_count > 0;
   if (leaves_some && file->count == 0) {
-    const std::string none = options.sums ? "no such records that count" : "no such records";
-    return FailAnswer(terminal,
-                      Status(StatusCode::kNotFound,
-                             "the daemon has " + none + ", and " + options.file +
-                                 " is left as it was; `sweepstake priors list` shows which it has" +
-                                 (waiting.empty() ? "" : "; " + waiting)));
+    const std::string none =
+        options.sums ? "no matching records that count" : "no matching records";
+    return FailAnswer(
+        terminal,
+        Status(StatusCode::kNotFound,
+               "the daemon has " + none + ", and " + options.file +
+                   " was not changed; `sweepstake priors list` shows which records exist" +
+                   (waiting.empty() ? "" : "; " + waiting)));
   }
   const Status written = WritePriorsText(file->text, options.file);
   if (!written.ok()) {
@@ -117,19 +121,20 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
 std::string AbsentText(uint64_t count) {
   if (count == 0) return "";
   return std::to_string(count) +
-         " of these are not there under their project and scene: the daemon knows their sources "
-         "under others, and a source is never counted twice, or has revoked them\n";
+         " of these are not stored under their project and scene: their source was revoked, or is "
+         "stored under another project or scene and counts only there\n";
 }
 
 std::string SumsText(uint64_t count) {
   if (count == 0) return "";
   return std::to_string(count) +
-         " sums of builds were left out: a daemon cannot know what it has of them already\n";
+         " sums of builds were skipped: a daemon cannot detect how much of a sum it already "
+         "contains\n";
 }
 
 std::string WaitsText(const PriorsOptions& options, const ImportResult& result) {
   if (options.promote || result.applied_count == 0) return "";
-  return "they wait in quarantine, and count once `sweepstake priors promote` lets them\n";
+  return "they are in quarantine, and count after `sweepstake priors promote`\n";
 }
 
 int RunImport(const PriorsOptions& options, Terminal& terminal) {
@@ -137,10 +142,11 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   if (!records.ok()) return Fail(terminal, records.status());
   const uint64_t sum_count = std::erase_if(*records, IsSum);
   if (records->empty() && sum_count > 0) {
-    return Fail(terminal,
-                Status(StatusCode::kInvalidArgument,
-                       options.file + " has nothing but sums of builds, of which a daemon cannot "
-                                      "know what it has already: export it without --sums"));
+    return Fail(
+        terminal,
+        Status(StatusCode::kInvalidArgument,
+               options.file + " contains only sums of builds, and a daemon cannot detect how much "
+                              "of a sum it already contains: export the evidence without --sums"));
   }
   const auto result = ImportPriors(options.daemon, *records, options.promote);
   if (!result.ok()) return FailAnswer(terminal, result.status());
@@ -151,13 +157,13 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   PrintResult(terminal, options.json, document,
               options.file + ": " + std::to_string(result->applied_count) + " of " +
                   std::to_string(records->size()) + " records were new or newer, " +
-                  std::to_string(result->unchanged_count) + " were known already\n" +
+                  std::to_string(result->unchanged_count) + " were already known\n" +
                   WaitsText(options, *result) + AbsentText(result->absent_count) +
                   SumsText(sum_count));
   return kDone;
 }
 
-// Of what was, or would be, revoked or promoted.
+// Describes what was, or would be, revoked or promoted.
 template <typename Result>
 std::string CountsText(const Result& result) {
   return std::to_string(result.source_count) + " sources with " +
@@ -166,10 +172,10 @@ std::string CountsText(const Result& result) {
 }
 
 std::string DoneText(const PriorsOptions& options, const std::string& done) {
-  return options.yes ? " were " + done + "\n" : " would be " + done + "; say --yes to do it\n";
+  return options.yes ? " were " + done + "\n" : " would be " + done + "; add --yes to do it\n";
 }
 
-// In which scenes another arm would lead.
+// Lists the scenes in which another arm would become the leader.
 std::string LeadersText(const LeaderChanges& changes) {
   if (changes.scene_count == 0) return "";
   std::string text =
@@ -179,7 +185,7 @@ std::string LeadersText(const LeaderChanges& changes) {
     text += "  " + change.project + " / " + change.scene;
     if (!change.machine_class.empty()) text += " on " + change.machine_class;
     text += ", reward version " + std::to_string(change.reward_version) + ": " +
-            named(change.next_arm) + " in place of " + named(change.arm) + "\n";
+            named(change.next_arm) + " instead of " + named(change.arm) + "\n";
   }
   if (changes.scene_count > changes.scenes.size()) text += "  and others\n";
   return text;
@@ -198,28 +204,30 @@ Json LeadersJson(const LeaderChanges& changes) {
   return {{"count", changes.scene_count}, {"scenes", scenes}};
 }
 
-// A range of times that holds none is a mistake.
+// Rejects an empty range of times.
 Status CheckTimes(const SourceChoice& sources) {
   if (sources.unix_until_s == 0 || sources.unix_from_s <= sources.unix_until_s) return {};
-  return {StatusCode::kInvalidArgument, "--until is before --since"};
+  return {StatusCode::kInvalidArgument, "--until is before --since; give a later time"};
 }
 
-// All of a project, or of a daemon, is not revoked by leaving something out.
+// Requires at least one filter besides the project, so that a forgotten option does not revoke a
+// whole project or daemon.
 Status CheckNamesAny(const SourceChoice& sources) {
   const bool any = !sources.source_id.empty() || !sources.build.empty() || sources.token_id != 0 ||
                    sources.unix_from_s != 0 || sources.unix_until_s != 0;
   if (any) return CheckTimes(sources);
   return {StatusCode::kInvalidArgument,
-          "name the sessions to revoke by --source, --build, --token-id, --since or --until"};
+          "select the sessions to revoke with --source, --build, --token-id, --since or --until"};
 }
 
-// Of a revocation that takes nothing out.
+// Describes a revocation that removes nothing.
 std::string NothingText(const PriorsOptions& options) {
-  std::string text = "no session that is not revoked already matches";
+  std::string text = "no session matches that is not already revoked";
   const std::string& source = options.sources.source_id;
   if (source.empty() || options.sources != SourceChoice{.source_id = source})
-    return text + "; `sweepstake audit list` and exports say which there are\n";
-  return text + "; should it come, it " + (options.yes ? "counts" : "would count") + " no more\n";
+    return text + "; `sweepstake audit list` and exports show the sessions\n";
+  return text + "; if its evidence arrives later, it " + (options.yes ? "will" : "would") +
+         " not count\n";
 }
 
 int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
@@ -234,7 +242,7 @@ int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
       {"records", result->record_count},
       {"windows", result->window_count},
       {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
-  // What old sessions taught together is that of no source.
+  // Evidence of old sessions that was summed has records but no source.
   const bool none = result->source_count == 0 && result->record_count == 0;
   PrintResult(terminal, options.json, document,
               none ? NothingText(options)
@@ -255,7 +263,8 @@ int RunPromote(const PriorsOptions& options, Terminal& terminal) {
       {"windows", result->window_count},
       {"scenes", result->scene_count},
       {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
-  const std::string none = "nothing that waits matches; `sweepstake priors list` shows what does\n";
+  const std::string none =
+      "no record in quarantine matches; `sweepstake priors list` shows the records in quarantine\n";
   PrintResult(terminal, options.json, document,
               result->source_count == 0
                   ? none
@@ -280,34 +289,37 @@ void DeclareSources(CLI::App& command, PriorsOptions& options) {
   SourceChoice& sources = options.sources;
   command.add_option("--project", sources.project, "Only evidence of this project");
   command.add_option("--source", sources.source_id,
-                     "This session, as `audit list` and the source_id of an export have it");
+                     "Session id, as in `audit list` and in the source_id of an export");
   command.add_option("--build", sources.build, "Sessions of this build of the game");
   command.add_option("--token-id", sources.token_id, "Sessions that began with this token")
       ->check(NotNegative());
-  command.add_option("--since", sources.unix_from_s, "Sessions that began then or later")
+  command.add_option("--since", sources.unix_from_s, "Sessions that began at this time or later")
       ->check(NotNegative())
       ->type_name("UNIX_S");
-  command.add_option("--until", sources.unix_until_s, "Sessions that began then or before")
+  command
+      .add_option("--until", sources.unix_until_s, "Sessions that began at this time or earlier")
       ->check(NotNegative())
       ->type_name("UNIX_S");
-  command.add_flag("--yes", options.yes, "Do it");
+  command.add_flag("--yes", options.yes,
+                   "Make the change; without it, only show what would change");
 }
 
 void AddSourceCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
   AddCommand<PriorsOptions>(
-      priors, "promote", "Let imports that wait in a daemon's quarantine count",
+      priors, "promote", "Make imports in a daemon's quarantine count",
       "  sweepstake priors promote --daemon 127.0.0.1:7433\n"
       "  sweepstake priors promote --daemon 127.0.0.1:7433 --project arcade --build 1.3 --yes\n"
-      "Without --yes it says what would count, and changes nothing. Without a filter it means all\n"
-      "that waits, which `priors list` shows. `priors revoke` takes it out again, exactly.\n",
+      "Without --yes it only shows what would count. Without a filter it promotes everything\n"
+      "in quarantine, which `priors list` shows. `priors revoke` removes the evidence again,\n"
+      "exactly.\n",
       exit_code, DeclareSources,
       [&terminal](const PriorsOptions& options) { return RunPromote(options, terminal); });
   AddCommand<PriorsOptions>(
-      priors, "revoke", "Take the evidence of sessions out of a daemon, exactly",
+      priors, "revoke", "Remove the evidence of sessions from a daemon, exactly",
       "  sweepstake priors revoke --daemon 127.0.0.1:7433 --project arcade --build 1.3\n"
       "  sweepstake priors revoke --daemon 127.0.0.1:7433 --token-id 7 --since 1760000000 --yes\n"
-      "Without --yes it says what would go, and changes nothing. What is revoked stays away: the\n"
-      "sessions' later evidence counts no more, and imports of it neither.\n",
+      "Without --yes it only shows what would be removed. A revocation is permanent: later\n"
+      "evidence of these sessions does not count, and neither does an import of it.\n",
       exit_code, DeclareSources,
       [&terminal](const PriorsOptions& options) { return RunRevoke(options, terminal); });
 }
@@ -315,7 +327,7 @@ void AddSourceCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
 }  // namespace
 
 void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
-  CLI::App* priors = app.add_subcommand("priors", "A daemon's evidence, and files of it");
+  CLI::App* priors = app.add_subcommand("priors", "Manage a daemon's evidence and priors files");
   priors->require_subcommand(1);
   priors->footer(
       "Examples:\n"
@@ -341,21 +353,22 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--out", options.file, "File to write")->required();
         command.add_flag(
             "--sums", options.sums,
-            "Sums per build and machine class, which name no session: small enough for "
-            "a game's repository, and to ship with the game; no daemon imports them");
+            "Sums per build and machine class, without session ids: small enough to keep in a "
+            "game's repository and to ship with the game; daemons do not import them");
       },
       [&terminal](const PriorsOptions& options) { return RunExport(options, terminal); });
   AddCommand<PriorsOptions>(
-      *priors, "import", "Add a priors file to a daemon's evidence; twice changes nothing",
+      *priors, "import",
+      "Add a priors file to a daemon's evidence; importing it again changes nothing",
       "  sweepstake priors import --daemon 127.0.0.1:7433 --in priors.json\n"
       "  sweepstake priors import --daemon 127.0.0.1:7433 --in priors.json --promote\n"
-      "It waits in quarantine, where no session begins with it, until `priors promote` lets it\n"
-      "count; with --promote it counts at once.\n",
+      "The evidence stays in quarantine, where sessions do not use it, until `priors promote`.\n"
+      "With --promote it counts at once.\n",
       exit_code,
       [](CLI::App& command, PriorsOptions& options) {
         DeclareCommon(command, options);
         command.add_option("--in", options.file, "File to read")->required();
-        command.add_flag("--promote", options.promote, "Let it count at once");
+        command.add_flag("--promote", options.promote, "Make it count at once");
       },
       [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
   AddSourceCommands(*priors, terminal, exit_code);

@@ -1,5 +1,5 @@
-// `sweepstake priors show|doctor|diff|merge|arm`: what a priors file says, whether it counts here,
-// how two of them differ, two of them as one, and the arm that one of them would begin with.
+// `sweepstake priors show|doctor|diff|merge|arm`: shows a priors file, checks which of it counts
+// here, compares or merges two files, and prints the arm that a file would choose.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -87,7 +87,7 @@ int RunDoctor(const PriorsFileOptions& options, Terminal& terminal) {
   return std::any_of(diagnosed.begin(), diagnosed.end(), Counts) ? kDone : kCheckFailed;
 }
 
-// Of all builds where it has no name.
+// Returns whether a record is of the build. An empty `build` means all builds.
 bool HasBuild(const Records& records, const std::string& build) {
   return build.empty() || std::any_of(records.begin(), records.end(),
                                       [&](const auto& record) { return record.build == build; });
@@ -99,11 +99,11 @@ Status NoSuchBuild(const std::string& file, const Records& records, const std::s
   builds.erase("");
   std::string names;
   for (const std::string& name : builds) names += (names.empty() ? "; builds: " : " ") + name;
-  return {StatusCode::kNotFound, file + " has nothing of build " + build + names};
+  return {StatusCode::kNotFound, file + " has no evidence of build " + build + names};
 }
 
-// The records of the build, or of all builds, as if they were of one. What waits in quarantine is
-// compared, too: that is how one sees what promoting it would bring.
+// Returns the records of the build, or of all builds if it is empty, as if they were of one build.
+// Quarantined records are included, so that a diff shows what promoting them would change.
 Records OfBuild(Records records, const std::string& build) {
   std::erase_if(records,
                 [&](const PriorRecord& record) { return !build.empty() && record.build != build; });
@@ -135,8 +135,9 @@ int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-// Returns a sum that may have what sessions of the other file taught, or null. It does not where
-// that file has the sum, too: they are those of a game that began with it.
+// Returns a sum of `records` that may contain evidence of sessions in `others`; null if there is
+// none. A sum that `others` has too is safe, because its sessions are of a game that started from
+// the sum.
 const PriorRecord* SumOfSessions(const Records& records, const Records& others) {
   std::set<PriorsGroupKey> with_sessions;
   std::map<decltype(KeyOf(records.front())), uint64_t> sums;
@@ -160,10 +161,10 @@ Status CheckCountedOnce(const Records& records, const Records& others) {
   if (sum == nullptr) sum = SumOfSessions(others, records);
   if (sum == nullptr) return {};
   return {StatusCode::kInvalidArgument,
-          "of " + NameOf(GroupOf(*sum)) +
-              " one file has a sum that may have what sessions in the other one taught, which "
-              "would count twice: merge exports without --sums, and add what a game wrote to a "
-              "daemon with `sweepstake priors import`"};
+          "in " + NameOf(GroupOf(*sum)) +
+              ", a sum in one file may contain sessions of the other file, which would count "
+              "twice: merge exports without --sums, and add a game's own priors to a daemon with "
+              "`sweepstake priors import`"};
 }
 
 int RunMerge(const PriorsFileOptions& options, Terminal& terminal) {
@@ -197,7 +198,8 @@ int RunArm(const PriorsFileOptions& options, Terminal& terminal) {
   }
   const auto arm = EmbeddedDecider::ArmOfPriors(priors, arms, versions);
   if (!arm.ok()) {
-    // A file that is there and says nothing of the scene is an answer.
+    // If the file exists but has no evidence of the scene, the command was used correctly: exit
+    // code 1.
     std::error_code error;
     const bool is_answer = arm.status().code() == StatusCode::kNotFound &&
                            std::filesystem::exists(options.file, error);
@@ -210,9 +212,9 @@ int RunArm(const PriorsFileOptions& options, Terminal& terminal) {
     return Counts(one) && one.key.project == options.project && one.key.scene == options.scene;
   });
   if (!knows_scene) {
-    Say(terminal, options.file + " has nothing that counts here of scene \"" + options.scene +
-                      "\": " + *arm + " is what the project's others have in common; " +
-                      "`sweepstake priors doctor` says what each scene counts");
+    Say(terminal, options.file + " has no evidence that counts here for scene \"" + options.scene +
+                      "\": " + *arm + " is chosen from the project's other scenes; " +
+                      "`sweepstake priors doctor` shows how much each scene counts");
   }
   const Json document = {
       {"command", "priors arm"}, {"arm", *arm}, {"of", knows_scene ? "scene" : "project"}};
@@ -228,37 +230,37 @@ void DeclareFile(CLI::App& command, PriorsFileOptions& options) {
 void DeclareMachineClass(CLI::App& command, PriorsFileOptions& options) {
   command
       .add_option("--machine-class", options.machine_class,
-                  "Machines on which it is to be used (default: this one's)")
+                  "Class of the machines that will use the file (default: this machine's)")
       ->capture_default_str();
 }
 
-// Two files by their order.
+// Declares two files as positional arguments.
 void DeclareTwoFiles(CLI::App& command, PriorsFileOptions& options) {
   command.add_option("FILE", options.file, "Priors file")->required();
-  command.add_option("OTHER", options.other_file, "Another one")->required();
+  command.add_option("OTHER", options.other_file, "Second priors file")->required();
   AddJsonFlag(command, options.json);
 }
 
 void AddTwoFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
   AddCommand<PriorsFileOptions>(
-      priors, "diff", "Print of which scenes two priors files say something else",
+      priors, "diff", "Print the scenes in which two priors files differ",
       "  sweepstake priors diff monday.json friday.json\n"
       "  sweepstake priors diff all.json all.json --build 1.0 --other-build 1.1\n"
       "Costs are ratios to the cheapest arm's; those that differ by more than 5 % are printed.\n"
-      "Exit code 1 when a file has nothing of the build.\n",
+      "Exit code 1 if a file has no evidence of the build.\n",
       exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareTwoFiles(command, options);
-        command.add_option("--build", options.build, "Only what this build taught, of FILE");
-        command.add_option("--other-build", options.other_build, "Only this build, of OTHER");
+        command.add_option("--build", options.build, "Use only the evidence of this build in FILE");
+        command.add_option("--other-build", options.other_build,
+                           "Use only the evidence of this build in OTHER");
       },
       [&terminal](const PriorsFileOptions& options) { return RunDiff(options, terminal); });
   AddCommand<PriorsFileOptions>(
-      priors, "merge", "Write the records of two priors files as one; the later of each source",
+      priors, "merge", "Merge two priors files into one; of each source, the later record is kept",
       "  sweepstake priors merge ours.json theirs.json --out all.json\n"
-      "A sum of `export --sums` and sessions that may be in it are refused, since they would "
-      "count\n"
-      "twice.\n",
+      "It refuses to merge a sum of `export --sums` with sessions that the sum may contain,\n"
+      "because they would count twice.\n",
       exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareTwoFiles(command, options);
@@ -271,16 +273,17 @@ void AddTwoFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
 
 void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
   AddCommand<PriorsFileOptions>(
-      priors, "show", "Print what a priors file says of each scene, machine class and build",
+      priors, "show", "Print the content of a priors file by scene, machine class and build",
       "  sweepstake priors show --in priors.json\n", exit_code, DeclareFile,
       [&terminal](const PriorsFileOptions& options) { return RunShow(options, terminal); });
   AddCommand<PriorsFileOptions>(
-      priors, "doctor", "Print what of a priors file counts here, and why the rest does not",
+      priors, "doctor",
+      "Print which evidence of a priors file counts here, and why the rest does not",
       "  sweepstake priors doctor --in priors.json --build 1.2\n"
       "An entry is valid (it counts as if this machine and build had measured it), near (it or\n"
-      "some of its arms count less: another build, machine class or version of an arm) or "
-      "foreign,\n"
-      "as is what waits in a daemon's quarantine. Exit code 1 when none counts.\n",
+      "some of its arms count less: another build, machine class or version of an arm) or\n"
+      "foreign (it does not count, such as evidence in a daemon's quarantine). Exit code 1 if\n"
+      "no entry counts.\n",
       exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareFile(command, options);
@@ -291,10 +294,10 @@ void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code)
   AddTwoFileCommands(priors, terminal, exit_code);
   AddCommand<PriorsFileOptions>(
       priors, "arm",
-      "Print the arm that a priors file expects to cost least, for builds that keep to it",
+      "Print the arm that a priors file expects to cost least, for builds that always use it",
       "  sweepstake priors arm --in priors.json --project arcade --scene arena\n"
-      "The same file gives the same arm. A scene that is not in it gets what the project's others\n"
-      "have in common; exit code 1 when there are none.\n",
+      "The same file gives the same arm. For a scene that is not in the file, the arm is\n"
+      "chosen from the project's other scenes; exit code 1 if there are none.\n",
       exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareFile(command, options);

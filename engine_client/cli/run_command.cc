@@ -1,5 +1,5 @@
-// `sweepstake run`: a scene on the frame path, decided by a daemon, by the embedded decider, or by
-// hand.
+// `sweepstake run`: runs a scene on the frame path. A daemon, the embedded decider or the user
+// chooses the arm.
 #include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -52,14 +52,14 @@ struct RunOptions {
   bool json = false;
 };
 
-// The name of the scene in the prior store.
+// Returns the name of the scene in the prior store.
 std::string SceneKey(const RunOptions& options, size_t object_count) {
   if (!options.scene_key.empty()) return options.scene_key;
   return std::filesystem::path(options.scene.name).stem().string() + "-" +
          std::to_string(object_count);
 }
 
-// `decisions` gets a line for every decision that is made in this process, unless it is null.
+// If `decisions` is not null, it gets a line for every decision of the embedded decider.
 Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
                                              const std::string& scene_key, WholeFile* decisions) {
   SessionOptions session;
@@ -100,7 +100,7 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
 // The files that --csv writes during the run; null without --csv.
 struct RunLogs {
   std::unique_ptr<FrameLog> frames;
-  // Null with a daemon, which keeps a log of its own.
+  // Null with a daemon, which keeps its own log.
   std::unique_ptr<WholeFile> decisions;
 
   Status Commit() {
@@ -119,8 +119,8 @@ Result<RunLogs> MakeLogs(const RunOptions& options) {
   std::filesystem::create_directories(folder, error);
   if (error) {
     return Status(StatusCode::kInvalidArgument,
-                  options.csv + " cannot be made a folder: " + error.message() +
-                      "; give --csv a path that does not exist yet, or a folder");
+                  options.csv + " cannot be created as a folder: " + error.message() +
+                      "; give --csv a folder, or a path that does not exist yet");
   }
   auto frames = FrameLog::Create(folder / "frames.csv");
   if (!frames.ok()) return frames.status();
@@ -158,7 +158,7 @@ std::string StateText(const SessionStats& stats) {
   return "";
 }
 
-// The frame loop, and what it says while it runs.
+// The frame loop, and the lines and the progress that it prints.
 class Player {
  public:
   Player(const RunSetup& setup, GameRun& run, const Session& session, FrameLog* log,
@@ -182,16 +182,16 @@ class Player {
     }
   }
 
-  // Call it after the session has stopped, because a short run may get its answer only by then.
+  // Call it after the session has stopped. A short run may get the decider's answer only then.
   void End() {
     if (!priors_said_) LookForAnswer();
   }
 
-  // Why the daemon refuses a session like this one; empty: it does not.
+  // Returns why the daemon refused the session; empty if it did not.
   const std::string& refusal() const { return refusal_; }
 
  private:
-  // Says which priors the session starts from, as soon as the decider has answered.
+  // Prints which priors the session starts from, once the decider has answered.
   void LookForAnswer() {
     constexpr uint64_t kLookIntervalNs = 50'000'000;
     next_look_ns_ = run_.elapsed_ns() + kLookIntervalNs;
@@ -262,12 +262,12 @@ int Report(const RunOptions& options, const RunSummary& summary, RunLogs& logs,
     if (!status.ok()) return Fail(terminal, status);
   }
   if (options.embedded || summary.session.connection_count > 0) return kDone;
-  return Fail(terminal, Status(StatusCode::kUnavailable,
-                               "got no session from " + options.daemon.address + ": " +
-                                   summary.session.last_error +
-                                   ". The run went on without a decider. If no daemon is there, "
-                                   "start it with sweepstaked --listen HOST:PORT, or use "
-                                   "--embedded"));
+  return Fail(
+      terminal,
+      Status(StatusCode::kUnavailable,
+             "no session with " + options.daemon.address + ": " + summary.session.last_error +
+                 ". The run continued without a decider. If no daemon is running there, start one "
+                 "with sweepstaked --listen HOST:PORT, or use --embedded"));
 }
 
 Status CheckRun(const RunOptions& options) {
@@ -276,15 +276,15 @@ Status CheckRun(const RunOptions& options) {
   }
   if (!options.priors.empty() && !options.embedded) {
     return {StatusCode::kInvalidArgument,
-            "--priors goes with --embedded: a daemon has priors of its own"};
+            "--priors needs --embedded: a daemon uses its own priors"};
   }
   if (options.allow_orders && options.embedded) {
     return {StatusCode::kInvalidArgument,
-            "--allow-orders goes with --daemon: orders come from its operators"};
+            "--allow-orders needs --daemon: only operators of a daemon send orders"};
   }
   if (options.allow_box_view && options.embedded) {
     return {StatusCode::kInvalidArgument,
-            "--allow-box-view goes with --daemon: its operators look at the boxes"};
+            "--allow-box-view needs --daemon: only operators of a daemon view boxes"};
   }
   return {};
 }
@@ -338,10 +338,12 @@ void DeclareFlightRecorder(CLI::App& command, FlightRecorderOptions& options) {
       ->capture_default_str();
   command
       .add_option("--frame-budget", options.frame_budget_ms,
-                  "Milliseconds of a frame over which the flight recorder writes")
+                  "Frame time in ms above which the flight recorder writes a file")
       ->check(RealFrom(0.001, 60'000.0))
       ->capture_default_str();
-  command.add_option("--flight-folder", options.directory, "Where the flight recorder writes")
+  command
+      .add_option("--flight-folder", options.directory,
+                  "Folder for the files of the flight recorder")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
 }
@@ -351,27 +353,28 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--objects", options.scene.object_count, "Object count")
       ->capture_default_str();
   AddSeedOption(command, options.scene.seed, "the scene and of the decisions");
-  command.add_option("--mode", options.mode, "ai: the decider chooses; manual: --arm stays")
+  command
+      .add_option("--mode", options.mode,
+                  "ai: the decider chooses the arm; manual: --arm stays active")
       ->check(OneOf(kModes))
       ->capture_default_str();
   command.add_option("--arm", options.arm, "Arm to start with (default: KDTree)");
   AddDaemonOptions(command, options.daemon)->required(false);
   command.add_flag("--embedded", options.embedded, "Decide in this process, without a daemon");
   command.add_option("--priors", options.priors, "Priors file for --embedded");
-  command.add_option("--duration", options.duration, "How long, as 500ms, 60s, 15m")
+  command
+      .add_option("--duration", options.duration, "Duration of the run, such as 500ms, 60s or 15m")
       ->capture_default_str();
   command
       .add_option("--fps", options.fps,
-                  "Frames a second at most, as with vertical sync; 0: a frame takes as long as its "
-                  "work")
+                  "Maximum frames per second, as with vertical sync; 0: unlimited")
       ->check(WholeUpTo(1000))
       ->capture_default_str();
   command.add_option("--policy", options.policy, "Policy (default: the decider's)");
   command
-      .add_option(
-          "--time-scale", options.time_scale,
-          "Divides every interval of the decider but the bail-out limit; a daemon must allow "
-          "it with --max-time-scale")
+      .add_option("--time-scale", options.time_scale,
+                  "Divides every interval of the decider except the bail-out limit; a daemon must "
+                  "allow it with --max-time-scale")
       ->check(RealFrom(1.0, 1000.0))
       ->capture_default_str();
   command.add_option("--project", options.project, "Project the priors belong to")
@@ -379,22 +382,25 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--scene-name", options.scene_key,
                      "Scene the priors belong to (default: SCENE-OBJECTS)");
   command.add_option("--build", options.build, "Build of the game (default: unknown)");
-  command.add_option("--machine-class", options.machine_class, "Machines with comparable timings")
+  command
+      .add_option("--machine-class", options.machine_class,
+                  "Class of machines with comparable timings")
       ->capture_default_str();
-  command.add_flag("--ignore-priors", options.ignore_priors, "Start from Beta(1,1)");
+  command.add_flag("--ignore-priors", options.ignore_priors,
+                   "Start without priors, from Beta(1,1)");
   command.add_flag("--allow-orders", options.allow_orders,
-                   "Obey `sweepstake sessions pin` and `release` of the daemon");
+                   "Follow `sweepstake sessions pin` and `release` from the daemon");
   command.add_flag("--allow-box-view", options.allow_box_view,
-                   "Show the objects' boxes to operators who look at the session in the dashboard");
+                   "Send the objects' boxes to operators who view the session in the dashboard");
   DeclareFlightRecorder(command, options.flight_recorder);
   command
       .add_option("--shadow", options.shadow,
-                  "Shadow lane: auto: in mode ai, where a core is to spare; on: in mode manual too")
+                  "Shadow lane; auto: in mode ai, if a core is free; on: in mode manual too")
       ->check(OneOf(kShadowModes))
       ->capture_default_str();
   command.add_option(
       "--csv", options.csv,
-      "Folder for frames.csv, switches.csv, posteriors.csv and, embedded, decisions.csv");
+      "Folder for frames.csv, switches.csv, posteriors.csv and, with --embedded, decisions.csv");
   AddJsonFlag(command, options.json);
 }
 
@@ -409,10 +415,9 @@ void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433 --allow-orders\n"
       "  sweepstake run --scene suite-h --objects 1000 --daemon 127.0.0.1:7433 --fps 60 --duration "
       "1h\n"
-      "Ctrl-C ends with the report.\n"
-      "Exit code 3 when the daemon was never reached; the run goes on without it. Exit code 2 when "
-      "it\n"
-      "refuses what was asked for, as a policy that it does not know.",
+      "Ctrl-C ends the run and prints the report.\n"
+      "Exit code 3 if the daemon was never reached; the run continues without it. Exit code 2\n"
+      "if the daemon refuses the session, for example because it has no such policy.",
       exit_code, Declare,
       [&terminal](const RunOptions& options) { return RunRun(options, terminal); });
 }

@@ -1,5 +1,5 @@
-// `sweepstake sessions list|watch|kick|pin|release`: which games a daemon serves, and how to
-// end or steer one.
+// `sweepstake sessions list|watch|kick|pin|release`: shows, ends and steers the sessions of a
+// daemon.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
@@ -71,7 +71,7 @@ std::string SessionsText(const SessionsOptions& options,
                          const std::vector<v1::SessionInfo>& sessions) {
   if (sessions.empty()) {
     const bool selects = !options.project.empty() || !options.scene.empty();
-    return selects ? "The daemon has no sessions of this\n" : "The daemon has no sessions\n";
+    return selects ? "The daemon has no matching sessions\n" : "The daemon has no sessions\n";
   }
   TextTable table({"session", "project", "scene", "build", "client", "state", "arm", "mode",
                    "began (UTC)", "last message (UTC)", "dropped frames"});
@@ -86,9 +86,10 @@ std::string SessionsText(const SessionsOptions& options,
   return table.Text();
 }
 
-// A change of a session, with the number and the time of the event that told it.
+// Returns a change of a session, with the number and the time of its event.
 Json ChangeJson(const v1::EventStamp& stamp, const std::string& what, Json change) {
-  // BOOT:SEQUENCE names the event; a number of JSON could not hold all of a boot's digits.
+  // BOOT:SEQUENCE identifies the event. It is a string, because a JSON number cannot hold all 64
+  // bits of a boot's number.
   return {{"event", std::to_string(stamp.boot()) + ":" + std::to_string(stamp.sequence())},
           {"unix_ms", stamp.unix_ms()},
           {what, std::move(change)}};
@@ -159,8 +160,8 @@ int RunOrder(const SessionsOptions& options, v1::Mode mode, Terminal& terminal) 
               {{"session_id", options.session_id},
                {"mode", ModeText(held->mode())},
                {"active_arm", held->active_arm()}},
-              options.session_id + " obeys: " + ModeText(held->mode()) + ", " + held->active_arm() +
-                  " is active\n");
+              options.session_id + " follows the order: " + ModeText(held->mode()) + ", " +
+                  held->active_arm() + " is active\n");
   return kDone;
 }
 
@@ -179,26 +180,26 @@ void DeclareSession(CLI::App& command, SessionsOptions& options) {
 void DeclareKick(CLI::App& command, SessionsOptions& options) {
   DeclareSession(command, options);
   command.add_flag("--may-return", options.may_return,
-                   "End only the connection: the client comes back and the session goes on");
+                   "End only the connection: the client reconnects and continues the session");
   AddJsonFlag(command, options.json);
 }
 
 void AddOrderCommands(CLI::App& sessions, Terminal& terminal, int& exit_code) {
   AddCommand<SessionsOptions>(
-      sessions, "pin", "Let a game use one arm and learn nothing, until its release or a bail-out",
+      sessions, "pin", "Make a game use one arm and stop learning, until `release` or a bail-out",
       "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree\n"
       "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID\n",
       exit_code,
       [](CLI::App& command, SessionsOptions& options) {
         DeclareSession(command, options);
-        command.add_option("ARM", options.arm, "The arm's name; left out, the one that is active");
+        command.add_option("ARM", options.arm, "Name of the arm (default: the active arm)");
         AddJsonFlag(command, options.json);
       },
       [&terminal](const SessionsOptions& options) {
         return RunOrder(options, v1::MODE_MANUAL, terminal);
       });
   AddCommand<SessionsOptions>(
-      sessions, "release", "Let AI Decide again in a game",
+      sessions, "release", "Return a game to mode ai, in which the decider chooses the arm",
       "  sweepstake sessions release --daemon 127.0.0.1:7433 ID\n", exit_code,
       [](CLI::App& command, SessionsOptions& options) {
         DeclareSession(command, options);
@@ -222,7 +223,7 @@ void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID\n"
       "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree");
   AddCommand<SessionsOptions>(
-      *sessions, "list", "Show which games the daemon serves, and those that may come back",
+      *sessions, "list", "List the daemon's sessions, including lost ones that may resume",
       "  sweepstake sessions list --daemon 127.0.0.1:7433\n"
       "  sweepstake sessions list --daemon 127.0.0.1:7433 --scene hurricane-3000 --json\n",
       exit_code,
@@ -233,17 +234,17 @@ void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       [&terminal](const SessionsOptions& options) { return RunList(options, terminal); });
   AddCommand<SessionsOptions>(
       *sessions, "watch",
-      "Show the sessions, and what becomes of them, until Ctrl-C, over losses of the daemon",
+      "Show the sessions and their changes until Ctrl-C; reconnects if the daemon is lost",
       "  sweepstake sessions watch --daemon 127.0.0.1:7433\n"
       "  sweepstake sessions watch --daemon 127.0.0.1:7433 --json\n",
       exit_code,
       [](CLI::App& command, SessionsOptions& options) {
         DeclareSelection(command, options);
-        command.add_flag("--json", options.json, "A JSON document per line and event");
+        command.add_flag("--json", options.json, "One JSON document per line for each event");
       },
       [&terminal](const SessionsOptions& options) { return RunWatch(options, terminal); });
   AddCommand<SessionsOptions>(
-      *sessions, "kick", "End a session; what it sent stays",
+      *sessions, "kick", "End a session; its evidence is kept",
       "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID\n"
       "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID --may-return\n",
       exit_code, DeclareKick,

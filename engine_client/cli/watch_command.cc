@@ -58,26 +58,22 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       app, "watch", "Show a daemon's posteriors and decisions, live",
       "  sweepstake watch --daemon 127.0.0.1:7433\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --scene hurricane-3000\n"
-      "  sweepstake watch --daemon 127.0.0.1:7433 --json      once, for machines\n"
+      "  sweepstake watch --daemon 127.0.0.1:7433 --json      once, for programs\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --json --follow\n"
       "  sweepstake watch --daemon daemon.example:7433 --tls-ca ca.pem\n"
-      "95_low to 95_high is the central 95 % of an arm's posterior and of its cost against the\n"
-      "leader's, best its probability to be the best arm, as if all windows were independent. Of "
-      "the\n"
-      "session that decided last: n, the live windows that would tell as much as it knows; live "
-      "and\n"
-      "lane, the windows and visits of the shadow lane that it has learnt from. Verdicts: stable\n"
-      "(best >= 0.8), tie (below, but choosing the leader loses at most 0.5 %), ambiguous; a "
-      "session's\n"
-      "decisions say degraded where even the leader misses the frame-rate floor. Exit code 3 when "
-      "no\n"
-      "daemon answers; one that is lost later is tried again until Ctrl-C.",
+      "95_low to 95_high: the central 95 % of an arm's posterior, and of its cost divided by the\n"
+      "leader's. best: the probability to be the best arm, as if all windows were independent.\n"
+      "For the session of the latest decision: n, the effective number of live windows; live and\n"
+      "lane, the live windows and shadow-lane visits in its evidence. Verdicts: stable\n"
+      "(best >= 0.8), tie (less, but choosing the leader loses at most 0.5 %), ambiguous; in\n"
+      "decisions also degraded, if even the leader misses the frame-rate floor. Exit code 3 if\n"
+      "no daemon answers; a daemon that is lost later is tried again until Ctrl-C.",
       exit_code,
       [](CLI::App& command, WatchOptions& options) {
         AddDaemonOptions(command, options.daemon);
         command.add_option("--project", options.project, "Only this project");
         command.add_option("--scene", options.scene, "Only this scene");
-        command.add_flag("--once", options.once, "Show what there is now, and end");
+        command.add_flag("--once", options.once, "Show the current state once, and exit");
         CLI::Option* json =
             command.add_flag("--json", options.json, "One JSON document on stdout; implies --once");
         command

@@ -9,7 +9,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// This is enough for the largest log that a daemon keeps by default, 256 MiB, over a slow network.
+// Enough for the largest log that a daemon keeps by default, 256 MiB, over a slow network.
 constexpr std::chrono::minutes kExportDeadline{10};
 
 template <typename Request>
@@ -56,7 +56,7 @@ Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& 
   uint64_t row_count = 0;
   v1::ExportDecisionsResponse part;
   while (reader->Read(&part)) {
-    // The header is the daemon's own, because the daemon may be of another version.
+    // The daemon sends the header, because it may have another version with other columns.
     if (!part.header().empty()) (*file)->Write(part.header() + '\n');
     for (const std::string& row : part.rows()) (*file)->Write(row + '\n');
     row_count += static_cast<uint64_t>(part.rows_size());
@@ -66,8 +66,8 @@ Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& 
       !selection.session_id.empty() || !selection.project.empty() || !selection.scene.empty();
   if (status.ok() && selects && row_count == 0) {
     return Status(StatusCode::kNotFound,
-                  "the daemon has no such decisions, and " + path.string() +
-                      " is left as it was; `sweepstake audit list` shows which it has");
+                  "the daemon has no matching decisions, and " + path.string() +
+                      " was not changed; `sweepstake audit list` shows which decisions exist");
   }
   if (status.ok()) status = (*file)->Commit();
   if (!status.ok()) return status;

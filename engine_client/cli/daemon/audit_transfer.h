@@ -12,7 +12,7 @@
 
 namespace sweepstake::cli {
 
-// Which part of the log is meant. An empty field selects everything.
+// Selects a part of the log. An empty field selects everything.
 struct AuditSelection {
   std::string session_id;
   std::string project;
@@ -22,8 +22,9 @@ struct AuditSelection {
 // Lists the segments of the selected sessions. Error: kUnavailable (no daemon answered).
 Result<std::vector<v1::AuditSegment>> ListAudit(const DaemonOptions& daemon,
                                                 const AuditSelection& selection);
-// Writes the log as a CSV file, which appears whole or not at all, and returns the number of rows.
-// Errors: those of ListAudit, and kInvalidArgument (the file cannot be written).
+// Writes the log as a CSV file and returns the number of rows. After an error the file is
+// unchanged. Errors: those of ListAudit, kNotFound (nothing matches the selection), and
+// kInvalidArgument (the file cannot be written).
 Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& selection,
                              const std::filesystem::path& path);
 

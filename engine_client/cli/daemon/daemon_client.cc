@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Between two attempts to watch.
+// The delay between two attempts to watch. It doubles from kMinDelay to kMaxDelay.
 constexpr milliseconds kMinDelay{250};
 constexpr milliseconds kMaxDelay{8000};
 
@@ -56,7 +56,7 @@ void SetDeadline(grpc::ClientContext& context, std::chrono::seconds patience) {
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon) {
   if (status.ok()) return {};
   const StatusCode code = ToCode(status.error_code());
-  // With a reason it is the daemon that says so.
+  // A status with details comes from the daemon, so it was reached.
   if (code != StatusCode::kUnavailable || !status.error_details().empty())
     return {code, MessageWithReason(status)};
   const std::string advice =
@@ -98,7 +98,7 @@ Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is
       look();
       return is_stopped();
     });
-    // It may have ended between two looks.
+    // The connection may have become ready and ended between two calls of `look`.
     if (status.code() == StatusCode::kUnavailable) look();
     if (is_reached) delay = kMinDelay;
     was_reached = was_reached || is_reached;

@@ -1,4 +1,4 @@
-// What all calls to a daemon share: opening a channel, setting a deadline and translating statuses.
+// Shared by all calls to a daemon: opening a channel, setting a deadline and translating statuses.
 // Thread-safe.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace sweepstake::cli {
 
-// What messages call the options of AddDaemonOptions.
+// Returns the names of the options of AddDaemonOptions, for error messages.
 TlsNames TlsOptionNames();
 
 // Returns a channel to the daemon, which connects at its first call. Error: kInvalidArgument (the
@@ -26,19 +26,20 @@ TlsNames TlsOptionNames();
 Result<std::shared_ptr<grpc::Channel>> OpenChannel(const DaemonOptions& daemon,
                                                    bool own_connection = false);
 
-// The patience with a call that carries all evidence; the daemon itself ends one that stalls.
+// The deadline of a call that transfers all evidence. The daemon ends such a call earlier if it
+// stalls.
 inline constexpr std::chrono::seconds kTransferPatience = std::chrono::minutes(10);
 
-// Makes the call fail with kUnavailable after the time.
+// Makes the call fail with kUnavailable after `patience`.
 void SetDeadline(grpc::ClientContext& context,
                  std::chrono::seconds patience = std::chrono::seconds(10));
 
 // Returns the daemon's status, or kUnavailable with a hint if the daemon could not be reached.
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon);
 
-// Cancels a call as soon as `is_stopped` returns true. It asks on a thread of its own, because
-// reading from the stream blocks. A call that has ended is not cancelled, because its status would
-// become CANCELLED.
+// Cancels a call as soon as `is_stopped` returns true. It polls on its own thread, because reading
+// from the stream blocks. A call that has ended is not cancelled, because its status would become
+// CANCELLED.
 class Canceller {
  public:
   Canceller(grpc::ClientContext& context, const std::function<bool()>& is_stopped);
@@ -69,14 +70,14 @@ Status ReadEvents(grpc::ClientContext& context, grpc::ClientReader<Event>& reade
   return {StatusCode::kUnavailable, "the daemon at " + daemon.address + " ended the watch"};
 }
 
-// A stream of events of a daemon, from its beginning until `is_stopped` or its end.
+// Reads a stream of events of a daemon until the stream ends or `is_stopped` returns true.
 using Watch = std::function<Status(const std::shared_ptr<grpc::Channel>& channel,
                                    const std::function<bool()>& is_stopped)>;
 
-// Watches until `is_stopped`: where the daemon was reached and is then lost, it tells
-// `on_connection` why and watches again on a new connection, with back-off; it tells it OK when
-// that one is there, maybe on the thread that calls `is_stopped`. Returns the error of a daemon
-// that was never reached, or that refuses the watch.
+// Calls `watch` until `is_stopped` returns true. If the daemon was reached and is then lost, it
+// calls `on_connection` with the error and watches again on a new connection, with back-off. When
+// the new connection is ready, it calls `on_connection` with OK, possibly on the thread that calls
+// `is_stopped`. Returns an error if the daemon was never reached or refuses the watch.
 Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
                     const std::function<void(const Status&)>& on_connection, const Watch& watch);
 

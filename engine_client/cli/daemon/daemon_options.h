@@ -1,4 +1,4 @@
-// Which daemon a command talks to, and how. A plain value.
+// The address and credentials with which a command connects to a daemon. A plain value.
 #pragma once
 
 #include <optional>

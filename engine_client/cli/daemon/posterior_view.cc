@@ -29,8 +29,8 @@ double Mean(const v1::ArmPosterior& arm) {
   return evidence > 0 ? arm.posterior().alpha() / evidence : 0;
 }
 
-// Returns the value's name with spaces: "held cooldown". The protocol's values are those of the
-// decision core.
+// Returns the value's name with spaces: "held cooldown". The protocol's enumerations have the same
+// values as those of decider/types.h.
 template <typename Enum>
 std::string Words(std::span<const std::string_view> names, Enum value) {
   std::string name = decision::NameOf(names, value);
@@ -45,8 +45,8 @@ std::string VerdictText(const v1::ScenePosterior& scene) {
   });
   if (leader == scene.arms().end()) return name;
   return name + ": " + leader->arm() + " is the best with probability " +
-         Fixed(leader->best_probability(), 3) + ", choosing it loses " +
-         Percent(scene.expected_loss_ratio(), 2) + ", knowing all would gain " +
+         Fixed(leader->best_probability(), 3) + ", expected loss " +
+         Percent(scene.expected_loss_ratio(), 2) + ", gain from perfect information " +
          Percent(scene.value_remaining_ratio(), 2);
 }
 
@@ -88,8 +88,8 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
   text << scene.project() << " / " << scene.scene();
   if (!scene.machine_class().empty()) text << " on " << scene.machine_class();
   text << ", reward version " << scene.reward_version() << ": " << scene.active_session_count()
-       << (scene.active_session_count() == 1 ? " session" : " sessions") << " now, evidence of "
-       << scene.source_count() << " in all\n"
+       << (scene.active_session_count() == 1 ? " session" : " sessions")
+       << " active, evidence from " << scene.source_count() << " in total\n"
        << "verdict " << VerdictText(scene) << '\n';
   TextTable table({"arm", "0" + std::string(kBarWidth - 2, ' ') + "1", "mean", "95_low", "95_high",
                    "cost", "95_low", "95_high", "best", "n", "windows", "visits", "bail-outs"});
@@ -145,7 +145,7 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
 }
 
 std::string PosteriorsText(std::span<const v1::ScenePosterior> scenes) {
-  if (scenes.empty()) return "The daemon has no posteriors of this yet\n";
+  if (scenes.empty()) return "The daemon has no matching posteriors yet\n";
   std::string text;
   for (const v1::ScenePosterior& scene : scenes) text += PosteriorText(scene) + '\n';
   return text;
@@ -183,7 +183,7 @@ std::string StandingsText(const v1::DecisionEvent& event) {
     table.AddRow(std::move(cells));
   }
   return "session " + event.session_id() + " of " + event.scene() + " after decision " +
-         std::to_string(event.decision_id()) + " of policy " + event.policy() + ", on " +
+         std::to_string(event.decision_id()) + " of policy " + event.policy() + ", active arm " +
          event.active_arm() + '\n' + table.Text();
 }
 

@@ -1,4 +1,4 @@
-// Shows a daemon's posteriors to people and as JSON. Pure functions.
+// Formats a daemon's posteriors as text and as JSON. Pure functions.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -16,13 +16,13 @@ namespace sweepstake::cli {
 std::string IntervalBar(double mean, decision::CredibleInterval interval, int width);
 
 // Returns a heading and a table with a line per arm: the mean, the central 95 % of the posterior,
-// the cost against the leader's where the rewards tell it, the probability of being the best arm,
-// and the windows and visits of all sessions. The daemon has computed all of it
+// the cost divided by the leader's if the reward version measures costs, the probability of being
+// the best arm, and the windows and visits of all sessions. The daemon computes these values
 // (engine_client/decider/policy/scene_diagnosis.h).
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 
-// These show several scenes: as a text with an empty line after each scene, or as an array.
+// Format several scenes: as text with an empty line after each scene, or as an array.
 std::string PosteriorsText(std::span<const v1::ScenePosterior> scenes);
 nlohmann::ordered_json PosteriorsJson(std::span<const v1::ScenePosterior> scenes);
 
@@ -30,13 +30,13 @@ nlohmann::ordered_json PosteriorsJson(std::span<const v1::ScenePosterior> scenes
 // result is absent if there are no values, or if the message breaks its rules.
 std::optional<double> Quantile(const v1::LogHistogram& histogram, double share);
 
-// Returns a heading and a table of what the event's session has learnt of its arms; empty if the
-// daemon does not tell.
+// Returns a heading and a table of what the event's session has learnt about its arms; empty if the
+// event does not contain it.
 std::string StandingsText(const v1::DecisionEvent& event);
 // Returns, for example, "hurricane-3000: decision 7, SAP → KDTree: switched (policy), reward 0.731;
 // p50/p95/p99 of the frame 16.6/17.2/31.1 ms, detection 2.10/2.35/4.81 ms".
 std::string DecisionText(const v1::DecisionEvent& event);
-// Returns what DecisionText says, and the percentiles of the memory.
+// Returns the values of DecisionText, and the percentiles of the memory.
 nlohmann::ordered_json DecisionJson(const v1::DecisionEvent& event);
 
 }  // namespace sweepstake::cli

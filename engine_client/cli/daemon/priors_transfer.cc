@@ -12,10 +12,11 @@
 namespace sweepstake::cli {
 namespace {
 
-// The protocol's maximum.
+// The maximum number of records in a message of the protocol.
 constexpr size_t kRecordsPerMessage = 200;
 
-// Returns how many of the records the daemon has no evidence of the same source for.
+// Returns the number of records whose source has no evidence in the daemon under the record's
+// project and scene. Returns 0 if the daemon's evidence cannot be read.
 uint64_t CountAbsent(const DaemonOptions& daemon, std::span<const PriorRecord> records) {
   using Place = std::tuple<std::string, std::string, std::string>;  // project, scene, source
   std::set<std::pair<std::string, std::string>> scenes;

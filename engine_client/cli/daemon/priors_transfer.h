@@ -1,4 +1,4 @@
-// Reads a daemon's evidence, and adds to it, through the PriorsService.
+// Reads, adds, promotes and revokes a daemon's evidence through the PriorsService.
 #pragma once
 
 #include <functional>
@@ -15,28 +15,31 @@ namespace sweepstake::cli {
 struct ImportResult {
   uint64_t applied_count = 0;
   uint64_t unchanged_count = 0;
-  // Of these, those that the daemon does not have under their project and scene: it knows their
-  // sources under others, or has revoked them. 0 as well where the daemon does not let us look.
+  // The unchanged records that the daemon does not have under their project and scene, because
+  // their source was revoked or is stored under another project or scene. Also 0 if the daemon's
+  // evidence cannot be read.
   uint64_t absent_count = 0;
 };
 
-// What to export: what counts and what waits in quarantine, or the latter alone.
+// Selects what to export: all records including those in quarantine, or only those in quarantine.
 enum class Exported : uint8_t { kAll, kQuarantined };
 
-// An empty `project` or `scene` selects all. Error: kUnavailable (no daemon answered).
+// Returns the records of a daemon. An empty `project` or `scene` selects all. Error: kUnavailable
+// (no daemon answered).
 Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
                                               const std::string& project, const std::string& scene,
                                               Exported what = Exported::kAll);
-// Hands over the records one by one as they come: scene by scene, what waits behind all that
-// counts.
+// Calls `on_record` with each record as it arrives: scene by scene, and all quarantined records
+// after all others.
 Status StreamPriors(const DaemonOptions& daemon, const std::string& project,
                     const std::string& scene, Exported what,
                     const std::function<void(PriorRecord)>& on_record);
-// Adds all records or, on an error, none: to the quarantine, or with `promote` so that they count.
+// Adds all records or, on an error, none. They go to the quarantine or, with `promote`, count at
+// once.
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon, std::span<const PriorRecord> records,
                                   bool promote = false);
 
-// Which sources: those that match all that is set.
+// Selects the sources that match all fields that are set.
 struct SourceChoice {
   std::string project = {};
   std::string source_id = {};
@@ -48,7 +51,8 @@ struct SourceChoice {
   friend bool operator==(const SourceChoice&, const SourceChoice&) = default;
 };
 
-// A scene in which another arm would be the one that is believed to cost least; empty: none.
+// A scene in which the arm with the least expected cost would change from `arm` to `next_arm`. An
+// empty name means none.
 struct LeaderChange {
   std::string project;
   std::string scene;
@@ -58,9 +62,10 @@ struct LeaderChange {
   std::string next_arm;
 };
 
-// Of a preview.
+// The scenes in which a revocation or promotion would change the leading arm. Set only by a
+// preview.
 struct LeaderChanges {
-  std::vector<LeaderChange> scenes;  // the first 20
+  std::vector<LeaderChange> scenes;  // at most the first 20
   uint64_t scene_count = 0;
 };
 
@@ -79,11 +84,13 @@ struct PromoteResult {
   LeaderChanges leader_changes = {};
 };
 
-// Lets what waits of them count or, with `preview`, only says what that would be.
+// Makes quarantined evidence of the sources count. With `preview` it only returns what would
+// change.
 Result<PromoteResult> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
                                     bool preview);
 
-// Takes their evidence out of the daemon or, with `preview`, only says what that would be.
+// Removes the evidence of the sources from the daemon. With `preview` it only returns what would
+// change.
 Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,
                                   bool preview);
 

@@ -1,4 +1,4 @@
-// Reads and ends the sessions of a daemon through the SessionsService.
+// Lists, watches, ends and steers the sessions of a daemon through the SessionsService.
 #pragma once
 
 #include <functional>
@@ -17,18 +17,18 @@ Result<std::vector<v1::SessionInfo>> ListSessions(const DaemonOptions& daemon,
                                                   const std::string& project,
                                                   const std::string& scene);
 
-// As WatchPosteriors does, for the sessions.
+// Works as WatchPosteriors, for the sessions.
 Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
                      const std::string& scene, const std::function<bool()>& is_stopped,
                      const std::function<void(const v1::WatchSessionsResponse&)>& on_event,
                      const std::function<void(const Status&)>& on_connection);
 
-// Ends a session's stream, and the session too unless its client may return. Error: kNotFound.
+// Ends a session's stream and, unless `may_return`, also the session. Error: kNotFound.
 Status KickSession(const DaemonOptions& daemon, const std::string& session_id, bool may_return);
 
-// Tells a session's game who is to decide and, if `arm` is not empty, which arm to use. Returns
-// what holds when the game has obeyed. Errors: kNotFound, kFailedPrecondition (the game takes no
-// orders).
+// Sets the mode of a session's game and, if `arm` is not empty, its arm. Returns the mode and arm
+// after the game has followed the order. Errors: kNotFound, kFailedPrecondition (the game does not
+// accept orders).
 Result<v1::OrderSessionResponse> OrderSession(const DaemonOptions& daemon,
                                               const std::string& session_id, v1::Mode mode,
                                               const std::string& arm);

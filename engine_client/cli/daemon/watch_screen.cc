@@ -11,10 +11,10 @@ constexpr size_t kMaxDecisions = 10;
 constexpr std::chrono::milliseconds kRedrawInterval{200};
 constexpr char kHomeAndClear[] = "\x1b[H\x1b[2J";
 constexpr char kLegend[] =
-    "|: mean, -: central 95 % of the posterior, cost: against the leader's, best: probability to "
-    "be the\nbest arm, n: live windows that would tell as much. Ctrl-C ends.\n";
+    "|: mean, -: central 95 % of the posterior, cost: ratio to the leader's,\n"
+    "best: probability to be the best arm, n: effective number of live windows. Ctrl-C ends.\n";
 
-// 0 for a policy that this program does not know.
+// Returns 0 for a policy that this program does not have.
 uint32_t RewardVersionOf(const std::string& policy) {
   const decision::PolicyEntry* known = decision::FindPolicy(policy, decision::ShippedPolicies());
   return known == nullptr ? 0 : known->kind.reward_version;
@@ -25,7 +25,7 @@ uint32_t RewardVersionOf(const std::string& policy) {
 void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
   if (event.has_posterior()) ShowPosterior(event.posterior());
   for (const v1::DecisionEvent& decision : event.decisions()) {
-    // A terminal has no room for it.
+    // On a terminal the session is omitted to save space.
     const std::string session = redraws_ ? "" : decision.session_id() + " of ";
     latest_[{decision.project(), decision.scene(), decision.machine_class(),
              RewardVersionOf(decision.policy())}] = decision;

@@ -15,9 +15,9 @@ namespace sweepstake::cli {
 
 class WatchScreen {
  public:
-  // With `redraws` (for a terminal) the screen is drawn anew at most five times per second. Without
-  // it, each event is printed when it arrives, a decision with its session. With a scene's
-  // posteriors comes what the session that decided last has learnt.
+  // With `redraws` (for a terminal) the screen is redrawn at most five times per second. Without
+  // it, each event is printed when it arrives, and a decision includes its session. Each scene's
+  // posteriors are followed by what the session of the latest decision has learnt.
   WatchScreen(std::ostream& out, bool redraws) : out_(out), redraws_(redraws) {}
 
   void Show(const v1::WatchPosteriorsResponse& event);
@@ -31,10 +31,10 @@ class WatchScreen {
 
   std::ostream& out_;
   const bool redraws_;
-  // Project, scene, machine class and reward version.
+  // The fields are project, scene, machine class and reward version.
   using SceneKey = std::tuple<std::string, std::string, std::string, uint32_t>;
   std::map<SceneKey, v1::ScenePosterior> scenes_;
-  std::map<SceneKey, v1::DecisionEvent> latest_;  // decision of each scene
+  std::map<SceneKey, v1::DecisionEvent> latest_;  // latest decision of each scene
   std::deque<std::string> decisions_;
   std::chrono::steady_clock::time_point drawn_at_;
 };

@@ -1,5 +1,5 @@
-// Writes frames.csv with a row per frame. Call it between frames, so that its time is in no
-// measurement. The file appears whole or not at all. Not thread-safe.
+// Writes frames.csv with a row per frame. Call it between frames, so that its time does not count
+// as frame time. The file appears under its name only after Commit. Not thread-safe.
 #pragma once
 
 #include <filesystem>

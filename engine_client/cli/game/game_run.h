@@ -1,10 +1,10 @@
 // A game without rendering: each frame steps a scene and finds its pairs on the frame path. The run
 // records what happened for the report.
 //
-// The frame time is the measured time of the frame's work (step, detection, end of frame) and,
-// where frames are paced, of the wait for the next one, as with vertical sync. Where they are not,
-// a faster arm completes more frames. Not thread-safe: the thread that calls Frame is the frame
-// thread. The scene is borrowed.
+// The frame time is the measured time of the frame's work: step, detection and end of frame. If
+// frames are paced, it includes the wait for the next frame, as with vertical sync. If they are
+// not, a faster arm completes more frames. Not thread-safe: the thread that calls Frame is the
+// frame thread. The scene is borrowed.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,7 @@ struct ArmActivity {
   uint64_t detection_ns = 0;  // the broad phase's part of that
 };
 
-// The time of all frames together, by what it was spent on.
+// The total time of all frames, by stage.
 struct FrameProfile {
   uint64_t step_ns = 0;       // the scene's motion
   uint64_t detection_ns = 0;  // update and search, without rebuild frames
@@ -52,7 +52,7 @@ struct FrameProfile {
 
 class GameRun final : private FrameSink {
  public:
-  // `sink` gets what the frame path produces and is borrowed. A frame takes at least
+  // `sink` receives the output of the frame path and is borrowed. A frame takes at least
   // `frame_interval_ns`; with 0 frames are not paced. Has the errors of AdaptiveBroadPhase::Create.
   static Result<std::unique_ptr<GameRun>> Create(const AdaptiveOptions& options, Scene& scene,
                                                  FrameSink& sink, uint64_t frame_interval_ns = 0);
@@ -96,7 +96,7 @@ class GameRun final : private FrameSink {
   uint64_t next_frame_ns_ = 0;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
   uint64_t start_ns_ = 0;
-  uint64_t end_cost_ns_ = 0;  // of the last EndFrame; counted in the next frame's time
+  uint64_t end_cost_ns_ = 0;  // duration of the last EndFrame; counted in the next frame's time
   uint64_t frame_count_ = 0;
   uint32_t arm_ = 0;
   FrameProfile profile_;
@@ -116,8 +116,9 @@ std::string ReasonName(SwitchReason reason);
 // Returns "unknown", "stable", "tie", "ambiguous" or "degraded".
 std::string VerdictName(Verdict verdict);
 
-// Returns the outcome of the switch with this epoch, all zeros if there is none. The way back from
-// a trial has two, at once and once it has settled: the result has what either tells.
+// Returns the outcome of the switch with this epoch, all zeros if there is none. The switch back
+// after a trial has two outcomes: one at once, and one after it has settled. The result combines
+// both.
 SwitchOutcome OutcomeOf(std::span<const SwitchOutcome> outcomes, uint32_t switch_epoch);
 
 }  // namespace sweepstake::cli

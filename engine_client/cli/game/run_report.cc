@@ -56,23 +56,24 @@ std::string ArmTable(const RunSummary& summary) {
     table.AddRow(std::move(cells));
   }
   return table.Text() + StandingLegend() +
-         "mean: of the reward's posterior Beta(alpha, beta), 1 at best\n";
+         "mean: mean of the reward's posterior Beta(alpha, beta); 1 is the best possible\n";
 }
 
-// A decider that has no evidence reports Beta(1,1), as well as none.
+// Returns whether nothing was learnt. A decider without evidence reports Beta(1,1) for every arm.
 bool IsNothingKnown(std::span<const ArmRow> arms) {
   return std::all_of(arms.begin(), arms.end(), [](const ArmRow& row) {
     return row.belief.alpha == 1 && row.belief.beta == 1;
   });
 }
 
-// A welcome clears the error.
+// Returns whether the daemon was lost. A welcome clears last_error, so an error after a connection
+// means that the daemon was lost since.
 bool IsLost(const SessionStats& session) {
   return session.connection_count > 0 && !session.last_error.empty();
 }
 
 std::string DropCause(const SessionStats& session) {
-  if (session.awaits_acknowledgement) return "the daemon has not acknowledged what was sent";
+  if (session.awaits_acknowledgement) return "the daemon has not acknowledged the sent messages";
   return IsLost(session) ? "the daemon was lost" : "frames come faster than they are sent";
 }
 
@@ -146,7 +147,8 @@ Json VerdictChangeJson(const VerdictChangeRow& row) {
   return document;
 }
 
-// Null without a daemon. The seed is a text, since a number of JSON could not hold all its digits.
+// Returns null without a daemon. The seed is a string, because a JSON number cannot hold all 64
+// bits.
 Json DaemonJson(const SessionStats& session) {
   if (session.daemon_version.empty()) return nullptr;
   return {{"version", session.daemon_version},
@@ -283,10 +285,10 @@ std::string FrameCostText(const RunSummary& summary) {
   std::string text = "Per frame: " + Fixed(summary.detection_ms(), 4) + " ms of detection";
   if (const std::optional<double> saved_ms = summary.saved_ms_per_frame()) {
     text += ", " + Fixed(std::abs(*saved_ms), 4) + " ms " + (*saved_ms < 0 ? "more" : "less") +
-            " than the median arm is believed to take";
+            " than estimated for the median arm";
   }
   if (summary.shadow.busy_time_ns == 0) return text;
-  return text + "; the shadow lane took " + Fixed(summary.shadow_ms_per_frame(), 4) +
+  return text + "; the shadow lane used " + Fixed(summary.shadow_ms_per_frame(), 4) +
          " ms of another core";
 }
 
@@ -309,7 +311,7 @@ std::string DroppedText(const SessionStats& session, uint64_t frame_count) {
   if (session.dropped_frame_count == 0) return "no samples dropped";
   return std::to_string(session.dropped_frame_count) + " of " + std::to_string(frame_count) +
          " samples were dropped because the queue was full (" + DropCause(session) +
-         "): the evidence is thinner, the frames themselves were not affected";
+         "): there is less evidence, but the frames were not delayed";
 }
 
 std::string RecordingsText(const SessionStats& session) {
@@ -328,12 +330,13 @@ std::string RunReportText(const RunSummary& summary) {
   std::string text = "\nPosteriors learnt in " + scene.name + " with " +
                      std::to_string(scene.object_count) + " objects (" +
                      PriorsText(summary.setup, summary.session) + ")\n" + ArmTable(summary);
-  if (IsNothingKnown(summary.arms)) text += "Nothing was learnt yet: these are Beta(1,1)\n";
+  if (IsNothingKnown(summary.arms))
+    text += "Nothing was learnt yet: all posteriors are Beta(1,1)\n";
   return text + std::to_string(summary.frame_count) + " frames in " + Fixed(summary.active_s(), 1) +
          " s, " + Fixed(summary.fps(), 0) + " frames/s\n" +
          DroppedText(summary.session, summary.frame_count) + '\n' +
          (IsLost(summary.session)
-              ? "The session did not end as it should: " + summary.session.last_error + '\n'
+              ? "The session did not end properly: " + summary.session.last_error + '\n'
               : "") +
          SwitchCountsText(summary) + '\n' + ShadowText(summary) + '\n' + FrameCostText(summary) +
          '\n' + "Verdict: " + VerdictText(summary.verdict) + '\n' + RecordingsText(summary.session);

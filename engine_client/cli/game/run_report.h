@@ -20,17 +20,18 @@ std::string SwitchText(const SwitchRow& row);
 std::string VerdictText(const VerdictRow& row);
 // Returns "12.3 s  frame 4567: verdict stable: …".
 std::string VerdictChangeText(const VerdictChangeRow& row);
-// Returns the costs against the leader's, the best first, with the effective number of live
-// windows: "KDTree ×1.00 (n 24.2) · Grid ×1.31 (6.0)"; where the costs are unknown, the posterior
-// means: "KDTree 0.81 (n 24.2)". The text is empty if there are none yet.
+// Returns the ratio of each arm's cost to the leader's, the best arm first, with the effective
+// number of live windows: "KDTree ×1.00 (n 24.2) · Grid ×1.31 (6.0)". If the costs are unknown, it
+// returns the posterior means instead: "KDTree 0.81 (n 24.2)". The text is empty if there are none
+// yet.
 std::string BeliefsText(std::span<const ArmBelief> beliefs);
 // Returns the work and the cost of the shadow lane, or why there is none.
 std::string ShadowText(const RunSummary& summary);
-// Returns what a frame's detection took, what that saves against the median arm, and what the lane
-// took for it.
+// Returns the detection time per frame, how much it saves compared with the median arm, and the
+// shadow lane's time per frame.
 std::string FrameCostText(const RunSummary& summary);
-// Returns how many samples the full queue dropped, why as far as the end of the session tells, and
-// the consequence.
+// Returns how many samples the full queue dropped, the cause according to the session's final
+// state, and the consequence.
 std::string DroppedText(const SessionStats& session, uint64_t frame_count);
 
 // Returns the report at the end: a table of the arms and some lines.

@@ -70,7 +70,8 @@ double RunSummary::detection_ms() const {
   return Ratio(sum_ms, static_cast<double>(frame_count));
 }
 
-// The costs are known as ratios to the leader's; what has run tells what that takes.
+// The decider estimates costs as ratios to the leader's. The measured detection time of the run
+// converts them to milliseconds.
 std::optional<double> RunSummary::saved_ms_per_frame() const {
   std::vector<double> ratios;
   double ratio_sum = 0;  // over the frames

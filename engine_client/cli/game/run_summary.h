@@ -1,4 +1,4 @@
-// The result of `sweepstake run` as plain values, from which the report is written.
+// The result of `sweepstake run` as plain values. The report is made from it.
 #pragma once
 
 #include <cstdint>
@@ -40,10 +40,11 @@ struct SwitchRow {
   std::string from;
   std::string to;
   SwitchReason reason = SwitchReason::kPolicy;
-  // 0 if the switch had not settled when the run ended.
+  // Both are 0 if the switch had not settled when the run ended.
   uint64_t rebuild_time_ns = 0;
   uint64_t settling_cost_ns = 0;
-  uint64_t trial_detection_time_ns = 0;  // for which it ended a trial; 0: it ended none
+  uint64_t trial_detection_time_ns =
+      0;  // search time that ended a trial by this switch; 0: no trial ended
 };
 
 // The decider's verdict about the scene. By default it is unknown.
@@ -78,14 +79,14 @@ struct RunSummary {
   // Returns the share of the run's time in which the shadow lane worked.
   double shadow_busy_ratio() const;
   double shadow_copy_ns_per_frame() const;
-  // What the lane cost the frame thread, copies included, as a share of its time: measured by the
-  // lane itself (ShadowStats::slowdown_time_ns).
+  // Returns the share of the frame thread's time that the lane cost, including copies. The lane
+  // measures it itself (ShadowStats::slowdown_time_ns).
   double shadow_frame_share() const;
-  // What the lane takes of another core, per frame.
+  // Returns the lane's CPU time per frame, which it spends on another core.
   double shadow_ms_per_frame() const;
   double detection_ms() const;  // per frame
-  // How much more a frame of the median arm is believed to take than the run's mean frame; absent
-  // while the costs of the arms are unknown.
+  // Returns by how much the estimated detection time of the median arm exceeds the run's mean
+  // detection time; absent while the costs of the arms are unknown.
   std::optional<double> saved_ms_per_frame() const;
 };
 

@@ -66,9 +66,9 @@ std::string WrapNames(std::span<const std::string_view> names, const std::string
 std::string SceneHelp() {
   return "SCENE is a FILE.aabbs, a scenario or a member of the reference suite\n" +
          WrapNames(SceneNames(SceneGroup::kReference), "  ", 80) +
-         "\nor one in which the cheapest broad phase changes\n" +
+         "\nor a scene in which the cheapest broad phase changes\n" +
          WrapNames(SceneNames(SceneGroup::kChanging), "  ", 80) +
-         "\nor one that is hard on broad phases\n" +
+         "\nor a degenerate scene, a bad case for some broad phases\n" +
          WrapNames(SceneNames(SceneGroup::kDegenerate), "  ", 80) + ".\n";
 }
 

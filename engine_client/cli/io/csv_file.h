@@ -1,5 +1,5 @@
-// A CSV file (RFC 4180) that appears whole or not at all. Not thread-safe. The destructor removes a
-// file that was not committed.
+// A CSV file (RFC 4180) that appears under its name only when it is complete. Not thread-safe. The
+// destructor removes a file that was not committed.
 #pragma once
 
 #include <filesystem>

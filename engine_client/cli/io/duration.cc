@@ -24,11 +24,12 @@ Result<uint64_t> ParseDuration(std::string_view text) {
       std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
   const double unit_ns = UnitNs({rest, static_cast<size_t>(text.data() + text.size() - rest)});
   const double total_ns = number * unit_ns;
-  // The condition is negated so that NaN is refused.
+  // The negated condition also rejects NaN.
   if (error != std::errc() || !(total_ns >= 1 && total_ns <= kMaxNs)) {
-    return Status(StatusCode::kInvalidArgument,
-                  "'" + std::string(text) +
-                      "' is not a duration: give a number and ms, s, m or h, as 500ms, 60s or 15m");
+    return Status(
+        StatusCode::kInvalidArgument,
+        "'" + std::string(text) +
+            "' is not a duration: give a number and ms, s, m or h, such as 500ms, 60s or 15m");
   }
   return static_cast<uint64_t>(total_ns);
 }

@@ -1,5 +1,4 @@
-// Durations: read as people write them (500ms, 60s, 15m, 1.5h), and in seconds; times as text. Pure
-// functions.
+// Parses durations (500ms, 60s, 15m, 1.5h), and formats times. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +9,13 @@
 
 namespace sweepstake::cli {
 
-// Returns nanoseconds, above 0 and at most 30 days. The message of kInvalidArgument says what is
-// accepted.
+// Returns nanoseconds, above 0 and at most 30 days. The message of kInvalidArgument states the
+// accepted format.
 Result<uint64_t> ParseDuration(std::string_view text);
 
 inline double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
-// Returns a time since 1970 as "2026-11-20 11:30:00", in UTC; empty if no calendar has it.
+// Returns a time since 1970 as "2026-11-20 11:30:00", in UTC; empty if it is out of range.
 std::string UtcText(int64_t unix_ms);
 
 }  // namespace sweepstake::cli

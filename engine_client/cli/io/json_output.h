@@ -1,4 +1,4 @@
-// What a command prints as its result: one JSON document with --json, else text for people.
+// Prints the result of a command: one JSON document with --json, otherwise text.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,8 +11,8 @@
 
 namespace sweepstake::cli {
 
-// Prints `document` and a line break. An `indent` of -1 puts all in one line. Bytes that are not
-// UTF-8, which the name of a file may hold, become U+FFFD.
+// Prints `document` and a line break. An `indent` of -1 prints one line. Bytes that are not UTF-8,
+// which a file name may contain, become U+FFFD.
 void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int indent = 2);
 
 // Prints `text` (whole lines) on `terminal.out` and flushes it.

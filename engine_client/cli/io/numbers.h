@@ -1,4 +1,4 @@
-// Writes numbers for people. Pure functions, safe from any thread.
+// Formats numbers for people. Pure functions, safe from any thread.
 #pragma once
 
 #include <cstddef>

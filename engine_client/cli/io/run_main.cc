@@ -21,7 +21,7 @@ size_t ColumnsOfStderr() {
 }  // namespace
 
 int RunMain(int argc, char** argv, int (*run)(std::span<char* const> words, Terminal& terminal)) {
-  // gRPC's own log lines repeat what the commands' messages say.
+  // Disables gRPC's log, which only repeats the errors that the commands report.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   const bool err_is_tty = isatty(STDERR_FILENO) == 1;
   Terminal terminal{.out = std::cout,

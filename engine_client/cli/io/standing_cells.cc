@@ -24,9 +24,10 @@ std::vector<std::string> StandingCells(const std::optional<ArmStanding>& standin
 }
 
 std::string StandingLegend() {
-  return "cost: against the leader's, with its 95 % interval; best: probability to be the best "
-         "arm; n: live windows\nthat would tell as much; live, lane: windows and visits of the "
-         "shadow lane that were learnt from\n";
+  return "cost: ratio to the leader's, with its 95 % interval; best: probability to be the best "
+         "arm;\n"
+         "n: effective number of live windows; live, lane: live windows and shadow-lane visits in "
+         "the evidence\n";
 }
 
 void AddStanding(const std::optional<ArmStanding>& standing, nlohmann::ordered_json& document) {

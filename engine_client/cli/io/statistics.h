@@ -1,5 +1,5 @@
 // The statistics of the reports: means with their spread, bootstrap intervals, paired tests. Pure
-// functions, safe from any thread. The same numbers and seed give the same answer.
+// functions, safe from any thread. The same numbers and seed give the same result.
 //
 // The functions are made for samples of 5 to some thousand values.
 #pragma once
@@ -43,12 +43,12 @@ struct BootstrapOptions {
 };
 
 // Returns the confidence interval of the mean by the percentile bootstrap (Efron and Tibshirani, An
-// Introduction to the Bootstrap, ch. 13), which draws the values anew with replacement. It is too
+// Introduction to the Bootstrap, ch. 13), which draws from the values with replacement. It is too
 // narrow for fewer than some ten values, and {mean, mean} for fewer than two.
 Interval BootstrapMean(std::span<const double> values, const BootstrapOptions& options = {});
 
-// Wilcoxon's signed-rank test of paired differences against 0, two-sided. Zero differences are left
-// out, and differences of equal size share their mean rank. Up to kMaxExactWilcoxon pairs, the
+// Wilcoxon's signed-rank test of paired differences against 0, two-sided. Zero differences are
+// omitted, and differences of equal size share their mean rank. Up to kMaxExactWilcoxon pairs, the
 // probability is exact: all sign patterns are counted, ties included. For more pairs it comes from
 // the normal distribution, corrected for ties and continuity.
 struct WilcoxonResult {

@@ -1,11 +1,13 @@
-// Lets a loop ask whether Ctrl-C or SIGTERM was received. A signal handler reaches static variables
-// only, so this is the only one of the program. Install it once.
+// Records Ctrl-C and SIGTERM, so that a loop can poll for them. The state is the program's only
+// mutable static variable, because a signal handler can access no other state. Call
+// InstallStopSignal once.
 #pragma once
 
 namespace sweepstake::cli {
 
 void InstallStopSignal();
-// Returns whether a signal was received since then. A second one ends the program at once.
+// Returns whether a signal was received since InstallStopSignal. A second signal ends the program
+// at once.
 bool StopRequested();
 
 }  // namespace sweepstake::cli

@@ -12,7 +12,7 @@
 
 namespace sweepstake::cli {
 
-// The exit codes of the contract.
+// The exit codes that the README documents.
 enum ExitCode : int { kDone = 0, kCheckFailed = 1, kBadUsage = 2, kUnreachable = 3 };
 
 // Results go to `out`, everything else to `err`. The streams are borrowed.
@@ -28,14 +28,15 @@ struct Terminal {
 // Prints "PROGRAM: MESSAGE" and returns the exit code of the status: kUnreachable for
 // kUnavailable, kCheckFailed for kInternal, kBadUsage for all others.
 int Fail(Terminal& terminal, const Status& status);
-// The same for what a daemon answered: kUnreachable also for kResourceExhausted, since it is full
-// and may serve later, kBadUsage for kInvalidArgument, kCheckFailed for all others, which it
-// understood and refused.
+// The same for the status of a call to a daemon. It returns kUnreachable also for
+// kResourceExhausted, because a full daemon may serve the call later. It returns kBadUsage for
+// kInvalidArgument. It returns kCheckFailed for all other errors, because the daemon understood and
+// refused the call.
 int FailAnswer(Terminal& terminal, const Status& status);
 
 // Prints "PROGRAM: TEXT" to `err`.
 void Say(Terminal& terminal, const std::string& text);
-// Prints "PROGRAM: MESSAGE; trying again" or, if the status is OK, that the connection is back.
+// Prints "PROGRAM: MESSAGE; trying again" or, if the status is OK, "PROGRAM: connected again".
 void SayConnection(Terminal& terminal, const Status& status);
 
 // Returns the beginning of `text` (UTF-8) that fits into `columns`, where each character takes one
@@ -56,14 +57,14 @@ class Progress {
 
   // Draws if an update is due, and only reads the clock otherwise.
   void Show(uint64_t done, const std::string& text = {});
-  // Returns a callback for work that knows no terminal; it shows the share of the total, 0 to 1.
-  // REQUIRES: this outlives it.
+  // Returns a callback for work that must not depend on Terminal. The callback shows the share of
+  // the total, 0 to 1. REQUIRES: this object outlives the callback.
   std::function<void(double share, const std::string& text)> OnShare() {
     return [this](double share, const std::string& text) {
       Show(static_cast<uint64_t>(share * static_cast<double>(total_)), text);
     };
   }
-  // Returns whether Show would draw now. A caller need not compose a text if not.
+  // Returns whether Show would draw now. If not, a caller need not compose a text.
   bool due() const;
   // Writes a line above the bar.
   void Line(const std::string& text);

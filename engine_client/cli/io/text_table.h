@@ -1,4 +1,4 @@
-// A table for people: columns are two spaces apart, and columns of numbers are aligned right.
+// A text table. Columns are two spaces apart, and columns of numbers are aligned right.
 #pragma once
 
 #include <ostream>

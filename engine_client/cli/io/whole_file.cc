@@ -21,15 +21,15 @@ Result<std::unique_ptr<WholeFile>> WholeFile::Create(std::filesystem::path path)
   const auto status = std::filesystem::status(path, error);
   if (path.filename().empty() ||
       (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))) {
-    return Status(
-        StatusCode::kInvalidArgument,
-        "'" + path.string() + "' cannot be written: it is no file; give the path of a file");
+    return Status(StatusCode::kInvalidArgument,
+                  "'" + path.string() +
+                      "' cannot be written: it is not a regular file; give the path of a file");
   }
   std::unique_ptr<WholeFile> file(new WholeFile(std::move(path)));
   if (!file->file_) {
-    return Status(StatusCode::kInvalidArgument,
-                  file->path_.string() +
-                      " cannot be written; does its folder exist, and can files be made in it?");
+    return Status(
+        StatusCode::kInvalidArgument,
+        file->path_.string() + " cannot be written; check that its folder exists and is writable");
   }
   return file;
 }
@@ -44,7 +44,7 @@ Status WholeFile::Commit() {
   if (file_) std::filesystem::rename(temporary_path_, path_, error);
   if (!file_ || error) {
     return {StatusCode::kInvalidArgument,
-            path_.string() + " could not be written; is its disk full?"};
+            path_.string() + " cannot be written; check that its disk is not full"};
   }
   return {};
 }

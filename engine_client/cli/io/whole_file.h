@@ -1,5 +1,6 @@
-// A file that appears whole or not at all: it is written beside its place and renamed when it is
-// complete. Not thread-safe. The destructor removes a file that was not committed.
+// A file that appears under its name only when it is complete: it is written to a temporary file
+// beside it, which Commit renames. Not thread-safe. The destructor removes a file that was not
+// committed.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +14,16 @@ namespace sweepstake::cli {
 
 class WholeFile {
  public:
-  // Opens the file, so that most errors show before long work begins. Error: kInvalidArgument
-  // (`path` is not a regular file, or it cannot be written).
+  // Opens the temporary file, so that most errors appear before long work begins. Error:
+  // kInvalidArgument (`path` is not a regular file, or it cannot be written).
   static Result<std::unique_ptr<WholeFile>> Create(std::filesystem::path path);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
 
   void Write(std::string_view bytes);
-  // Makes the file appear under its name. Error: kInvalidArgument (it could not be written).
+  // Renames the temporary file to its final name. Error: kInvalidArgument (it could not be
+  // written).
   Status Commit();
 
  private:

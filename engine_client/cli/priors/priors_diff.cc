@@ -55,8 +55,8 @@ GroupChange Compare(const PriorsGroupKey& key, const Ratios& before, const Ratio
 }
 
 std::string RemarkOn(const GroupChange& change) {
-  if (!change.in_both()) return ": one of them knows nothing of it";
-  return change.leader_changed() ? ": another arm is the cheapest" : "";
+  if (!change.in_both()) return ": only one of the files has evidence of it";
+  return change.leader_changed() ? ": the cheapest arm differs" : "";
 }
 
 std::string RatioText(const std::optional<double>& ratio) { return ratio ? Fixed(*ratio, 2) : "-"; }
@@ -130,7 +130,7 @@ std::vector<GroupChange> DiffPriors(const PriorsGroups& before, const PriorsGrou
 }
 
 std::string DiffText(const std::vector<GroupChange>& changes) {
-  if (changes.empty()) return "They say the same of every scene, to 5 %.\n";
+  if (changes.empty()) return "The files agree on every scene to within 5 %.\n";
   TextTable table({"arm", "cost before", "after"});
   for (const GroupChange& change : changes) {
     table.AddTitle(NameOf(change.key) + RemarkOn(change));

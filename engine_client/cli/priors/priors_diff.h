@@ -1,5 +1,5 @@
-// `sweepstake priors show` and `diff`: what files of priors say of each scene, and where two of
-// them differ.
+// The output of `sweepstake priors show` and `diff`: the content of a priors file by scene, and the
+// scenes in which two files differ.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,13 +11,13 @@
 
 namespace sweepstake::cli {
 
-// A table with a title and a row per arm for each group; of a reward other than version 3 without
-// costs.
+// Returns a table with a title and a row per arm for each group. Costs are shown only for reward
+// version 3.
 std::string ShowText(const PriorsGroups& groups);
 nlohmann::ordered_json ShowJson(const PriorsGroups& groups);
 
-// An arm's cost ÷ the cheapest one's in one file and in the other; absent where that does not know
-// it.
+// An arm's cost divided by the cheapest arm's, in each of two files; absent if the file has no
+// evidence of the arm.
 struct ArmChange {
   std::string arm;
   std::optional<double> before;
@@ -28,12 +28,12 @@ struct GroupChange {
   PriorsGroupKey key;
   std::vector<ArmChange> arms;
 
-  bool in_both() const;         // else one of the files knows nothing of the group
-  bool leader_changed() const;  // of a group in both
+  bool in_both() const;         // whether both files have evidence of the group
+  bool leader_changed() const;  // false unless in_both()
 };
 
-// Returns the groups of reward version 3 in which an arm is in one of both alone, or its cost ratio
-// differs by more than a twentieth.
+// Returns the groups of reward version 3 in which an arm is in only one file, or in which its cost
+// ratio differs by more than 5 %.
 std::vector<GroupChange> DiffPriors(const PriorsGroups& before, const PriorsGroups& after);
 
 std::string DiffText(const std::vector<GroupChange>& changes);

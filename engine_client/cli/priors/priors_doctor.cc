@@ -27,20 +27,21 @@ const char* WordOf(Fitness fitness) {
   return "foreign";
 }
 
-// Relative to evidence that this machine and build measured with the same version of the arm.
+// Returns the weight relative to evidence that this machine and build measured with the same
+// version of the arm.
 double WeightOf(decision::SourceRelation relation, bool same_arm_version) {
   relation.same_backend_version = same_arm_version;
   return decision::PowerPriorWeight(relation) /
          decision::PowerPriorWeight({.same_build = true, .same_machine_class = true});
 }
 
-// Below 1 % with a decimal, since 0 % would be foreign.
+// Shows a decimal below 1 %, because "0 %" means that the evidence does not count.
 std::string WeightText(double weight) {
   return Percent(weight, 0 < weight && weight < 0.01 ? 1 : 0);
 }
 
-// Returns how many of the group's arms this program has, in the same version. Those in another one
-// count `other_weight`.
+// Returns how many of the group's arms this program has in the same version. Adds a reason for each
+// other arm. Arms in another version count with `other_weight`.
 size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, double other_weight,
                      Diagnosed& found) {
   size_t same = 0;
@@ -49,8 +50,8 @@ size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, double o
     if (known == here.arm_versions.end()) {
       found.reasons.push_back("there is no arm " + name + " here");
     } else if (known->second != arm.version) {
-      found.reasons.push_back(name + " is of version " + std::to_string(arm.version) + ", " +
-                              std::to_string(known->second) + " here" +
+      found.reasons.push_back(name + " has version " + std::to_string(arm.version) +
+                              " (this program: " + std::to_string(known->second) + ")" +
                               (other_weight > 0 ? ", and counts " + WeightText(other_weight) : ""));
     } else {
       ++same;
@@ -65,22 +66,22 @@ Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const Pr
       .same_build = key.build == here.build,
       .same_machine_class = key.machine_class == here.machine_class};
   if (!relation.same_machine_class)
-    found.reasons.push_back("measured on " + OrUnknown(key.machine_class) + ", this is " +
+    found.reasons.push_back("measured on " + OrUnknown(key.machine_class) + ", this machine is " +
                             OrUnknown(here.machine_class));
-  if (key.build != here.build) found.reasons.push_back("of build " + OrUnknown(key.build));
+  if (key.build != here.build) found.reasons.push_back("measured by build " + OrUnknown(key.build));
   const bool may_count = key.reward_version == here.reward_version && !key.is_quarantined;
   const size_t same = CountSameArms(
       group, here, may_count ? WeightOf(relation, /*same_arm_version=*/false) : 0, found);
   if (group.last_seen_unix_s > 0 && here.unix_now_s > group.last_seen_unix_s) {
     const uint64_t days = (here.unix_now_s - group.last_seen_unix_s) / kDayS;
     if (days > kOldDays)
-      found.reasons.push_back(std::to_string(days) + " days old, which takes nothing from it");
+      found.reasons.push_back(std::to_string(days) + " days old, which does not reduce its weight");
   }
   found.weight = WeightOf(relation, same > 0);
   if (key.reward_version != here.reward_version) {
     found.reasons.insert(found.reasons.begin(),
-                         "its reward is version " + std::to_string(key.reward_version) +
-                             ", decisions here use " + std::to_string(here.reward_version));
+                         "its reward has version " + std::to_string(key.reward_version) +
+                             ", this program uses version " + std::to_string(here.reward_version));
     found.weight = 0;
   }
   const bool knows_any = std::any_of(group.arms.begin(), group.arms.end(), [&](const auto& arm) {
@@ -88,9 +89,8 @@ Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const Pr
   });
   if (!knows_any) found.weight = 0;
   if (key.is_quarantined) {
-    found.reasons.insert(
-        found.reasons.begin(),
-        "it waits in quarantine, and counts once it is promoted and exported anew");
+    found.reasons.insert(found.reasons.begin(),
+                         "it is in quarantine, and counts after it is promoted and exported again");
     found.weight = 0;
   }
   const bool whole = found.weight == 1 && same == group.arms.size();

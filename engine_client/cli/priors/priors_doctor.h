@@ -1,4 +1,5 @@
-// `sweepstake priors doctor`: what of a priors file counts here, and why the rest does not.
+// The output of `sweepstake priors doctor`: which evidence of a priors file counts here, and why
+// the rest does not.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace sweepstake::cli {
 
-// Where the file is to be used.
+// The machine, build and program that will use the file.
 struct PriorsPlace {
   std::string machine_class;
   std::string build;
@@ -20,15 +21,16 @@ struct PriorsPlace {
   uint64_t unix_now_s = 0;
 };
 
-// kValid: counts as much as what this machine and build measured. kNear: it, or one of its arms,
-// counts less. kForeign: counts nothing.
+// kValid: counts as much as evidence of this machine and build. kNear: the group, or one of its
+// arms, counts less. kForeign: does not count.
 enum class Fitness : uint8_t { kValid, kNear, kForeign };
 
 struct Diagnosed {
   PriorsGroupKey key;
   Fitness fitness = Fitness::kValid;
-  double weight = 0;  // of its arms in the versions here, or of others where it has none; at most 1
-  std::vector<std::string> reasons;  // why it is not valid, and what else is worth knowing
+  double weight = 0;  // weight of the arms that this program has in the same version or, if there
+                      // are none, of its other arms; at most 1
+  std::vector<std::string> reasons;  // why it is not valid, and other remarks
 };
 
 std::vector<Diagnosed> DiagnosePriors(const PriorsGroups& groups, const PriorsPlace& here);

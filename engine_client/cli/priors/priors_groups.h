@@ -1,6 +1,5 @@
-// The records of a priors file by what a session takes together: one scene on one class of machines
-// in one build, measured by one version of the reward; what waits in quarantine apart. Pure
-// functions.
+// Groups the records of a priors file by project, scene, build, class of machines and reward
+// version. Quarantined records form separate groups. Pure functions.
 #pragma once
 
 #include <compare>
@@ -23,7 +22,7 @@ struct PriorsGroupKey {
   std::string build;
   std::string machine_class;
   uint32_t reward_version = 1;
-  bool is_quarantined = false;  // it waits in a daemon's quarantine
+  bool is_quarantined = false;  // the record is in a daemon's quarantine
 
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
   friend auto operator<=>(const PriorsGroupKey&, const PriorsGroupKey&) = default;
@@ -39,7 +38,7 @@ struct PriorsArm {
 using ArmVersions = std::map<std::string, uint32_t>;  // by name
 
 struct PriorsGroup {
-  std::map<std::string, PriorsArm> arms;  // by name, each in one version
+  std::map<std::string, PriorsArm> arms;  // by name; only one version of each arm
   std::set<std::string> sources;
   uint64_t last_seen_unix_s = 0;  // 0: unknown
 };
@@ -47,10 +46,12 @@ struct PriorsGroup {
 using PriorsGroups = std::map<PriorsGroupKey, PriorsGroup>;
 
 PriorsGroupKey GroupOf(const PriorRecord& record);
-// Of each arm it takes what is known of the version in `own`, else of the latest.
+// Groups the records. For each arm it uses only the evidence of the version in `own` or, if there
+// is none, of the latest version.
 PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions& own = {});
 
-// An arm's cost ÷ that of the group's cheapest one, as its evidence alone says.
+// An arm's cost divided by that of the group's cheapest arm, estimated from the group's evidence
+// alone.
 struct ArmRatio {
   std::string arm;
   double ratio = 1;
@@ -59,7 +60,8 @@ struct ArmRatio {
 // Returns the arms with evidence, the cheapest first. REQUIRES: reward version 3.
 std::vector<ArmRatio> CostsOf(const PriorsGroup& group);
 
-// Returns "project/scene", and what else is known of the group.
+// Returns "project/scene", followed by the class of machines, the build and the quarantine if they
+// are set.
 std::string NameOf(const PriorsGroupKey& key);
 
 }  // namespace sweepstake::cli

@@ -36,7 +36,7 @@ struct EvidenceMessage {
 // The numbered messages that the daemon has not acknowledged. A new connection sends them again.
 //
 // Next returns the first message that was not yet sent on the current connection. Not thread-safe.
-// Bound: full() returns true from `capacity` messages on; the caller must then stop to add
+// Bound: full() returns true from `capacity` messages on; the caller must then stop adding
 // evidence. The buffer accepts the few messages added after that, and never drops one.
 class ResendBuffer {
  public:

@@ -69,8 +69,9 @@ TEST(Commands, TheProgramsHelpListsTheCommandsAndExitCodes) {
 TEST(Commands, ACommandOfTheLaboratoryNamesItsProgramAndHowToBuildIt) {
   for (const std::string command :
        {"bench", "check", "experiment", "load", "pairs", "record", "replay", "report", "trace"}) {
-    ExpectBadUsage({{command, "this is in sweepstake-lab: run `sweepstake-lab " + command + "`"},
-                    {command + " --help", "`cmake --workflow --preset release` builds it"}});
+    ExpectBadUsage(
+        {{command, "this command is in sweepstake-lab: run `sweepstake-lab " + command + "`"},
+         {command + " --help", "`cmake --workflow --preset release` builds it"}});
   }
 }
 
@@ -139,10 +140,10 @@ TEST(Commands, ARunNeedsExactlyOneDecider) {
       {"run --scene suite-b", "give either --daemon HOST:PORT or --embedded"},
       {"run --scene suite-b --embedded --daemon localhost:1",
        "give either --daemon HOST:PORT or --embedded"},
-      {"run --scene suite-b --daemon localhost:1 --priors x.json", "--priors goes with --embedded"},
+      {"run --scene suite-b --daemon localhost:1 --priors x.json", "--priors needs --embedded"},
       {"run --scene suite-b --embedded --duration soon", "give a number and ms, s, m or h"},
-      {"run --scene suite-b --embedded --allow-orders", "--allow-orders goes with --daemon"},
-      {"run --scene suite-b --embedded --allow-box-view", "--allow-box-view goes with --daemon"},
+      {"run --scene suite-b --embedded --allow-orders", "--allow-orders needs --daemon"},
+      {"run --scene suite-b --embedded --allow-box-view", "--allow-box-view needs --daemon"},
       {"run --scene suite-b --daemon nowhere", "nowhere"},
   });
 }

@@ -248,7 +248,7 @@ TEST(LabCommands, AnOutputThatCannotBeWrittenEndsWithTwo) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   EXPECT_EQ(RunLaboratory(pointers, terminal), kBadUsage);
-  EXPECT_THAT(err.str(), HasSubstr("could not write to stdout"));
+  EXPECT_THAT(err.str(), HasSubstr("cannot write to stdout"));
 }
 
 }  // namespace

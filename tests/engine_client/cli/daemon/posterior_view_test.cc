@@ -43,8 +43,9 @@ TEST(IntervalBar, MarksTheMeanWithinTheInterval) {
 
 TEST(PosteriorText, NamesTheSceneItsSourcesAndEachArm) {
   const std::string text = PosteriorText(SomeScene());
-  EXPECT_THAT(text,
-              HasSubstr("game / arena, reward version 2: 0 sessions now, evidence of 3 in all\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("game / arena, reward version 2: 0 sessions active, evidence from 3 in total\n"));
   EXPECT_THAT(text, HasSubstr("SAP"));
   EXPECT_THAT(text, HasSubstr("0.750"));
   EXPECT_THAT(text, ContainsRegex("39.2 +38 +5 +0\n"));
@@ -66,8 +67,9 @@ TEST(PosteriorText, ShowsTheFiguresThatTheDaemonSent) {
   other.mutable_cost_ratio()->set_low(1.25);
   other.mutable_cost_ratio()->set_high(1.75);
   const std::string text = PosteriorText(scene);
-  EXPECT_THAT(text, HasSubstr("verdict stable: SAP is the best with probability 0.875, choosing it "
-                              "loses 0.25 %"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("verdict stable: SAP is the best with probability 0.875, expected loss 0.25 %"));
   EXPECT_THAT(text, ContainsRegex("0.750 +0.607 +0.870 +- +- +- +0.875"));
   EXPECT_THAT(text, ContainsRegex("1.56 +1.25 +1.75 +0.125"));
   const auto document = PosteriorJson(scene);
@@ -109,8 +111,9 @@ v1::DecisionEvent EventWithStandings() {
 
 TEST(StandingsText, ShowsWhatTheSessionHasLearntOfEachArm) {
   const std::string text = StandingsText(EventWithStandings());
-  EXPECT_THAT(text,
-              HasSubstr("session 0af3 of arena after decision 7 of policy adaptive, on SAP\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("session 0af3 of arena after decision 7 of policy adaptive, active arm SAP\n"));
   EXPECT_THAT(text, ContainsRegex("SAP +1.25 +1.06 +12.5 +0.875 +9.8 +38 +123\n"));
   EXPECT_THAT(text, ContainsRegex("Grid +- +- +- +0.000 +0.0 +0 +0\n"));
   EXPECT_EQ(StandingsText({}), "") << "an older daemon does not tell";

@@ -87,12 +87,12 @@ TEST(PriorsCommand, ExportsAFileThatImportReads) {
   daemon.priors.imported->clear();
   EXPECT_EQ(RunCommand("priors import --in " + file + at).out,
             file +
-                ": 1 of 2 records were new or newer, 1 were known already\nthey wait in "
-                "quarantine, and count once `sweepstake priors promote` lets them\n");
+                ": 1 of 2 records were new or newer, 1 were already known\n"
+                "they are in quarantine, and count after `sweepstake priors promote`\n");
   EXPECT_EQ(daemon.priors.imported->size(), 2U);
   EXPECT_FALSE(daemon.priors.promotes);
   EXPECT_EQ(RunCommand("priors import --promote --in " + file + at).out,
-            file + ": 3 of 2 records were new or newer, 1 were known already\n");
+            file + ": 3 of 2 records were new or newer, 1 were already known\n");
   EXPECT_TRUE(daemon.priors.promotes);
 }
 
@@ -112,7 +112,7 @@ TEST(PriorsCommand, SaysWhichRecordsAreKnownUnderAnotherScene) {
   const std::string file = (folder.path() / "p.json").string();
   ASSERT_TRUE(WritePriorsFile(std::vector{renamed}, file).ok());
   const CommandRun run = RunCommand("priors import --in " + file + " --daemon " + daemon.address());
-  EXPECT_THAT(run.out, HasSubstr("1 of these are not there under their project and scene"));
+  EXPECT_THAT(run.out, HasSubstr("1 of these are not stored under their project and scene"));
 }
 
 TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
@@ -124,7 +124,7 @@ TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
       RunCommand("priors export --scene nosuch --out " + file + " --daemon " + daemon.address());
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.out, "");
-  EXPECT_THAT(run.err, HasSubstr("the daemon has no such records"));
+  EXPECT_THAT(run.err, HasSubstr("the daemon has no matching records"));
   EXPECT_EQ(FileText(file), "good");
 }
 
@@ -137,9 +137,9 @@ TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
       "priors revoke --project p --source s --build 1.3 --token-id 7 --since 10 --until 20 "
       "--daemon " +
       daemon.address();
-  EXPECT_EQ(RunCommand(command).out,
-            "2 sources with 9 records of 70 windows and visits would be revoked; say --yes to do "
-            "it\n");
+  EXPECT_EQ(
+      RunCommand(command).out,
+      "2 sources with 9 records of 70 windows and visits would be revoked; add --yes to do it\n");
   const v1::RevokePriorsRequest asked = daemon.priors.revoke_request.get();
   EXPECT_TRUE(asked.preview());
   EXPECT_EQ(asked.sources().project(), "p");
@@ -161,12 +161,12 @@ TEST(PriorsCommand, WhatIsAskedForIsNotThere) {
   FakeDaemonServices daemon;
   const std::string at = " --daemon " + daemon.address();
   EXPECT_THAT(RunCommand("priors revoke --build nope --yes" + at).out,
-              HasSubstr("no session that is not revoked already matches; `sweepstake audit list`"));
+              HasSubstr("no session matches that is not already revoked; `sweepstake audit list`"));
   EXPECT_THAT(RunCommand("priors revoke --source nope --yes" + at).out,
-              HasSubstr("should it come, it counts no more"));
+              HasSubstr("if its evidence arrives later, it will not count"));
   EXPECT_THAT(RunCommand("priors revoke --source known --build nope --yes" + at).out,
-              Not(HasSubstr("should it come")));
-  EXPECT_THAT(RunCommand("priors promote" + at).out, HasSubstr("nothing that waits matches"));
+              Not(HasSubstr("if its evidence arrives later")));
+  EXPECT_THAT(RunCommand("priors promote" + at).out, HasSubstr("no record in quarantine matches"));
   for (const char* const command : {"priors revoke --project p", "priors revoke"}) {
     const CommandRun run = RunCommand(command + at);
     EXPECT_EQ(run.exit_code, 2);
@@ -205,8 +205,8 @@ TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
   for (const char* const selection : {"", " --project p"}) {
     const CommandRun none = RunCommand(command + " --sums" + selection);
     EXPECT_EQ(none.exit_code, 1);
-    EXPECT_THAT(none.err, AllOf(HasSubstr("p.json is left as it was"),
-                                HasSubstr("1 records wait in quarantine")));
+    EXPECT_THAT(none.err, AllOf(HasSubstr("p.json was not changed"),
+                                HasSubstr("1 records are in quarantine")));
   }
   v1::PriorRecord& counts = *part.add_records();
   counts = record;
@@ -214,8 +214,9 @@ TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
   daemon.priors.parts = std::vector{part};
   EXPECT_EQ(RunCommand(command + " --sums").out,
             file +
-                ": 1 sums of builds\n1 records wait in quarantine, of which there are no sums "
-                "(`sweepstake priors promote`)\n");
+                ": 1 sums of builds\n"
+                "1 records are in quarantine and not part of any sum; `sweepstake priors promote` "
+                "makes them count\n");
   EXPECT_THAT(RunCommand(command + " --sums --json").out, HasSubstr("\"left_waiting\": 1"));
   EXPECT_THAT(RunCommand(command + " --json").out, HasSubstr("\"left_waiting\": 0"))
       << "they are in the file";
@@ -230,7 +231,7 @@ TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {
   const std::string command =
       "priors promote --project p --source s --build 1.3 --daemon " + daemon.address();
   EXPECT_EQ(RunCommand(command).out,
-            "2 sources with 9 records of 70 windows and visits for 3 scenes would be promoted; say "
+            "2 sources with 9 records of 70 windows and visits for 3 scenes would be promoted; add "
             "--yes to do it\n");
   const v1::PromotePriorsRequest asked = daemon.priors.promote_request.get();
   EXPECT_TRUE(asked.preview());
@@ -265,7 +266,7 @@ TEST(PriorsCommand, APreviewNamesTheScenesThatWouldHaveAnotherLeader) {
     const std::string command = std::string("priors ") + action + " --daemon " + daemon.address();
     EXPECT_THAT(RunCommand(command).out,
                 HasSubstr("another arm would be the leader of 2 scenes:\n"
-                          "  arcade / harbour on desktop, reward version 3: SAP in place of none\n"
+                          "  arcade / harbour on desktop, reward version 3: SAP instead of none\n"
                           "  and others\n"));
     const auto told = nlohmann::json::parse(RunCommand(command + " --json").out)["leader_changes"];
     EXPECT_EQ(told["count"], 2);
@@ -285,7 +286,7 @@ TEST(PriorsCommand, AListHasWhatWaitsInQuarantineApart) {
   daemon.priors.parts->push_back(part);
   const std::string command = "priors list --scene s --daemon " + daemon.address();
   EXPECT_THAT(RunCommand(command).out,
-              AllOf(HasSubstr("Imports that wait, and count once they are promoted"),
+              AllOf(HasSubstr("Imports in quarantine, which count after"),
                     HasSubstr("p/s on m in build 1.2 (in quarantine), 1 sources")));
   EXPECT_TRUE(daemon.priors.export_request->quarantined_only());
   EXPECT_EQ(daemon.priors.export_request->scene(), "s");

@@ -145,7 +145,7 @@ TEST(WatchCommand, SaysOnceThatThereIsNothingYet) {
   daemon.posteriors.pages = {PageWith({})};
   const CommandRun run = RunCommand("watch --once --daemon " + daemon.address());
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_EQ(run.out, "The daemon has no posteriors of this yet\n");
+  EXPECT_EQ(run.out, "The daemon has no matching posteriors yet\n");
 }
 
 v1::ListAuditSegmentsResponse SegmentsOf(const std::string& session, uint64_t row_count) {
@@ -261,7 +261,7 @@ TEST(SessionsCommand, KicksAndSaysWhyNot) {
 TEST(AuditCommand, SaysWhenThereIsNoLog) {
   FakeDaemonServices daemon;
   EXPECT_EQ(RunCommand("audit list --daemon " + daemon.address()).out,
-            "The daemon has no log of this\n");
+            "The daemon has no matching decision log\n");
 }
 
 TEST(ExportAudit, WritesTheDaemonsHeaderAndRows) {
@@ -304,7 +304,7 @@ TEST(ExportAudit, OfNothingLeavesTheFileAndEndsWithOne) {
       RunCommand("audit export --session nosuch --out " + file + " --daemon " + daemon.address());
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.out, "");
-  EXPECT_THAT(run.err, HasSubstr("the daemon has no such decisions"));
+  EXPECT_THAT(run.err, HasSubstr("the daemon has no matching decisions"));
   EXPECT_EQ(FileText(file), "good");
 }
 
@@ -315,13 +315,13 @@ TEST(SessionsCommand, SteersAGame) {
     EXPECT_EQ(done.exit_code, 0) << done.err;
     return done.out;
   };
-  EXPECT_EQ(run("pin one KDTree"), "one obeys: manual, KDTree is active\n");
+  EXPECT_EQ(run("pin one KDTree"), "one follows the order: manual, KDTree is active\n");
   EXPECT_EQ(daemon.sessions.order_request->session_id(), "one");
   EXPECT_EQ(daemon.sessions.order_request->mode(), v1::MODE_MANUAL);
-  EXPECT_EQ(run("pin one"), "one obeys: manual, SAP is active\n");
+  EXPECT_EQ(run("pin one"), "one follows the order: manual, SAP is active\n");
   EXPECT_EQ(daemon.sessions.order_request->mode(), v1::MODE_MANUAL);
   EXPECT_EQ(daemon.sessions.order_request->arm(), "");
-  EXPECT_EQ(run("release one"), "one obeys: ai, SAP is active\n");
+  EXPECT_EQ(run("release one"), "one follows the order: ai, SAP is active\n");
   EXPECT_EQ(nlohmann::json::parse(run("release one --json"))["mode"], "ai");
 }
 

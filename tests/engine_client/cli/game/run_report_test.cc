@@ -80,7 +80,7 @@ TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
                               " 1.0      25.0      30      200.0000\n"));
   EXPECT_THAT(text, HasSubstr("Grid  2.00    1.50     2.75  0.125  0.1     0     3  0.125    1.0  "
                               " 7.0      75.0      10      100.0000\n"));
-  EXPECT_THAT(text, HasSubstr("; n: live windows"));
+  EXPECT_THAT(text, HasSubstr("n: effective number of live windows"));
   EXPECT_THAT(text, HasSubstr("40 frames in 40.0 s, 1 frames/s\n"));
   EXPECT_THAT(text, HasSubstr("no samples dropped\n"));
   EXPECT_THAT(text, HasSubstr("1 switch: 1 bail-out\n"));
@@ -94,17 +94,18 @@ TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
 TEST(RunReportText, SaysWhyASessionWasLost) {
   RunSummary summary = SomeSummary();
   summary.session.connection_count = 1;
-  EXPECT_THAT(RunReportText(summary), Not(HasSubstr("did not end as it should")));
+  EXPECT_THAT(RunReportText(summary), Not(HasSubstr("did not end properly")));
   summary.session.last_error = "an operator has ended this session (KICKED)";
   summary.session.dropped_frame_count = 3;
   const std::string text = RunReportText(summary);
-  EXPECT_THAT(text, HasSubstr("The session did not end as it should: an operator has ended this "
-                              "session (KICKED)\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("The session did not end properly: an operator has ended this session (KICKED)\n"));
   EXPECT_THAT(text, HasSubstr("(the daemon was lost)"));
 }
 
 TEST(RunReportText, SaysWhenNothingWasLearntWhetherTheDeciderHasSaidSoOrNot) {
-  const char* const nothing = "Nothing was learnt yet: these are Beta(1,1)\n";
+  const char* const nothing = "Nothing was learnt yet: all posteriors are Beta(1,1)\n";
   RunSummary summary = SomeSummary();
   for (ArmRow& row : summary.arms) row.belief = {row.arm};
   summary.session.beliefs = {summary.arms[0].belief, summary.arms[1].belief};
@@ -236,16 +237,17 @@ TEST(FrameCostText, SaysWhatChoosingSavesAndWhatTheLaneTakes) {
   RunSummary summary = SomeSummary();
   summary.shadow.busy_time_ns = 4 * kSecond;
   EXPECT_EQ(FrameCostText(summary),
-            "Per frame: 175.0000 ms of detection, 35.0000 ms less than the median arm is believed "
-            "to take; the shadow lane took 100.0000 ms of another core");
+            "Per frame: 175.0000 ms of detection, 35.0000 ms less than estimated for the median "
+            "arm; the shadow lane used 100.0000 ms of another core");
   EXPECT_DOUBLE_EQ(RunReportJson(summary)["saved_ms_per_frame"], 35);
   EXPECT_EQ(RunReportJson(summary)["shadow"]["ms_per_frame"], 100);
   summary.arms[0].belief.standing->cost_ratio = {4, 4, 4};
-  EXPECT_THAT(FrameCostText(summary), HasSubstr("25.0000 ms more than the median arm"));
+  EXPECT_THAT(FrameCostText(summary),
+              HasSubstr("25.0000 ms more than estimated for the median arm"));
   summary.arms[0].belief.standing.reset();
-  EXPECT_EQ(FrameCostText(summary),
-            "Per frame: 175.0000 ms of detection; the shadow lane took 100.0000 ms of another "
-            "core");
+  EXPECT_EQ(
+      FrameCostText(summary),
+      "Per frame: 175.0000 ms of detection; the shadow lane used 100.0000 ms of another core");
   EXPECT_TRUE(RunReportJson(summary)["saved_ms_per_frame"].is_null());
   summary.shadow.busy_time_ns = 0;
   EXPECT_EQ(FrameCostText(summary), "Per frame: 175.0000 ms of detection");
@@ -279,12 +281,12 @@ TEST(DroppedText, SaysWhatALossMeansAndWhyThereIsOne) {
   session.dropped_frame_count = 3;
   EXPECT_THAT(DroppedText(session, 10), HasSubstr("3 of 10 samples"));
   EXPECT_THAT(DroppedText(session, 10), HasSubstr("(frames come faster than they are sent)"));
-  EXPECT_THAT(DroppedText(session, 10), HasSubstr("frames themselves were not affected"));
+  EXPECT_THAT(DroppedText(session, 10), HasSubstr("the frames were not delayed"));
   session.last_error = "no connection";
   EXPECT_THAT(DroppedText(session, 10), HasSubstr("(the daemon was lost)"));
   session.awaits_acknowledgement = true;
   EXPECT_THAT(DroppedText(session, 10),
-              HasSubstr("(the daemon has not acknowledged what was sent)"));
+              HasSubstr("(the daemon has not acknowledged the sent messages)"));
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ TEST_F(PriorsFilesTest, SumsOfBuildsCountLikeTheirSessionsAndAreImportedNowhere)
   }
   const CommandRun refused = RunCommand("priors import --daemon localhost:1 --in " + file);
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("export it without --sums"));
+  EXPECT_THAT(refused.err, HasSubstr("export the evidence without --sums"));
 }
 
 TEST_F(PriorsFilesTest, ShowSaysWhatEachArmCostsByTheCheapest) {
@@ -117,7 +117,7 @@ TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
   };
   const json build = changed([](PriorRecord& record) { record.build = "1.0"; });
   EXPECT_EQ(build["fitness"], "near");
-  EXPECT_EQ(build["reasons"][0], "of build 1.0");
+  EXPECT_EQ(build["reasons"][0], "measured by build 1.0");
   const json machine = changed([](PriorRecord& record) { record.key.machine_class = "console"; });
   EXPECT_EQ(machine["fitness"], "near");
   EXPECT_THAT(machine["reasons"][0], HasSubstr("measured on console"));
@@ -125,11 +125,11 @@ TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
   const json reward = changed([](PriorRecord& record) { record.key.reward_version = 1; });
   EXPECT_EQ(reward["fitness"], "foreign");
   EXPECT_EQ(reward["weight"], 0);
-  EXPECT_THAT(reward["reasons"][0], HasSubstr("its reward is version 1"));
+  EXPECT_THAT(reward["reasons"][0], HasSubstr("its reward has version 1"));
   EXPECT_EQ(changed([](PriorRecord& record) { record.key.arm = "Octree"; })["fitness"], "foreign");
   const json old = changed([](PriorRecord& record) { record.last_seen_unix_s = 1'000'000'000; });
   EXPECT_EQ(old["fitness"], "valid");
-  EXPECT_THAT(old["reasons"][0], HasSubstr("days old, which takes nothing from it"));
+  EXPECT_THAT(old["reasons"][0], HasSubstr("days old, which does not reduce its weight"));
   std::vector<PriorRecord> newer = Honest();
   for (PriorRecord& record : newer) record.key.backend_version = 99;
   newer.insert(newer.begin(), healthy.begin(), healthy.end());
@@ -145,12 +145,12 @@ TEST_F(PriorsFilesTest, WhatWaitsInQuarantineIsToldApartAndCountsNowhere) {
   const json entry = Diagnose(records);
   EXPECT_EQ(entry["fitness"], "foreign");
   EXPECT_EQ(entry["quarantined"], true);
-  EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("it waits in quarantine"));
+  EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("it is in quarantine"));
   const std::string waiting = Write("waiting.json", records);
   EXPECT_THAT(RunCommand("priors show --in " + waiting).out,
               HasSubstr("in build 1.1 (in quarantine), 1 sources"));
   EXPECT_THAT(RunCommand("priors diff " + Write("counts.json", Honest()) + " " + waiting).out,
-              HasSubstr("They say the same"))
+              HasSubstr("The files agree on every scene"))
       << "what promoting would bring can be compared";
 }
 
@@ -164,7 +164,7 @@ TEST_F(PriorsFilesTest, AnArmThatChangedLosesNothingOfTheOthersKnowledge) {
   EXPECT_EQ(entry["fitness"], "near");
   EXPECT_EQ(entry["weight"], 1) << "of SAP, which is the same";
   EXPECT_EQ(entry["reasons"].size(), 2u);
-  EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("here, and counts 4 %"));
+  EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("), and counts 4 %"));
   for (PriorRecord& record : records) record.is_quarantined = true;
   EXPECT_THAT(Diagnose(records)["reasons"].dump(), Not(HasSubstr("and counts 4")));
 }
@@ -186,23 +186,24 @@ TEST_F(PriorsFilesTest, DiffNamesTheScenesOfWhichTwoFilesSaySomethingElse) {
   EXPECT_NEAR(scenes[0]["arms"][1]["before"], 2, 0.1);
   EXPECT_EQ(scenes[0]["arms"][1]["after"], 1);
   EXPECT_THAT(RunCommand("priors diff " + files).out,
-              AllOf(HasSubstr("another arm is the cheapest"), Not(HasSubstr("harbour"))));
+              AllOf(HasSubstr("the cheapest arm differs"), Not(HasSubstr("harbour"))));
   const std::string same = Write("same.json", before);
   EXPECT_EQ(RunCommand("priors diff " + same + " " + same).out,
-            "They say the same of every scene, to 5 %.\n");
+            "The files agree on every scene to within 5 %.\n");
 }
 
 TEST_F(PriorsFilesTest, DiffSaysWhereOneFileKnowsNothing) {
   const std::string files = Write("some.json", Honest()) + " " + Write("none.json", {});
-  EXPECT_THAT(RunCommand("priors diff " + files).out,
-              AllOf(HasSubstr("one of them knows nothing of it"), Not(HasSubstr("cheapest"))));
+  EXPECT_THAT(
+      RunCommand("priors diff " + files).out,
+      AllOf(HasSubstr("only one of the files has evidence of it"), Not(HasSubstr("cheapest"))));
   const json scenes = json::parse(RunCommand("priors diff --json " + files).out)["scenes"];
   EXPECT_EQ(scenes[0]["leader_changed"], false);
   const CommandRun typo = RunCommand("priors diff " + files + " --build 9");
   EXPECT_EQ(typo.exit_code, 1);
-  EXPECT_THAT(typo.err, HasSubstr("some.json has nothing of build 9; builds: 1.1"));
+  EXPECT_THAT(typo.err, HasSubstr("some.json has no evidence of build 9; builds: 1.1"));
   EXPECT_THAT(RunCommand("priors diff " + files + " --other-build 1.1").err,
-              HasSubstr("none.json has nothing of build 1.1"));
+              HasSubstr("none.json has no evidence of build 1.1"));
 }
 
 TEST_F(PriorsFilesTest, DiffComparesTwoBuildsOfOneFile) {

@@ -238,7 +238,7 @@ TEST(DaemonProgram, ARunThatAllowsOrdersObeysAnOperator) {
   const std::string id = sessions[0]["session_id"];
   const ProgramRun pin = RunProgram("sessions pin " + id + " Grid" + at);
   EXPECT_EQ(pin.exit_code, 0) << pin.err;
-  EXPECT_EQ(pin.out, id + " obeys: manual, Grid is active\n");
+  EXPECT_EQ(pin.out, id + " follows the order: manual, Grid is active\n");
   EXPECT_EQ(RunProgram("sessions release " + id + at).exit_code, 0);
   const ProgramRun wrong = RunProgram("sessions pin " + id + "0 Grid" + at);
   EXPECT_EQ(wrong.exit_code, 1) << "it is no bad usage: " << wrong.err;
@@ -361,7 +361,7 @@ TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {
   const ProgramRun nothing =
       RunProgram("audit export --project q --out " + file + "-none --daemon " + daemon.address());
   EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_THAT(nothing.err, HasSubstr("the daemon has no such decisions"));
+  EXPECT_THAT(nothing.err, HasSubstr("the daemon has no matching decisions"));
   const ProgramRun replayed = RunLab("replay --log " + file);
   EXPECT_EQ(replayed.exit_code, 0);
   EXPECT_THAT(replayed.out, HasSubstr("in " + std::to_string(segments.size()) + " segment"));

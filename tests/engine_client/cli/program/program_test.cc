@@ -27,7 +27,7 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
   } cases[] = {
       {"", "the commands of sweepstake are run, audit, "},
       {"frobnicate", "unknown command of sweepstake 'frobnicate', must be one of "},
-      {"bench --scene suite-b", "this is in sweepstake-lab"},
+      {"bench --scene suite-b", "this command is in sweepstake-lab"},
       {"run --colour", "--colour"},
   };
   for (const auto& [arguments, said] : cases) {

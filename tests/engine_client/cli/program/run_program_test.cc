@@ -157,7 +157,7 @@ TEST(PriorsArm, PrintsWhatTheFileSaysOfTheSceneAndOfItsNeighbours) {
   const ProgramRun neighbour = RunProgram(command + "p --scene another --json");
   EXPECT_EQ(json::parse(neighbour.out)["arm"], "Tracy") << neighbour.err;
   EXPECT_EQ(json::parse(neighbour.out)["of"], "project");
-  EXPECT_THAT(neighbour.err, HasSubstr("has nothing that counts here of scene \"another\""));
+  EXPECT_THAT(neighbour.err, HasSubstr("has no evidence that counts here for scene \"another\""));
   const ProgramRun unknown = RunProgram(command + "q --scene s");
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.err, HasSubstr("the priors say nothing of scene \"s\" of project \"q\""));
@@ -196,7 +196,7 @@ TEST(RunProgram, GoesOnWithoutItsDaemonAndEndsWithThree) {
       RunProgram("run --scene suite-b --objects 100 --daemon 127.0.0.1:1 --duration 300ms --json");
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_GT(json::parse(run.out)["frames"].get<uint64_t>(), 0U);
-  EXPECT_THAT(run.err, HasSubstr("got no session from 127.0.0.1:1"));
+  EXPECT_THAT(run.err, HasSubstr("no session with 127.0.0.1:1"));
 }
 
 TEST(RunProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
