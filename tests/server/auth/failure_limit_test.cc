@@ -7,7 +7,7 @@ namespace {
 
 using Verdict = FailureLimit::Verdict;
 
-TEST(FailureLimitTest, TheEleventhFailureOfAnAddressInAMinuteIsBeyond) {
+TEST(FailureLimitTest, TheEleventhFailureOfAnAddressWithinAMinuteIsBeyond) {
   FailureLimit limit;
   for (int i = 1; i < 10; ++i) EXPECT_EQ(limit.Count("a", 100 + i), Verdict::kBelow) << i;
   EXPECT_EQ(limit.Count("a", 200), Verdict::kReached);
@@ -15,14 +15,14 @@ TEST(FailureLimitTest, TheEleventhFailureOfAnAddressInAMinuteIsBeyond) {
   EXPECT_EQ(limit.Count("b", 300), Verdict::kBelow) << "another address";
 }
 
-TEST(FailureLimitTest, AMinuteAfterTheFirstFailureAllBeginsAnew) {
+TEST(FailureLimitTest, TheCountRestartsAMinuteAfterTheFirstFailure) {
   FailureLimit limit;
   for (int i = 0; i < 20; ++i) limit.Count("a", 100);
   EXPECT_EQ(limit.Count("a", 99 + FailureLimit::kIntervalNs), Verdict::kBeyond);
   EXPECT_EQ(limit.Count("a", 100 + FailureLimit::kIntervalNs), Verdict::kBelow);
 }
 
-TEST(FailureLimitTest, AMillionAddressesDoNotGrowItBeyondItsBound) {
+TEST(FailureLimitTest, MemoryStaysBoundedWithAMillionAddresses) {
   FailureLimit limit;
   for (int i = 0; i < 1'000'000; ++i) limit.Count(std::to_string(i), 100);
   EXPECT_EQ(limit.size(), FailureLimit::kMaxAddresses);

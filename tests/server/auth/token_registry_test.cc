@@ -44,7 +44,7 @@ class TokenRegistryTest : public ::testing::Test {
     };
     return TokenRegistry::Open(path_, std::move(options)).value();
   }
-  // Returns what the registry has told, once that is so much.
+  // Waits until the registry has reported `count` changes, and returns them.
   std::vector<std::string> AwaitChanges(size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return changes_.size() >= count; });
@@ -56,7 +56,7 @@ class TokenRegistryTest : public ::testing::Test {
     changed_.wait(lock, [&] { return problems_.size() >= count; });
     return problems_;
   }
-  // A copy of the file as it is now, to be put back.
+  // Returns a copy of the current file, for a later restore.
   std::filesystem::path Copy() const {
     const std::filesystem::path copy = directory_.path() / "copy.db";
     std::filesystem::copy_file(path_, copy, std::filesystem::copy_options::overwrite_existing);
@@ -73,13 +73,13 @@ class TokenRegistryTest : public ::testing::Test {
   std::chrono::milliseconds use_interval_{60'000};
   std::atomic<int64_t> now_s_ = 1'000;
   size_t expected_problem_count_ = 0;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::vector<std::string> changes_;
   std::vector<std::string> problems_;
 };
 
-TEST_F(TokenRegistryTest, FindsTheHolderOfATokenAndOfNothingElse) {
+TEST_F(TokenRegistryTest, FindsTheHolderOfAValidTokenOnly) {
   EXPECT_TRUE(Open()->empty());
   Make("other");
   const std::string token = Make("game");
@@ -108,14 +108,14 @@ TEST_F(TokenRegistryTest, ATokenEndsWhenItExpires) {
   now_s_ = 1'500;
   EXPECT_FALSE(registry->Find(token));
   EXPECT_FALSE(registry->IsValid(*holder));
-  EXPECT_FALSE(registry->empty()) << "nobody gets in without one";
+  EXPECT_FALSE(registry->empty()) << "calls still need a token";
 }
 
-TEST_F(TokenRegistryTest, SeesWhatTheCommandDoesAndTellsIt) {
+TEST_F(TokenRegistryTest, DetectsAndReportsChangesByTheTokenCommand) {
   const auto registry = Open();
   const std::string token = Make("game");
   EXPECT_THAT(AwaitChanges(1), ElementsAre(HasSubstr("game was made by ann: ingest")));
-  // The change is told just before it is in force.
+  // A change is reported just before it takes effect.
   while (!registry->Find(token)) std::this_thread::yield();
   const Principal holder = registry->Find(token).value();
   EXPECT_TRUE(writer_.Revoke("game", "bob", 2'000).ok());
@@ -125,7 +125,7 @@ TEST_F(TokenRegistryTest, SeesWhatTheCommandDoesAndTellsIt) {
   EXPECT_FALSE(registry->empty());
 }
 
-TEST_F(TokenRegistryTest, ARevocationInACopyThatWasPutInItsPlaceIsSeen) {
+TEST_F(TokenRegistryTest, DetectsARevocationInACopyThatReplacedTheFile) {
   const std::string token = Make("game");
   const auto registry = Open();
   std::filesystem::rename(Copy(), path_);
@@ -134,7 +134,7 @@ TEST_F(TokenRegistryTest, ARevocationInACopyThatWasPutInItsPlaceIsSeen) {
   while (registry->Find(token)) std::this_thread::yield();
 }
 
-TEST_F(TokenRegistryTest, AFileThatIsMissingForATimeIsToldOnceAndItsTokensStay) {
+TEST_F(TokenRegistryTest, AMissingFileIsReportedOnceAndItsTokensStayValid) {
   expected_problem_count_ = 1;
   const std::string token = Make("game");
   const auto registry = Open();
@@ -147,7 +147,7 @@ TEST_F(TokenRegistryTest, AFileThatIsMissingForATimeIsToldOnceAndItsTokensStay) 
   while (registry->Find(token)) std::this_thread::yield();
 }
 
-TEST_F(TokenRegistryTest, ATokenOfAnotherFileIsNotTakenForTheOneOfItsId) {
+TEST_F(TokenRegistryTest, ATokenWithTheSameIdInAnotherFileIsAnotherToken) {
   const std::string token = Make("game");
   const auto registry = Open();
   const Principal holder = registry->Find(token).value();
@@ -162,10 +162,10 @@ TEST_F(TokenRegistryTest, ATokenOfAnotherFileIsNotTakenForTheOneOfItsId) {
                                            HasSubstr("game was made by eve")));
   while (!registry->Find(new_token)) std::this_thread::yield();
   EXPECT_FALSE(registry->Find(token));
-  EXPECT_FALSE(registry->IsValid(holder)) << "its streams end";
+  EXPECT_FALSE(registry->IsValid(holder)) << "this ends its streams";
 }
 
-TEST_F(TokenRegistryTest, AFileWithoutTokensInThePlaceOfOneWithThemLetsNobodyIn) {
+TEST_F(TokenRegistryTest, ReplacingTheFileByOneWithoutTokensGrantsNoAccess) {
   expected_problem_count_ = 1;
   const std::string token = Make("game");
   const auto registry = Open();
@@ -179,7 +179,7 @@ TEST_F(TokenRegistryTest, AFileWithoutTokensInThePlaceOfOneWithThemLetsNobodyIn)
   EXPECT_TRUE(registry->Find(token));
 }
 
-TEST_F(TokenRegistryTest, StoresTheLastUseAtItsEndAndTheRestMeanwhile) {
+TEST_F(TokenRegistryTest, StoresTheLastUseAtShutdownAndEarlierUsesPeriodically) {
   const std::string token = Make("game");
   {
     const auto registry = Open();
@@ -193,7 +193,7 @@ TEST_F(TokenRegistryTest, StoresTheLastUseAtItsEndAndTheRestMeanwhile) {
   while (writer_.Load().value()[0].last_used_unix_s != 2'000) std::this_thread::yield();
 }
 
-TEST_F(TokenRegistryTest, AnEmptyFileInThePlaceOfOneWithTokensIsRefused) {
+TEST_F(TokenRegistryTest, AnEmptyFileThatReplacedOneWithTokensIsRefused) {
   Make("game");
   std::filesystem::remove(path_);
   EXPECT_TRUE(TokenStore::Open(path_, TokenStore::IfLost::kReplace).ok());
@@ -201,7 +201,7 @@ TEST_F(TokenRegistryTest, AnEmptyFileInThePlaceOfOneWithTokensIsRefused) {
   EXPECT_TRUE(absl::IsFailedPrecondition(refused.status())) << refused.status();
 }
 
-TEST_F(TokenRegistryTest, TokensFromBeforeThereWasTheNoteGetIt) {
+TEST_F(TokenRegistryTest, AFileOfAnOlderVersionGetsTheNote) {
   Make("game");
   std::filesystem::remove(directory_.path() / "tokens-made");
   Open();

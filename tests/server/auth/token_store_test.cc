@@ -40,7 +40,7 @@ TokenRequest Named(const std::string& name) {
       .name = name, .role = Role::kIngest, .projects = {}, .expires_unix_s = {}, .made_by = "me"};
 }
 
-TEST(RoleTest, AnAdminMayDoAllAndAnOperatorMayWatch) {
+TEST(RoleTest, AnAdminMayDoEverythingAndAnOperatorMayWatch) {
   for (const Role needed : {Role::kIngest, Role::kWatch, Role::kOperator, Role::kAdmin}) {
     EXPECT_TRUE(Includes(Role::kAdmin, needed));
     EXPECT_EQ(Includes(Role::kIngest, needed), needed == Role::kIngest);
@@ -50,7 +50,7 @@ TEST(RoleTest, AnAdminMayDoAllAndAnOperatorMayWatch) {
   }
 }
 
-TEST(PrincipalTest, OneWithoutProjectsMayUseAll) {
+TEST(PrincipalTest, ATokenWithoutProjectsMayUseAllProjects) {
   EXPECT_TRUE(Principal{}.MayUse("any"));
   const Principal scoped{.token_id = 1, .name = "a", .role = Role::kAdmin, .projects = {"x", "y"}};
   EXPECT_TRUE(scoped.MayUse("y"));
@@ -58,15 +58,15 @@ TEST(PrincipalTest, OneWithoutProjectsMayUseAll) {
   EXPECT_FALSE(scoped.MayUse(""));
 }
 
-TEST_F(TokenStoreTest, TheFirstTokenIsMadeWhereThereAreNoHardLinks) {
+TEST_F(TokenStoreTest, TheFirstTokenCanBeCreatedWithoutHardLinks) {
   const auto made = storage::WithoutLinks([&] { return Open().Create(Named("game"), 1'000).ok(); });
-  if (!made) GTEST_SKIP() << "links cannot be taken away here";
+  if (!made) GTEST_SKIP() << "this kernel cannot disable hard links for a process";
   EXPECT_TRUE(*made);
   EXPECT_EQ(Open().Load()->size(), 1u);
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_.path()), {}), 2) << "and tokens-made";
 }
 
-TEST_F(TokenStoreTest, TheFileHasTheDigestAndNotTheToken) {
+TEST_F(TokenStoreTest, TheFileContainsTheDigestAndNotTheToken) {
   const auto token = Open().Create(Named("game"), 1'000);
   ASSERT_TRUE(token.ok()) << token.status();
   EXPECT_EQ(token->size(), std::string("sweepstake_").size() + 43);
@@ -75,7 +75,7 @@ TEST_F(TokenStoreTest, TheFileHasTheDigestAndNotTheToken) {
   EXPECT_EQ(fs::status(path_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
-TEST_F(TokenStoreTest, TokensDiffer) {
+TEST_F(TokenStoreTest, EveryTokenIsDifferent) {
   TokenStore store = Open();
   std::set<std::string> tokens;
   for (int i = 0; i < 100; ++i)
@@ -83,7 +83,7 @@ TEST_F(TokenStoreTest, TokensDiffer) {
   EXPECT_EQ(tokens.size(), 100u);
 }
 
-TEST_F(TokenStoreTest, WhatWasAskedForIsReadBack) {
+TEST_F(TokenStoreTest, LoadReturnsWhatCreateWasGiven) {
   const TokenRequest request = {.name = "arcade",
                                 .role = Role::kOperator,
                                 .projects = {"arcade", "arcade 2"},
@@ -104,14 +104,14 @@ TEST_F(TokenStoreTest, WhatWasAskedForIsReadBack) {
   EXPECT_FALSE(only.IsValidAt(5'000));
 }
 
-TEST_F(TokenStoreTest, ATokenWithoutProjectsOrEndIsForAllAndForEver) {
+TEST_F(TokenStoreTest, ATokenWithoutProjectsOrExpiryIsValidForAllAndForever) {
   Open().Create(Named("game"), 1'000).value();
   const StoredToken token = Open().Load().value().front();
   EXPECT_THAT(token.request.projects, IsEmpty());
   EXPECT_TRUE(token.IsValidAt(INT64_MAX));
 }
 
-TEST_F(TokenStoreTest, ARevokedTokenStaysOnRecordAndItsNameIsTaken) {
+TEST_F(TokenStoreTest, ARevokedTokenStaysInTheFileAndItsNameCannotBeReused) {
   TokenStore store = Open();
   store.Create(Named("game"), 1'000).value();
   EXPECT_TRUE(store.Revoke("game", "bob", 2'000).ok());
@@ -125,7 +125,7 @@ TEST_F(TokenStoreTest, ARevokedTokenStaysOnRecordAndItsNameIsTaken) {
   EXPECT_TRUE(absl::IsNotFound(store.Revoke("gane", "bob", 2'000)));
 }
 
-TEST_F(TokenStoreTest, NamesThatAreNoneAndEndsThatHavePassedAreRefused) {
+TEST_F(TokenStoreTest, InvalidNamesAndPastExpiryTimesAreRefused) {
   TokenStore store = Open();
   TokenRequest request = Named("");
   EXPECT_TRUE(absl::IsInvalidArgument(store.Create(request, 1).status()));
@@ -140,7 +140,7 @@ TEST_F(TokenStoreTest, NamesThatAreNoneAndEndsThatHavePassedAreRefused) {
   EXPECT_THAT(store.Load().value(), IsEmpty());
 }
 
-TEST_F(TokenStoreTest, TheTimeOfTheLastUseIsKept) {
+TEST_F(TokenStoreTest, StoresTheTimeOfTheLastUse) {
   TokenStore store = Open();
   store.Create(Named("a"), 1).value();
   store.Create(Named("b"), 1).value();
@@ -150,7 +150,7 @@ TEST_F(TokenStoreTest, TheTimeOfTheLastUseIsKept) {
   EXPECT_EQ(store.Load().value()[1].last_used_unix_s, 77);
 }
 
-TEST_F(TokenStoreTest, TheVersionShowsWhatAnotherConnectionHasWritten) {
+TEST_F(TokenStoreTest, TheVersionChangesWithWritesOfAnotherConnection) {
   TokenStore reader = Open();
   TokenStore writer = Open();
   const int64_t before = reader.Version().value();
@@ -159,7 +159,7 @@ TEST_F(TokenStoreTest, TheVersionShowsWhatAnotherConnectionHasWritten) {
   EXPECT_NE(reader.Version().value(), before);
 }
 
-TEST_F(TokenStoreTest, AFileThatIsEmptyDamagedOrOfAnotherProgramIsRefusedAndKept) {
+TEST_F(TokenStoreTest, RefusesAndKeepsAnEmptyDamagedOrForeignFile) {
   std::ofstream(path_).close();
   EXPECT_TRUE(absl::IsDataLoss(TokenStore::Open(path_).status()));
   EXPECT_EQ(fs::file_size(path_), 0u);
@@ -171,8 +171,8 @@ TEST_F(TokenStoreTest, AFileThatIsEmptyDamagedOrOfAnotherProgramIsRefusedAndKept
   EXPECT_TRUE(absl::IsDataLoss(TokenStore::Open(path_).status()));
 }
 
-TEST_F(TokenStoreTest, AFileThatWasLostIsNotTakenForNone) {
-  EXPECT_FALSE(Open().WereMade()) << "no token was made";
+TEST_F(TokenStoreTest, ALostFileIsAnError) {
+  EXPECT_FALSE(Open().WereMade()) << "no token was created";
   fs::remove(path_);
   ASSERT_TRUE(Open().Create(Named("game"), 1).ok());
   EXPECT_TRUE(Open().WereMade());
@@ -187,17 +187,17 @@ TEST_F(TokenStoreTest, AFileThatWasLostIsNotTakenForNone) {
           "tokens with `sweepstaked token create`, which invalidates the earlier ones; to "
           "run without tokens, stop the daemon and remove " +
           note);
-  EXPECT_FALSE(fs::exists(path_)) << "where the copy is to be";
+  EXPECT_FALSE(fs::exists(path_)) << "this is where the copy belongs";
   EXPECT_TRUE(TokenStore::Open(path_, TokenStore::IfLost::kReplace).ok());
   EXPECT_THAT(std::string(Open().Lost().message()),
               ::testing::AllOf(HasSubstr(path_.string() + " contains no tokens, but"),
                                HasSubstr("remove " + path_.string() + " and " + note)));
   fs::remove(path_);
   fs::remove(directory_.path() / "tokens-made");
-  EXPECT_TRUE(TokenStore::Open(path_).ok()) << "somebody wants none";
+  EXPECT_TRUE(TokenStore::Open(path_).ok()) << "running without tokens is possible";
 }
 
-TEST_F(TokenStoreTest, AFirstTokenThatCouldNotBeMadeIsNotTakenForALostOne) {
+TEST_F(TokenStoreTest, AFailedFirstTokenDoesNotCountAsALostFile) {
   TokenStore store = Open();
   {
     auto other =
@@ -210,7 +210,7 @@ TEST_F(TokenStoreTest, AFirstTokenThatCouldNotBeMadeIsNotTakenForALostOne) {
   EXPECT_TRUE(store.WereMade());
 }
 
-TEST_F(TokenStoreTest, WhatAnotherProcessIsMakingIsLeftAlone) {
+TEST_F(TokenStoreTest, UnfinishedFilesOfAnotherProcessAreNotTouched) {
   for (const char* name : {"tokens.db.new", "tokens.db.new-1"})
     std::ofstream(directory_.path() / name) << "half";
   Open();

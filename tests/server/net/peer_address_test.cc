@@ -8,7 +8,7 @@
 namespace sweepstake::net {
 namespace {
 
-TEST(PeerAddressTest, ThePortIsLeftOutAndOfIpv6TheMachinesOwnHalf) {
+TEST(PeerAddressTest, OmitsThePortAndTheInterfaceHalfOfIpv6) {
   EXPECT_EQ(AddressOf("ipv4:192.0.2.7:5123"), "ipv4:192.0.2.7");
   EXPECT_EQ(AddressOf("ipv6:[2001:db8:1:2:3:4:5:6]:5123"), "ipv6:2001:db8:1:2::/64");
   EXPECT_EQ(AddressOf("ipv6:%5B2001:db8:1:2::9%5D:80"), "ipv6:2001:db8:1:2::/64");
@@ -16,12 +16,12 @@ TEST(PeerAddressTest, ThePortIsLeftOutAndOfIpv6TheMachinesOwnHalf) {
   EXPECT_EQ(AddressOf("ipv6:[fe80::1%25eth0]:5123"), "ipv6:fe80::/64");
 }
 
-TEST(PeerAddressTest, WhatIsNoAddressStaysWhatItIs) {
+TEST(PeerAddressTest, TextThatIsNotAnAddressIsReturnedUnchanged) {
   for (const char* peer : {"", "unix:/run/s", "ipv6:", "ipv6:[", "ipv6:]", "fd:7", "ipv4:"})
     EXPECT_EQ(AddressOf(peer), std::string(peer) == "ipv4:" ? "ipv4" : peer);
 }
 
-TEST(PeerAddressTest, LoopbackIsKnown) {
+TEST(PeerAddressTest, RecognisesLoopback) {
   EXPECT_TRUE(IsLoopbackAddress(AddressOf("ipv4:127.0.0.9:5123")));
   EXPECT_TRUE(IsLoopbackAddress(AddressOf("ipv6:%5B::1%5D:80")));
   EXPECT_TRUE(IsLoopbackAddress(AddressOf("unix:/run/s")));
@@ -29,7 +29,7 @@ TEST(PeerAddressTest, LoopbackIsKnown) {
   EXPECT_FALSE(IsLoopbackAddress(AddressOf("ipv6:[::2]:80")));
 }
 
-TEST(PeerAddressTest, ASocketThatConnectsItsOwnAddressIsKnown) {
+TEST(PeerAddressTest, RecognisesASocketConnectedToItsOwnAddress) {
   using boost::asio::ip::tcp;
   boost::asio::io_context io;
   const auto at = [](const char* host) {

@@ -1,4 +1,5 @@
-// What administrators do is in the audit log, on disk without waiting for a decision.
+// Actions of administrators are in the audit log, and reach the disk without waiting for a
+// decision.
 #include "server/sessions/admin_log.h"
 
 #include <thread>
@@ -63,7 +64,7 @@ class AdminLogTest : public RpcTest {
   ScriptedTokens tokens_;
 };
 
-TEST_F(AdminLogTest, SaysWhoKickedOrderedAndImported) {
+TEST_F(AdminLogTest, RecordsWhoKickedOrderedAndImported) {
   TelemetryClient client(channel_, "ann-token");
   const std::string id = client.Open(OneArmHello()).session_id();
   Import();
@@ -71,7 +72,7 @@ TEST_F(AdminLogTest, SaysWhoKickedOrderedAndImported) {
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
   Order(id);
   Kick(id);
-  ASSERT_TRUE(LogHas(4)) << "and no decision was taken";
+  ASSERT_TRUE(LogHas(4)) << "without any decision";
   EXPECT_THAT(
       Log(),
       ElementsAre(AllOf(HasSubstr("admin,1,1,admin,"),
@@ -86,10 +87,11 @@ TEST_F(AdminLogTest, SaysWhoKickedOrderedAndImported) {
                         HasSubstr("token ben")),
                   AllOf(HasSubstr("admin,1,4,admin,"), HasSubstr("action=kick session=" + id),
                         HasSubstr("token ann"))));
-  EXPECT_THAT(Log("ben"), ElementsAre()) << "it is about all projects";
+  EXPECT_THAT(Log("ben"), ElementsAre())
+      << "the log covers all projects, so a token for one project may not read it";
 }
 
-TEST_F(AdminLogTest, SaysWhoGaveAnOrderThatIsNotAnsweredYet) {
+TEST_F(AdminLogTest, RecordsWhoGaveAnOrderBeforeTheGameAnswers) {
   v1::Hello hello = OneArmHello();
   hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   TelemetryClient client(channel_, "ann-token");
@@ -122,12 +124,12 @@ class AdminLogAloneTest : public AdminLogTest {
   AdminLogAloneTest() { options_.keeps_audit = false; }
 };
 
-TEST_F(AdminLogAloneTest, IsKeptWhereNoDecisionsAre) {
+TEST_F(AdminLogAloneTest, IsKeptWithoutAuditRowsOfDecisions) {
   Import();
   EXPECT_TRUE(LogHas(1));
 }
 
-TEST_F(AdminLogTest, EachRunOfTheDaemonHasASegmentThatReplayTakes) {
+TEST_F(AdminLogTest, EachRunOfTheDaemonHasASegmentThatReplayAccepts) {
   Import();
   ASSERT_TRUE(LogHas(1));
   RestartServer();

@@ -1,4 +1,4 @@
-// The decision loop: how late its timers run, and who runs it.
+// The decision loop: the lateness of its timers, and the thread that runs it.
 #include "server/sessions/common/decision_loop.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ namespace {
 using std::chrono::nanoseconds;
 using ::testing::ElementsAre;
 
-TEST(DecisionLoopTest, ATimersLatenessIncludesTheTimersBeforeIt) {
+TEST(DecisionLoopTest, TheLatenessOfATimerIncludesTheTimersBeforeIt) {
   ManualClock clock;
   const int64_t start_ns = clock.NowNs();
   std::vector<nanoseconds> lateness;
@@ -28,7 +28,7 @@ TEST(DecisionLoopTest, ATimersLatenessIncludesTheTimersBeforeIt) {
   EXPECT_THAT(lateness, ElementsAre(nanoseconds(30), nanoseconds(40)));
 }
 
-TEST(DecisionLoopTest, ItsCallerRunsWhatIsPostedAndDueAndWhatComesOfIt) {
+TEST(DecisionLoopTest, TheCallerRunsPostedAndDueTasksAndTheTasksThatTheyPost) {
   ManualClock clock;
   const int64_t start_ns = clock.NowNs();
   std::vector<int> order;
@@ -45,7 +45,7 @@ TEST(DecisionLoopTest, ItsCallerRunsWhatIsPostedAndDueAndWhatComesOfIt) {
   EXPECT_THAT(order, ElementsAre(1, 2, 3));
 }
 
-TEST(DecisionLoopTest, WhatIsPostedOvertakesAMassOfLaterTasksAndTimers) {
+TEST(DecisionLoopTest, PostedTasksOvertakeManyLaterTasksAndTimers) {
   ManualClock clock;
   DecisionLoop loop(clock, {}, DecisionLoop::Runner::kCaller);
   int done_before = 0;

@@ -1,5 +1,6 @@
-// A tenth of a game's clients lies, as loudly as the store takes it: what others begin with hardly
-// moves, and is as if they had never been once their tokens are revoked.
+// A tenth of a game's clients sends false evidence, as strong as the store accepts. The priors of
+// other sessions hardly change. After their tokens are revoked the priors are as if these clients
+// had never existed.
 #include <cmath>
 #include <future>
 #include <string>
@@ -35,7 +36,8 @@ class HostileSourcesTest : public RpcTest {
     hello.set_build("1.1");
     return hello;
   }
-  // What a new session that begins with this token has learnt of Hello's arms in so many visits.
+  // Stores evidence of a new session with this token about the Hello's arms, with `visits` visits
+  // per arm.
   void Teach(const std::string& scene, int64_t token_id, const std::vector<double>& costs_us,
              double visits) {
     const v1::Hello hello = Hello(scene);
@@ -76,7 +78,7 @@ class HostileSourcesTest : public RpcTest {
       priors.push_back({prior.alpha(), prior.beta()});
     return priors;
   }
-  // The probability of each arm to be the best that a new session begins with.
+  // Returns the probability of each arm to be the best at the start of a new session.
   std::vector<double> BestProbabilities(const std::string& scene) {
     std::vector<double> means;
     std::vector<double> variances;
@@ -89,7 +91,7 @@ class HostileSourcesTest : public RpcTest {
   void ExpectHardlyMoved(const std::string& attacked) {
     const std::vector<double> honest = BestProbabilities("honest");
     EXPECT_GT(honest[0], 0.6);
-    EXPECT_LT(honest[0], 0.95) << "so sure that nothing could move it";
+    EXPECT_LT(honest[0], 0.95) << "a more certain prior could hardly be moved";
     const std::vector<double> moved = BestProbabilities(attacked);
     for (size_t arm = 0; arm < honest.size(); ++arm) EXPECT_NEAR(moved[arm], honest[arm], 0.05);
   }
@@ -110,7 +112,7 @@ class HostileSourcesTest : public RpcTest {
     const auto restored = BeginsWith(attacked);
     ASSERT_EQ(restored.size(), honest.size());
     for (size_t arm = 0; arm < honest.size(); ++arm) {
-      EXPECT_EQ(restored[arm].alpha, honest[arm].alpha) << "to the last bit";
+      EXPECT_EQ(restored[arm].alpha, honest[arm].alpha) << "equal in every bit";
       EXPECT_EQ(restored[arm].beta, honest[arm].beta);
     }
   }
@@ -119,7 +121,7 @@ class HostileSourcesTest : public RpcTest {
   int source_count_ = 0;
 };
 
-TEST_F(HostileSourcesTest, ATenthHardlyMovesWhatOthersBeginWithAndItsRevocationRestoresIt) {
+TEST_F(HostileSourcesTest, ATenthOfLiarsHardlyChangesPriorsAndRevokingThemRestoresThePriors) {
   for (int client = 0; client < kHonest; ++client) {
     TeachHonestly("honest", client);
     TeachHonestly("attacked", client);
@@ -130,7 +132,7 @@ TEST_F(HostileSourcesTest, ATenthHardlyMovesWhatOthersBeginWithAndItsRevocationR
   ExpectRestored("attacked");
 }
 
-TEST_F(HostileSourcesTest, ATenthThatComesLastGainsNothing) {
+TEST_F(HostileSourcesTest, ATenthOfLiarsGainsNothingByComingLast) {
   for (int client = 0; client < kHonest; ++client) {
     TeachHonestly("honest", client);
     TeachHonestly("attacked", client);
@@ -141,7 +143,7 @@ TEST_F(HostileSourcesTest, ATenthThatComesLastGainsNothing) {
   ExpectRestored("attacked");
 }
 
-TEST_F(HostileSourcesTest, ATokenThatBeginsSessionsWithoutEndGainsNothing) {
+TEST_F(HostileSourcesTest, ATokenWithEndlessSessionsGainsNothing) {
   for (int client = 0; client < kHonest; ++client) {
     TeachHonestly("honest", client);
     TeachHonestly("attacked", client);

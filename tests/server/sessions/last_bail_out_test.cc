@@ -1,4 +1,4 @@
-// The bail-out of a game that dies before the next tick: it reaches the store when the session
+// The bail-out of a game that dies before the next tick. It reaches the store when the session
 // leaves memory, and counts once if the game was only away.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -7,8 +7,8 @@ namespace {
 
 class LastBailOutTest : public RpcTest {
  protected:
-  // A session of one window that has had a bail-out as message 2, and whose stream was cut.
-  // Returns a Hello that resumes it.
+  // A session of one window with a bail-out as message 2, whose stream was then cut. Returns a
+  // Hello that resumes it.
   v1::Hello Dead() {
     v1::Hello hello = OneArmHello();
     {
@@ -23,7 +23,7 @@ class LastBailOutTest : public RpcTest {
     return hello;
   }
   uint64_t StoredBailOuts() { return Stored().arms[0].live.bail_out_count; }
-  // The game sends again what was not acknowledged, and is heard to the end.
+  // The game resends what was not acknowledged, and ends its session.
   void ComeBackAndEnd(const v1::Hello& hello, uint64_t acknowledged) {
     TelemetryClient client(channel_);
     const v1::Welcome welcome = client.Open(hello);
@@ -35,7 +35,7 @@ class LastBailOutTest : public RpcTest {
   }
 };
 
-TEST_F(LastBailOutTest, ItReachesTheStoreWhenTheResumeWindowIsOver) {
+TEST_F(LastBailOutTest, ItReachesTheStoreWhenTheResumeWindowEnds) {
   const v1::Hello hello = Dead();
   clock_.Advance(options_.resume_window_ns);
   ASSERT_TRUE(Eventually([&] { return StoredBailOuts() == 1; }));
@@ -43,7 +43,7 @@ TEST_F(LastBailOutTest, ItReachesTheStoreWhenTheResumeWindowIsOver) {
   EXPECT_EQ(StoredBailOuts(), 1u);
 }
 
-TEST_F(LastBailOutTest, TheSessionStaysUntilTheDiskHasIt) {
+TEST_F(LastBailOutTest, TheSessionStaysUntilTheBailOutIsOnDisk) {
   Dead();
   store_.Fail(true);
   const uint64_t failed = server_->counters().failed_commit_count;
@@ -59,7 +59,7 @@ TEST_F(LastBailOutTest, TheSessionStaysUntilTheDiskHasIt) {
   EXPECT_TRUE(Eventually([&] { return server_->counters().session_count == 0; }));
 }
 
-TEST_F(LastBailOutTest, AGameThatIsBackWhileTheDiskWritesItIsCountedOnce) {
+TEST_F(LastBailOutTest, ItCountsOnceIfTheGameReturnsDuringTheCommit) {
   const v1::Hello hello = Dead();
   store_.Hold();
   clock_.Advance(options_.resume_window_ns);
@@ -75,15 +75,15 @@ TEST_F(LastBailOutTest, AGameThatIsBackWhileTheDiskWritesItIsCountedOnce) {
   EXPECT_EQ(StoredBailOuts(), 1u);
 }
 
-TEST_F(LastBailOutTest, AGameThatIsBackInTimeIsCountedOnce) {
+TEST_F(LastBailOutTest, ItCountsOnceIfTheGameReturnsInTime) {
   ComeBackAndEnd(Dead(), 1);
   EXPECT_EQ(StoredBailOuts(), 1u);
 }
 
-TEST_F(LastBailOutTest, AGameThatIsBackAfterARestartIsCountedOnce) {
+TEST_F(LastBailOutTest, ItCountsOnceIfTheGameReturnsAfterARestart) {
   const v1::Hello hello = Dead();
   RestartServer();
-  EXPECT_EQ(StoredBailOuts(), 1u) << "a daemon that stops does not wait for the window";
+  EXPECT_EQ(StoredBailOuts(), 1u) << "a daemon that stops does not wait for the resume window";
   ComeBackAndEnd(hello, 2);
   EXPECT_EQ(StoredBailOuts(), 1u);
 }

@@ -17,7 +17,7 @@ uint64_t CountOf(const LogHistogram& histogram) {
   return count;
 }
 
-// The middle of the bucket that the value of this rank, from 1, is in.
+// Returns the middle of the bucket that contains the value of this rank, from 1.
 double ValueAt(const LogHistogram& histogram, uint64_t rank) {
   for (const auto& bucket : histogram.buckets()) {
     if (rank <= bucket.count) return std::exp2((bucket.number - 0.5) / 8);
@@ -35,7 +35,7 @@ TEST(LogHistogram, HasEightBucketsInAnOctave) {
   EXPECT_EQ(LogHistogram::BucketOf(UINT64_MAX), 512U);
 }
 
-TEST(LogHistogram, ABucketBeginsWhereItSays) {
+TEST(LogHistogram, ABucketBeginsAtItsLowerBound) {
   for (uint32_t number = 100; number <= 400; ++number) {
     const auto first = static_cast<uint64_t>(std::ceil(std::exp2((number - 1) / 8.0L)));
     EXPECT_EQ(LogHistogram::BucketOf(first), number);
@@ -59,7 +59,7 @@ TEST(LogHistogram, PercentilesAreWithin5PercentOfTheExactOnes) {
   }
 }
 
-TEST(LogHistogram, TheSmallestValuesShareABucketWhereThereAreTooMany) {
+TEST(LogHistogram, TheSmallestValuesShareABucketIfThereAreTooManyBuckets) {
   std::vector<uint64_t> values(512);
   for (size_t i = 0; i < values.size(); ++i) {
     values[i] = static_cast<uint64_t>(std::exp2((static_cast<long double>(i) + 0.5L) / 8));

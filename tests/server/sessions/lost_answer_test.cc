@@ -1,5 +1,5 @@
-// A disk that has a commit whose answer is lost, and a session that leaves memory before it tries
-// again.
+// A commit reaches the disk but its answer is lost, and the session leaves memory before it
+// retries.
 #include "server/watch/watch_hub.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -21,7 +21,7 @@ class LostAnswerTest : public RpcTest {
   LostAnswerTest() : RpcTest(std::make_unique<LosingStore>()) { options_.max_sessions = 1; }
 };
 
-TEST_F(LostAnswerTest, AWatcherHearsOfTheCommitAllTheSame) {
+TEST_F(LostAnswerTest, AWatcherStillReceivesTheCommit) {
   const auto stub = v1::PosteriorsService::NewStub(channel_);
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
@@ -37,8 +37,8 @@ TEST_F(LostAnswerTest, AWatcherHearsOfTheCommitAllTheSame) {
   }
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
   TelemetryClient next(channel_);
-  next.Open(OneArmHello());  // for which the first session makes room
-  // A call passes the store and the loop, behind what the hub reads.
+  next.Open(OneArmHello());  // the first session makes room for it
+  // A call passes the store and the loop, after the hub's read.
   for (int i = 0; i < 2; ++i) {
     grpc::ClientContext call;
     v1::ListPosteriorsResponse response;
@@ -47,7 +47,7 @@ TEST_F(LostAnswerTest, AWatcherHearsOfTheCommitAllTheSame) {
   clock_.Advance(watch::WatchHub::kIntervalNs);
   v1::WatchPosteriorsResponse event;
   do {
-    ASSERT_TRUE(watcher->Read(&event)) << "in a minute";
+    ASSERT_TRUE(watcher->Read(&event)) << "no event within a minute";
   } while (event.posterior().arms_size() == 0);
   EXPECT_EQ(event.posterior().arms(0).window_count(), 1u);
   context.TryCancel();

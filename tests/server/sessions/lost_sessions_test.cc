@@ -5,7 +5,7 @@
 namespace sweepstake::sessions {
 namespace {
 
-TEST(LostSessionsTest, TheOneThatWasLostFirstLeavesFirstUnlessItsEvidenceIsNotOnDisk) {
+TEST(LostSessionsTest, TheSessionLostFirstLeavesFirstUnlessItHasUnstoredEvidence) {
   LostSessions sessions;
   EXPECT_FALSE(sessions.First(std::nullopt));
   sessions.Add(1, {.state = LostState::kUnsettled, .number = 1}, "unsettled");
@@ -23,7 +23,7 @@ TEST(LostSessionsTest, TheOneThatWasLostFirstLeavesFirstUnlessItsEvidenceIsNotOn
   EXPECT_FALSE(sessions.First(std::nullopt));
 }
 
-TEST(LostSessionsTest, EachTokenHasItsOwn) {
+TEST(LostSessionsTest, EachTokenHasItsOwnOrder) {
   LostSessions sessions;
   sessions.Add(1, {.state = LostState::kSettled, .number = 1}, "of one");
   sessions.Add(3, {.state = LostState::kUnsettled, .number = 2}, "of three");

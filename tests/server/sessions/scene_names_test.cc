@@ -1,5 +1,5 @@
-// A client that names a new scene in every session. TEST_NAMES says how many it names; the suite
-// has 20,000, and the command for a million is in tests/README.md.
+// A client that names a new scene in every session. The environment variable TEST_NAMES sets the
+// number of names. The suite uses 20,000; tests/README.md has the command for a million.
 #include <unistd.h>
 
 #include <fstream>
@@ -32,7 +32,8 @@ v1::Hello HelloOf(uint64_t scene) {
 class SceneNamesTest : public ::testing::Test {
  protected:
   SceneNamesTest() { daemon_.options.max_scenes = 100; }
-  // Opens streams of new scenes, which stay, until one is refused; returns how many were not.
+  // Opens streams of new scenes, which stay open, until one is refused. Returns how many were
+  // accepted.
   size_t OpenUntilRefused() {
     const size_t before = streams_.size();
     while (streams_.size() < 1'000) {
@@ -79,31 +80,31 @@ class SceneNamesTest : public ::testing::Test {
   std::vector<std::unique_ptr<PromptStream>> streams_;
 };
 
-TEST_F(SceneNamesTest, ScenesOfSessionsThatHaveSentNothingCountToo) {
+TEST_F(SceneNamesTest, ScenesOfSilentSessionsCount) {
   EXPECT_EQ(OpenUntilRefused(), 100u);
   EXPECT_EQ(daemon_.store.store.CountScenes("game")->names, 0u);
   PromptStream known(daemon_);
-  EXPECT_TRUE(known.Send(Request(HelloOf(3)))) << "a name that counts already";
+  EXPECT_TRUE(known.Send(Request(HelloOf(3)))) << "this name already counts";
   v1::Hello other = HelloOf(next_scene_);
   other.set_project("other");
   PromptStream elsewhere(daemon_);
   EXPECT_TRUE(elsewhere.Send(Request(other)));
 }
 
-TEST_F(SceneNamesTest, AStoredSceneCountsOnceAndALostSessionsGoesWithIt) {
+TEST_F(SceneNamesTest, AStoredSceneCountsOnceAndALostSessionsSceneStopsCountingWithIt) {
   daemon_.options.resume_window_ns = 60 * kSecondNs;
   EXPECT_EQ(OpenUntilRefused(), 100u);
   for (size_t i = 0; i < 40; ++i) Learn(*streams_[i]);
   EXPECT_EQ(daemon_.store.store.CountScenes("game")->names, 40u);
   EXPECT_EQ(OpenUntilRefused(), 0u) << "40 stored, 60 in memory";
   streams_.clear();
-  EXPECT_EQ(OpenUntilRefused(), 0u) << "they may come back";
+  EXPECT_EQ(OpenUntilRefused(), 0u) << "lost sessions may be resumed";
   daemon_.Advance(70 * kSecondNs);
   daemon_.Advance(70 * kSecondNs);
   EXPECT_EQ(OpenUntilRefused(), 60u);
 }
 
-TEST_F(SceneNamesTest, OfThoseThatAreStoredWhileAHelloIsReadNoneIsMissedOrCountedTwice) {
+TEST_F(SceneNamesTest, ScenesStoredDuringTheReadOfAHelloCountExactlyOnce) {
   Open(99);
   daemon_.store.HoldReads();
   PromptStream last(daemon_);
@@ -119,7 +120,7 @@ TEST_F(SceneNamesTest, OfThoseThatAreStoredWhileAHelloIsReadNoneIsMissedOrCounte
   EXPECT_EQ(ReasonOfRefusal(*beyond.end()), v1::ERROR_REASON_TOO_MANY_SCENES);
 }
 
-TEST_F(SceneNamesTest, ThoseOfAnotherProjectDoNotCountHowManyEverAreStoredMeanwhile) {
+TEST_F(SceneNamesTest, ScenesOfAnotherProjectDoNotCount) {
   Open(100, "other");
   daemon_.store.HoldReads();
   PromptStream first(daemon_);
@@ -130,7 +131,7 @@ TEST_F(SceneNamesTest, ThoseOfAnotherProjectDoNotCountHowManyEverAreStoredMeanwh
   EXPECT_TRUE(first.welcomed());
 }
 
-TEST_F(SceneNamesTest, ProjectsOfSessionsThatHaveSentNothingCountToo) {
+TEST_F(SceneNamesTest, ProjectsOfSilentSessionsCount) {
   daemon_.options.max_projects = 2;
   const auto opens = [&](const std::string& project) {
     v1::Hello hello = HelloOf(next_scene_++);
@@ -140,7 +141,7 @@ TEST_F(SceneNamesTest, ProjectsOfSessionsThatHaveSentNothingCountToo) {
   };
   Open(2, "a");
   Open(1, "b");
-  EXPECT_TRUE(opens("a")) << "another scene of a project that counts already";
+  EXPECT_TRUE(opens("a")) << "another scene of a project that already counts";
   EXPECT_FALSE(opens("c"));
   LearnAll();
   EXPECT_EQ(*daemon_.store.store.CountProjects(), 2u);
@@ -150,7 +151,7 @@ TEST_F(SceneNamesTest, ProjectsOfSessionsThatHaveSentNothingCountToo) {
   EXPECT_TRUE(opens("c")) << "each of the stored ones counts once";
 }
 
-TEST_F(SceneNamesTest, ProjectsCountAlsoWhereTheStoreIsTooSlowToSayWhichItHas) {
+TEST_F(SceneNamesTest, ProjectsCountEvenIfTheStoreIsTooSlow) {
   daemon_.options.max_projects = 2;
   const auto opens_slowly = [&](const std::string& project) {
     v1::Hello hello = HelloOf(next_scene_++);
@@ -166,10 +167,10 @@ TEST_F(SceneNamesTest, ProjectsCountAlsoWhereTheStoreIsTooSlowToSayWhichItHas) {
   EXPECT_TRUE(opens_slowly("a"));
   daemon_.store.EndReads();
   Open(1, "b");
-  EXPECT_EQ(*daemon_.store.store.CountProjects(), 1u) << "which does not count as held, too";
+  EXPECT_EQ(*daemon_.store.store.CountProjects(), 1u) << "this project must not also count as held";
   daemon_.store.HoldReads();
   EXPECT_TRUE(opens_slowly("b"));
-  EXPECT_TRUE(opens_slowly("c")) << "the store may have them or not";
+  EXPECT_TRUE(opens_slowly("c")) << "the store has not answered which projects it has";
   EXPECT_FALSE(opens_slowly("d"));
   const auto& refusal = streams_.back()->end();
   ASSERT_TRUE(refusal);
@@ -177,7 +178,7 @@ TEST_F(SceneNamesTest, ProjectsCountAlsoWhereTheStoreIsTooSlowToSayWhichItHas) {
   daemon_.store.EndReads();
 }
 
-TEST_F(SceneNamesTest, AMillionOfThemCostNoMemory) {
+TEST_F(SceneNamesTest, AMillionSceneNamesCostNoMemory) {
   const uint64_t count = test_support::FromEnvironment("TEST_NAMES", 20'000);
   EXPECT_EQ(OpenUntilRefused(), 100u);
   for (const auto& stream : streams_) Learn(*stream);
@@ -190,7 +191,7 @@ TEST_F(SceneNamesTest, AMillionOfThemCostNoMemory) {
     if (i % 1'000 == 0) daemon_.Advance(kSecondNs);
   }
   daemon_.Advance(daemon_.options.hello_patience_ns);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what is freed
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers keep freed memory
   EXPECT_LT(ResidentBytes(), before + kMaxGrowthBytes);
 #endif
   EXPECT_EQ(daemon_.sessions.size(), 100u);

@@ -27,7 +27,7 @@ class SceneQuotaTest : public RpcTest {
     return hello;
   }
 
-  // Teaches the scene one window, or returns why it may not begin.
+  // Stores one window of evidence about the scene, or returns why the session may not begin.
   grpc::Status Play(v1::Hello hello, const std::string& scene) {
     hello.set_scene(scene);
     TelemetryClient client(channel_);
@@ -68,7 +68,7 @@ class SceneQuotaTest : public RpcTest {
   uint64_t played_ = 0;
 };
 
-TEST_F(SceneQuotaTest, AHelloForOneSceneTooManyIsRefusedAndKnownScenesGoOn) {
+TEST_F(SceneQuotaTest, RefusesAHelloForOneSceneTooManyAndAcceptsKnownScenes) {
   for (const char* scene : {"a", "b", "c"}) EXPECT_TRUE(Play(OneArmHello(), scene).ok());
   for (int i = 0; i < 1'000; ++i) {
     const grpc::Status status = Play(OneArmHello(), "scene " + std::to_string(i));
@@ -79,11 +79,11 @@ TEST_F(SceneQuotaTest, AHelloForOneSceneTooManyIsRefusedAndKnownScenesGoOn) {
   EXPECT_TRUE(Play(OneArmHello(), "b").ok());
   v1::Hello laptop = OneArmHello();
   laptop.set_machine_class("laptop");
-  EXPECT_TRUE(Play(laptop, "b").ok()) << "another class of a known name";
+  EXPECT_TRUE(Play(laptop, "b").ok()) << "another machine class of a known scene";
   EXPECT_TRUE(Play(HelloOf("other"), "a").ok()) << "each project has its own quota";
 }
 
-TEST_F(SceneQuotaTest, AHelloForOneProjectTooManyIsRefusedAndKnownProjectsGoOn) {
+TEST_F(SceneQuotaTest, RefusesAHelloForOneProjectTooManyAndAcceptsKnownProjects) {
   for (const char* project : {"a", "b"}) EXPECT_TRUE(Play(HelloOf(project), "s").ok());
   EXPECT_TRUE(Import({{"s", "x"}}, "c").ok());
   for (int i = 0; i < 100; ++i) {
@@ -99,7 +99,7 @@ TEST_F(SceneQuotaTest, AHelloForOneProjectTooManyIsRefusedAndKnownProjectsGoOn) 
   EXPECT_TRUE(Play(HelloOf("d"), "s").ok());
 }
 
-TEST_F(SceneQuotaTest, AnImportHoldsNothingThatIsRefusedAndWhatItStoresCountsOnce) {
+TEST_F(SceneQuotaTest, ARefusedImportHoldsNoScenesAndAnAcceptedOneCountsOnce) {
   const auto opens = [&](TelemetryClient& game, const std::string& scene) {
     v1::Hello hello = OneArmHello();
     hello.set_scene(scene);
@@ -111,7 +111,7 @@ TEST_F(SceneQuotaTest, AnImportHoldsNothingThatIsRefusedAndWhatItStoresCountsOnc
   EXPECT_EQ(ReasonOf(Import({{"w", "x"}, {"x", "x"}, {"y", "x"}, {"z", "x"}})),
             v1::ERROR_REASON_TOO_MANY_SCENES);
   EXPECT_TRUE(opens(second, "b"));
-  EXPECT_TRUE(Import({{"a", "x"}, {"b", "x"}}).ok()) << "the sessions have sent nothing yet";
+  EXPECT_TRUE(Import({{"a", "x"}, {"b", "x"}}).ok()) << "the sessions have not stored anything yet";
   EXPECT_TRUE(opens(third, "c"));
   EXPECT_FALSE(opens(fourth, "d"));
 }
@@ -124,7 +124,7 @@ TEST_F(SceneQuotaTest, AnImportOfOneProjectTooManyImportsNothing) {
   EXPECT_TRUE(Import({{"s", "x"}, {"t", "y"}}, "b").ok());
 }
 
-TEST_F(SceneQuotaTest, WhatWaitsInQuarantineFillsNoProjectUntilItIsPromoted) {
+TEST_F(SceneQuotaTest, RecordsInQuarantineDoNotCountUntilPromoted) {
   const auto promote = [&](bool preview = false) {
     grpc::ClientContext context;
     v1::PromotePriorsRequest request;
@@ -145,7 +145,7 @@ TEST_F(SceneQuotaTest, WhatWaitsInQuarantineFillsNoProjectUntilItIsPromoted) {
   EXPECT_EQ(ReasonOf(Play(OneArmHello(), "one more")), v1::ERROR_REASON_TOO_MANY_SCENES);
 }
 
-TEST_F(SceneQuotaTest, AnArmTooManyIsRefused) {
+TEST_F(SceneQuotaTest, RefusesOneArmTooMany) {
   v1::Hello hello = OneArmHello();
   for (int round = 0; round < 4; ++round) {
     hello.clear_arms();
@@ -173,7 +173,7 @@ TEST_F(SceneQuotaTest, AnImportBeyondTheQuotaImportsNothing) {
   EXPECT_TRUE(Import({{"a", "x"}, {"a", "y"}}).ok());
 }
 
-// Counts how often it is asked to count.
+// Counts the calls that count scenes or projects.
 class CountedStore final : public storage::ForwardingStore {
  public:
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
@@ -200,7 +200,7 @@ TEST_F(SceneQuotaTest, ANewSceneIsCountedOnceAndOnlyByCountScene) {
   EXPECT_EQ(store.count(), 1);
 }
 
-// Answers each question about a scene with an error.
+// Returns an error for every read of a scene.
 class UnreadableStore final : public storage::ForwardingStore {
  public:
   explicit UnreadableStore(absl::Status error) : error_(std::move(error)) {}
@@ -213,7 +213,7 @@ class UnreadableStore final : public storage::ForwardingStore {
   const absl::Status error_;
 };
 
-TEST_F(SceneQuotaTest, TheProjectOfASceneThatCannotBeReadIsKnownOnlyWhereTheSceneIsDamaged) {
+TEST_F(SceneQuotaTest, TheProjectOfAnUnreadableSceneCountsAsStoredOnlyIfTheSceneIsDamaged) {
   const auto project_count = [&](const absl::Status& error) {
     UnreadableStore store(error);
     sessions::SceneQuota quota(store, options_);

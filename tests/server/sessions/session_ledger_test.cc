@@ -1,5 +1,5 @@
-// What a session's ledger offers to a store that answers late: every update is what its sequence
-// number says, neither less nor more.
+// What a session's ledger offers to a slow store: every update contains exactly the evidence up to
+// its sequence number.
 #include "server/sessions/session_ledger.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace sweepstake::sessions {
 namespace {
 
-// Keeps what it is offered until the test answers.
+// Holds offered updates until the test answers.
 class LateStore final : public priors::AsyncPriorStore {
  public:
   void Commit(priors::SourceUpdate update, CommitCallback done) override {
@@ -42,7 +42,7 @@ class SessionLedgerTest : public ::testing::Test {
     ledger_->AddAuditRow(row);
   }
   void Checkpoint(uint64_t sequence) { ledger_->Checkpoint({.message_sequence = sequence}); }
-  // Returns when the ledger has taken the answer.
+  // Returns when the ledger has received the answer.
   void Answer(const absl::Status& status) {
     store_.Answer(status);
     std::promise<void> done;
@@ -68,7 +68,7 @@ class SessionLedgerTest : public ::testing::Test {
       [](const absl::Status&, std::span<const priors::KeyedEvidence>) {});
 };
 
-TEST_F(SessionLedgerTest, WhatComesAfterACheckpointWaitsForTheNextThoughACommitEndsInBetween) {
+TEST_F(SessionLedgerTest, EvidenceAfterACheckpointWaitsForTheNextEvenIfACommitEndsInBetween) {
   Learn(1, "first");
   Checkpoint(1);
   ExpectOffer(0, 1, 1, {{1, "first"}});
@@ -83,7 +83,7 @@ TEST_F(SessionLedgerTest, WhatComesAfterACheckpointWaitsForTheNextThoughACommitE
   ExpectOffer(2, 3, 4, {{3, "a bail-out of message 3"}});
 }
 
-TEST_F(SessionLedgerTest, AuditRowsAloneBeginNoSessionInTheStoreAndGoThereWithItsFirstMessage) {
+TEST_F(SessionLedgerTest, AuditRowsAreStoredWithTheFirstMessageAndNotAlone) {
   ledger_->AddAuditRow("setup");
   Checkpoint(0);
   EXPECT_TRUE(store_.offered.empty());
@@ -97,7 +97,7 @@ TEST_F(SessionLedgerTest, AuditRowsAloneBeginNoSessionInTheStoreAndGoThereWithIt
   EXPECT_EQ(store_.offered.size(), 2u);
 }
 
-TEST_F(SessionLedgerTest, CheckpointsBehindACommitMergeIntoOneUpdate) {
+TEST_F(SessionLedgerTest, CheckpointsDuringACommitMergeIntoOneUpdate) {
   Learn(1, "first");
   Checkpoint(1);
   Learn(2, "second");
@@ -120,7 +120,7 @@ TEST_F(SessionLedgerTest, AFailedUpdateIsOfferedAgainUnchanged) {
   ExpectOffer(2, 2, 2, {{2, "second"}});
 }
 
-TEST_F(SessionLedgerTest, WhatAnotherDaemonGoesOnWithIsForgottenHere) {
+TEST_F(SessionLedgerTest, EvidenceIsDroppedIfAnotherDaemonContinuesTheSession) {
   Learn(1, "first");
   Checkpoint(1);
   const uint64_t writer = store_.offered[0].writer.id;
@@ -129,7 +129,7 @@ TEST_F(SessionLedgerTest, WhatAnotherDaemonGoesOnWithIsForgottenHere) {
   Learn(2, "second");
   Checkpoint(2);
   Learn(4, "third");
-  Answer(absl::FailedPreconditionError("another daemon goes on"));
+  Answer(absl::FailedPreconditionError("another daemon continues the session"));
   EXPECT_TRUE(ledger_->superseded());
   EXPECT_TRUE(ledger_->settled());
   EXPECT_FALSE(ledger_->open());
@@ -141,7 +141,7 @@ TEST_F(SessionLedgerTest, WhatAnotherDaemonGoesOnWithIsForgottenHere) {
   EXPECT_EQ(counters_.waiting_audit_bytes, 0u);
 }
 
-TEST_F(SessionLedgerTest, ARunThatBeginsFromTheStoreIsAnotherWriter) {
+TEST_F(SessionLedgerTest, ALedgerThatStartsFromTheStoreIsAnotherWriter) {
   Learn(1, "first");
   Checkpoint(1);
   Answer(absl::OkStatus());
@@ -157,7 +157,7 @@ TEST_F(SessionLedgerTest, ARunThatBeginsFromTheStoreIsAnotherWriter) {
   EXPECT_EQ(store_.offered[1].writer.resumed_sequence, 1u);
 }
 
-TEST_F(SessionLedgerTest, AuditRowsThatFindNoRoomAreAGapAndTheLogGoesOn) {
+TEST_F(SessionLedgerTest, AuditRowsWithoutRoomAreLostAndLaterRowsAreKept) {
   const std::string half(kMaxWaitingAuditBytesOfSession / 2, 'x');
   Learn(1, half);
   Checkpoint(1);
@@ -178,14 +178,15 @@ TEST_F(SessionLedgerTest, AuditRowsThatFindNoRoomAreAGapAndTheLogGoesOn) {
   EXPECT_EQ(counters_.lost_audit_row_count, 1u);
 }
 
-TEST_F(SessionLedgerTest, AllSessionsTogetherHaveOneBudgetOfWaitingAuditRows) {
+TEST_F(SessionLedgerTest, AllSessionsShareOneBudgetForWaitingAuditRows) {
   counters_.waiting_audit_bytes = kMaxWaitingAuditBytes - 3;
   Learn(1, "one");
   Learn(2, "two");
   EXPECT_EQ(counters_.lost_audit_row_count, 1u);
   EXPECT_EQ(counters_.waiting_audit_bytes, kMaxWaitingAuditBytes);
   ledger_.reset();
-  EXPECT_EQ(counters_.waiting_audit_bytes, kMaxWaitingAuditBytes - 3) << "what left memory";
+  EXPECT_EQ(counters_.waiting_audit_bytes, kMaxWaitingAuditBytes - 3)
+      << "the destructor returned its bytes";
 }
 
 TEST_F(SessionLedgerTest, AuditRowsOfAnUpdateThatCanNeverBeStoredAreCounted) {

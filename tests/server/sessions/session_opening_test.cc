@@ -1,4 +1,4 @@
-// The road from a Hello to a session, without a stream: each test runs the loop and the store by
+// The path from a Hello to a session, without a stream: each test runs the loop and the store by
 // hand.
 #include "server/sessions/session_opening.h"
 
@@ -86,7 +86,7 @@ class SessionOpeningTest : public ::testing::Test {
     opening->Run();
     return opening;
   }
-  // Opens the session and lets the store answer.
+  // Opens the session and runs the store's jobs.
   OpenedSession Begin(const Hello& hello) {
     const auto opening = Open(hello);
     store_.RunRead();
@@ -127,7 +127,7 @@ TEST_F(SessionOpeningTest, AStoredSceneNeedsOneReadAndNoWrite) {
   EXPECT_EQ(table_.new_scenes().size(), 0u);
 }
 
-TEST_F(SessionOpeningTest, ANewSceneIsCountedBeforeTheLoopGetsTheAnswer) {
+TEST_F(SessionOpeningTest, ANewSceneIsCountedBeforeTheLoopReceivesTheResult) {
   const auto opening = Open(HelloOf("harbour"));
   EXPECT_TRUE(store_.RunRead());
   loop_.RunReady();
@@ -139,7 +139,7 @@ TEST_F(SessionOpeningTest, ANewSceneIsCountedBeforeTheLoopGetsTheAnswer) {
   EXPECT_EQ(table_.new_scenes().size(), 1u);
 }
 
-TEST_F(SessionOpeningTest, AStoreThatCannotCountANewSceneRefusesIt) {
+TEST_F(SessionOpeningTest, ANewSceneIsRefusedIfTheStoreCannotCountIt) {
   const auto opening = Open(HelloOf("harbour"));
   store_.full = true;
   EXPECT_TRUE(store_.RunRead());
@@ -149,7 +149,7 @@ TEST_F(SessionOpeningTest, AStoreThatCannotCountANewSceneRefusesIt) {
   EXPECT_EQ(table_.size(), 0u);
 }
 
-TEST_F(SessionOpeningTest, AStoreThatDoesNotAnswerLeavesOutItsEvidence) {
+TEST_F(SessionOpeningTest, ASessionBeginsWithoutEvidenceIfTheStoreDoesNotAnswer) {
   Store("harbour");
   const auto opening = Open(HelloOf("harbour"));
   clock_.Advance(options_.load_patience_ns);
@@ -182,7 +182,7 @@ TEST_F(SessionOpeningTest, ASessionInMemoryIsResumedWithoutTheStore) {
   EXPECT_EQ((*opened_)->session, first.session);
 }
 
-TEST_F(SessionOpeningTest, ASessionThatAnotherConnectionEndedMeanwhileBecomesANewOne) {
+TEST_F(SessionOpeningTest, ANewSessionBeginsIfAnotherConnectionEndedTheOldOneMeanwhile) {
   Store("harbour");
   const OpenedSession first = Begin(HelloOf("harbour"));
   priors::SourceUpdate update;
@@ -206,7 +206,7 @@ TEST_F(SessionOpeningTest, ASessionThatAnotherConnectionEndedMeanwhileBecomesANe
   EXPECT_FALSE((*opened_)->resumed);
 }
 
-TEST_F(SessionOpeningTest, AnotherTokenThanThatOfTheSessionIsRefused) {
+TEST_F(SessionOpeningTest, ADifferentTokenCannotResumeTheSession) {
   Hello hello = HelloOf("harbour");
   hello.session_id = "session";
   hello.resume_token = ResumeTokenOf("session", 7, options_.resume_secret);

@@ -1,4 +1,4 @@
-// What a session begins with where many sources know its scene.
+// The prior of a session whose scene has many sources.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -22,7 +22,7 @@ class SourceStartTest : public RpcTest {
     return hello;
   }
 
-  // A record of what the source measured in 50 visits of the lane.
+  // Returns a record of a source's measurement in 50 lane visits.
   static priors::PriorRecord RecordOf(const std::string& source, const std::string& arm,
                                       double cost_us) {
     const v1::Hello hello = Hello();
@@ -40,7 +40,7 @@ class SourceStartTest : public RpcTest {
             .evidence = {.alpha = 50 * visit.alpha, .beta = 50 * visit.beta, .window_count = 50},
             .build = "1.1"};
   }
-  // The source knows Grid and SAP.
+  // Stores the source's evidence about Grid and SAP.
   void PutSource(const std::string& source, double grid_us, double sap_us,
                  const std::function<void(priors::PriorRecord&)>& change = {}) {
     std::vector<priors::PriorRecord> records = {RecordOf(source, "Grid", grid_us),
@@ -50,7 +50,8 @@ class SourceStartTest : public RpcTest {
     }
     Put(records);
   }
-  // SAP's cost ÷ Grid's as the welcome has it, and the deviation of SAP's.
+  // The cost of SAP divided by that of Grid, from the priors in the welcome message, and the
+  // deviation of SAP.
   struct Start {
     double ratio = 1;
     double deviation = 0;
@@ -66,7 +67,7 @@ class SourceStartTest : public RpcTest {
   }
 };
 
-TEST_F(SourceStartTest, MachinesOfAnySpeedAgreeWhereTheirArmsDo) {
+TEST_F(SourceStartTest, MachinesOfDifferentSpeedAgreeIfTheirCostRatiosAgree) {
   PutSource("a", 100, 200);
   PutSource("b", 10, 20);
   PutSource("c", 3000, 6000);
@@ -97,8 +98,8 @@ TEST_F(SourceStartTest, AnotherBuildClassOrVersionCountsLess) {
 }
 
 // A change of the scene changes which arm is cheapest. The latest sources are used, and those of
-// the new build weigh more.
-TEST_F(SourceStartTest, WhatABuildTaughtBeforeTheSceneWasChangedFades) {
+// the new build have more weight.
+TEST_F(SourceStartTest, EvidenceFromBeforeAChangeOfTheSceneFades) {
   for (int i = 0; i < 100; ++i) {
     PutSource("old " + std::to_string(i), 100, 300, [](auto& record) { record.build = "1.0"; });
   }
@@ -110,11 +111,11 @@ TEST_F(SourceStartTest, WhatABuildTaughtBeforeTheSceneWasChangedFades) {
     PutSource("new " + std::to_string(++sessions), 100, 33);
   }
   EXPECT_EQ(sessions, 11) << "11 at 0.5 outweigh 21 at 0.25";
-  EXPECT_GT(widest, 0.5) << "while they disagree a session is not sure";
+  EXPECT_GT(widest, 0.5) << "the prior is wide while the sources disagree";
 }
 
-// Nine honest sources of ten; the tenth says the opposite a million times.
-TEST_F(SourceStartTest, ALoudSourceDoesNotOutshoutTheOthers) {
+// Nine of ten sources are honest; the tenth reports the opposite a million times.
+TEST_F(SourceStartTest, ASourceWithManyRecordsDoesNotOutweighTheOthers) {
   for (int i = 0; i < 9; ++i) PutSource("honest " + std::to_string(i), 100, 200);
   const double honest = Begin().ratio;
   PutSource("hostile", 5e6, 0.01, [](priors::PriorRecord& record) {
@@ -126,7 +127,7 @@ TEST_F(SourceStartTest, ALoudSourceDoesNotOutshoutTheOthers) {
 
 class SamePriorTest : public SourceStartTest {
  protected:
-  // A record of a live window.
+  // Returns a record of a live window.
   static priors::PriorRecord WindowOf(const std::string& source, const std::string& arm,
                                       double alpha, double beta) {
     priors::PriorRecord record = RecordOf(source, arm, 100);
@@ -178,7 +179,7 @@ class SamePriorTest : public SourceStartTest {
   }
 };
 
-TEST_F(SamePriorTest, OfSourcesThatDifferInBuildMachineClassAndVersion) {
+TEST_F(SamePriorTest, ForSourcesThatDifferInBuildMachineClassAndVersion) {
   std::vector<priors::PriorRecord> records;
   int n = 0;
   for (const char* build : {"1.1", "1.0", ""}) {
@@ -201,7 +202,7 @@ TEST_F(SamePriorTest, OfSourcesThatDifferInBuildMachineClassAndVersion) {
   ExpectSamePriors(records, "adaptive");
 }
 
-TEST_F(SamePriorTest, OfASourceWithSeveralVersionsOfAnArm) {
+TEST_F(SamePriorTest, ForASourceWithSeveralVersionsOfAnArm) {
   std::vector<priors::PriorRecord> records = {
       RecordOf("a", "Grid", 100), RecordOf("a", "Grid", 300), RecordOf("a", "SAP", 150),
       RecordOf("a", "SAP", 250), RecordOf("a", "KDTree", 90)};
@@ -211,7 +212,7 @@ TEST_F(SamePriorTest, OfASourceWithSeveralVersionsOfAnArm) {
   ExpectSamePriors(records, "adaptive");
 }
 
-TEST_F(SamePriorTest, OfTheSceneAndOthers) {
+TEST_F(SamePriorTest, ForTheSceneAndOtherScenes) {
   std::vector<priors::PriorRecord> records = {RecordOf("a", "Grid", 100)};
   for (const char* scene : {"desert", "forest", "mine"}) {
     for (const char* arm : {"Grid", "SAP", "KDTree"}) {
@@ -225,7 +226,7 @@ TEST_F(SamePriorTest, OfTheSceneAndOthers) {
   ExpectSamePriors(records, "adaptive");
 }
 
-TEST_F(SamePriorTest, OfOtherScenesAlone) {
+TEST_F(SamePriorTest, ForOtherScenesOnly) {
   std::vector<priors::PriorRecord> records;
   for (const char* source : {"a", "b"}) {
     for (const char* arm : {"Grid", "SAP", "KDTree"}) {
@@ -237,7 +238,7 @@ TEST_F(SamePriorTest, OfOtherScenesAlone) {
   ExpectSamePriors(records, "adaptive");
 }
 
-TEST_F(SamePriorTest, OfSummedRewards) {
+TEST_F(SamePriorTest, ForSummedRewards) {
   std::vector<priors::PriorRecord> records;
   for (const char* source : {"a", "b", "c"}) {
     for (const char* arm : {"Grid", "SAP", "KDTree"}) {

@@ -1,4 +1,4 @@
-// What a source counts in sessions to come is what a session that begins gives it.
+// The weight shown for a source equals the weight that a new session gives it.
 #include "server/sessions/source_weights.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ class SourceWeightsTest : public ::testing::Test {
   storage::ForwardingStore store_;
 };
 
-TEST_F(SourceWeightsTest, TheBuildThatWasSeenLastCountsTwiceWhatOthersDo) {
+TEST_F(SourceWeightsTest, TheLatestBuildHasTwiceTheWeightOfOthers) {
   const PriorRecord newest = RecordOf("a", "1.1", 70);
   const PriorRecord older = RecordOf("b", "1.0", 60);
   PriorRecord other_class = RecordOf("c", "1.0", 90);
@@ -49,7 +49,7 @@ TEST_F(SourceWeightsTest, TheBuildThatWasSeenLastCountsTwiceWhatOthersDo) {
   EXPECT_EQ(WeightOf(other_class), 0.5) << "in a session on its own class";
 }
 
-TEST_F(SourceWeightsTest, AnOldBackendCountsALittleUnlessItsSourceHasTheNewOne) {
+TEST_F(SourceWeightsTest, AnOldBackendVersionHasLittleWeightUnlessItsSourceHasTheNewOne) {
   const PriorRecord old_version = RecordOf("a", "1.0", 60, 1);
   const PriorRecord both_old = RecordOf("b", "1.0", 60, 1);
   const PriorRecord both_new = RecordOf("b", "1.0", 60, 2);
@@ -59,19 +59,19 @@ TEST_F(SourceWeightsTest, AnOldBackendCountsALittleUnlessItsSourceHasTheNewOne) 
   EXPECT_EQ(WeightOf(both_new), 0.5);
 }
 
-TEST_F(SourceWeightsTest, WhatNoSessionLooksAtCountsNothing) {
+TEST_F(SourceWeightsTest, EvidenceThatNoSessionUsesHasNoWeight) {
   std::vector<PriorRecord> records;
   for (uint32_t i = 0; i <= priors::kSourcesOfScene; ++i)
     records.push_back(RecordOf(std::to_string(i), "1.0", 60));
   Import(records);
-  EXPECT_EQ(WeightOf(records.front()), 0) << "newer sources are enough";
+  EXPECT_EQ(WeightOf(records.front()), 0) << "newer sources take all places";
   EXPECT_EQ(WeightOf(records.back()), 0.5);
   PriorRecord waiting = records.back();
   waiting.is_quarantined = true;
   EXPECT_EQ(WeightOf(waiting), 0);
 }
 
-TEST_F(SourceWeightsTest, RewardsThatTellNoCostsAreSummed) {
+TEST_F(SourceWeightsTest, RewardsThatAreNotCostsAreSummed) {
   PriorRecord old_version = RecordOf("a", "1.0", 60, 1);
   PriorRecord new_version = RecordOf("b", "1.1", 70, 2);
   old_version.key.reward_version = new_version.key.reward_version = 1;

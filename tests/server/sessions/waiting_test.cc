@@ -1,4 +1,4 @@
-// What waits for a store that is away is handed over to be kept, whole and each part once.
+// Updates that wait for an unavailable store are passed on to be kept, all of them and each once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,20 +33,20 @@ class WaitingTest : public RpcTest {
     const std::lock_guard lock(mutex_);
     return kept_;
   }
-  // Lets a second pass of which the server has done all: timers that are due run after the tasks
-  // of the same turn, so that the second answer comes after them.
+  // Advances one second, and waits until the server has handled it. Due timers run after the tasks
+  // of the same turn, so the second answer comes after them.
   void PassSecond() {
     clock_.Advance(kSecondNs);
     server_->CountHeld();
     server_->CountHeld();
   }
-  // Lets the time pass that lies between two times of keeping, and no more of it.
+  // Advances exactly one interval of keeping.
   void Keep() {
     const uint64_t before = kept_count();
     for (int second = 0; second < 20 && kept_count() == before; ++second) PassSecond();
     ASSERT_GT(kept_count(), before);
   }
-  // Commits past the server, as a daemon does at its start.
+  // Commits directly to the store, as a daemon does at its start.
   void Deliver(const std::vector<priors::SourceUpdate>& updates) {
     thread_.Submit([&](priors::PriorStore& store) {
       for (const priors::SourceUpdate& update : updates)
@@ -60,7 +60,7 @@ class WaitingTest : public RpcTest {
   uint64_t kept_count_ = 0;                 // guarded by mutex_
 };
 
-TEST_F(WaitingTest, OfAnHourWithoutTheStoreAllIsKeptAndCountsOnce) {
+TEST_F(WaitingTest, AnHourWithoutTheStoreIsKeptCompletelyAndCountsOnce) {
   constexpr uint64_t kMinutes = 60;
   v1::Hello hello = OneArmHello();
   {
@@ -79,7 +79,7 @@ TEST_F(WaitingTest, OfAnHourWithoutTheStoreAllIsKeptAndCountsOnce) {
   const std::vector<priors::SourceUpdate> before_the_end = kept();
   StopServer();
   store_.Fail(false);
-  EXPECT_EQ(Stored().arms[0].live.window_count, 1u) << "the hour is not there yet";
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1u) << "the kept hour is not delivered yet";
   Deliver(before_the_end);
   EXPECT_EQ(Stored().arms[0].live.window_count, 1 + kMinutes);
   Deliver(before_the_end);
@@ -89,7 +89,7 @@ TEST_F(WaitingTest, OfAnHourWithoutTheStoreAllIsKeptAndCountsOnce) {
   EXPECT_EQ(client.Open(hello).acknowledged_sequence(), 1 + kMinutes);
 }
 
-TEST_F(WaitingTest, IsKeptAtTheEndWithWhatAnEndedSessionTaught) {
+TEST_F(WaitingTest, KeepsTheEvidenceOfAnEndedSessionAtShutdown) {
   TelemetryClient client(channel_);
   LearnOneWindow(client, OneArmHello());
   store_.Fail(true);
@@ -106,7 +106,7 @@ TEST_F(WaitingTest, IsKeptAtTheEndWithWhatAnEndedSessionTaught) {
   EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
 }
 
-TEST_F(WaitingTest, HoldsWhatAdministratorsDidMeanwhile) {
+TEST_F(WaitingTest, KeepsActionsOfAdministratorsDuringTheOutage) {
   server_->RecordAction("action=token", "one from before");
   ASSERT_TRUE(Eventually([&] {
     bool is_stored = false;
@@ -127,7 +127,7 @@ TEST_F(WaitingTest, HoldsWhatAdministratorsDidMeanwhile) {
   EXPECT_THAT(rows, Not(HasSubstr("one from before")));
 }
 
-TEST_F(WaitingTest, IsNotKeptWhileTheStoreTakesAllAndIsForgottenOnceItDoesAgain) {
+TEST_F(WaitingTest, KeepsNothingWhileTheStoreWorksAndForgetsAfterItsRecovery) {
   TelemetryClient client(channel_);
   LearnOneWindow(client, OneArmHello());
   for (int second = 0; second < 20; ++second) PassSecond();

@@ -1,4 +1,4 @@
-// What is told of the files of TLS while a daemon runs.
+// The reports about the TLS files of a running daemon.
 #include "server/tls/files_watch.h"
 
 #include <gmock/gmock.h>
@@ -42,7 +42,7 @@ class FilesWatchTest : public ::testing::Test {
                                          },
                                      .on_expiry = [this](int64_t) { ++expiry_count_; }});
   }
-  // What is told at so many looks.
+  // Returns what `count` checks report.
   std::vector<std::string> Look(int count) {
     told_.clear();
     for (int i = 0; i < count; ++i) watch_->Look();
@@ -56,13 +56,13 @@ class FilesWatchTest : public ::testing::Test {
       std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
           .count();
   int64_t now_s_ = start_s_;
-  std::vector<std::string> told_;  // problems; an empty one is none
+  std::vector<std::string> told_;  // reported problems; an empty string is an OK
   int64_t expires_unix_s_ = 0;
   int expiry_count_ = 0;
   std::optional<FilesWatch> watch_;
 };
 
-TEST_F(FilesWatchTest, TheFirstLookTellsWhenTheCertificateExpiresAndTheNextOnesNothing) {
+TEST_F(FilesWatchTest, OnlyTheFirstCheckReportsTheExpiryOfTheCertificate) {
   Start();
   EXPECT_THAT(told_, ::testing::ElementsAre(""));
   EXPECT_NEAR(expires_unix_s_, start_s_ + 30 * kOneDayS, 60);
@@ -70,7 +70,7 @@ TEST_F(FilesWatchTest, TheFirstLookTellsWhenTheCertificateExpiresAndTheNextOnesN
   EXPECT_EQ(expiry_count_, 0);
 }
 
-TEST_F(FilesWatchTest, EachProblemThatLastsIsToldOnceAndThatItIsMended) {
+TEST_F(FilesWatchTest, ReportsALastingProblemOnceAndItsEnd) {
   Start();
   const std::string whole = test_support::FileText(files_.cert);
   const int64_t expires_unix_s = expires_unix_s_;
@@ -84,7 +84,7 @@ TEST_F(FilesWatchTest, EachProblemThatLastsIsToldOnceAndThatItIsMended) {
     ASSERT_EQ(told.size(), 1u) << text;
     EXPECT_THAT(told[0], HasSubstr(problem));
     EXPECT_THAT(told[0], HasSubstr(files_.cert.string()));
-    EXPECT_EQ(expires_unix_s_, expires_unix_s) << "that one is in use";
+    EXPECT_EQ(expires_unix_s_, expires_unix_s) << "the previous certificate is still in use";
     std::ofstream(files_.cert) << whole;
     EXPECT_THAT(Look(10), ::testing::ElementsAre(""));
   }
@@ -94,7 +94,7 @@ TEST_F(FilesWatchTest, EachProblemThatLastsIsToldOnceAndThatItIsMended) {
   EXPECT_THAT(Look(10), ::testing::ElementsAre(HasSubstr("contains no unencrypted private key")));
 }
 
-TEST_F(FilesWatchTest, ACertificateThatIsReplacedBeforeItsKeyIsNoProblem) {
+TEST_F(FilesWatchTest, ACertificateReplacedBeforeItsKeyIsNotReported) {
   Start();
   const auto key = test_support::FileText(files_.key);
   Issue(60 * kOneDayS);
@@ -106,7 +106,7 @@ TEST_F(FilesWatchTest, ACertificateThatIsReplacedBeforeItsKeyIsNoProblem) {
   EXPECT_NEAR(expires_unix_s_, start_s_ + 60 * kOneDayS, 60);
 }
 
-TEST_F(FilesWatchTest, ACertificateThatExpiresWithinAWeekIsToldEachDay) {
+TEST_F(FilesWatchTest, ReportsACertificateThatExpiresWithinAWeekDaily) {
   Start();
   now_s_ += 22 * kOneDayS;
   Look(2);
@@ -119,16 +119,16 @@ TEST_F(FilesWatchTest, ACertificateThatExpiresWithinAWeekIsToldEachDay) {
   EXPECT_EQ(expiry_count_, 2);
   Issue(60 * kOneDayS);
   Look(2);
-  EXPECT_EQ(expiry_count_, 2) << "it was replaced";
+  EXPECT_EQ(expiry_count_, 2) << "the certificate was replaced";
 }
 
-TEST_F(FilesWatchTest, ACertificateThatHasExpiredIsToldAtTheStart) {
+TEST_F(FilesWatchTest, ReportsAnExpiredCertificateAtTheStart) {
   Issue(-60);
   Start();
   EXPECT_EQ(expiry_count_, 1);
 }
 
-TEST_F(FilesWatchTest, OfAChainTheFirstToExpireCounts) {
+TEST_F(FilesWatchTest, TheEarliestExpiryInAChainCounts) {
   const std::string issuer = test_support::FileText(authority_.cert());
   const std::string own = test_support::FileText(files_.cert);
   authority_.Issue("IP:127.0.0.1", {Path("soon.pem"), Path("soon-key.pem")}, kOneDayS);
