@@ -58,7 +58,7 @@ void Connection::HalfClose() {
 void Connection::Break() {
   Later(world_.Draw(0, 10 * kMsNs),
         [](Connection& self) { self.Close(absl::UnavailableError("the connection broke")); });
-  // A daemon learns late of a game that has fallen silent.
+  // A daemon may notice late that a game no longer sends.
   const int64_t delay_ns = world_.Draw(0, world_.Happens(0.5) ? 20 * kMsNs : 8 * kSecondNs);
   Later(delay_ns, [](Connection& self) {
     if (self.stream_) self.Lose();
@@ -66,7 +66,7 @@ void Connection::Break() {
 }
 
 void Connection::Cut() {
-  const auto self = shared_from_this();  // which the game lets go of
+  const auto self = shared_from_this();  // the game releases its pointer
   Close(absl::UnavailableError("the connection broke"));
   Break();
 }

@@ -1,6 +1,6 @@
-// A stream between a game and the daemon as a network carries it: in order, late, and lost at any
-// moment, which each end learns at a time of its own. A daemon may therefore still read what was
-// under way when the game connects anew.
+// A stream between a game and the daemon over a simulated network: in order, delayed, and lost at
+// any moment. Each end notices the loss at its own time. A daemon may therefore still read old
+// messages when the game has already reconnected.
 #pragma once
 
 #include <deque>
@@ -13,12 +13,12 @@
 
 namespace sweepstake::simulation {
 
-// The game's end.
+// The game's end of the connection.
 class ConnectionUser {
  public:
   virtual ~ConnectionUser() = default;
   virtual void OnResponse(const v1::StreamTelemetryResponse& response) = 0;
-  // The connection has ended; nothing comes after it.
+  // The connection has ended; no more calls follow.
   virtual void OnClosed(const absl::Status& status) = 0;
 };
 
@@ -27,18 +27,18 @@ class Connection final : public rpc::TelemetryTransport,
  public:
   Connection(World& world, ConnectionUser& user) : world_(world), user_(&user) {}
 
-  // The game's side. Dial is called first; `answer` opens or refuses, when the call has come.
+  // The game's side. Dial is called first; `answer` opens or refuses the stream when the call
+  // arrives.
   void Dial(std::function<void(Connection&)> answer);
   void Send(const v1::StreamTelemetryRequest& request);
   void HalfClose();
-  // The connection breaks. The game is told unless it has left; the daemon learns it later.
+  // Breaks the connection. The game is notified unless it has left; the daemon notices it later.
   void Break();
-  // The same, but the game is told at once, and nothing reaches it any more.
+  // Breaks the connection. The game is notified at once, and receives nothing more.
   void Cut();
   void Leave() { user_ = nullptr; }
 
-  // The daemon's side. From Open on there is a stream, until the daemon is done with it or has
-  // died.
+  // The daemon's side. After Open there is a stream, until the daemon has finished it or has died.
   void Open(rpc::ServiceContext& context, rpc::TelemetryStreams& streams, auth::Principal caller);
   bool open() const { return stream_ != nullptr; }
   void Refuse(const absl::Status& status);
@@ -48,13 +48,13 @@ class Connection final : public rpc::TelemetryTransport,
   void Write(const v1::StreamTelemetryResponse& response) override;
   void Finish(const absl::Status& status) override;
   void Cancel(const absl::Status& status) override;
-  // Of the daemon's own machine, so that no game spends what the others may have.
+  // An address of the daemon's own machine, so that the per-address quotas do not apply.
   std::string peer() const override { return "ipv4:127.0.0.1:1"; }
 
  private:
   using StreamEvent = std::function<void(Connection&)>;
 
-  // Runs `event` later, after all that was said earlier in the same direction.
+  // Runs `event` later, after all earlier events in the same direction.
   void ToDaemon(StreamEvent event);
   void ToGame(StreamEvent event);
   void Later(int64_t delay_ns, StreamEvent event);
@@ -65,7 +65,7 @@ class Connection final : public rpc::TelemetryTransport,
   void Close(const absl::Status& status);
 
   World& world_;
-  ConnectionUser* user_;  // null once it was told of the end, or has left
+  ConnectionUser* user_;  // null after it was notified of the end, or has left
   int64_t last_to_daemon_ns_ = 0;
   int64_t last_to_game_ns_ = 0;
 
@@ -74,9 +74,9 @@ class Connection final : public rpc::TelemetryTransport,
   std::deque<v1::StreamTelemetryRequest> arrived_;
   uint32_t pending_reads_ = 0;
   bool writing_ = false;
-  bool ended_ = false;  // the daemon can read no more than has arrived
+  bool ended_ = false;  // the daemon can read only what has already arrived
   bool told_end_ = false;
-  bool lost_ = false;  // the daemon knows that the connection is lost
+  bool lost_ = false;  // the daemon has noticed that the connection is lost
 };
 
 }  // namespace sweepstake::simulation

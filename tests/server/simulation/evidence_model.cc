@@ -53,7 +53,7 @@ void EvidenceModel::Settle(priors::PriorReader& store, const Complain& complain)
     if (on_disk != session.failed.end()) Apply(SourceUpdate(*on_disk), session);
     if (progress != session.progress)
       complain(absl::StrCat("session ", id, " is on disk at commit ", progress.commit_sequence,
-                            ", which it had not made or which is not its latest"));
+                            ", which the session never made or which is not its latest"));
     session.failed.clear();
   }
 }
@@ -106,9 +106,9 @@ void EvidenceModel::Check(priors::PriorReader& store, const priors::ExportPage& 
     for (const auto& arm : scene.arms) windows -= arm.live.window_count + arm.lane.window_count;
     const auto mine = scenes.find(scene.key);
     if (mine == scenes.end() || !mine->second.SameAs(scene))
-      complain("scene " + scene.key.scene + " has not what its sessions and files have");
+      complain("scene " + scene.key.scene + " differs from the evidence of its sessions and files");
   }
-  if (stored->size() != scenes.size()) complain("a scene has got lost");
+  if (stored->size() != scenes.size()) complain("a scene was lost");
   if (windows != 0) complain("the windows of the records differ from those of the scenes");
   CheckRecords(exported.records, complain);
 }
@@ -122,11 +122,11 @@ void EvidenceModel::CheckRecords(std::span<const PriorRecord> records,
     ++counts[record.source_id];
     const auto mine = session->second.evidence.find(record.key);
     if (mine == session->second.evidence.end() || mine->second != record.evidence)
-      complain("a record of session " + record.source_id + " has other evidence than it made");
+      complain("a record of session " + record.source_id +
+               " differs from the evidence that the session committed");
   }
   for (const auto& [id, session] : sessions_) {
-    if (counts[id] != session.evidence.size())
-      complain("a record of session " + id + " has got lost");
+    if (counts[id] != session.evidence.size()) complain("a record of session " + id + " was lost");
   }
 }
 

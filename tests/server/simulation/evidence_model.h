@@ -1,5 +1,5 @@
-// The evidence that a store must have, kept apart from it: what the commits that reached the disk
-// added, each once.
+// The evidence that a store must contain, computed independently of the store: the sum of the
+// commits that reached the disk, each counted once.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@ namespace sweepstake::simulation {
 
 class EvidenceModel {
  public:
-  // Is told what is wrong.
+  // Called with a description of each error.
   using Complain = std::function<void(const std::string&)>;
 
-  // The store was given these updates. Of those of a commit that failed the disk may yet have all
-  // or none, which the next start shows.
+  // Records updates that were passed to the store. If their commit failed, the disk may have all of
+  // them or none; Settle finds out after the next start.
   void Commit(std::span<const priors::SourceUpdate> updates, bool ok);
-  // Takes over what a store that was opened anew has of commits that failed.
+  // Determines which failed commits a reopened store contains.
   void Settle(priors::PriorReader& store, const Complain& complain);
 
-  // Compares all that the store has, given all records of its export; those of files are taken for
-  // right.
+  // Compares the whole store with the model, given all records of its export. Records of files are
+  // assumed to be correct.
   void Check(priors::PriorReader& store, const priors::ExportPage& exported,
              const Complain& complain) const;
   bool has_session(const std::string& id) const { return sessions_.contains(id); }
@@ -50,9 +50,9 @@ class EvidenceModel {
   };
 
   static void Apply(const priors::SourceUpdate& update, Session& session);
-  // Returns all scenes, those of files included.
+  // Returns all scenes, including those of files.
   std::map<priors::SceneKey, Scene> Scenes(std::span<const priors::PriorRecord> exported) const;
-  // Compares the records of sessions with what they had committed.
+  // Compares the records of sessions with the commits of the sessions.
   void CheckRecords(std::span<const priors::PriorRecord> records, const Complain& complain) const;
 
   std::map<std::string, Session> sessions_;

@@ -11,7 +11,7 @@ namespace sweepstake::simulation {
 namespace {
 
 using priors::PriorRecord;
-// Two records of the same place replace one another.
+// Two records of the same key and source replace one another.
 using Place = std::pair<priors::EvidenceKey, std::string>;
 
 constexpr absl::string_view kSourcePrefix = "import-";
@@ -28,7 +28,7 @@ size_t PriorFiles::Choose() {
   return static_cast<size_t>(world_.Draw(0, static_cast<int64_t>(files_.size()) - 1));
 }
 
-// A file's number is its records' sequence.
+// The number of a file is the sequence of its records.
 void PriorFiles::Make() {
   const uint64_t number = files_.size() + 1;
   std::vector<PriorRecord> records;
@@ -67,7 +67,7 @@ void PriorFiles::Check(std::span<const PriorRecord> stored,
     if (!absl::StartsWith(record.source_id, kSourcePrefix)) continue;
     const size_t file = record.source_sequence - 1;
     if (!sequences.emplace(PlaceOf(record), record.source_sequence).second)
-      complain("a record of a file is there twice");
+      complain("a record of a file is stored twice");
     if (file >= files_.size() ||
         std::find(files_[file].begin(), files_[file].end(), record) == files_[file].end()) {
       complain("the store has a record that no file has");
@@ -78,7 +78,7 @@ void PriorFiles::Check(std::span<const PriorRecord> stored,
   for (size_t file = 0; file < files_.size(); ++file) {
     for (const PriorRecord& record : files_[file]) {
       if (applied[file] && sequences[PlaceOf(record)] < record.source_sequence)
-        complain(absl::StrCat("file ", file + 1, " is there in part or has got lost"));
+        complain(absl::StrCat("file ", file + 1, " is stored in part or was lost"));
     }
   }
 }

@@ -1,6 +1,6 @@
-// Files of priors that overlap, are imported again and in another order than they were made, and
-// what the store must have of them: of each whole file that was promised everything or something
-// newer, of the others everything or nothing, and of each record one copy.
+// Overlapping files of priors, which are imported repeatedly and in any order, and what the store
+// must contain of them. A whole file whose import was acknowledged must be there completely, or
+// with newer records. Other files are there completely or not at all. Each record is there once.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,13 @@ class PriorFiles {
  public:
   explicit PriorFiles(World& world) : world_(world) {}
 
-  // Returns the index of a new file or, at times, of an earlier one.
+  // Returns the index of a new file or, sometimes, of an earlier one.
   size_t Choose();
   const std::vector<priors::PriorRecord>& records(size_t file) const { return files_[file]; }
-  // The daemon has said that the file is imported.
+  // Called when the daemon has acknowledged the import of the file.
   void MarkPromised(size_t file) { promised_[file] = true; }
 
-  // Takes all records of a store, sessions' included. `complain` is told what is wrong.
+  // Checks all records of a store, including those of sessions. Calls `complain` for each error.
   void Check(std::span<const priors::PriorRecord> stored,
              const std::function<void(const std::string&)>& complain) const;
 

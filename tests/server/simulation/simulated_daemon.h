@@ -1,6 +1,6 @@
-// The daemon's decisions, sessions, streams and store as RpcServer has them, without gRPC and
-// threads: its owner runs it after each event of the world. Its destruction is its death by
-// `kill -9`: what was under way stays undone.
+// The daemon's decisions, sessions, streams and store as in RpcServer, but without gRPC and
+// threads: its owner runs it after each event of the world. Destroying it simulates `kill -9`:
+// unfinished operations stay unfinished.
 #pragma once
 
 #include <spdlog/logger.h>
@@ -28,29 +28,29 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   SimulatedDaemon(World& world, const rpc::RpcOptions& options,
                   std::unique_ptr<priors::PriorStore> store,
                   std::unique_ptr<storage::ReadConnection> reads, watch::WatchListener& watcher);
-  // The disk must be dead, or the daemon closed.
+  // REQUIRES: the disk is dead, or the daemon is closed.
   ~SimulatedDaemon();
 
   void Accept(const std::shared_ptr<Connection>& connection, auth::Principal caller);
-  // Imports as PriorsService does. `done` is not called if the daemon dies before.
+  // Imports like PriorsService. `done` is not called if the daemon dies before.
   void Import(std::vector<priors::PriorRecord> records,
               std::function<void(const absl::Status&)> done);
-  // Runs what is ready, and asks the world for the time of what comes later.
+  // Runs what is ready, and schedules the next run with the world.
   void Run();
-  // Tells the games to come back later, as at SIGTERM.
+  // Requests the games to reconnect later, as after SIGTERM.
   void Drain();
   bool drained() const { return streams_.all.empty() && !sessions_.committing(); }
-  // Writes what is on its way to disk.
+  // Commits everything that is queued.
   void Close() { store_.Close(); }
 
-  // How long the store takes at most before it begins with a commit or a job, and with a read.
+  // Sets the maximum delay before the store starts a commit, a job or a read.
   void set_store_delay_ns(int64_t max) { max_store_delay_ns_ = max; }
   const rpc::Counters& counters() const { return counters_; }
 
  private:
-  // Runs the next of what the store has queued, after some time.
+  // Runs the next queued item of the store after some time.
   void RunLater(bool& busy, bool (storage::StoreThread::*run_next)());
-  // Ends the streams of tokens that are not valid any more, each second.
+  // Ends the streams of invalid tokens, once a second.
   void EndRefused();
 
   World& world_;
@@ -71,7 +71,8 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   int64_t max_store_delay_ns_ = 60 * kMsNs;
   bool store_busy_ = false;
   bool reads_busy_ = false;
-  int64_t wake_ns_ = sessions::Clock::kNever;  // when the world runs the daemon again at the latest
+  // the latest time at which the world runs the daemon again
+  int64_t wake_ns_ = sessions::Clock::kNever;
 };
 
 }  // namespace sweepstake::simulation

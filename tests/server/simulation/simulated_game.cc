@@ -11,7 +11,7 @@ namespace sweepstake::simulation {
 namespace {
 
 constexpr size_t kMaxUnacknowledged = 256;
-// A daemon believes so many at once, whenever it hears of them (BailOutBudget).
+// Maximum number of bail-outs of a session that count as evidence at once (BailOutBudget).
 constexpr uint64_t kMaxBailOuts = 16;
 constexpr int64_t kWelcomePatienceNs = 10 * kSecondNs;
 constexpr std::array<int64_t, 4> kArmCostNs = {8 * kMsNs, 3 * kMsNs, 5 * kMsNs, 12 * kMsNs};
@@ -91,7 +91,7 @@ void SimulatedGame::PlayFrames() {
     batch.add_frame_time_ns(
         static_cast<uint64_t>(std::max(interval_ns_ / count, 2 * detection_ns)));
     batch.add_detection_time_ns(static_cast<uint64_t>(detection_ns));
-    batch.add_aabb_check_count(next_frame_++);  // which tells the frames apart
+    batch.add_aabb_check_count(next_frame_++);  // makes the frames distinguishable
     batch.add_native_bytes(1 << 16);
     batch.add_object_count(100);
     batch.add_arm(arm_);
@@ -159,7 +159,7 @@ void SimulatedGame::SendAll() {
     v1::StreamTelemetryRequest request;
     const bool parsed =
         request.ParseFromString(protocol::Numbered(next->sequence, next->evidence.message));
-    if (!parsed) complain_("a message of evidence is none");
+    if (!parsed) complain_("a message with evidence cannot be parsed");
     if (next->sequence > session.messages.size()) session.messages.push_back(Describe(request));
     connection_->Send(request);
     state_.MarkSent();
@@ -224,7 +224,7 @@ void SimulatedGame::Check(const Posteriors& posteriors) {
     return std::isfinite(posterior.alpha()) && std::isfinite(posterior.beta()) &&
            posterior.alpha() > 0 && posterior.beta() > 0;
   });
-  if (!sane || posteriors.size() != hello_.arms_size()) complain_("a posterior is not one");
+  if (!sane || posteriors.size() != hello_.arms_size()) complain_("a posterior is invalid");
 }
 
 void SimulatedGame::OnClosed(const absl::Status& status) {
@@ -238,7 +238,7 @@ void SimulatedGame::OnClosed(const absl::Status& status) {
     if (status.ok()) session.promised_sequence = session.messages.size();
     return;
   }
-  // As DaemonSession does when the session belongs to another token than it has now.
+  // Like DaemonSession when the session belongs to another token than the current one.
   if (absl::IsPermissionDenied(status)) state_.ForgetSession();
   state_.Disconnect(absl::IsNotFound(status), absl::IsInvalidArgument(status));
   next_attempt_ns_ =

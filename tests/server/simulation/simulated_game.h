@@ -1,7 +1,7 @@
-// A game as the daemon sees it: it sends batches of frames, bail-outs and the outcomes of switches,
-// loses its connection, also when an acknowledgement is about to come or while it resumes, and
-// resumes, with the client's own protocol (SessionState). It remembers what it has sent under which
-// number, and what it was promised.
+// A game as the daemon sees it, with the client's own protocol (SessionState). It sends batches of
+// frames, bail-outs and results of switches. It loses its connection, also just before an
+// acknowledgement or while it resumes, and resumes. It records every message with its number, and
+// what was acknowledged.
 #pragma once
 
 #include <cstdint>
@@ -18,29 +18,30 @@
 
 namespace sweepstake::simulation {
 
-// A message as it was sent.
+// A sent message.
 struct SentMessage {
-  uint64_t first_frame = 0;  // 0 if it has no frames; otherwise no other message of the game has it
-  uint64_t frame_count = 0;  // of a batch
+  uint64_t first_frame = 0;  // number of its first frame, unique in the game; 0 if it has no frames
+  uint64_t frame_count = 0;  // number of frames of a batch
   uint64_t bail_out_count = 0;
 };
 
 struct SentSession {
   std::vector<SentMessage> messages;  // number 1 is the first
-  uint64_t promised_sequence = 0;     // messages up to this one are on disk, said the daemon
+  // the daemon acknowledged that messages up to this one are on disk
+  uint64_t promised_sequence = 0;
 };
 
 class SimulatedGame final : public ConnectionUser {
  public:
-  // Dials; null is never returned.
+  // Opens a connection; never returns null.
   using Network = std::function<std::shared_ptr<Connection>(ConnectionUser&)>;
 
-  // It begins at once. `complain` is told what must not happen.
+  // The game starts at once. `complain` is called for each violation.
   SimulatedGame(World& world, v1::Hello hello, Network network,
                 std::function<void(const std::string&)> complain);
   ~SimulatedGame() override;
 
-  // Makes no more frames, and says goodbye when all is sent.
+  // Makes no more frames, and says goodbye when all messages are sent.
   void Finish() { finishing_ = true; }
   bool gone() const { return gone_; }
   void BreakConnection();
@@ -51,7 +52,7 @@ class SimulatedGame final : public ConnectionUser {
   uint64_t resumed_count() const { return state_.counts().resumed_count; }
   uint64_t resent_count() const { return state_.counts().resent_message_count; }
   uint64_t lost_acknowledgement_count() const { return lost_acknowledgement_count_; }
-  // The Hello that resumes the session of the latest welcome, if there was one.
+  // The Hello that resumes the session of the latest welcome message, if there was one.
   const std::optional<v1::Hello>& resumption() const { return resumption_; }
 
   void OnResponse(const v1::StreamTelemetryResponse& response) override;
@@ -77,7 +78,7 @@ class SimulatedGame final : public ConnectionUser {
   SessionState state_;
   std::map<std::string, SentSession> sessions_;
 
-  std::shared_ptr<Connection> connection_;  // null while there is none
+  std::shared_ptr<Connection> connection_;  // null if not connected
   int64_t next_attempt_ns_ = 0;
   int64_t welcome_due_ns_ = 0;
   int64_t reconnect_delay_ns_ = 0;
@@ -85,18 +86,19 @@ class SimulatedGame final : public ConnectionUser {
   bool half_closed_ = false;
   bool finishing_ = false;
   bool gone_ = false;
-  // It believes only what it was told itself: what a welcome says is on disk, it sends again.
+  // Whether it ignores the acknowledged sequence in welcome messages, and resends those messages
+  // too.
   const bool stubborn_;
   uint64_t lost_acknowledgement_count_ = 0;
   std::optional<v1::Hello> resumption_;
 
-  int64_t interval_ns_;  // between two batches
+  int64_t interval_ns_;  // time between two batches
   uint64_t next_frame_ = 1;
   uint64_t bail_out_count_ = 0;
   uint32_t arm_ = 0;
   uint32_t switch_epoch_ = 0;
   uint64_t last_command_id_ = 0;
-  std::optional<v1::SwitchCommand> command_;  // to be answered
+  std::optional<v1::SwitchCommand> command_;  // not answered yet
 };
 
 }  // namespace sweepstake::simulation

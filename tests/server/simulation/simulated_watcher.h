@@ -1,4 +1,4 @@
-// Somebody who watches the scenes of one project, and remembers what the hub has told last.
+// A watcher of the scenes of one project, which stores what the hub published last.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ namespace sweepstake::simulation {
 
 class SimulatedWatcher final : public watch::WatchListener {
  public:
-  // `complain` is told what must not happen.
+  // `complain` is called for each violation.
   SimulatedWatcher(auth::Principal caller, std::function<void(const std::string&)> complain)
       : caller_(std::move(caller)), complain_(std::move(complain)) {
     if (!rpc::Narrow(caller_, filter_).ok()) complain_("a watcher may not watch");
@@ -38,7 +38,7 @@ class SimulatedWatcher final : public watch::WatchListener {
 
  private:
   void Check(const std::string& project) const {
-    if (!caller_.MayUse(project)) complain_("a watcher was told of another project");
+    if (!caller_.MayUse(project)) complain_("a watcher received another project");
   }
 
   const auth::Principal caller_;

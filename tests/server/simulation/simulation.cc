@@ -13,7 +13,7 @@ namespace sweepstake::simulation {
 namespace {
 
 constexpr int64_t kTroubledNs = 12 * kSecondNs;
-// By then every game has said goodbye: back-off, welcome and retries included.
+// By then every game must have said goodbye, including back-off, welcome and retries.
 constexpr int64_t kCalmNs = 120 * kSecondNs;
 
 v1::Hello MakeHello(World& world, size_t game) {
@@ -34,7 +34,7 @@ v1::Hello MakeHello(World& world, size_t game) {
   return hello;
 }
 
-// A new database takes many writes to the real disk, so that all runs begin with a copy of one.
+// Creating a database takes many writes to the real disk, so each run starts with a copy of one.
 const std::filesystem::path& NewDatabase() {
   static const test_support::TemporaryDirectory directory;
   static const bool made = storage::OpenSqlitePriorStore(directory.path() / "priors.db").ok();
@@ -76,7 +76,7 @@ std::vector<std::string> Simulation::Run() {
     return std::all_of(games_.begin(), games_.end(), [](const auto& game) { return game->gone(); });
   };
   if (!RunFor(kCalmNs, gone) && problems_.empty()) Complain("a game is stuck");
-  // What games have left behind reaches the disk and is told.
+  // The evidence that the games left reaches the disk and is published.
   RunFor(4 * kSecondNs, [] { return false; });
   for (const auto& game : games_) {
     tally_.resumed += game->resumed_count();
@@ -151,7 +151,7 @@ void Simulation::StartDaemon() {
   using Reads = absl::StatusOr<std::unique_ptr<storage::ReadConnection>>;
   Reads reads = store.ok() ? storage::OpenSqliteReadConnection(path) : Reads(store.status());
   disk_.Set({});
-  if (disk_.killed()) return;  // in the midst of its start
+  if (disk_.killed()) return;  // killed during its start
   if (!reads.ok()) {
     ++tally_.failed_starts;
     if (!troubled_ || !absl::IsUnavailable(reads.status()))
@@ -226,7 +226,7 @@ void Simulation::MakeTrouble() {
   switch (world_.Draw(0, 6)) {
     case 0:
       return disk_.Kill();
-    case 1:  // in the midst of a commit
+    case 1:  // during a commit
       return disk_.KillAfter(static_cast<uint64_t>(world_.Draw(1, 12)));
     case 2:
       return FailDisk();

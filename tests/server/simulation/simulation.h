@@ -1,9 +1,11 @@
-// A daemon on a disk that fails, with games on a network that breaks, in virtual time: one run for
-// each seed. Games have tokens, which are revoked; others try their sessions; somebody watches a
-// project; files of priors are imported; the wall clock jumps. What must hold is checked at every
-// start of the daemon and at the end: nothing that was promised is missing, nothing is counted
-// twice, nobody is shown another project, a file is imported whole or not at all, the store opens,
-// every game comes to its end, and the log's decisions can be derived again.
+// A daemon on a failing disk, with games on a failing network, in virtual time: one run per seed.
+// Games have tokens, which are revoked. Thieves try to resume the games' sessions. A watcher
+// watches a project. Files of priors are imported. The wall clock jumps.
+//
+// The invariants are checked at every start of the daemon and at the end. No acknowledged evidence
+// is missing, and none counts twice. No caller sees another project. A file is imported completely
+// or not at all. The store opens, every game finishes, and the decisions can be replayed from the
+// audit log.
 #pragma once
 
 #include <cstdint>
@@ -32,12 +34,12 @@ class Simulation {
  public:
   explicit Simulation(uint64_t seed);
 
-  // Returns what is wrong, in words; nothing if all is as promised.
+  // Returns descriptions of all violations; empty if there are none.
   std::vector<std::string> Run();
   const Tally& tally() const { return tally_; }
 
  private:
-  // Runs the world until `done` or for so long; returns whether it was done.
+  // Runs the world until `done` or for `duration_ns`; returns whether it was done.
   template <typename Done>
   bool RunFor(int64_t duration_ns, Done done);
   void AfterEvent();
@@ -46,10 +48,10 @@ class Simulation {
   void EndDaemon();
   void Kill();
   void AddGame();
-  // `token` is the caller's; without tokens it says nothing.
+  // `token` is the caller's; it is ignored if there are no tokens.
   std::shared_ptr<Connection> Dial(ConnectionUser& user, const std::string& token);
   std::optional<auth::Principal> CallerOf(const std::string& token) const;
-  // Makes a token for a game and returns its name.
+  // Creates a token for a game and returns its name.
   std::string NewToken(const std::string& project);
 
   void ScheduleTrouble();
@@ -67,7 +69,7 @@ class Simulation {
   uint64_t UnixNowS() const;
   void CheckFile();
   void CheckStore(priors::PriorStore& store);
-  // Checks what a caller for one project gets, given all scenes.
+  // Checks what a caller for one project receives, given all scenes.
   void CheckProject(priors::PriorStore& store, const std::vector<priors::SceneEvidence>& all);
   void CheckWatcher(priors::PriorStore& store);
   void CheckSession(const std::string& id, const SentSession& sent, const SimulatedGame& game,
@@ -82,14 +84,14 @@ class Simulation {
   rpc::ScriptedTokens tokens_;
   std::vector<std::unique_ptr<SimulatedGame>> games_;
   uint64_t token_count_ = 0;
-  std::vector<std::string> tokens_of_games_;  // their names, in the order of games_
+  std::vector<std::string> tokens_of_games_;  // names, in the order of games_
   std::vector<std::unique_ptr<Thief>> thieves_;
   PriorFiles files_;
   EvidenceModel model_;
   SimulatedWatcher watcher_;
   double lost_answer_ratio_ = 0;
-  int64_t unix_s_ = 1'800'000'000;           // the wall clock when the world began
-  std::shared_ptr<SimulatedDaemon> daemon_;  // null while there is none
+  int64_t unix_s_ = 1'800'000'000;           // wall-clock time at the start of the world
+  std::shared_ptr<SimulatedDaemon> daemon_;  // null while no daemon runs
   bool troubled_ = true;
   bool ended_ = false;
   bool draining_ = false;

@@ -1,4 +1,4 @@
-// What must hold of the store of a simulation.
+// The invariants of the store of a simulation.
 #include <algorithm>
 #include <cmath>
 
@@ -38,13 +38,13 @@ void Simulation::CheckProject(priors::PriorStore& store,
   if (!scenes.ok() || !records.ok()) return Complain("the scenes of a project cannot be read");
   if (std::count_if(all.begin(), all.end(), is_shown) !=
       std::count_if(scenes->begin(), scenes->end(), is_shown))
-    Complain("a caller misses scenes of its project");
+    Complain("a caller does not see all scenes of its project");
   for (const priors::SceneEvidence& scene : *scenes) {
-    if (!is_shown(scene)) Complain("a caller is shown a scene of another project");
+    if (!is_shown(scene)) Complain("a caller sees a scene of another project");
   }
   for (const priors::PriorRecord& record : records->records) {
     if (record.key.project != kProjects.front())
-      Complain("a caller is given evidence of another project");
+      Complain("a caller receives evidence of another project");
   }
 }
 
@@ -60,7 +60,7 @@ void Simulation::CheckWatcher(priors::PriorStore& store) {
              arm.live.bail_out_count == told.arms[i].live.bail_out_count &&
              arm.lane.window_count == told.arms[i].lane.window_count;
     }
-    if (!same) Complain("a watcher was told something else than the store has of " + key.scene);
+    if (!same) Complain("a watcher received different evidence than the store has of " + key.scene);
   }
 }
 
@@ -75,10 +75,10 @@ void Simulation::CheckSession(const std::string& id, const SentSession& sent,
       source->has_value() ? (*source)->progress : priors::SourceProgress{};
   if (progress.message_sequence < sent.promised_sequence) {
     Complain(absl::StrCat("session ", id, " has lost evidence: ", sent.promised_sequence,
-                          " was promised, on disk is ", progress.message_sequence));
+                          " was acknowledged, but on disk is ", progress.message_sequence));
   }
   if (progress.message_sequence > sent.messages.size()) {
-    return Complain("the store has messages that nobody has sent");
+    return Complain("the store has messages that no game has sent");
   }
   uint64_t frames = 0;
   uint64_t bail_outs = 0;

@@ -1,5 +1,5 @@
-// TEST_SEEDS and TEST_SEED say how many runs and from which seed on: TEST_SEED=7 TEST_SEEDS=1
-// repeats the run of seed 7.
+// The environment variables TEST_SEEDS and TEST_SEED set the number of runs and the first seed:
+// TEST_SEED=7 TEST_SEEDS=1 repeats the run of seed 7.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -10,12 +10,12 @@
 namespace sweepstake::simulation {
 namespace {
 
-// The seeds are shared out, so that they run beside one another.
+// The seeds are divided into parts, so that they can run in parallel.
 constexpr uint64_t kParts = 4;
 
 class SeededSimulationTest : public testing::TestWithParam<uint64_t> {};
 
-TEST_P(SeededSimulationTest, WhateverHappensNothingPromisedIsLostAndNothingCountsTwice) {
+TEST_P(SeededSimulationTest, NoAcknowledgedEvidenceIsLostOrCountedTwice) {
   const uint64_t first = test_support::FromEnvironment("TEST_SEED", 1);
   const uint64_t count = test_support::FromEnvironment("TEST_SEEDS", 1000);
   Tally tally;

@@ -11,24 +11,24 @@ namespace {
 
 constexpr std::array kCounts = {
     std::pair{"kills", &Tally::kills},
-    std::pair{"of them power cuts", &Tally::power_cuts},
+    std::pair{"power cuts among the kills", &Tally::power_cuts},
     std::pair{"failed starts", &Tally::failed_starts},
     std::pair{"drains", &Tally::drains},
     std::pair{"commits", &Tally::commits},
     std::pair{"failed commits", &Tally::failed_commits},
-    std::pair{"answers of the store lost", &Tally::lost_answers},
+    std::pair{"lost answers of the store", &Tally::lost_answers},
     std::pair{"sessions resumed", &Tally::resumed},
-    std::pair{"begun without their evidence", &Tally::degraded_starts},
-    std::pair{"acknowledgements lost", &Tally::lost_acknowledgements},
-    std::pair{"messages sent again", &Tally::resent},
-    std::pair{"of them known", &Tally::replayed},
+    std::pair{"sessions begun without stored evidence", &Tally::degraded_starts},
+    std::pair{"lost acknowledgements", &Tally::lost_acknowledgements},
+    std::pair{"resent messages", &Tally::resent},
+    std::pair{"resent messages that were already applied", &Tally::replayed},
     std::pair{"imports", &Tally::imports},
     std::pair{"tokens revoked", &Tally::revoked_tokens},
-    std::pair{"sessions stolen at", &Tally::thefts},
+    std::pair{"attempts to steal a session", &Tally::thefts},
     std::pair{"jumps of the wall clock", &Tally::clock_jumps},
     std::pair{"scenes watched to the end", &Tally::watched_scenes},
     std::pair{"decisions", &Tally::decisions},
-    std::pair{"derived again", &Tally::derived_decisions},
+    std::pair{"replayed decisions", &Tally::derived_decisions},
 };
 
 }  // namespace

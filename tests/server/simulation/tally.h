@@ -1,4 +1,4 @@
-// Counts of what the runs of the simulation went through. A plain value.
+// Counts of events in the runs of the simulation. A plain value.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace sweepstake::simulation {
 
-// How often something happened, so that a test can tell that it does.
+// How often each event happened, so that a test can check that every event occurs.
 struct Tally {
   uint64_t kills = 0;
   uint64_t power_cuts = 0;
@@ -30,7 +30,7 @@ struct Tally {
 
   Tally& operator+=(const Tally& other);
   std::string Text() const;
-  // Returns what has not happened at all, in words.
+  // Returns the names of the events that never happened.
   std::string NeverHappened() const;
 };
 

@@ -1,4 +1,5 @@
-// Somebody who knows a session's id, and perhaps its resume token too, and asks for the session.
+// An attacker who has a session's id, and perhaps its resume token too, and tries to resume the
+// session.
 #pragma once
 
 #include <functional>
@@ -14,8 +15,8 @@ class Thief final : public ConnectionUser {
  public:
   using Network = std::function<std::shared_ptr<Connection>(ConnectionUser&)>;
 
-  // `stolen` names the session. Without its resume token a new session is all there is to be had;
-  // with it, nothing: the thief's access token is another one than the session's.
+  // `stolen` names the session. Without its resume token the thief gets a new session. With it the
+  // thief is refused, because its access token is not the session's.
   Thief(const v1::Hello& stolen, const Network& network,
         std::function<void(const std::string&)> complain)
       : session_id_(stolen.session_id()),
@@ -35,7 +36,7 @@ class Thief final : public ConnectionUser {
   void OnResponse(const v1::StreamTelemetryResponse& response) override {
     if (!response.has_welcome()) return;
     const v1::Welcome& welcome = response.welcome();
-    if (knows_secret_) complain_("a session of another token was resumed, or begun anew");
+    if (knows_secret_) complain_("a session of another token was resumed or restarted");
     if (welcome.resumed() || welcome.session_id() == session_id_)
       complain_("a session was resumed without its token");
     connection_->Break();
@@ -46,7 +47,7 @@ class Thief final : public ConnectionUser {
   const std::string session_id_;
   const bool knows_secret_;
   const std::function<void(const std::string&)> complain_;
-  std::shared_ptr<Connection> connection_;  // null while there is none
+  std::shared_ptr<Connection> connection_;  // null if not connected
 };
 
 }  // namespace sweepstake::simulation

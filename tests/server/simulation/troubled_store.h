@@ -1,5 +1,5 @@
-// A store whose answers are lost at times, although the disk has what was asked for, and whose wall
-// clock is the simulation's. Whatever becomes of its answers, the model learns of each commit.
+// A store whose answers are sometimes lost although the disk has the change, and whose wall clock
+// is the simulation's. The model receives every commit, whether its answer is lost or not.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,8 @@ namespace sweepstake::simulation {
 class TroubledStore final : public storage::ForwardingStore {
  public:
   struct Troubles {
-    std::function<bool()> loses_answer;  // of a commit or import that has succeeded
+    // whether to lose the answer of a successful commit or import
+    std::function<bool()> loses_answer;
     std::function<uint64_t()> unix_now_s;
   };
 

@@ -1,5 +1,5 @@
-// Virtual time: what happens next, when it is then, and the dice. A run has one thread, and is the
-// same for the same seed.
+// Virtual time, the queue of events, and the random numbers. A run has one thread, and is the same
+// for the same seed.
 #pragma once
 
 #include <cstdint>
@@ -20,22 +20,22 @@ class World final : public sessions::Clock {
   explicit World(uint64_t seed) : random_(seed) {}
 
   int64_t NowNs() const override { return now_ns_; }
-  // The daemon's loop is run by its owner and waits for nothing.
+  // The owner runs the daemon's loop, so it never waits.
   void WaitUntil(int64_t /*deadline_ns*/) override {}
   void Wake() override {}
 
   void After(int64_t delay_ns, std::function<void()> event) {
     events_.emplace(now_ns_ + delay_ns, std::move(event));
   }
-  // Goes to the next event, the earliest and of those the first in the queue, and runs it.
-  // REQUIRES: there is one.
+  // Advances to the earliest event, and runs it. Events of the same time run in the order of
+  // queueing. REQUIRES: there is an event.
   void RunNext() {
     auto next = events_.extract(events_.begin());
     now_ns_ = next.key();
     next.mapped()();
   }
 
-  // These draw evenly.
+  // These draw from a uniform distribution.
   int64_t Draw(int64_t min, int64_t max) {
     return min + static_cast<int64_t>(random_() % static_cast<uint64_t>(max - min + 1));
   }

@@ -1,5 +1,4 @@
-// What every prior store must do with audit rows. Whoever includes prior_store_conformance.h
-// includes it, too.
+// Tests of audit rows for every prior store. Included together with prior_store_conformance.h.
 #pragma once
 
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace sweepstake::storage {
 
-// Rows "segment/number", from `first` on.
+// Returns `count` rows "segment/number", starting with `first`.
 inline priors::AuditRows Rows(uint32_t segment, uint64_t first, uint64_t count,
                               const std::string& scene = "harbour") {
   priors::AuditRows rows{.segment = segment,
@@ -25,7 +24,7 @@ inline priors::AuditRows Rows(uint32_t segment, uint64_t first, uint64_t count,
 
 class AuditConformance : public PriorStoreConformance {
  protected:
-  // The session's next commit, with rows of its audit log and nothing else.
+  // Makes the session's next commit, with audit rows only.
   absl::Status Append(const std::string& session, const priors::AuditRows& rows,
                       uint64_t unix_time_s = 0) {
     SourceUpdate update = Update(session, ++commit_count_, {});
@@ -36,7 +35,7 @@ class AuditConformance : public PriorStoreConformance {
   std::vector<priors::AuditSegment> Segments(const priors::AuditFilter& filter = {}) {
     return *store_->ListAudit(filter, 0, 1000);
   }
-  // Rows of the session's segment; empty: there is no such segment.
+  // Returns the rows of the session's segment; empty if there is no such segment.
   std::vector<std::string> Stored(const std::string& session, uint32_t segment = 1) {
     for (const auto& each : Segments({session, "", ""})) {
       if (each.segment == segment) return Texts(*store_->LoadAudit(each.id, 1, 1000, 1 << 20));
@@ -52,7 +51,7 @@ class AuditConformance : public PriorStoreConformance {
   uint64_t commit_count_ = 0;
 };
 
-TEST_P(AuditConformance, RowsAreThereInTheirOrderWithWhereTheyComeFrom) {
+TEST_P(AuditConformance, RowsAreStoredInOrderWithTheirOrigin) {
   ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
   ASSERT_TRUE(Append("a", Rows(1, 3, 1)).ok());
   EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2", "1/3"}));
@@ -67,7 +66,7 @@ TEST_P(AuditConformance, RowsAreThereInTheirOrderWithWhereTheyComeFrom) {
   EXPECT_EQ(segments[0].lost_row_count, 0u);
 }
 
-TEST_P(AuditConformance, RowsGoWithTheirCommitOnce) {
+TEST_P(AuditConformance, RowsAreStoredOnceWithTheirCommit) {
   SourceUpdate update = Update("a", 1, {Key("Grid")});
   update.audit = Rows(1, 1, 2);
   ASSERT_TRUE(Commit({update}).ok());
@@ -76,21 +75,21 @@ TEST_P(AuditConformance, RowsGoWithTheirCommitOnce) {
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence.window_count, 1u);
 }
 
-TEST_P(AuditConformance, ACommitThatFailsKeepsNoRows) {
+TEST_P(AuditConformance, AFailedCommitStoresNoRows) {
   SourceUpdate good = Update("a", 1, {});
   good.audit = Rows(1, 1, 2);
   EXPECT_FALSE(Commit({good, Update("", 1, {})}).ok());
   EXPECT_TRUE(Segments().empty());
 }
 
-TEST_P(AuditConformance, RowsThatAreStoredAlreadyAreIgnored) {
+TEST_P(AuditConformance, RowsThatAreAlreadyStoredAreIgnored) {
   ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
   ASSERT_TRUE(Append("a", Rows(1, 1, 3)).ok());
   EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2", "1/3"}));
   EXPECT_EQ(store_->lost_audit_row_count(), 0u);
 }
 
-TEST_P(AuditConformance, ASegmentGoesOnAfterRowsThatCouldNotBeWritten) {
+TEST_P(AuditConformance, ASegmentContinuesAfterLostRows) {
   ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
   ASSERT_TRUE(Append("a", Rows(1, 6, 1)).ok());
   EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2", "1/6"}));
@@ -101,7 +100,7 @@ TEST_P(AuditConformance, ASegmentGoesOnAfterRowsThatCouldNotBeWritten) {
   EXPECT_EQ(store_->LoadAudit(segments[0].id, 3, 9, 99)->at(0).number, 6u);
 }
 
-TEST_P(AuditConformance, ASegmentAfterTheOtherIsKnownToWhoResumes) {
+TEST_P(AuditConformance, LoadSourceReturnsTheLatestSegmentOfASession) {
   ASSERT_TRUE(Append("a", {}).ok());
   EXPECT_EQ((*store_->LoadSource("a"))->audit_segment, 0u);
   ASSERT_TRUE(Append("a", Rows(1, 1, 1)).ok());
@@ -111,7 +110,7 @@ TEST_P(AuditConformance, ASegmentAfterTheOtherIsKnownToWhoResumes) {
   EXPECT_EQ(Stored("a", 2).size(), 2u);
 }
 
-TEST_P(AuditConformance, BeyondItsBytesTheLogLosesItsOldestRowsAndLiveSessionsGoOn) {
+TEST_P(AuditConformance, AboveItsSizeLimitTheLogLosesItsOldestRows) {
   static_assert(kConformanceAuditLimits.bytes == 64);
   ASSERT_TRUE(Append("a", Rows(1, 1, 9)).ok());
   ASSERT_TRUE(Append("b", Rows(1, 1, 6)).ok());
@@ -124,7 +123,7 @@ TEST_P(AuditConformance, BeyondItsBytesTheLogLosesItsOldestRowsAndLiveSessionsGo
   ASSERT_TRUE(Append("a", Rows(1, 10, 5)).ok());
   EXPECT_EQ(Stored("a", 1).front(), "1/10");
   ASSERT_TRUE(Append("b", Rows(1, 8, 5)).ok());
-  EXPECT_EQ(Stored("b").front(), "1/7") << "its oldest rows were the oldest of all";
+  EXPECT_EQ(Stored("b").front(), "1/7") << "the oldest rows of all sessions were removed";
   EXPECT_EQ(Stored("b").size(), 6u);
   const auto segments = Segments({"b", "", ""});
   ASSERT_EQ(segments.size(), 1u);
@@ -133,7 +132,7 @@ TEST_P(AuditConformance, BeyondItsBytesTheLogLosesItsOldestRowsAndLiveSessionsGo
   EXPECT_EQ(store_->lost_audit_row_count(), 0u);
 }
 
-TEST_P(AuditConformance, RowsThatAreTooOldGoWhileTheirSessionLives) {
+TEST_P(AuditConformance, RowsAboveTheAgeLimitAreRemovedWhileTheirSessionLives) {
   static_assert(kConformanceAuditLimits.age_s == 3200);
   ASSERT_TRUE(Append("a", Rows(1, 1, 1), 10'000).ok());
   ASSERT_TRUE(Append("b", Rows(1, 1, 1), 10'050).ok());
@@ -147,7 +146,7 @@ TEST_P(AuditConformance, RowsThatAreTooOldGoWhileTheirSessionLives) {
   EXPECT_EQ(Stored("a").size(), 4u);
 }
 
-TEST_P(AuditConformance, WhatAdministratorsDidStaysWhateverGamesLogAndHowLong) {
+TEST_P(AuditConformance, RowsOfAdministratorsAreNotDisplacedByGamesOrAge) {
   const std::string admin(decision::kAdminSession);
   ASSERT_TRUE(Append("a", Rows(1, 1, 1), 10'000).ok());
   ASSERT_TRUE(Append(admin, Rows(1, 1, 3), 10'000).ok());
@@ -158,7 +157,7 @@ TEST_P(AuditConformance, WhatAdministratorsDidStaysWhateverGamesLogAndHowLong) {
   EXPECT_EQ(store_->lost_audit_row_count(), 0u);
 }
 
-TEST_P(AuditConformance, OfWhatAdministratorsDidTheLatestIsKept) {
+TEST_P(AuditConformance, OnlyTheLatestRowsOfAdministratorsAreKept) {
   static_assert(kConformanceAuditLimits.admin_row_count == 5);
   const std::string admin(decision::kAdminSession);
   ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
@@ -169,10 +168,10 @@ TEST_P(AuditConformance, OfWhatAdministratorsDidTheLatestIsKept) {
   ASSERT_TRUE(Append(admin, Rows(2, 5, 2)).ok());
   EXPECT_TRUE(Stored(admin, 1).empty());
   EXPECT_EQ(Stored(admin, 2), (std::vector<std::string>{"2/2", "2/3", "2/4", "2/5", "2/6"}));
-  EXPECT_EQ(Stored("a").size(), 2u) << "whose rows are older";
+  EXPECT_EQ(Stored("a").size(), 2u) << "administrators' rows do not displace rows of games";
 }
 
-TEST_P(AuditConformance, ARowLargerThanTheWholeLogIsNotKept) {
+TEST_P(AuditConformance, ARowLargerThanTheWholeLogIsNotStored) {
   priors::AuditRows rows = Rows(1, 1, 1);
   rows.rows[0].text.assign(kConformanceAuditLimits.bytes + 1, 'x');
   ASSERT_TRUE(Append("a", rows).ok());
@@ -181,7 +180,7 @@ TEST_P(AuditConformance, ARowLargerThanTheWholeLogIsNotKept) {
   EXPECT_EQ(Stored("a").size(), 1u);
 }
 
-TEST_P(AuditConformance, RowsThatAreTooLongOrEmptyAreCountedAndCostNothingElse) {
+TEST_P(AuditConformance, TooLongOrEmptyRowsAreCountedAsLostAndOthersAreStored) {
   priors::AuditRows rows = Rows(1, 1, 3);
   rows.rows[1].text.assign(priors::kMaxAuditRowBytes + 1, 'x');
   SourceUpdate update = Update("a", 1, {Key("Grid")});

@@ -1,4 +1,4 @@
-// Backups that the daemon makes by itself, and the start with one of them.
+// Backups that the daemon makes automatically, and the start from one of them.
 #include "server/storage/backup/automatic_backup.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ namespace {
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
 
-// What names a folder gets (+) and loses (-), in their order.
+// Records the names that a folder gets (+) and loses (-), in order.
 class FolderEvents {
  public:
   explicit FolderEvents(const std::filesystem::path& folder)
@@ -94,7 +94,7 @@ class AutomaticBackupTest : public ::testing::Test {
   std::filesystem::path path_ = directory_.path() / "priors.db";
 };
 
-TEST_F(AutomaticBackupTest, ADamagedFileIsKeptAndTheLastWholeBackupIsOpenedInItsPlace) {
+TEST_F(AutomaticBackupTest, ADamagedFileIsKeptAndReplacedByTheLastIntactBackup) {
   Commit(1);
   BackUp("20260101T000000Z");
   Commit(2);
@@ -116,12 +116,12 @@ TEST_F(AutomaticBackupTest, ADamagedFileIsKeptAndTheLastWholeBackupIsOpenedInIts
     opened->reads->End();
     return commit;
   };
-  EXPECT_EQ(read(), 2u) << "reads are of the file that was put there";
+  EXPECT_EQ(read(), 2u) << "reads use the restored file";
   EXPECT_TRUE(opened->store->Commit(std::vector{Update("a", 3, {Key("Grid")})}).ok());
   EXPECT_EQ(read(), 3u);
 }
 
-TEST_F(AutomaticBackupTest, TheDamagedFileIsKeptAsItWasBeforeTheBackupTakesItsPlace) {
+TEST_F(AutomaticBackupTest, TheDamagedFileIsKeptUnchangedBeforeTheBackupReplacesIt) {
   Commit(1);
   BackUp("20260101T000000Z");
   Damage(path_);
@@ -135,7 +135,7 @@ TEST_F(AutomaticBackupTest, TheDamagedFileIsKeptAsItWasBeforeTheBackupTakesItsPl
   });
   const auto published = std::find(names.begin(), names.end(), "+priors.db");
   ASSERT_NE(published, names.end());
-  EXPECT_LT(kept, published) << "a crash in between must not lose it";
+  EXPECT_LT(kept, published) << "a crash in between must not lose the damaged file";
   EXPECT_THAT(names, ::testing::Not(::testing::Contains("-priors.db")));
   EXPECT_EQ(test_support::FileText(directory_.path() / kept->substr(1)), damaged);
 }
@@ -149,7 +149,7 @@ TEST_F(AutomaticBackupTest, WithoutHardLinksTheDamagedFileIsKeptAsACopy) {
     const auto store = OpenStoreOrBackup(path_);
     return store.ok() && CommitOf(*store->store) == 1;
   });
-  if (!opened) GTEST_SKIP() << "links cannot be taken away here";
+  if (!opened) GTEST_SKIP() << "this kernel cannot disable hard links for a process";
   EXPECT_TRUE(*opened);
   EXPECT_EQ(CountFiles(".quarantined"), 0u);
   size_t kept = 0;
@@ -159,7 +159,7 @@ TEST_F(AutomaticBackupTest, WithoutHardLinksTheDamagedFileIsKeptAsACopy) {
   EXPECT_EQ(kept, 1u);
 }
 
-TEST_F(AutomaticBackupTest, AnEmptyFileAndOneThatIsNoDatabaseAreReplacedToo) {
+TEST_F(AutomaticBackupTest, AnEmptyFileAndANonDatabaseAreReplacedToo) {
   Commit(1);
   BackUp("20260101T000000Z");
   for (const size_t size : {0, 9'999}) {
@@ -171,7 +171,7 @@ TEST_F(AutomaticBackupTest, AnEmptyFileAndOneThatIsNoDatabaseAreReplacedToo) {
   }
 }
 
-TEST_F(AutomaticBackupTest, WithoutAWholeBackupNothingIsChanged) {
+TEST_F(AutomaticBackupTest, WithoutAnIntactBackupNothingIsChanged) {
   Commit(1);
   BackUp("20260101T000000Z");
   Damage(path_.string() + ".backup-20260101T000000Z");
@@ -183,7 +183,7 @@ TEST_F(AutomaticBackupTest, WithoutAWholeBackupNothingIsChanged) {
   EXPECT_EQ(CountFiles("restored"), 0u);
 }
 
-TEST_F(AutomaticBackupTest, AFileThatIsMissingOrAnothersIsLeftAlone) {
+TEST_F(AutomaticBackupTest, AMissingOrForeignFileIsNotReplaced) {
   Commit(1);
   BackUp("20260101T000000Z");
   std::filesystem::remove(path_);
@@ -197,7 +197,7 @@ TEST_F(AutomaticBackupTest, AFileThatIsMissingOrAnothersIsLeftAlone) {
   EXPECT_EQ(CountFiles("quarantine"), 0u);
 }
 
-// The advice for a file that is lost, empty, damaged or of another program is followed.
+// Follows the advice for a file that is lost, empty, damaged or of another program.
 class LostStoreTest : public AutomaticBackupTest, public ::testing::WithParamInterface<int> {
  protected:
   void Lose() {
@@ -214,7 +214,7 @@ class LostStoreTest : public AutomaticBackupTest, public ::testing::WithParamInt
   }
 };
 
-TEST_P(LostStoreTest, TheAdviceLeadsToABackupOrToABeginning) {
+TEST_P(LostStoreTest, TheAdviceLeadsToARestoredOrANewStore) {
   Commit(1);
   const auto copy = directory_.path() / "copy.db";
   ASSERT_TRUE(BackUpStore(directory_.path(), copy).ok());
@@ -242,7 +242,7 @@ TEST_P(LostStoreTest, TheAdviceLeadsToABackupOrToABeginning) {
 
 INSTANTIATE_TEST_SUITE_P(Losses, LostStoreTest, ::testing::Range(0, 4));
 
-TEST_F(AutomaticBackupTest, RowsThatAreNotWhatWasWrittenAreTold) {
+TEST_F(AutomaticBackupTest, ReportsRowsWithWrongHashes) {
   Commit(1);
   EXPECT_EQ(OpenStoreOrBackup(path_)->damage, "");
   ASSERT_TRUE(SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting)
@@ -254,7 +254,7 @@ TEST_F(AutomaticBackupTest, RowsThatAreNotWhatWasWrittenAreTold) {
   EXPECT_THAT(opened->damage, HasSubstr("restore a backup"));
 }
 
-TEST_F(AutomaticBackupTest, ABackupIsMadeWhileTheStoreIsInUseAndTheOldestGo) {
+TEST_F(AutomaticBackupTest, BacksUpAStoreInUseAndRemovesTheOldestBackups) {
   const auto store = *OpenSqlitePriorStore(path_);
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
   for (const char* time : {"20260101T000000Z", "20260102T000000Z", "20260103T000000Z"})
@@ -262,7 +262,7 @@ TEST_F(AutomaticBackupTest, ABackupIsMadeWhileTheStoreIsInUseAndTheOldestGo) {
   const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(48);
   std::filesystem::last_write_time(path_.string() + ".backup-20260103T000000Z", long_ago);
   for (const char* end : {".new", ".new-journal"})
-    std::ofstream(path_.string() + ".backup-20260104T000000Z" + end) << "of a killed daemon";
+    std::ofstream(path_.string() + ".backup-20260104T000000Z" + end) << "left by a killed daemon";
   std::promise<absl::StatusOr<MadeBackup>> made;
   {
     AutomaticBackups backups(path_, {.interval = std::chrono::hours(24), .count = 2},
@@ -277,7 +277,7 @@ TEST_F(AutomaticBackupTest, ABackupIsMadeWhileTheStoreIsInUseAndTheOldestGo) {
   EXPECT_GT(*LastBackupTime(path_), long_ago);
 }
 
-TEST_F(AutomaticBackupTest, OfAnotherFileThatWasPutInItsPlaceThereIsNone) {
+TEST_F(AutomaticBackupTest, AFileThatReplacedTheStoreIsNotBackedUp) {
   Commit(1);
   std::promise<absl::StatusOr<MadeBackup>> made;
   {
@@ -292,7 +292,7 @@ TEST_F(AutomaticBackupTest, OfAnotherFileThatWasPutInItsPlaceThereIsNone) {
   EXPECT_EQ(CountFiles("backup"), 0u);
 }
 
-TEST_F(AutomaticBackupTest, ABackupThatCannotBeMadeIsToldAndLeavesNothing) {
+TEST_F(AutomaticBackupTest, AFailedBackupIsReportedAndLeavesNoFile) {
   std::promise<absl::StatusOr<MadeBackup>> made;
   {
     std::atomic<bool> told = false;
@@ -304,7 +304,7 @@ TEST_F(AutomaticBackupTest, ABackupThatCannotBeMadeIsToldAndLeavesNothing) {
   EXPECT_EQ(CountFiles("backup"), 0u);
 }
 
-TEST_F(AutomaticBackupTest, ACopyEndsWhenItIsTold) {
+TEST_F(AutomaticBackupTest, ACopyCanBeCancelled) {
   Commit(1);
   const std::atomic<bool> stop = true;
   const auto file = directory_.path() / "copy.db";

@@ -1,4 +1,4 @@
-// Backups of a database with rows that are not what was written: they are whole without those.
+// Backups of a database with damaged rows: they are intact, without those rows.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ class DamagedBackupTest : public ::testing::Test {
                                          Update("b", 1, {Key("Grid"), Key("Grid", "desert")})})
                     .ok());
   }
-  // Changes rows as a disk does, which knows of no hash.
+  // Changes rows without updating their hashes, as disk damage does.
   void Damage(const std::string& change) { Execute(path_, "UPDATE " + change); }
   static void Execute(const std::filesystem::path& path, const std::string& sql) {
     auto file = *SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
@@ -64,7 +64,7 @@ class DamagedBackupTest : public ::testing::Test {
   std::unique_ptr<PriorStore> store_;
 };
 
-TEST_F(DamagedBackupTest, WrongEvidenceIsLeftOutAndTheRestIsThere) {
+TEST_F(DamagedBackupTest, DamagedEvidenceIsOmittedAndTheRestIsKept) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
   const auto store = RestoredBackup(1);
   const KeySum grid = SumOf(*store, Key("Grid"));
@@ -72,13 +72,14 @@ TEST_F(DamagedBackupTest, WrongEvidenceIsLeftOutAndTheRestIsThere) {
   EXPECT_EQ(grid.evidence.window_count, 1u);
   EXPECT_EQ(grid.source_count, 1u);
   EXPECT_EQ(SumOf(*store, Key("SAP")).source_count, 1u);
-  EXPECT_EQ(SourceCountOf(*store, "harbour"), 2u) << "the session has taught another arm, too";
+  EXPECT_EQ(SourceCountOf(*store, "harbour"), 2u)
+      << "the session has evidence about another arm too";
   EXPECT_FALSE((*store->LoadSource("a"))->evidence.empty());
   EXPECT_TRUE(store->Commit(std::vector{Update("a", 2, {Key("Grid")})}).ok());
   EXPECT_EQ(SumOf(*store, Key("Grid")).source_count, 2u);
 }
 
-TEST_F(DamagedBackupTest, ASceneThatASessionTaughtNothingElseHasOneSourceLess) {
+TEST_F(DamagedBackupTest, ASceneLosesASourceWhoseOnlyEvidenceIsDamaged) {
   Damage("evidence SET hash = hash + 1 WHERE key_id = 3");
   const auto store = RestoredBackup(1);
   EXPECT_EQ(SumOf(*store, Key("Grid", "desert")).source_count, 0u);
@@ -87,7 +88,7 @@ TEST_F(DamagedBackupTest, ASceneThatASessionTaughtNothingElseHasOneSourceLess) {
   EXPECT_EQ(BackUpStore(other_, directory_.path() / "next.db")->scene_count, 1);
 }
 
-TEST_F(DamagedBackupTest, AWrongSourceIsLeftOutWithAllItsEvidence) {
+TEST_F(DamagedBackupTest, ADamagedSourceIsOmittedWithAllItsEvidence) {
   Damage("source SET message_sequence = 1000000 WHERE name = 'b'");
   const auto store = RestoredBackup(1);
   EXPECT_EQ(*store->LoadSource("b"), std::nullopt);
@@ -96,7 +97,7 @@ TEST_F(DamagedBackupTest, AWrongSourceIsLeftOutWithAllItsEvidence) {
   EXPECT_EQ(store->Export({}, {}, 9)->records.size(), 2u);
 }
 
-TEST_F(DamagedBackupTest, WrongSumsAndCountsAreMadeAnewAndNothingIsLost) {
+TEST_F(DamagedBackupTest, DamagedSumsAndCountsAreRecomputedAndNothingIsLost) {
   const KeySum before = SumOf(*store_, Key("Grid"));
   Damage("evidence_key SET alpha_sum = 1000 WHERE id = 1");
   Damage("evidence_key SET hash = 7 WHERE id = 2");
@@ -107,7 +108,7 @@ TEST_F(DamagedBackupTest, WrongSumsAndCountsAreMadeAnewAndNothingIsLost) {
   EXPECT_EQ(store->Export({}, {}, 9)->records.size(), 4u);
 }
 
-TEST_F(DamagedBackupTest, TheDatabaseItselfStaysAsItIs) {
+TEST_F(DamagedBackupTest, TheDatabaseItselfIsNotChanged) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
   RestoredBackup(1);
   auto live = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
@@ -115,13 +116,13 @@ TEST_F(DamagedBackupTest, TheDatabaseItselfStaysAsItIs) {
   EXPECT_EQ(*live.QueryInteger("SELECT count(*) FROM evidence"), 4);
 }
 
-TEST_F(DamagedBackupTest, OtherFaultsAreNotHiddenByIt) {
+TEST_F(DamagedBackupTest, OtherFaultsAreStillReported) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
   Damage("scene_source SET scene_id = 3 - scene_id WHERE source_id = 1");
   EXPECT_TRUE(absl::IsDataLoss(BackUpStore(data_, file_).status()));
 }
 
-TEST_F(DamagedBackupTest, TheDaemonKeepsItsOwnAndSaysHowManyRowsItIsWithout) {
+TEST_F(DamagedBackupTest, TheDaemonMakesBackupsAndReportsHowManyRowsTheyLack) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
   std::promise<absl::StatusOr<MadeBackup>> made;
   {
@@ -132,7 +133,7 @@ TEST_F(DamagedBackupTest, TheDaemonKeepsItsOwnAndSaysHowManyRowsItIsWithout) {
     EXPECT_EQ(backup->damaged_row_count, 1);
     EXPECT_EQ(VerifyStore(backup->file)->record_count, 3);
   }
-  // The disk takes the rest of the file.
+  // The rest of the file is lost.
   store_.reset();
   std::filesystem::resize_file(path_, 5'000);
   const auto opened = OpenStoreOrBackup(path_);
@@ -141,7 +142,7 @@ TEST_F(DamagedBackupTest, TheDaemonKeepsItsOwnAndSaysHowManyRowsItIsWithout) {
   EXPECT_EQ(SumOf(*opened->store, Key("Grid")).source_count, 1u);
 }
 
-TEST_F(DamagedBackupTest, WhatIsSavedOfAMisplacedOneCanBeRestoredThoughARowIsWrong) {
+TEST_F(DamagedBackupTest, ASavedMisplacedStoreWithADamagedRowCanBeRestored) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
   std::filesystem::rename(path_, data_ / "moved");
   const auto saved = SaveMisplacedStore(*store_, path_);

@@ -1,4 +1,4 @@
-// Rows that were changed on the disk: they are found, and are no evidence.
+// Rows that were changed on the disk: they are detected, and do not count as evidence.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ class DamagedRowsTest : public ::testing::Test {
                                          Update("b", 1, {Key("Grid"), Key("Grid", "desert")})})
                     .ok());
   }
-  // Changes rows as a disk does, which knows of no hash.
+  // Changes rows without updating their hashes, as disk damage does.
   void Damage(const std::string& change) {
     const absl::Status status = Raw().Execute("UPDATE " + change);
     ASSERT_TRUE(status.ok()) << status;
@@ -47,7 +47,7 @@ class DamagedRowsTest : public ::testing::Test {
   std::unique_ptr<PriorStore> store_;
 };
 
-TEST_F(DamagedRowsTest, EveryWriteOfTheStoreKeepsTheHashesRight) {
+TEST_F(DamagedRowsTest, EveryWriteOfTheStoreKeepsTheHashesCorrect) {
   ASSERT_TRUE(store_->Commit(std::vector{Update("a", 2, {Key("Grid"), Key("DBVT")})}).ok());
   ASSERT_TRUE(store_
                   ->Import(std::vector{Record("i", 1, Key("Grid"), 4.0),
@@ -69,7 +69,7 @@ TEST_F(DamagedRowsTest, EveryWriteOfTheStoreKeepsTheHashesRight) {
   EXPECT_TRUE(VerifyStore(path_).ok()) << VerifyStore(path_).status();
 }
 
-TEST_F(DamagedRowsTest, ASceneWithAWrongRowHasNoPriorsAndTheOthersHaveTheirs) {
+TEST_F(DamagedRowsTest, ASceneWithADamagedRowHasNoPriorsAndOthersHaveTheirs) {
   for (const char* change : {"evidence_key SET alpha_sum = alpha_sum + 1 WHERE arm = 'SAP'",
                              "evidence_key SET window_sum = 9 WHERE arm = 'SAP'",
                              "scene SET source_count = 7 WHERE scene = 'harbour'"}) {
@@ -93,7 +93,7 @@ TEST_F(DamagedRowsTest, ASceneWithAWrongRowHasNoPriorsAndTheOthersHaveTheirs) {
   }
 }
 
-TEST_F(DamagedRowsTest, ASourceWithAWrongRowIsNotResumed) {
+TEST_F(DamagedRowsTest, ASourceWithADamagedRowIsNotResumed) {
   Damage("source SET message_sequence = 1000000 WHERE name = 'a'");
   EXPECT_TRUE(absl::IsDataLoss(store_->LoadSource("a").status()));
   EXPECT_TRUE(store_->LoadSource("b").ok());
@@ -101,7 +101,7 @@ TEST_F(DamagedRowsTest, ASourceWithAWrongRowIsNotResumed) {
   EXPECT_TRUE(absl::IsDataLoss(store_->LoadSource("b").status()));
 }
 
-TEST_F(DamagedRowsTest, NewEvidenceIsTakenAndDoesNotMakeAWrongRowRight) {
+TEST_F(DamagedRowsTest, NewEvidenceIsAcceptedAndDoesNotHideADamagedRow) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1");
   Damage("evidence_key SET alpha_sum = 1000 WHERE arm = 'Grid'");
   Damage("scene SET source_count = 7 WHERE scene = 'harbour'");
@@ -116,7 +116,7 @@ TEST_F(DamagedRowsTest, NewEvidenceIsTakenAndDoesNotMakeAWrongRowRight) {
   EXPECT_TRUE(absl::IsDataLoss(LoadHarbour()));
 }
 
-TEST_F(DamagedRowsTest, SumsThatAreAddedAnewLeaveWrongEvidenceOut) {
+TEST_F(DamagedRowsTest, RecomputedSumsOmitDamagedEvidence) {
   Damage("evidence SET alpha = 1000 WHERE source_id = 1");
   ASSERT_TRUE(store_->Import(std::vector{Record("i", 1, Key("Grid"), 4.0)}).ok());
   const auto sums = LoadSums(*store_, {Key("Grid")});
@@ -125,7 +125,7 @@ TEST_F(DamagedRowsTest, SumsThatAreAddedAnewLeaveWrongEvidenceOut) {
   EXPECT_EQ(sums->sums[0].source_count, 2u);
 }
 
-TEST_F(DamagedRowsTest, WhatWaitsAndIsWrongIsNotPromoted) {
+TEST_F(DamagedRowsTest, DamagedRecordsInQuarantineAreNotPromoted) {
   ASSERT_TRUE(store_
                   ->Quarantine(std::vector{Record("i", 1, Key("Grid", "quay"), 4.0),
                                            Record("j", 1, Key("Grid"), 1.0)},
@@ -143,7 +143,7 @@ TEST_F(DamagedRowsTest, WhatWaitsAndIsWrongIsNotPromoted) {
   EXPECT_EQ(kept->damaged_row_count, 1);
 }
 
-TEST_F(DamagedRowsTest, AnIndexThatDoesNotHaveItsRowsIsFoundAtTheStart) {
+TEST_F(DamagedRowsTest, AnIndexThatLacksRowsIsDetectedAtTheStart) {
   store_.reset();
   ASSERT_TRUE(Raw()
                   .Execute("PRAGMA writable_schema = ON;"
@@ -154,7 +154,7 @@ TEST_F(DamagedRowsTest, AnIndexThatDoesNotHaveItsRowsIsFoundAtTheStart) {
   EXPECT_TRUE(absl::IsDataLoss(status)) << status;
 }
 
-TEST_F(DamagedRowsTest, ABitThatSqliteDoesNotMissIsFoundInTheFile) {
+TEST_F(DamagedRowsTest, AChangedBitThatSqliteDoesNotDetectIsDetected) {
   constexpr double kAlpha = 123 + 478'987 / 0x1p20;  // in whole units, as stores keep it
   ASSERT_TRUE(store_->Import(std::vector{Record("i", 1, Key("Grid", "canyon"), kAlpha)}).ok());
   store_.reset();
@@ -165,7 +165,7 @@ TEST_F(DamagedRowsTest, ABitThatSqliteDoesNotMissIsFoundInTheFile) {
   }
   std::string bytes(sizeof(kAlpha), '\0');
   std::memcpy(bytes.data(), &kAlpha, sizeof(kAlpha));
-  std::reverse(bytes.begin(), bytes.end());  // SQLite's files have the highest byte first
+  std::reverse(bytes.begin(), bytes.end());  // SQLite files are big-endian
   const size_t place = content.find(bytes);
   ASSERT_NE(place, std::string::npos);
   content[place + 3] ^= 0x10;

@@ -1,4 +1,4 @@
-// Evidence to test stores with.
+// Sample evidence for tests of stores.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ inline EvidenceKey Key(const std::string& arm, const std::string& scene = "harbo
           .reward_version = 1};
 }
 
-// The n-th commit of a source, with one window's evidence about each of the keys.
+// Returns the n-th commit of a source, with one window's evidence about each of the keys.
 inline SourceUpdate Update(const std::string& source, uint64_t n,
                            const std::vector<EvidenceKey>& keys) {
   SourceUpdate update;
@@ -46,7 +46,7 @@ inline SourceUpdate Update(const std::string& source, uint64_t n,
   return update;
 }
 
-// The same of a game of this build that began with this token at this time.
+// Returns the first commit of a source with this origin and time.
 inline SourceUpdate UpdateOf(const priors::SourceOrigin& origin, uint64_t unix_time_s,
                              const std::string& source, const std::vector<EvidenceKey>& keys) {
   SourceUpdate update = Update(source, 1, keys);
@@ -61,14 +61,15 @@ inline PriorRecord Record(const std::string& source, uint64_t sequence, const Ev
       key, source, sequence, {.alpha = alpha, .beta = 0.5, .window_count = 3, .bail_out_count = 0}};
 }
 
-// What the store says of a key.
+// The stored sum of a key.
 struct KeySum {
   priors::Evidence evidence;
-  uint64_t source_count = 0;  // of the latest sources
+  uint64_t source_count = 0;  // number of sources
 };
 struct KeySums {
-  std::vector<KeySum> sums;   // has the order of the given keys
-  uint64_t source_count = 0;  // of the keys' scenes, of those with evidence of a key
+  std::vector<KeySum> sums;  // in the order of the given keys
+  // sources of the keys' scenes that have evidence about one of the keys
+  uint64_t source_count = 0;
 };
 
 inline absl::StatusOr<KeySums> LoadSums(priors::PriorReader& store,

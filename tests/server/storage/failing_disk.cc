@@ -22,11 +22,11 @@ std::string ContentOf(sqlite3_file* file) {
 
 }  // namespace
 
-// An open file. SQLite gives the memory, in which the real file follows.
+// An open file. SQLite allocates the memory; the real file follows in it.
 struct FailingDisk::File {
   sqlite3_file base{&kMethods};
   FailingDisk* disk = nullptr;
-  const std::string* path = nullptr;  // null for a temporary file, which nobody finds again
+  const std::string* path = nullptr;  // null for a temporary file, which cannot be reopened
 
   static File& Of(sqlite3_file* file) { return *reinterpret_cast<File*>(file); }
   sqlite3_file* real() { return reinterpret_cast<sqlite3_file*>(this + 1); }
@@ -206,7 +206,7 @@ int FailingDisk::Open(sqlite3_vfs* vfs, const char* path, sqlite3_file* file, in
   if (path == nullptr) return SQLITE_OK;
   const auto [image, is_new] = disk->images_.try_emplace(path);
   opened->path = &image->first;
-  // Another file than the one before was made by somebody else, and synced.
+  // A file that differs from the recorded one was written outside this disk, and counts as synced.
   if (const std::string content = ContentOf(opened->real());
       is_new || content != image->second.cached)
     image->second = {.cached = content, .durable = content, .unsynced = {}};

@@ -1,13 +1,13 @@
-// A disk that fails as the test says, under every SQLite connection that is opened while it lives.
+// A disk that fails on request, under every SQLite connection that is opened while this object
+// lives.
 //
-// It is a VFS over the real one and the default of the process. What is written is in the file at
-// once, as in a system's cache, and is durable only once it was synced, which costs no time here.
-// After a power cut each write that was not synced is there, missing or torn between sectors. A
-// write that fails may be there in part, and what a failed sync leaves behind is lost though the
-// cache has it, unless it is written again: that is how Linux behaves. What may happen is drawn
-// from a seed.
+// It is a VFS on top of the real one, and the default of the process. Written data are in the file
+// at once, as in a system's cache, but are durable only after a sync, which takes no time here.
+// After a power cut each unsynced write is there, missing, or torn between sectors. A failed write
+// may be there in part. Data after a failed sync are lost even though the cache has them, unless
+// they are written again: Linux behaves like this. A seed determines all random choices.
 //
-// Files that are removed, or renamed after a sync, stay so. Thread-safe; one disk at a time.
+// Removals, and renames after a sync, are durable. Thread-safe. Only one disk may exist at a time.
 #pragma once
 
 #include <sqlite3.h>
@@ -25,13 +25,13 @@ namespace sweepstake::storage {
 
 class FailingDisk {
  public:
-  // How many of the calls fail, from 0 to 1.
+  // The fraction of the calls that fail, from 0 to 1.
   struct Faults {
     double read_error = 0;
     double write_error = 0;
     double sync_error = 0;
-    bool full = false;       // a file cannot grow
-    bool read_only = false;  // nothing can be written
+    bool full = false;       // files cannot grow
+    bool read_only = false;  // all writes fail
   };
 
   explicit FailingDisk(uint64_t seed = 1);
@@ -40,25 +40,25 @@ class FailingDisk {
   FailingDisk& operator=(const FailingDisk&) = delete;
 
   void Set(const Faults& faults);
-  // The process ends after so many more writes, truncations and syncs: its connections live on, but
-  // every call fails and changes nothing.
+  // The process dies after `changes` more writes, truncations and syncs. Its connections stay open,
+  // but every call fails and changes nothing.
   void KillAfter(uint64_t changes);
   void Kill() { KillAfter(0); }
   bool killed() const;
-  // What the next process finds: all that was written, or what a power cut leaves of it. The limits
-  // of KillAfter and the faults end. REQUIRES: all connections are closed.
+  // Starts the next process, which finds all written data, or what a power cut left of them. Resets
+  // KillAfter and the faults. REQUIRES: all connections are closed.
   void Restart();
   void RestartAfterPowerCut();
 
-  // Counts writes, truncations and syncs, failed ones included.
+  // Counts writes, truncations and syncs, including failed ones.
   uint64_t change_count() const;
   uint64_t read_count() const;
-  // Whether something was written that no sync has made durable.
+  // Returns whether there are writes that no sync has made durable.
   bool has_unsynced() const;
 
  private:
   struct File;
-  // A write, or where there are no bytes, a truncation to the offset.
+  // A write or, if there are no bytes, a truncation to the offset.
   struct Change {
     size_t offset = 0;
     std::string bytes;
@@ -66,9 +66,9 @@ class FailingDisk {
   struct Image {
     void Add(Change change);
 
-    std::string cached;            // what the file has
-    std::string durable;           // what it has after a power cut at least, and
-    std::vector<Change> unsynced;  // what it may have besides
+    std::string cached;            // content as seen by the system
+    std::string durable;           // content that survives a power cut
+    std::vector<Change> unsynced;  // changes that may survive a power cut
   };
 
   static int Open(sqlite3_vfs* vfs, const char* path, sqlite3_file* file, int flags,
@@ -81,24 +81,24 @@ class FailingDisk {
   static int Sync(sqlite3_file* file, int flags);
   static const sqlite3_io_methods kMethods;
 
-  // These take the lock's holder for granted.
+  // REQUIRES, for the functions below: the caller holds the lock.
   bool Happens(double ratio);
   // Returns the error of the next change, or SQLITE_OK.
   int BeginChange(double error_ratio, int error);
   static int WritePart(File& file, std::string_view bytes, size_t offset);
   static void Apply(const Change& change, std::string& content);
-  // Applies the change, or a part of it, or nothing.
+  // Applies the change completely, in part, or not at all.
   void ApplyPerhaps(const Change& change, std::string& content);
 
   sqlite3_vfs* real_;
   sqlite3_vfs vfs_;
   mutable std::mutex mutex_;
-  std::mt19937_64 random_;               // guarded by mutex_
-  Faults faults_;                        // guarded by mutex_
-  std::optional<uint64_t> life_;         // guarded by mutex_; changes until the process ends
-  uint64_t change_count_ = 0;            // guarded by mutex_
-  uint64_t read_count_ = 0;              // guarded by mutex_
-  size_t open_count_ = 0;                // guarded by mutex_
+  std::mt19937_64 random_;        // guarded by mutex_
+  Faults faults_;                 // guarded by mutex_
+  std::optional<uint64_t> life_;  // guarded by mutex_; remaining changes until the process dies
+  uint64_t change_count_ = 0;     // guarded by mutex_
+  uint64_t read_count_ = 0;       // guarded by mutex_
+  size_t open_count_ = 0;         // guarded by mutex_
   std::map<std::string, Image> images_;  // guarded by mutex_; by path
 };
 

@@ -1,4 +1,4 @@
-// The store on a disk that fails: what was acknowledged stays, what was not is told.
+// The store on a failing disk: acknowledged commits survive, and failures are reported.
 #include "tests/server/storage/failing_disk.h"
 
 #include <gmock/gmock.h>
@@ -28,13 +28,13 @@ class FailingDiskTest : public ::testing::Test {
   void CommitUpTo(uint64_t n) {
     for (uint64_t i = 1; i <= n; ++i) ASSERT_TRUE(Commit(i).ok()) << i;
   }
-  // Returns the number of the last commit that the store has.
+  // Returns the number of the last commit in the store.
   uint64_t Stored() {
     const auto source = store_->LoadSource("a");
     if (!source.ok()) ADD_FAILURE() << source.status();
     return source.ok() && *source ? (*source)->progress.commit_sequence : 0;
   }
-  // Ends the process without an orderly end.
+  // Kills the process.
   void Restart(bool power_cut) {
     disk_->Kill();
     store_.reset();
@@ -57,7 +57,7 @@ class FailingDiskTest : public ::testing::Test {
   std::unique_ptr<PriorStore> store_;
 };
 
-TEST_F(FailingDiskTest, ACommitIsThereAfterAPowerCut) {
+TEST_F(FailingDiskTest, ACommitSurvivesAPowerCut) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     BeginOnDisk(seed);
     CommitUpTo(3);
@@ -66,23 +66,23 @@ TEST_F(FailingDiskTest, ACommitIsThereAfterAPowerCut) {
   }
 }
 
-TEST_F(FailingDiskTest, WhatTheNextProcessReadsSurvivesAPowerCutThoughItsSyncNeverCame) {
+TEST_F(FailingDiskTest, DataReadByTheNextProcessSurviveAPowerCutWithoutASync) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     BeginOnDisk(seed);
     CommitUpTo(2);
     const uint64_t before = disk_->change_count();
     ASSERT_TRUE(Commit(3).ok());
-    disk_->KillAfter(disk_->change_count() - before - 1);  // all but the sync
+    disk_->KillAfter(disk_->change_count() - before - 1);  // all except the sync
     EXPECT_TRUE(absl::IsUnavailable(Commit(4))) << seed;
     EXPECT_TRUE(disk_->has_unsynced());
     Restart(/*power_cut=*/false);
-    EXPECT_EQ(Stored(), 4u) << seed;  // which a game that resumes is told
+    EXPECT_EQ(Stored(), 4u) << seed;  // this number is sent to a game that resumes
     Restart(/*power_cut=*/true);
     EXPECT_EQ(Stored(), 4u) << seed;
   }
 }
 
-TEST_F(FailingDiskTest, WhatTheNextProcessReadsSurvivesAPowerCutThoughItsSyncFailed) {
+TEST_F(FailingDiskTest, DataReadByTheNextProcessSurviveAPowerCutAfterAFailedSync) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     BeginOnDisk(seed);
     CommitUpTo(2);
@@ -95,7 +95,7 @@ TEST_F(FailingDiskTest, WhatTheNextProcessReadsSurvivesAPowerCutThoughItsSyncFai
   }
 }
 
-TEST_F(FailingDiskTest, WithoutRoomForItsCheckpointTheLogIsMadeDurableAllTheSame) {
+TEST_F(FailingDiskTest, TheLogIsMadeDurableWithoutRoomForACheckpoint) {
   BeginOnDisk(1);
   CommitUpTo(2);
   const uint64_t before = disk_->change_count();
@@ -109,7 +109,7 @@ TEST_F(FailingDiskTest, WithoutRoomForItsCheckpointTheLogIsMadeDurableAllTheSame
   EXPECT_FALSE(disk_->has_unsynced());
 }
 
-TEST_F(FailingDiskTest, WhatAFailedSyncLeftIsMadeDurableThoughThereIsNoRoomForACheckpoint) {
+TEST_F(FailingDiskTest, DataOfAFailedSyncAreMadeDurableWithoutRoomForACheckpoint) {
   std::vector<priors::EvidenceKey> many;
   for (int i = 0; i < 200; ++i) many.push_back(Key("arm " + std::to_string(i)));
   for (uint64_t seed = 1; seed <= 20; ++seed) {
@@ -128,16 +128,16 @@ TEST_F(FailingDiskTest, WhatAFailedSyncLeftIsMadeDurableThoughThereIsNoRoomForAC
   }
 }
 
-// The file may be put aside with its log, or read again: neither may depend on the next power cut.
-TEST_F(FailingDiskTest, TheLogIsMadeDurableBeforeThePagesAreCheckedThoughTheyAreDamaged) {
+// The file may be set aside with its log, or read again. Neither may depend on the next power cut.
+TEST_F(FailingDiskTest, TheLogIsMadeDurableBeforeDamagedPagesAreChecked) {
   BeginOnDisk(1);
   CommitUpTo(2);
-  const int64_t page =  // of a table that the log has nothing of
+  const int64_t page =  // a page of a table that is not in the log
       *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kReadOnly)
            ->QueryInteger("SELECT rootpage FROM sqlite_schema WHERE name = 'audit_row'");
   const uint64_t before = disk_->change_count();
   ASSERT_TRUE(Commit(3).ok());
-  disk_->KillAfter(disk_->change_count() - before - 1);  // all but the sync
+  disk_->KillAfter(disk_->change_count() - before - 1);  // all except the sync
   EXPECT_FALSE(Commit(4).ok());
   ASSERT_TRUE(disk_->has_unsynced());
   disk_->Kill();
@@ -149,13 +149,13 @@ TEST_F(FailingDiskTest, TheLogIsMadeDurableBeforeThePagesAreCheckedThoughTheyAre
     file << std::string(4096, '\x5a');
   }
   disk_->Set({.sync_error = 1});
-  EXPECT_TRUE(absl::IsUnavailable(Open())) << "a power cut could still change what it is";
+  EXPECT_TRUE(absl::IsUnavailable(Open())) << "a power cut could still change the file";
   disk_->Set({});
   EXPECT_TRUE(absl::IsDataLoss(Open()));
   EXPECT_FALSE(disk_->has_unsynced());
 }
 
-TEST_F(FailingDiskTest, NothingAcknowledgedIsLostAndNothingCountsTwiceWhereverThePowerIsCut) {
+TEST_F(FailingDiskTest, NoPowerCutLosesAcknowledgedEvidenceOrCountsItTwice) {
   for (uint64_t seed = 1; seed <= 50; ++seed) {
     BeginOnDisk(seed);
     uint64_t acknowledged = 0;
@@ -171,7 +171,7 @@ TEST_F(FailingDiskTest, NothingAcknowledgedIsLostAndNothingCountsTwiceWhereverTh
   }
 }
 
-TEST_F(FailingDiskTest, ADiskThatIsFullOrFailsOrIsReadOnlyIsToldAndNothingIsAcknowledged) {
+TEST_F(FailingDiskTest, AFullFailingOrReadOnlyDiskIsReportedAndNothingIsAcknowledged) {
   const FailingDisk::Faults faults[] = {
       {.write_error = 1}, {.sync_error = 1}, {.full = true}, {.read_only = true}};
   uint64_t seed = 0;
@@ -188,7 +188,7 @@ TEST_F(FailingDiskTest, ADiskThatIsFullOrFailsOrIsReadOnlyIsToldAndNothingIsAckn
   }
 }
 
-TEST_F(FailingDiskTest, AReadThatFailsAtTheStartIsNotTakenForDamage) {
+TEST_F(FailingDiskTest, AFailedReadAtTheStartDoesNotCountAsDamage) {
   int failed = 0;
   BeginOnDisk(1);
   CommitUpTo(50);

@@ -15,12 +15,12 @@ namespace sweepstake::storage {
 
 class ForwardingStore : public priors::PriorStore {
  public:
-  // Without another store it has one in memory.
+  // The default is a store in memory.
   explicit ForwardingStore(
       std::unique_ptr<priors::PriorStore> store = *storage::OpenMemoryPriorStore())
       : store_(std::move(store)) {}
 
-  // The other store.
+  // Returns the other store.
   priors::PriorStore& behind() { return *store_; }
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override {

@@ -1,4 +1,4 @@
-// How much work SQLite's statements are, other than by the clock.
+// Measures the work of SQLite statements independently of time.
 #pragma once
 
 #include <sqlite3.h>
@@ -7,8 +7,8 @@
 
 namespace sweepstake::storage {
 
-// Counts the instructions of SQLite's machine on every connection that is opened while it lives; a
-// row that is visited takes several.
+// Counts the virtual-machine instructions of every SQLite connection that is opened while this
+// object lives. Visiting a row takes several.
 class InstructionCounter {
  public:
   InstructionCounter() {

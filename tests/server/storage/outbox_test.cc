@@ -1,4 +1,4 @@
-// What waits for a shared store outlives the daemon, and is committed once.
+// Updates that wait for a shared store survive the daemon, and are committed once.
 #include "server/storage/outbox/outbox.h"
 
 #include <gmock/gmock.h>
@@ -58,13 +58,13 @@ void ExpectEqual(const SourceUpdate& left, const SourceUpdate& right) {
   EXPECT_EQ(left.audit.rows, right.audit.rows);
 }
 
-TEST_F(OutboxTest, KeepsAnUpdateToTheLastBit) {
+TEST_F(OutboxTest, KeepsEveryBitOfAnUpdate) {
   const auto read = UpdateIn(UpdateText(FullUpdate()));
   ASSERT_TRUE(read.ok()) << read.status();
   ExpectEqual(*read, FullUpdate());
 }
 
-TEST_F(OutboxTest, HasWhatWasPutThereLastInItsOrderAfterAReopening) {
+TEST_F(OutboxTest, KeepsTheLatestUpdatesInOrderAfterReopening) {
   {
     Outbox outbox = Open();
     EXPECT_THAT(*outbox.Load(), IsEmpty());
@@ -78,23 +78,23 @@ TEST_F(OutboxTest, HasWhatWasPutThereLastInItsOrderAfterAReopening) {
   EXPECT_EQ(updates->back().progress.source_id, "two");
 }
 
-TEST_F(OutboxTest, OthersCannotReadIt) {
+TEST_F(OutboxTest, OtherUsersCannotReadIt) {
   Open();
   EXPECT_EQ(std::filesystem::status(path()).permissions() & std::filesystem::perms::others_all,
             std::filesystem::perms::none);
 }
 
-// Knows that another daemon goes on with the session "two".
+// Another daemon continues the session "two".
 class FencedStore final : public ForwardingStore {
  public:
   absl::Status Commit(std::span<const SourceUpdate> updates) override {
     if (updates[0].progress.source_id == "two")
-      return absl::FailedPreconditionError("it has another writer");
+      return absl::FailedPreconditionError("the source has another writer");
     return ForwardingStore::Commit(updates);
   }
 };
 
-TEST_F(OutboxTest, DeliversOnceWhateverTheStoreHasAlready) {
+TEST_F(OutboxTest, DeliversOnceWhateverTheStoreAlreadyHas) {
   FencedStore store;
   const SourceUpdate first = Update("one", 1, {Key("Grid")});
   ASSERT_TRUE(store.Commit(std::vector{first}).ok()) << "the answer was lost";
@@ -111,11 +111,11 @@ TEST_F(OutboxTest, DeliversOnceWhateverTheStoreHasAlready) {
   EXPECT_THAT(*outbox.Load(), IsEmpty());
 }
 
-// Takes one commit, and is away then.
+// Accepts one commit, and is unavailable afterwards.
 class LeavingStore final : public ForwardingStore {
  public:
   absl::Status Commit(std::span<const SourceUpdate> updates) override {
-    if (++commit_count_ > 1) return absl::UnavailableError("it is away");
+    if (++commit_count_ > 1) return absl::UnavailableError("the store is unavailable");
     return ForwardingStore::Commit(updates);
   }
 
@@ -123,7 +123,7 @@ class LeavingStore final : public ForwardingStore {
   int commit_count_ = 0;
 };
 
-TEST_F(OutboxTest, KeepsAllUntilAllIsDelivered) {
+TEST_F(OutboxTest, KeepsAllUpdatesUntilAllAreDelivered) {
   LeavingStore store;
   Outbox outbox = Open();
   const std::vector both = {Update("one", 1, {Key("Grid")}), Update("two", 1, {Key("Grid")})};
@@ -135,7 +135,7 @@ TEST_F(OutboxTest, KeepsAllUntilAllIsDelivered) {
   EXPECT_EQ(scene->arms[0].live.window_count, 2u) << "each once";
 }
 
-TEST_F(OutboxTest, WhoDoesWithoutTheSharedStoreIsToldWhatItLacks) {
+TEST_F(OutboxTest, CheckDeliveredReportsUpdatesThatTheSharedStoreLacks) {
   EXPECT_TRUE(CheckDelivered(path()).ok());
   EXPECT_FALSE(std::filesystem::exists(path()));
   const std::vector updates = {Update("one", 1, {Key("Grid")})};
@@ -147,8 +147,8 @@ TEST_F(OutboxTest, WhoDoesWithoutTheSharedStoreIsToldWhatItLacks) {
   EXPECT_TRUE(CheckDelivered(path()).ok());
 }
 
-TEST_F(OutboxTest, WhatIsNoOutboxStaysAsItIs) {
-  std::ofstream(path()) << "no database, but long enough to be told from an empty one";
+TEST_F(OutboxTest, AFileThatIsNotAnOutboxIsNotChanged) {
+  std::ofstream(path()) << "not a database, but too long to be empty";
   const absl::Status status = Outbox::Open(path()).status();
   EXPECT_TRUE(absl::IsDataLoss(status)) << status;
   EXPECT_THAT(std::string(status.message()), HasSubstr("move it away"));
@@ -157,7 +157,7 @@ TEST_F(OutboxTest, WhatIsNoOutboxStaysAsItIs) {
     auto database = SqliteDatabase::Open(path().string(), SqliteDatabase::OpenMode::kCreate);
     ASSERT_TRUE(database->Execute("PRAGMA user_version = 2").ok());
   }
-  EXPECT_TRUE(absl::IsDataLoss(Outbox::Open(path()).status())) << "of a newer daemon";
+  EXPECT_TRUE(absl::IsDataLoss(Outbox::Open(path()).status())) << "written by a newer daemon";
   std::filesystem::remove(path());
   {
     Open();

@@ -1,5 +1,5 @@
-// What every prior store must do. prior_store_test.cc, and the one of each other
-// backend, include it and instantiate PriorStoreConformance with a way to open one.
+// Tests for every prior store. prior_store_test.cc and the tests of other backends include it, and
+// instantiate PriorStoreConformance with a function that opens a store.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@
 
 namespace sweepstake::storage {
 
-// What the stores are made with.
+// The limits of the audit logs of the tested stores.
 inline constexpr priors::AuditLimits kConformanceAuditLimits{
     .bytes = 64, .age_s = 3200, .admin_row_count = 5};
 
@@ -74,7 +74,7 @@ TEST_P(PriorStoreConformance, EvidenceIsSummedOverSourcesAndKeptApartByKey) {
   EXPECT_EQ(sums.source_count, 2u);
 }
 
-TEST_P(PriorStoreConformance, ACommitThatWasAppliedBeforeIsIgnored) {
+TEST_P(PriorStoreConformance, ARepeatedCommitIsIgnored) {
   ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
   ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
   ASSERT_TRUE(Commit({Update("a", 3, {Key("Grid")})}).ok());
@@ -83,7 +83,7 @@ TEST_P(PriorStoreConformance, ACommitThatWasAppliedBeforeIsIgnored) {
   EXPECT_EQ((*store_->LoadSource("a"))->progress.commit_sequence, 3u);
 }
 
-TEST_P(PriorStoreConformance, AWrongUpdateLeavesNothingOfItsCommit) {
+TEST_P(PriorStoreConformance, AnInvalidUpdateUndoesItsWholeCommit) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const double wrong : {-0.5, std::nan(""), infinity, -infinity, 1e15}) {
     SourceUpdate bad = Update("b", 1, {Key("Grid")});
@@ -99,7 +99,7 @@ TEST_P(PriorStoreConformance, AWrongUpdateLeavesNothingOfItsCommit) {
   EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
 }
 
-TEST_P(PriorStoreConformance, FramesAreCountedWithTheCommitThatHoldsThemAndNotByItsReplay) {
+TEST_P(PriorStoreConformance, FramesAreCountedWithTheirCommitAndNotByItsReplay) {
   SourceUpdate update = Update("a", 2, {Key("Grid")});
   ASSERT_TRUE(Commit({Update("a", 1, {}), update}).ok());
   EXPECT_EQ((*store_->LoadSource("a"))->progress.frame_count, 2000u);
@@ -114,7 +114,7 @@ TEST_P(PriorStoreConformance, FramesAreCountedWithTheCommitThatHoldsThemAndNotBy
   EXPECT_EQ((*store_->LoadSource("a"))->progress.frame_count, 2000u);
 }
 
-TEST_P(PriorStoreConformance, TellsTheLanesVisitsFromWindows) {
+TEST_P(PriorStoreConformance, KeepsLaneVisitsApartFromWindows) {
   EvidenceKey lane = Key("Grid");
   lane.measured_by = "lane";
   EvidenceKey unseen = Key("BVH");
@@ -133,7 +133,7 @@ TEST_P(PriorStoreConformance, TellsTheLanesVisitsFromWindows) {
   EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 3, {lane})})));
 }
 
-TEST_P(PriorStoreConformance, CountsThatAddUpToMoreThanFitsAreTheirBound) {
+TEST_P(PriorStoreConformance, CountsSaturateAtTheirLimit) {
   PriorRecord record = Record("a", 1, Key("Grid"), 1);
   record.evidence.window_count = record.evidence.bail_out_count = (1ull << 63) - 1;
   std::vector<PriorRecord> records(3, record);
@@ -178,7 +178,7 @@ TEST_P(PriorStoreConformance, ASourceHasTheTimesOfItsFirstAndLastCommit) {
   EXPECT_TRUE(absl::IsInvalidArgument(Commit({wrong})));
 }
 
-TEST_P(PriorStoreConformance, AnArmHasTheTimeAtWhichItsSourcesTaughtLast) {
+TEST_P(PriorStoreConformance, AnArmHasTheTimeOfItsLatestSource) {
   EvidenceKey lane = Key("SAP");
   lane.measured_by = "lane";
   PriorRecord timeless = Record("i", 1, Key("DBVT"), 1);
@@ -203,7 +203,7 @@ TEST_P(PriorStoreConformance, AnArmHasTheTimeAtWhichItsSourcesTaughtLast) {
   EXPECT_EQ(seen(), (Times{{"DBVT", 0}, {"Grid", 300}, {"SAP", 300}}));
   for (uint32_t i = 0; i < priors::kSourcesOfAge; ++i)
     ASSERT_TRUE(Commit({UpdateOf({}, 10 + i, std::to_string(i), {Key("Grid")})}).ok());
-  EXPECT_EQ(seen()["Grid"], 9 + priors::kSourcesOfAge) << "only the last sources are asked";
+  EXPECT_EQ(seen()["Grid"], 9 + priors::kSourcesOfAge) << "only the latest sources are looked up";
 }
 
 TEST_P(PriorStoreConformance, ScenesAreListedInPagesAndByFilter) {
@@ -258,7 +258,7 @@ TEST_P(PriorStoreConformance, AnUnknownSceneIsAbsent) {
   EXPECT_EQ(store_->LoadScene({"game", "nowhere", "desktop", 1})->has_value(), false);
 }
 
-TEST_P(PriorStoreConformance, NamesAreTextWhateverTheySay) {
+TEST_P(PriorStoreConformance, NamesAreTreatedAsTextAndNotAsSql) {
   const std::string scene = "'; DROP TABLE evidence; -- \xc3\xa9\xe2\x82\xac";
   ASSERT_TRUE(Commit({Update("a", 1, {Key("<script>", scene)})}).ok());
   const auto loaded = *store_->LoadScene({"game", scene, "desktop", 1});
@@ -273,7 +273,7 @@ TEST_P(PriorStoreConformance, RecordsAreExportedInPagesAndByFilter) {
   const auto all = ExportAll();
   ASSERT_EQ(all.size(), 4u);
   EXPECT_EQ(all[0].key, Key("Grid", "abbey"));
-  EXPECT_EQ(all[1].source_id, "b") << "which came first";
+  EXPECT_EQ(all[1].source_id, "b") << "its source was stored first";
   EXPECT_EQ(all[2].source_id, "a");
   EXPECT_EQ(all[2].source_sequence, 1u);
   for (const uint32_t limit : {1u, 2u, 3u}) EXPECT_EQ(ExportInPages(limit), all) << limit;
@@ -282,7 +282,7 @@ TEST_P(PriorStoreConformance, RecordsAreExportedInPagesAndByFilter) {
   EXPECT_TRUE(store_->Export({"other game", ""}, {}, 10)->records.empty());
 }
 
-TEST_P(PriorStoreConformance, AnExportGoesOnWhereItWasThoughItsSourcesChange) {
+TEST_P(PriorStoreConformance, AnExportContinuesAtItsPlaceWhileSourcesChange) {
   for (const char* source : {"a", "b", "c"})
     ASSERT_TRUE(Commit({Update(source, 1, {Key("Grid"), Key("SAP")})}).ok());
   const auto page = *store_->Export({}, {}, 2);
@@ -295,7 +295,7 @@ TEST_P(PriorStoreConformance, AnExportGoesOnWhereItWasThoughItsSourcesChange) {
   EXPECT_EQ(rest, (std::vector<std::string>{"c", "d", "a", "c"}));
 }
 
-TEST_P(PriorStoreConformance, WhatIsExportedCanBeImportedElsewhereOnce) {
+TEST_P(PriorStoreConformance, ExportedRecordsCanBeImportedElsewhereOnce) {
   ASSERT_TRUE(
       Commit({Update("a", 1, {Key("Grid")}), Update("b", 4, {Key("Grid"), Key("SAP")})}).ok());
   const std::unique_ptr<PriorStore> other = GetParam().second();
@@ -317,7 +317,7 @@ TEST_P(PriorStoreConformance, AnImportReplacesOlderRecordsAndIgnoresOlderOnes) {
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{7, 0.5, 3, 0}));
 }
 
-TEST_P(PriorStoreConformance, AWrongRecordLeavesNothingOfItsImport) {
+TEST_P(PriorStoreConformance, AnInvalidRecordUndoesItsWholeImport) {
   PriorRecord bad = Record("b", 1, Key("Grid"), std::nan(""));
   const auto result = store_->Import(std::vector{Record("a", 1, Key("Grid"), 1), bad});
   ASSERT_TRUE(absl::IsInvalidArgument(result.status()));
@@ -325,7 +325,7 @@ TEST_P(PriorStoreConformance, AWrongRecordLeavesNothingOfItsImport) {
   EXPECT_TRUE(ExportAll().empty());
 }
 
-TEST_P(PriorStoreConformance, ACommitThatASourceHasNoRoomForIsRefusedAndChangesNothing) {
+TEST_P(PriorStoreConformance, ACommitThatOverflowsASourceIsRefusedAndChangesNothing) {
   ASSERT_TRUE(store_->Import(std::vector{Record("a", 1, Key("Grid"), 9e14)}).ok());
   const auto before = ExportAll();
   SourceUpdate update = Update("a", 1, {Key("Grid")});
@@ -336,12 +336,12 @@ TEST_P(PriorStoreConformance, ACommitThatASourceHasNoRoomForIsRefusedAndChangesN
   EXPECT_TRUE(Commit({update}).ok());
 }
 
-TEST_P(PriorStoreConformance, AnImportedSourceIsNoSessionToResume) {
+TEST_P(PriorStoreConformance, AnImportedSourceCannotBeResumed) {
   ASSERT_TRUE(store_->Import(std::vector{Record("a", 5, Key("Grid"), 4)}).ok());
   EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
 }
 
-TEST_P(PriorStoreConformance, AnImportTouchesNoSessionOfTheStore) {
+TEST_P(PriorStoreConformance, AnImportDoesNotChangeSessionsOfTheStore) {
   ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
   const auto before = *store_->LoadSource("a");
   const auto result =
@@ -361,7 +361,7 @@ TEST_P(PriorStoreConformance, ACommitOfASourceThatWasImportedBeforeCounts) {
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{4.75, 0.75, 4, 2}));
 }
 
-// Adds the exported records anew, as a store without sums would.
+// Sums the exported records independently, like a store without stored sums.
 inline void ExpectSumsOf(PriorStore& store, const std::vector<PriorRecord>& records) {
   std::map<SceneKey, std::set<std::string>> sources;
   std::map<EvidenceKey, KeySum> sums;
@@ -382,7 +382,7 @@ inline void ExpectSumsOf(PriorStore& store, const std::vector<PriorRecord>& reco
   for (const auto& scene : scenes) EXPECT_EQ(scene.source_count, sources[scene.key].size());
 }
 
-TEST_P(PriorStoreConformance, SumsAreThoseOfTheRecordsAfterAnyHistory) {
+TEST_P(PriorStoreConformance, SumsEqualTheSumsOfTheRecordsAfterAnyHistory) {
   std::mt19937_64 random(20'260'101);
   const auto pick = [&](uint64_t count) { return random() % count; };
   const auto any_key = [&] {

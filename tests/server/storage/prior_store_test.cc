@@ -12,7 +12,7 @@
 namespace sweepstake::storage {
 namespace {
 
-// Keeps its directory as long as the store.
+// Keeps the directory while the store exists.
 class TemporarySqliteStore final : private test_support::TemporaryDirectory,
                                    public ForwardingStore {
  public:

@@ -1,5 +1,5 @@
-// What every prior store must do with imports that wait to be promoted. Whoever includes
-// prior_store_conformance.h includes it, too.
+// Tests of imports in quarantine for every prior store. Included together with
+// prior_store_conformance.h.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ class QuarantineConformance : public PriorStoreConformance {
  protected:
   static constexpr uint64_t kAnyNumber = 1'000'000;
 
-  // What sessions, watchers and exports get, to the last bit.
+  // What sessions, watchers and exports read; compared bit by bit.
   struct Seen {
     std::vector<PriorRecord> exported;
     std::vector<std::pair<SceneKey, std::vector<priors::Evidence>>> scenes;
@@ -45,7 +45,7 @@ class QuarantineConformance : public PriorStoreConformance {
   std::vector<PriorRecord> Waiting() { return store_->ExportQuarantined({}, {}, 1000)->records; }
 };
 
-TEST_P(QuarantineConformance, AnImportThatWaitsIsSeenInTheQuarantineAlone) {
+TEST_P(QuarantineConformance, AQuarantinedImportIsVisibleOnlyInTheQuarantine) {
   ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
   const Seen before = Look();
   PriorRecord record = Record("i", 5, Key("Grid"), 4);
@@ -60,7 +60,7 @@ TEST_P(QuarantineConformance, AnImportThatWaitsIsSeenInTheQuarantineAlone) {
   EXPECT_EQ(Waiting()[1], record);
 }
 
-TEST_P(QuarantineConformance, PromotingGivesExactlyWhatTheImportWouldHave) {
+TEST_P(QuarantineConformance, PromotingGivesExactlyTheResultOfAnImport) {
   const std::unique_ptr<PriorStore> other = GetParam().second();
   std::mt19937_64 random(20'260'324);
   std::vector<PriorRecord> records;
@@ -82,7 +82,7 @@ TEST_P(QuarantineConformance, PromotingGivesExactlyWhatTheImportWouldHave) {
   EXPECT_TRUE(Waiting().empty());
   for (int i = 0; i < 7; ++i)
     ASSERT_TRUE(store_->Revoke({.id = "i" + std::to_string(i)}, false).ok());
-  EXPECT_EQ(Look(), before) << "to the last bit";
+  EXPECT_EQ(Look(), before) << "equal in every bit";
 }
 
 TEST_P(QuarantineConformance, SourcesArePromotedByIdBuildAndProjectAndAPreviewChangesNothing) {
@@ -103,7 +103,7 @@ TEST_P(QuarantineConformance, SourcesArePromotedByIdBuildAndProjectAndAPreviewCh
     return preview;
   };
   EXPECT_EQ(promoted({.id = "nobody"}), priors::PromoteResult{});
-  EXPECT_EQ(promoted({.token_id = 7}), priors::PromoteResult{}) << "no token began them";
+  EXPECT_EQ(promoted({.token_id = 7}), priors::PromoteResult{}) << "imported sources have no token";
   EXPECT_EQ(promoted({.build = "0.9"}), (priors::PromoteResult{1, 1, 3, 1}));
   EXPECT_EQ(promoted({.id = "a", .project = "game"}), (priors::PromoteResult{1, 2, 6, 1}));
   EXPECT_EQ(Sums({Key("Grid"), Key("SAP")}).source_count, 2u);
@@ -112,7 +112,7 @@ TEST_P(QuarantineConformance, SourcesArePromotedByIdBuildAndProjectAndAPreviewCh
   EXPECT_TRUE(Waiting().empty());
 }
 
-TEST_P(QuarantineConformance, WhatIsNewerWaitsBesideWhatCountsAndTakesItsPlace) {
+TEST_P(QuarantineConformance, ANewerWaitingRecordReplacesTheCountingOneWhenPromoted) {
   ASSERT_TRUE(store_->Import(std::vector{Record("a", 5, Key("Grid"), 4)}).ok());
   EXPECT_EQ(Quarantine({Record("a", 5, Key("Grid"), 100)}).unchanged_count, 1u);
   EXPECT_EQ(Quarantine({Record("a", 6, Key("Grid"), 7)}).applied_count, 1u);
@@ -124,23 +124,23 @@ TEST_P(QuarantineConformance, WhatIsNewerWaitsBesideWhatCountsAndTakesItsPlace) 
   EXPECT_EQ(Sums({Key("Grid")}).source_count, 1u);
 }
 
-TEST_P(QuarantineConformance, AnImportThatCountsAtOnceTakesWhatWaitedOfIt) {
+TEST_P(QuarantineConformance, AnImportWithoutQuarantineDropsOlderWaitingRecords) {
   Quarantine({Record("a", 5, Key("Grid"), 4), Record("b", 9, Key("Grid"), 1)});
   const auto imported =
       store_->Import(std::vector{Record("a", 5, Key("Grid"), 4), Record("b", 8, Key("Grid"), 2)});
   EXPECT_EQ(imported->applied_count, 2u);
   ASSERT_EQ(Waiting().size(), 1u);
-  EXPECT_EQ(Waiting()[0].source_id, "b") << "it is newer";
+  EXPECT_EQ(Waiting()[0].source_id, "b") << "the waiting record is newer";
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence.alpha, 6.0);
 }
 
-TEST_P(QuarantineConformance, ARevokedSourceLosesWhatWaitsAndComesNotBack) {
+TEST_P(QuarantineConformance, ARevokedSourceLosesItsWaitingRecordsAndStaysRevoked) {
   ASSERT_TRUE(Commit({Update("s", 1, {Key("Grid")})}).ok());
   const Seen before = Look();
   ASSERT_TRUE(store_->Import(std::vector{Record("a", 1, Key("Grid"), 1)}).ok());
   Quarantine({Record("a", 2, Key("Grid"), 2), Record("b", 1, Key("Grid"), 4)});
   const auto preview = *store_->Revoke({.id = "a"}, true);
-  EXPECT_EQ(preview, (priors::RevokeResult{1, 2, 6})) << "what counts, and what waits";
+  EXPECT_EQ(preview, (priors::RevokeResult{1, 2, 6})) << "one counting and one waiting record";
   EXPECT_EQ(Waiting().size(), 2u);
   EXPECT_EQ(*store_->Revoke({.id = "a"}, false), preview);
   EXPECT_EQ(Look(), before);
@@ -153,7 +153,7 @@ TEST_P(QuarantineConformance, ARevokedSourceLosesWhatWaitsAndComesNotBack) {
   EXPECT_EQ(Look(), before);
 }
 
-TEST_P(QuarantineConformance, WhatARevocationForOneProjectLeavesAloneIsPromoted) {
+TEST_P(QuarantineConformance, RecordsOfOtherProjectsCanBePromotedAfterARevocation) {
   EvidenceKey elsewhere = Key("Grid");
   elsewhere.project = "other";
   Quarantine({Record("a", 1, Key("Grid"), 1), Record("a", 1, elsewhere, 2)});
@@ -164,7 +164,7 @@ TEST_P(QuarantineConformance, WhatARevocationForOneProjectLeavesAloneIsPromoted)
   EXPECT_EQ(Sums({elsewhere}).sums[0].evidence.alpha, 2.0);
 }
 
-TEST_P(QuarantineConformance, ASourceThatPlaysHereLosesWhatWaits) {
+TEST_P(QuarantineConformance, ASourceThatCommitsHereLosesItsWaitingRecords) {
   Quarantine({Record("a", 50, Key("Grid"), 4), Record("b", 50, Key("Grid"), 4)});
   ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
   ASSERT_EQ(Waiting().size(), 1u);
@@ -173,12 +173,12 @@ TEST_P(QuarantineConformance, ASourceThatPlaysHereLosesWhatWaits) {
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{0.75, 0.25, 1, 2}));
 }
 
-TEST_P(QuarantineConformance, MoreThanMayWaitLeavesNothingOfItsImport) {
+TEST_P(QuarantineConformance, AnImportAboveTheQuarantineLimitIsRefusedCompletely) {
   const auto full = [&](const std::vector<PriorRecord>& records) {
     return absl::IsResourceExhausted(store_->Quarantine(records, 2).status());
   };
   EXPECT_FALSE(full({Record("a", 1, Key("Grid"), 1), Record("b", 1, Key("Grid"), 1)}));
-  EXPECT_FALSE(full({Record("b", 2, Key("Grid"), 1)})) << "in place of an older one";
+  EXPECT_FALSE(full({Record("b", 2, Key("Grid"), 1)})) << "this replaces an older record";
   EXPECT_TRUE(full({Record("b", 3, Key("Grid"), 1), Record("c", 1, Key("Grid"), 1)}));
   ASSERT_EQ(Waiting().size(), 2u);
   EXPECT_EQ(Waiting()[1].source_sequence, 2u);
@@ -187,7 +187,7 @@ TEST_P(QuarantineConformance, MoreThanMayWaitLeavesNothingOfItsImport) {
   EXPECT_EQ(Waiting().size(), 2u);
 }
 
-TEST_P(QuarantineConformance, IsExportedInPagesAndByFilter) {
+TEST_P(QuarantineConformance, TheQuarantineIsExportedInPagesAndByFilter) {
   std::vector<PriorRecord> records;
   for (const char* scene : {"harbour", "abbey"}) {
     for (const char* source : {"b", "a"}) {
@@ -199,7 +199,7 @@ TEST_P(QuarantineConformance, IsExportedInPagesAndByFilter) {
   const auto all = Waiting();
   ASSERT_EQ(all.size(), 8u);
   EXPECT_EQ(all[0].key, Key("Grid", "abbey"));
-  EXPECT_EQ(all[0].source_id, "b") << "which came first";
+  EXPECT_EQ(all[0].source_id, "b") << "its source was stored first";
   for (const uint32_t limit : {1u, 3u}) {
     std::vector<PriorRecord> in_pages;
     for (auto page = *store_->ExportQuarantined({}, {}, limit); !page.records.empty();

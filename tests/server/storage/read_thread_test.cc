@@ -1,4 +1,5 @@
-// Reads beside the commits of a store: neither waits for the other, and each read is one state.
+// Reads concurrent with the commits of a store: neither waits for the other, and each read sees one
+// state.
 #include "server/storage/read_thread.h"
 
 #include <gmock/gmock.h>
@@ -32,7 +33,7 @@ class ReadThreadTest : public ::testing::Test {
     thread_->Commit(update, [promise](const absl::Status& status) { promise->set_value(status); });
     return promise->get_future();
   }
-  // Returns what `read` of a PriorReader returns.
+  // Returns the result of `read`.
   template <typename Result>
   std::future<Result> Read(std::function<Result(PriorReader&)> read) {
     auto promise = std::make_shared<std::promise<Result>>();
@@ -50,7 +51,7 @@ class ReadThreadTest : public ::testing::Test {
   std::unique_ptr<StoreThread> thread_;
 };
 
-TEST_F(ReadThreadTest, ACommitDoesNotWaitForAReadThatHangsAndTheStoreSaysThatItHangs) {
+TEST_F(ReadThreadTest, ACommitDoesNotWaitForAHangingReadWhichIsReported) {
   Start({.group_interval = milliseconds(0), .max_read = milliseconds(0)});
   ASSERT_TRUE(Commit(Update("a", 1, {Key("Grid")})).get().ok());
   EXPECT_TRUE(thread_->healthy());
@@ -78,7 +79,7 @@ TEST_F(ReadThreadTest, ACommitDoesNotWaitForAReadThatHangsAndTheStoreSaysThatItH
   EXPECT_TRUE(thread_->healthy());
 }
 
-TEST_F(ReadThreadTest, AReadIsOneStateOfTheStoreAndTheNextOneHasWhatWasAcknowledged) {
+TEST_F(ReadThreadTest, AReadSeesOneStateAndTheNextSeesAcknowledgedCommits) {
   Start();
   ASSERT_TRUE(Commit(Update("a", 1, {Key("Grid")})).get().ok());
   std::promise<void> committed;
@@ -98,7 +99,7 @@ TEST_F(ReadThreadTest, AReadIsOneStateOfTheStoreAndTheNextOneHasWhatWasAcknowled
   EXPECT_EQ(Read<uint64_t>(&SourceCount).get(), 2u);
 }
 
-TEST_F(ReadThreadTest, AnExportWhileCommitsRunHasOfEachSourceOneCommitAndTheSumsOfItsRecords) {
+TEST_F(ReadThreadTest, AnExportDuringCommitsSeesOneCommitPerSourceAndMatchingSums) {
   Start();
   std::atomic<bool> done = false;
   std::thread game([&] {
@@ -134,9 +135,9 @@ TEST_F(ReadThreadTest, AnExportWhileCommitsRunHasOfEachSourceOneCommitAndTheSums
   EXPECT_GT(read_count, 1u);
 }
 
-// Each read lasts until a commit has been made, and is followed by the next one at once, so that
-// no commit would meet none.
-TEST_F(ReadThreadTest, ReadsWithoutAPauseDoNotLetTheLogGrowForEver) {
+// Each read lasts until a commit has been made, and the next one follows at once, so that every
+// commit overlaps a read.
+TEST_F(ReadThreadTest, ContinuousReadsDoNotLetTheLogGrowForever) {
   Start();
   std::vector<EvidenceKey> keys;
   for (int i = 0; i < 100; ++i)
@@ -169,7 +170,7 @@ TEST_F(ReadThreadTest, ReadsWithoutAPauseDoNotLetTheLogGrowForEver) {
   thread_->Close();
 }
 
-TEST_F(ReadThreadTest, ClosingRunsTheReadsThatWaitAndPutsTheLogIntoTheFile) {
+TEST_F(ReadThreadTest, ClosingRunsQueuedReadsAndCheckpointsTheLog) {
   Start();
   ASSERT_TRUE(Commit(Update("a", 1, {Key("Grid")})).get().ok());
   std::promise<void> release;
@@ -186,10 +187,10 @@ TEST_F(ReadThreadTest, ClosingRunsTheReadsThatWaitAndPutsTheLogIntoTheFile) {
   EXPECT_FALSE(thread_->Read([](PriorReader&) {}));
   thread_.reset();
   EXPECT_FALSE(std::filesystem::exists(path_.string() + "-wal"))
-      << "the connection that reads cannot, and so must not be the last one";
+      << "a reading connection cannot do this, so it must not be closed last";
 }
 
-TEST_F(ReadThreadTest, EachReadIsTimedWithItsTimeInTheQueue) {
+TEST_F(ReadThreadTest, TheDurationOfAReadIncludesItsTimeInTheQueue) {
   std::vector<std::chrono::nanoseconds> durations;
   Start({.own_thread = false, .on_read = [&](auto taken) { durations.push_back(taken); }});
   auto waiting = Read<uint64_t>(&SourceCount);
@@ -201,7 +202,7 @@ TEST_F(ReadThreadTest, EachReadIsTimedWithItsTimeInTheQueue) {
   EXPECT_GT(durations[0].count(), 0);
 }
 
-TEST_F(ReadThreadTest, AQueueThatIsFullRefusesReadsAndNoCommit) {
+TEST_F(ReadThreadTest, AFullQueueRefusesReadsButNoCommits) {
   Start({.own_thread = false, .max_queued = 1});
   EXPECT_TRUE(thread_->Read([](PriorReader&) {}));
   EXPECT_FALSE(thread_->Read([](PriorReader&) {}));
@@ -219,7 +220,7 @@ class ReadsOfAFailingDiskTest : public ::testing::Test {
     store_ = *OpenSqlitePriorStore(path_);
     reads_ = *OpenSqliteReadConnection(path_);
   }
-  // Without what SQLite still has in memory.
+  // Reopens the reading connection, to drop SQLite's cache.
   void OpenReadsAnew() {
     reads_.reset();
     reads_ = *OpenSqliteReadConnection(path_);
@@ -237,7 +238,7 @@ class ReadsOfAFailingDiskTest : public ::testing::Test {
   std::unique_ptr<ReadConnection> reads_;
 };
 
-TEST_F(ReadsOfAFailingDiskTest, GoOnWhileItCannotBeWritten) {
+TEST_F(ReadsOfAFailingDiskTest, ContinueWhileTheDiskCannotBeWritten) {
   const FailingDisk::Faults faults[] = {
       {.write_error = 1}, {.sync_error = 1}, {.full = true}, {.read_only = true}};
   for (size_t i = 0; i < std::size(faults); ++i) {
@@ -250,12 +251,12 @@ TEST_F(ReadsOfAFailingDiskTest, GoOnWhileItCannotBeWritten) {
     OpenReadsAnew();
     EXPECT_EQ(Load(), absl::OkStatus());
     EXPECT_EQ((*reads_->Begin().LoadSource("a"))->progress.commit_sequence, 1u)
-        << "what was not made durable is not seen";
+        << "data that are not durable are not visible";
     reads_->End();
   }
 }
 
-TEST_F(ReadsOfAFailingDiskTest, AreNotTakenForDamageWhereTheyFail) {
+TEST_F(ReadsOfAFailingDiskTest, DoNotCountAsDamageWhenTheyFail) {
   ASSERT_TRUE(store_->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
   OpenReadsAnew();
   ASSERT_TRUE(store_->Commit(std::vector{Update("a", 2, {Key("Grid")})}).ok());
@@ -265,7 +266,7 @@ TEST_F(ReadsOfAFailingDiskTest, AreNotTakenForDamageWhereTheyFail) {
   EXPECT_EQ(Load(), absl::OkStatus());
 }
 
-TEST_F(ReadsOfAFailingDiskTest, APageOfAnExportReadsAsMuchWhereverItIs) {
+TEST_F(ReadsOfAFailingDiskTest, EveryPageOfAnExportReadsTheSameAmount) {
   std::vector<SourceUpdate> updates;
   for (int source = 0; source < 5'000; ++source)
     updates.push_back(Update(std::to_string(source), 1, {Key("Grid"), Key("SAP")}));

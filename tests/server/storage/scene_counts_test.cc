@@ -1,4 +1,5 @@
-// The counts of scenes that the store keeps: they are those of its rows at any time, and cost none.
+// The counts of scenes that the store keeps: they always match its rows, and reading them visits no
+// rows.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -31,7 +32,7 @@ class SceneCountsTest : public ::testing::Test {
   absl::Status Commit(const std::string& source, const std::vector<EvidenceKey>& keys) {
     return store_->Commit(std::vector{Update(source, ++sequence_, keys)});
   }
-  // What the store says, after a check that a count of the rows says the same.
+  // Returns the store's counts, after a comparison with a count of the rows.
   Count Counts() {
     const auto kept = *store_->CountScenes("game");
     auto database = *SqliteDatabase::Open(path_, SqliteDatabase::OpenMode::kReadOnly);
@@ -48,7 +49,7 @@ class SceneCountsTest : public ::testing::Test {
   uint64_t sequence_ = 0;
 };
 
-TEST_F(SceneCountsTest, AreThoseOfTheRowsAfterCommitsImportsAndRevocations) {
+TEST_F(SceneCountsTest, MatchTheRowsAfterCommitsImportsAndRevocations) {
   EXPECT_EQ(Counts(), Count(0, 0));
   ASSERT_TRUE(Commit("a", {KeyOf("hall")}).ok());
   EXPECT_EQ(Counts(), Count(1, 1));
@@ -61,10 +62,10 @@ TEST_F(SceneCountsTest, AreThoseOfTheRowsAfterCommitsImportsAndRevocations) {
   ASSERT_TRUE(store_->Revoke({.id = "b"}, false).ok());
   EXPECT_EQ(Counts(), Count(3, 4));
   ASSERT_TRUE(Commit("a", {KeyOf("pier", "laptop")}).ok());
-  EXPECT_EQ(Counts(), Count(4, 5)) << "that it was there once does not count";
+  EXPECT_EQ(Counts(), Count(4, 5)) << "removed scenes do not count";
 }
 
-TEST_F(SceneCountsTest, StayAsTheyAreWhereACommitFails) {
+TEST_F(SceneCountsTest, DoNotChangeIfACommitFails) {
   ASSERT_TRUE(Commit("a", {KeyOf("hall")}).ok());
   EXPECT_EQ(Counts(), Count(1, 1));
   disk_.Set({.write_error = 1});
@@ -75,7 +76,7 @@ TEST_F(SceneCountsTest, StayAsTheyAreWhereACommitFails) {
   EXPECT_EQ(Counts(), Count(2, 2));
 }
 
-TEST_F(SceneCountsTest, AHelloOfANewSceneVisitsNoMoreRowsWithTenThousandScenesThanWithTen) {
+TEST_F(SceneCountsTest, AHelloOfANewSceneVisitsEquallyManyRowsWithTenOrTenThousandScenes) {
   const auto teach = [&](int first, int end) {
     std::vector<EvidenceKey> keys;
     for (int i = first; i < end; ++i) keys.push_back(KeyOf("scene " + std::to_string(i)));

@@ -1,5 +1,5 @@
-// What every prior store must say of sources, and how it takes their evidence out again.
-// Whoever includes prior_store_conformance.h includes it, too.
+// Tests of sources and their revocation for every prior store. Included together with
+// prior_store_conformance.h.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace sweepstake::storage {
 
 class SourceConformance : public PriorStoreConformance {};
 
-TEST_P(SourceConformance, ARevokedSourceLosesExactlyItsEvidenceAndStaysAway) {
+TEST_P(SourceConformance, ARevokedSourceLosesExactlyItsEvidenceAndStaysRevoked) {
   ASSERT_TRUE(
       Commit({Update("a", 1, {Key("Grid"), Key("SAP")}), Update("b", 1, {Key("Grid")})}).ok());
   EXPECT_EQ(store_->Revoke({.id = "a"}, false)->record_count, 2u);
@@ -31,8 +31,8 @@ TEST_P(SourceConformance, ARevokedSourceLosesExactlyItsEvidenceAndStaysAway) {
   EXPECT_EQ(Sums({Key("Grid")}).source_count, 1u);
 }
 
-// A third has no exact sum: what is added to it and taken off again would leave a rest.
-TEST_P(SourceConformance, WhatIsRevokedLeavesNoTraceInAnyBit) {
+// A third has no exact sum in floating point: adding and subtracting it would leave a remainder.
+TEST_P(SourceConformance, ARevocationRestoresTheSumsInEveryBit) {
   const auto commit = [&](const std::string& source, double alpha) {
     SourceUpdate update = Update(source, 1, {Key("Grid")});
     update.increments[0].evidence.alpha = alpha;
@@ -48,7 +48,7 @@ TEST_P(SourceConformance, WhatIsRevokedLeavesNoTraceInAnyBit) {
   EXPECT_EQ(ExportAll(), before);
 }
 
-TEST_P(SourceConformance, ARevocationBarsNeitherAnotherProjectsSourceNorTheLogOfAdministrators) {
+TEST_P(SourceConformance, ARevocationKeepsSourcesOfOtherProjectsAndTheAdministratorsLog) {
   const std::string admin(decision::kAdminSession);
   ASSERT_TRUE(Commit({UpdateOf({}, 100, "a", {Key("Grid")}), UpdateOf({}, 100, admin, {})}).ok());
   EXPECT_EQ(*store_->Revoke({.id = "a", .project = "other"}, false), priors::RevokeResult{});
@@ -60,7 +60,7 @@ TEST_P(SourceConformance, ARevocationBarsNeitherAnotherProjectsSourceNorTheLogOf
   EXPECT_NE(*store_->LoadSource(admin), std::nullopt);
 }
 
-TEST_P(SourceConformance, ARevocationOfAnotherBuildOrTimeBarsNoSourceThatIsKnown) {
+TEST_P(SourceConformance, ARevocationByBuildOrTimeKeepsOtherKnownSources) {
   ASSERT_TRUE(Commit({UpdateOf({"1.0", 7}, 100, "a", {Key("Grid")})}).ok());
   const priors::SourceFilter none[] = {
       {.id = "a", .build = "1.1"}, {.id = "a", .token_id = 8}, {.id = "a", .until_unix_s = 99}};
@@ -95,12 +95,12 @@ TEST_P(SourceConformance, SourcesAreRevokedByBuildTokenAndTimeAndAPreviewChanges
   ASSERT_TRUE(Commit({UpdateOf({"1.1", 0}, 400, "e", {Key("Grid")})}).ok());
   EXPECT_EQ(revoked({.project = "game", .build = "1.1"}).record_count, 1u);
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{0.75, 0.25, 1, 2}));
-  EXPECT_EQ(Sums({elsewhere}).source_count, 1u) << "of another project";
+  EXPECT_EQ(Sums({elsewhere}).source_count, 1u) << "the evidence of another project stays";
   EXPECT_EQ(revoked({.project = "game", .from_unix_s = 1}), (priors::RevokeResult{1, 1, 1}));
   EXPECT_EQ(ExportAll().size(), 1u);
 }
 
-TEST_P(SourceConformance, TheSourcesOfASceneAreThoseOfItsClassAndSomeOfOthers) {
+TEST_P(SourceConformance, TheSourcesOfASceneComeFromItsMachineClassAndAFewOthers) {
   EvidenceKey lane = Key("SAP");
   lane.measured_by = "lane";
   EvidenceKey laptop = Key("Grid");
@@ -125,7 +125,7 @@ TEST_P(SourceConformance, TheSourcesOfASceneAreThoseOfItsClassAndSomeOfOthers) {
   EXPECT_TRUE(store_->LoadSources({"game", "nowhere", "desktop", 1})->empty());
 }
 
-TEST_P(SourceConformance, OfManySourcesTheLatestSpeakForAScene) {
+TEST_P(SourceConformance, OnlyTheLatestOfManySourcesAreUsedForAScene) {
   for (uint32_t i = 0; i < priors::kSourcesOfScene + 5; ++i) {
     EvidenceKey laptop = Key("Grid");
     laptop.machine_class = "laptop";
@@ -142,7 +142,7 @@ TEST_P(SourceConformance, OfManySourcesTheLatestSpeakForAScene) {
   EXPECT_EQ(ids["laptop"].back(), "laptop " + std::to_string(priors::kSourcesOfScene + 4));
 }
 
-TEST_P(SourceConformance, ATokenThatFloodsASceneLeavesTheOthersTheirPlaces) {
+TEST_P(SourceConformance, ATokenWithManySourcesLeavesPlacesForOtherTokens) {
   const auto commit = [&](const std::string& source, int64_t token) {
     ASSERT_TRUE(Commit({UpdateOf({"1.0", token}, 100, source, {Key("Grid")})}).ok());
   };
@@ -156,19 +156,19 @@ TEST_P(SourceConformance, ATokenThatFloodsASceneLeavesTheOthersTheirPlaces) {
   };
   EXPECT_EQ(count_honest(), 20);
   for (int i = 20; i < 30; ++i) commit("honest " + std::to_string(i), 1 + i % 2);
-  EXPECT_EQ(count_honest(), 21) << "of 32 places of three tokens";
+  EXPECT_EQ(count_honest(), 21) << "of 32 places, shared by three tokens";
   ASSERT_TRUE(store_->Revoke({.token_id = 3}, false).ok());
   EXPECT_EQ(count_honest(), 30);
 }
 
-TEST_P(SourceConformance, WhereASourceComesFromGoesWithItsRecords) {
+TEST_P(SourceConformance, TheOriginOfASourceIsExportedWithItsRecords) {
   ASSERT_TRUE(Commit({UpdateOf({"1.0", 7}, 100, "a", {Key("Grid")})}).ok());
   SourceUpdate later = UpdateOf({"2.0", 8}, 200, "a", {Key("Grid")});
   later.progress.commit_sequence = 2;
   ASSERT_TRUE(Commit({later}).ok());
   std::vector<PriorRecord> records = ExportAll();
   ASSERT_EQ(records.size(), 1u);
-  EXPECT_EQ(records[0].build, "1.0") << "of its first update";
+  EXPECT_EQ(records[0].build, "1.0") << "the build of its first update";
   EXPECT_EQ(records[0].last_seen_unix_s, 200u);
   EXPECT_FALSE(records[0].is_imported);
   records[0].source_id = "imported";
@@ -180,7 +180,7 @@ TEST_P(SourceConformance, WhereASourceComesFromGoesWithItsRecords) {
   EXPECT_TRUE(records[1].is_imported);
 }
 
-TEST_P(SourceConformance, APreviewIsShownTheStoreAsItWouldBeAndChangesNothing) {
+TEST_P(SourceConformance, APreviewSeesTheChangedStoreAndChangesNothing) {
   const SceneKey scene{"game", "harbour", "desktop", 1};
   ASSERT_TRUE(store_->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
   PriorRecord waiting = Record("b", 1, Key("SAP"), 1);

@@ -1,4 +1,4 @@
-// Backups: made while others write, checked, put back.
+// Backups: made while the store is written, verified, restored.
 #include "server/storage/backup/sqlite_backup.h"
 
 #include <gmock/gmock.h>
@@ -45,7 +45,7 @@ class SqliteBackupTest : public ::testing::Test {
   std::unique_ptr<PriorStore> store_;
 };
 
-TEST_F(SqliteBackupTest, ACopyOfAStoreInUseHasAllThatWasCommitted) {
+TEST_F(SqliteBackupTest, ACopyOfAStoreInUseHasAllCommits) {
   auto writer =
       *SqliteDatabase::Open((data_ / "priors.db").string(), SqliteDatabase::OpenMode::kExisting);
   ASSERT_TRUE(writer.Execute("BEGIN IMMEDIATE; UPDATE source SET decision_count = 9").ok());
@@ -57,7 +57,7 @@ TEST_F(SqliteBackupTest, ACopyOfAStoreInUseHasAllThatWasCommitted) {
   EXPECT_FALSE(std::filesystem::exists(file_.string() + ".new"));
 }
 
-TEST_F(SqliteBackupTest, NoFileIsOverwritten) {
+TEST_F(SqliteBackupTest, ABackupOverwritesNoFile) {
   std::ofstream(file_) << "precious";
   EXPECT_TRUE(absl::IsAlreadyExists(BackUpStore(data_, file_).status()));
   EXPECT_EQ(std::filesystem::file_size(file_), 8u);
@@ -70,7 +70,7 @@ TEST_F(SqliteBackupTest, ADirectoryWithoutADatabaseHasNoBackup) {
   EXPECT_FALSE(std::filesystem::exists(file_));
 }
 
-TEST_F(SqliteBackupTest, WhatWasBackedUpIsThereAfterTheRestore) {
+TEST_F(SqliteBackupTest, ARestoreBringsBackTheBackedUpStore) {
   BackUp();
   ASSERT_TRUE(store_->Commit(std::vector{Update("c", 1, {Key("Grid")})}).ok());
   const auto contents = RestoreStore(file_, empty_);
@@ -80,8 +80,8 @@ TEST_F(SqliteBackupTest, WhatWasBackedUpIsThereAfterTheRestore) {
   EXPECT_EQ(Records(data_).size(), 4u);
 }
 
-TEST_F(SqliteBackupTest, WhatRootMakesInADirectoryOfAnotherIsThatOnes) {
-  if (geteuid() != 0) GTEST_SKIP() << "only root makes files of others";
+TEST_F(SqliteBackupTest, FilesThatRootCreatesBelongToTheOwnerOfTheDirectory) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can create files for other users";
   std::filesystem::create_directory(empty_);
   ASSERT_EQ(chown(empty_.c_str(), 65534, 65534), 0);
   ASSERT_TRUE(BackUpStore(data_, empty_ / "copy.db").ok());
@@ -94,7 +94,7 @@ TEST_F(SqliteBackupTest, WhatRootMakesInADirectoryOfAnotherIsThatOnes) {
   }
 }
 
-TEST_F(SqliteBackupTest, ADirectoryThatHasADatabaseOrADaemonIsNotRestoredInto) {
+TEST_F(SqliteBackupTest, RefusesToRestoreIntoADirectoryWithADatabaseOrADaemon) {
   BackUp();
   EXPECT_TRUE(absl::IsAlreadyExists(RestoreStore(file_, data_).status()));
   const auto daemon = *DataDirectory::Open(empty_);
@@ -103,7 +103,7 @@ TEST_F(SqliteBackupTest, ADirectoryThatHasADatabaseOrADaemonIsNotRestoredInto) {
   EXPECT_FALSE(std::filesystem::exists(empty_ / "priors.db"));
 }
 
-TEST_F(SqliteBackupTest, ADamagedBackupIsToldAndNotRestored) {
+TEST_F(SqliteBackupTest, ADamagedBackupIsReportedAndNotRestored) {
   BackUp();
   std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(4096);
@@ -114,21 +114,21 @@ TEST_F(SqliteBackupTest, ADamagedBackupIsToldAndNotRestored) {
   EXPECT_FALSE(std::filesystem::exists(empty_ / "priors.db"));
 }
 
-TEST_F(SqliteBackupTest, SumsThatAreNotThoseOfTheRowsAreTold) {
+TEST_F(SqliteBackupTest, ReportsSumsThatDifferFromTheRows) {
   BackUp();
   Execute("UPDATE evidence SET alpha = alpha + 1 WHERE key_id = 1");
   Execute("UPDATE evidence SET hash = content_hash");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("1 sums that are not"));
 }
 
-TEST_F(SqliteBackupTest, AWrongNumberOfSourcesIsTold) {
+TEST_F(SqliteBackupTest, ReportsAWrongNumberOfSources) {
   BackUp();
   Execute("UPDATE scene SET source_count = source_count + 1");
   Execute("UPDATE scene SET hash = content_hash");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("2 scenes with a"));
 }
 
-TEST_F(SqliteBackupTest, SourcesThatAreNotThoseOfTheEvidenceAreTold) {
+TEST_F(SqliteBackupTest, ReportsSourcesThatDifferFromTheEvidence) {
   BackUp();
   Execute("UPDATE scene_source SET scene_id = 3 - scene_id");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()),
@@ -142,13 +142,13 @@ TEST_F(SqliteBackupTest, SourcesThatAreNotThoseOfTheEvidenceAreTold) {
               HasSubstr("1 sources of scenes without their evidence"));
 }
 
-TEST_F(SqliteBackupTest, RowsThatReferToNoneAreTold) {
+TEST_F(SqliteBackupTest, ReportsDanglingReferences) {
   BackUp();
   Execute("DELETE FROM source WHERE name = 'b'");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("refer to none"));
 }
 
-TEST_F(SqliteBackupTest, AFileOfSomethingElseIsNoBackup) {
+TEST_F(SqliteBackupTest, AForeignFileIsNotABackup) {
   std::ofstream(file_) << std::string(5000, 'x');
   EXPECT_TRUE(absl::IsDataLoss(VerifyStore(file_).status()));
   const absl::Status missing = VerifyStore(directory_.path() / "nowhere").status();

@@ -1,4 +1,4 @@
-// What is special about the store on SQLite: the file.
+// The properties of the SQLite store that concern its file.
 #include "server/storage/sqlite_prior_store.h"
 
 #include <gmock/gmock.h>
@@ -39,7 +39,7 @@ class SqlitePriorStoreTest : public ::testing::Test {
   std::filesystem::path path_ = directory_.path() / "priors.db";
 };
 
-TEST_F(SqlitePriorStoreTest, EvidenceIsThereAfterReopening) {
+TEST_F(SqlitePriorStoreTest, EvidenceIsKeptAfterReopening) {
   {
     auto store = *OpenSqlitePriorStore(path_);
     ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
@@ -49,17 +49,17 @@ TEST_F(SqlitePriorStoreTest, EvidenceIsThereAfterReopening) {
   EXPECT_EQ(LoadSums(*store, {Key("Grid")})->sums[0].evidence.window_count, 1u);
 }
 
-TEST_F(SqlitePriorStoreTest, ACommitIsOneFsyncWhichIsTimed) {
+TEST_F(SqlitePriorStoreTest, ACommitIsOneTimedFsync) {
   std::vector<std::chrono::nanoseconds> durations;
   auto store = *OpenSqlitePriorStore(path_, {}, 0, [&](auto taken) { durations.push_back(taken); });
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
-  durations.clear();  // A new log also has its head synced.
+  durations.clear();  // A new log also has its header synced.
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 2, {Key("Grid")})}).ok());
   ASSERT_EQ(durations.size(), 1u);
   EXPECT_GT(durations[0].count(), 0);
 }
 
-// A store in use whose file, or the log of it, has not its name any more.
+// A store in use whose file or log has lost its name.
 class MisplacedStoreTest : public SqlitePriorStoreTest,
                            public ::testing::WithParamInterface<std::pair<const char*, bool>> {
  protected:
@@ -77,7 +77,7 @@ class MisplacedStoreTest : public SqlitePriorStoreTest,
   std::filesystem::path moved_ = directory_.path() / "moved";
 };
 
-TEST_P(MisplacedStoreTest, TakesNothingMoreUntilItIsBack) {
+TEST_P(MisplacedStoreTest, AcceptsNothingUntilTheFileIsBack) {
   const std::vector update{Update("a", 2, {Key("Grid")})};
   EXPECT_TRUE(absl::IsNotFound(store_->CheckPlace()));
   EXPECT_THAT(std::string(store_->CheckPlace().message()), HasSubstr(file_.string() + " was re"));
@@ -91,7 +91,7 @@ TEST_P(MisplacedStoreTest, TakesNothingMoreUntilItIsBack) {
   EXPECT_EQ(LoadSums(*store_, {Key("Grid")})->sums[0].evidence.window_count, 2u);
 }
 
-TEST_P(MisplacedStoreTest, IsSavedBesideWithAllThatItHasAndLeavesAnEmptyLog) {
+TEST_P(MisplacedStoreTest, IsSavedCompletelyAndLeavesAnEmptyLog) {
   const auto saved = SaveMisplacedStore(*store_, path_);
   ASSERT_TRUE(saved.ok()) << saved.status();
   EXPECT_THAT(saved->filename().string(), ::testing::StartsWith("priors.db.backup-"));
@@ -99,7 +99,7 @@ TEST_P(MisplacedStoreTest, IsSavedBesideWithAllThatItHasAndLeavesAnEmptyLog) {
   const bool is_log = file_ != path_;
   const std::filesystem::path log =
       is_log ? moved_ : std::filesystem::path(path_.string() + "-wal");
-  EXPECT_EQ(std::filesystem::file_size(log), 0u) << "nothing that another file could get";
+  EXPECT_EQ(std::filesystem::file_size(log), 0u) << "another file must not inherit the log";
   const std::filesystem::path database = is_log ? path_ : moved_;
   store_.reset();
   EXPECT_EQ(VerifyStore(database)->record_count, 1) << "the moved file is whole by itself";
@@ -120,7 +120,7 @@ TEST_F(SqlitePriorStoreTest, AStoreWhoseDirectoryWasRemovedIsSavedInANewOne) {
   EXPECT_EQ(VerifyStore(*saved)->record_count, 1);
 }
 
-TEST_F(SqlitePriorStoreTest, ANewFileIsMarkedAsOurs) {
+TEST_F(SqlitePriorStoreTest, ANewFileHasOurApplicationId) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   EXPECT_EQ(QueryInteger("PRAGMA application_id"), kSqliteApplicationId);
   EXPECT_EQ(QueryInteger("PRAGMA user_version"), 1);
@@ -133,7 +133,7 @@ TEST_F(SqlitePriorStoreTest, AnEmptyFileIsNeitherAdoptedNorChanged) {
   EXPECT_EQ(std::filesystem::file_size(path_), 0u);
 }
 
-TEST_F(SqlitePriorStoreTest, AFileThatIsNoDatabaseIsRefused) {
+TEST_F(SqlitePriorStoreTest, AFileThatIsNotADatabaseIsRefused) {
   std::ofstream(path_) << std::string(5000, 'x');
   EXPECT_THAT(OpenError(), HasSubstr("is not a Sweepstake database"));
   EXPECT_EQ(std::filesystem::file_size(path_), 5000u);
@@ -144,7 +144,7 @@ TEST_F(SqlitePriorStoreTest, AnotherProgramsDatabaseIsRefused) {
   EXPECT_THAT(OpenError(), HasSubstr("is not a Sweepstake database"));
 }
 
-TEST_F(SqlitePriorStoreTest, AFileOfAnotherSchemaVersionIsRefusedAndLeftAsItIs) {
+TEST_F(SqlitePriorStoreTest, AFileOfAnotherSchemaVersionIsRefusedAndNotChanged) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   Execute("PRAGMA user_version = 11");
   EXPECT_TRUE(absl::IsFailedPrecondition(OpenSqlitePriorStore(path_).status()));
@@ -159,7 +159,7 @@ TEST_F(SqlitePriorStoreTest, ALogWithoutItsFileIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(path_));
 }
 
-TEST_F(SqlitePriorStoreTest, WhatIsLeftOfAnUnfinishedCreationIsReplaced) {
+TEST_F(SqlitePriorStoreTest, AnUnfinishedFileIsReplaced) {
   std::ofstream(path_.string() + ".new") << "half a file";
   EXPECT_TRUE(OpenSqlitePriorStore(path_).ok());
   EXPECT_FALSE(std::filesystem::exists(path_.string() + ".new"));
@@ -177,13 +177,13 @@ TEST_F(SqlitePriorStoreTest, ADamagedFileIsRefused) {
   EXPECT_TRUE(absl::IsDataLoss(OpenSqlitePriorStore(path_).status())) << OpenError();
 }
 
-TEST_F(SqlitePriorStoreTest, AMissingDirectoryIsNamed) {
+TEST_F(SqlitePriorStoreTest, TheErrorNamesAMissingDirectory) {
   path_ = directory_.path() / "nowhere" / "priors.db";
   EXPECT_TRUE(absl::IsUnavailable(OpenSqlitePriorStore(path_).status()));
   EXPECT_THAT(OpenError(), HasSubstr("nowhere"));
 }
 
-TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoEvidence) {
+TEST_F(SqlitePriorStoreTest, TheDatabaseSchemaRefusesInvalidEvidence) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
   ASSERT_TRUE(
@@ -202,16 +202,16 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoEvidence) {
   EXPECT_TRUE(absl::IsInvalidArgument(database.Execute("UPDATE source SET frame_count = -1")));
 }
 
-TEST_F(SqlitePriorStoreTest, ACommitThatFailsHalfwayLeavesNothing) {
+TEST_F(SqlitePriorStoreTest, ACommitThatFailsHalfwayChangesNothing) {
   auto store = *OpenSqlitePriorStore(path_);
-  // The second table is gone: the first statement of the commit still works.
+  // The second table is missing: the first statement of the commit still works.
   Execute("DROP TABLE evidence");
   EXPECT_FALSE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM source"), 0);
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM evidence_key"), 0);
 }
 
-TEST_F(SqlitePriorStoreTest, ADatabaseThatSomebodyElseWritesIsReportedAsUnavailable) {
+TEST_F(SqlitePriorStoreTest, ADatabaseLockedByAnotherProgramIsUnavailable) {
   auto store = *OpenSqlitePriorStore(path_);
   auto other = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
   ASSERT_TRUE(other.Execute("BEGIN IMMEDIATE").ok());
@@ -228,7 +228,7 @@ SourceUpdate Audited(const std::string& session, uint64_t n, uint64_t first_row,
   return update;
 }
 
-TEST_F(SqlitePriorStoreTest, AuditRowsThatCannotBeWrittenCostNoEvidenceAndAreAGap) {
+TEST_F(SqlitePriorStoreTest, FailedAuditRowsLoseNoEvidenceAndLeaveAGap) {
   auto store = *OpenSqlitePriorStore(path_);
   ASSERT_TRUE(store->Commit(std::vector{Audited("a", 1, 1, 2)}).ok());
   Execute("ALTER TABLE audit_row RENAME TO gone");
@@ -246,7 +246,7 @@ TEST_F(SqlitePriorStoreTest, AuditRowsThatCannotBeWrittenCostNoEvidenceAndAreAGa
   EXPECT_EQ(store->lost_audit_row_count(), 5u);
 }
 
-TEST_F(SqlitePriorStoreTest, TheBoundsOfTheAuditLogHoldAfterReopening) {
+TEST_F(SqlitePriorStoreTest, TheLimitsOfTheAuditLogHoldAfterReopening) {
   const priors::AuditLimits limits{.bytes = 24, .age_s = 100};
   ASSERT_TRUE((*OpenSqlitePriorStore(path_, limits))
                   ->Commit(std::vector{Audited("a", 1, 1, 5), Audited("b", 1, 1, 3)})
@@ -258,7 +258,7 @@ TEST_F(SqlitePriorStoreTest, TheBoundsOfTheAuditLogHoldAfterReopening) {
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_segment"), 1);
 }
 
-TEST_F(SqlitePriorStoreTest, AnotherMaxAgeOfAuditRowsHoldsFromTheNextCommitOn) {
+TEST_F(SqlitePriorStoreTest, AChangedAgeLimitOfAuditRowsAppliesFromTheNextCommit) {
   const auto at = [](SourceUpdate update, uint64_t unix_s) {
     update.unix_time_s = unix_s;
     return std::vector{std::move(update)};
@@ -272,7 +272,7 @@ TEST_F(SqlitePriorStoreTest, AnotherMaxAgeOfAuditRowsHoldsFromTheNextCommitOn) {
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_row"), 4);
 }
 
-TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesNoNewEvidenceUntilItMay) {
+TEST_F(SqlitePriorStoreTest, AFileAtItsMaximumSizeAcceptsNoNewEvidence) {
   uint64_t stored = 0;
   absl::Status status;
   const auto nth = [](uint64_t n) {
@@ -293,13 +293,13 @@ TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesNoNewEvidenceUntilItMay) {
   EXPECT_EQ(store->List({}, std::nullopt, 20'000)->size(), stored + 1);
 }
 
-TEST_F(SqlitePriorStoreTest, WhatWasRemovedIsNotInUseThoughTheFileStaysAsLarge) {
+TEST_F(SqlitePriorStoreTest, RemovedDataIsNotInUseAlthoughTheFileKeepsItsSize) {
   auto store = *OpenSqlitePriorStore(path_, {.bytes = 1 << 20});
   const uint64_t empty_bytes = *UsedBytes(*store);
   SourceUpdate update = Audited("a", 1, 1, 500);
   for (auto& row : update.audit.rows) row.text.assign(1'000, 'x');
   ASSERT_TRUE(store->Commit(std::vector{update}).ok());
-  EXPECT_GT(*UsedBytes(*store), empty_bytes + 500'000) << "in the log already";
+  EXPECT_GT(*UsedBytes(*store), empty_bytes + 500'000) << "already in the log";
   ASSERT_TRUE(LimitStore(*store, {.bytes = 1'000}, /*max_bytes=*/1 << 30).ok());
   EXPECT_LT(*UsedBytes(*store), empty_bytes + 100'000);
   store.reset();
@@ -312,7 +312,7 @@ SourceUpdate WithLongRow(uint64_t n) {
   return update;
 }
 
-TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesEvidenceOfKnownSessionsWithoutItsAuditRows) {
+TEST_F(SqlitePriorStoreTest, AFileAtItsMaximumSizeAcceptsEvidenceOfKnownSessionsWithoutAuditRows) {
   auto store = *OpenSqlitePriorStore(path_, {}, /*max_bytes=*/1);
   uint64_t n = 0;
   while (n < 1'000 && store->lost_audit_row_count() < 5) {
@@ -324,7 +324,7 @@ TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesEvidenceOfKnownSessionsWith
   EXPECT_EQ(store->ListAudit({}, 0, 9)->at(0).row_count, n - 5);
 }
 
-TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesAuditRowsInThePlaceOfOlderOnes) {
+TEST_F(SqlitePriorStoreTest, AFileAtItsMaximumSizeReplacesOlderAuditRows) {
   {
     auto store = *OpenSqlitePriorStore(path_, {.bytes = 100'000});
     for (uint64_t n = 1; n <= 100; ++n)
@@ -337,7 +337,7 @@ TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesAuditRowsInThePlaceOfOlderO
   EXPECT_GT(store->ListAudit({}, 0, 9)->at(0).first_row, 90u);
 }
 
-TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowHasRoomAgainWhenItsAuditLogGetsLess) {
+TEST_F(SqlitePriorStoreTest, AFileAtItsMaximumSizeHasRoomAgainAfterItsAuditLogShrinks) {
   const auto nth = [](uint64_t n) {
     return std::vector{Update("new " + std::to_string(n), 1, {Key("Grid", std::to_string(n))})};
   };
@@ -357,10 +357,10 @@ TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowHasRoomAgainWhenItsAuditLogGetsL
   ASSERT_LT(stored, 1'000u);
   ASSERT_TRUE(LimitStore(*store, {.bytes = 10'000}, /*max_bytes=*/1).ok());
   status = store->Commit(nth(stored));
-  EXPECT_TRUE(status.ok()) << "while it runs: " << status;
+  EXPECT_TRUE(status.ok()) << "while the store is open: " << status;
 }
 
-TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoAuditRow) {
+TEST_F(SqlitePriorStoreTest, TheDatabaseSchemaRefusesInvalidAuditRows) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
   const std::string segment = "INSERT INTO audit_segment VALUES ";
@@ -379,7 +379,7 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoAuditRow) {
   EXPECT_FALSE(database.Execute("INSERT INTO audit_chunk VALUES (1, 0, -1)").ok());
 }
 
-TEST_F(SqlitePriorStoreTest, AHelloVisitsNoMoreRowsWithTenThousandSourcesThanWithThoseItUses) {
+TEST_F(SqlitePriorStoreTest, AHelloVisitsEquallyManyRowsWithFewOrTenThousandSources) {
   InstructionCounter counter;
   auto store = *OpenSqlitePriorStore(path_);
   const auto teach = [&](int first, int end) {
@@ -394,7 +394,7 @@ TEST_F(SqlitePriorStoreTest, AHelloVisitsNoMoreRowsWithTenThousandSourcesThanWit
     EXPECT_EQ((*store->LoadScene({"game", "harbour", "desktop", 1}))->source_count, source_count);
     EXPECT_EQ(store->List({}, std::nullopt, 10)->at(0).source_count, source_count);
   };
-  // And one that is not looked at.
+  // One more source than LoadSources uses.
   constexpr int kUsed = decision::kSourcesPerPlace * priors::kSourcesOfScene + 1;
   teach(0, kUsed);
   const uint64_t with_few = counter.During([&] { read(kUsed); });
@@ -428,7 +428,7 @@ TEST_F(SqlitePriorStoreTest, AHelloOfANewSceneVisitsNoRowsOfOtherProjects) {
   EXPECT_LT(counter.During(read), alone + 100);
 }
 
-TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
+TEST(DataDirectoryTest, IsCreatedWhenMissingAndLockedByOneDaemon) {
   const test_support::TemporaryDirectory temporary;
   const auto path = temporary.path() / "data";
   {
@@ -442,7 +442,7 @@ TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
   EXPECT_TRUE(DataDirectory::Open(path).ok());
 }
 
-TEST(DataDirectoryTest, OnlyItsOwnerReadsItWhateverTheMask) {
+TEST(DataDirectoryTest, OnlyItsOwnerCanReadItWhateverTheUmask) {
   const test_support::TemporaryDirectory temporary;
   const auto path = temporary.path() / "data";
   const auto mode = [](const std::filesystem::path& of) {

@@ -1,4 +1,4 @@
-// Group commits: who is told what, and when.
+// Group commits: which callbacks run, and when.
 #include "server/storage/store_thread.h"
 
 #include <gmock/gmock.h>
@@ -15,8 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Counts commits, and fails those the test wants to fail. On the store's thread, or before it
-// starts.
+// Counts commits, and fails them on request. Changed on the store's thread, or before it starts.
 class CountingStore final : public ForwardingStore {
  public:
   explicit CountingStore(std::vector<size_t>& group_sizes, bool& failing, bool& misplaced)
@@ -74,14 +73,14 @@ class StoreThreadTest : public ::testing::Test {
   std::unique_ptr<StoreThread> thread_;
 };
 
-TEST_F(StoreThreadTest, ItsOwnThreadGivesWayToThoseThatAnswerGames) {
+TEST_F(StoreThreadTest, ItsOwnThreadHasALowerPriorityThanTheThreadsThatAnswerGames) {
   Start({});
   int niceness = 0;
   OnThread([&] { niceness = getpriority(PRIO_PROCESS, 0); });
   EXPECT_GT(niceness, getpriority(PRIO_PROCESS, 0));
 }
 
-TEST_F(StoreThreadTest, UpdatesThatComeTogetherShareACommit) {
+TEST_F(StoreThreadTest, ConcurrentUpdatesShareACommit) {
   Start({.group_interval = milliseconds(0)});
   const auto release = Occupy();
   auto a = Commit(Update("a", 1, {Key("Grid")}));
@@ -137,7 +136,7 @@ TEST_F(StoreThreadTest, AJobSeesTheCommitsOfferedBeforeIt) {
   EXPECT_EQ(seen.get_future().get(), 1u);
 }
 
-TEST_F(StoreThreadTest, AJobCutsNoGroupAndSeesTheCommitsOfItThatWereOfferedAfterIt) {
+TEST_F(StoreThreadTest, AJobDoesNotSplitAGroupAndSeesItsLaterCommits) {
   Start({.own_thread = false});
   Commit(Update("a", 1, {Key("Grid")}));
   uint64_t seen = 0;
@@ -148,7 +147,7 @@ TEST_F(StoreThreadTest, AJobCutsNoGroupAndSeesTheCommitsOfItThatWereOfferedAfter
   EXPECT_EQ(seen, 2u);
 }
 
-TEST_F(StoreThreadTest, AJobBehindMoreCommitsThanAGroupHasWaitsForThemAndForNoLaterGroup) {
+TEST_F(StoreThreadTest, AJobWaitsForAllEarlierGroupsAndNoLaterOne) {
   Start({.group_rows = 2, .own_thread = false});
   for (uint64_t i = 1; i <= 2; ++i) Commit(Update("a", i, {Key("Grid")}));
   std::vector<size_t> before;
@@ -159,7 +158,7 @@ TEST_F(StoreThreadTest, AJobBehindMoreCommitsThanAGroupHasWaitsForThemAndForNoLa
   EXPECT_THAT(group_sizes_, ::testing::ElementsAre(1, 1, 1, 1, 1, 1));
 }
 
-TEST_F(StoreThreadTest, OneWrongUpdateDoesNotSpoilItsGroup) {
+TEST_F(StoreThreadTest, OneInvalidUpdateDoesNotFailItsGroup) {
   Start({.group_interval = milliseconds(0)});
   const auto release = Occupy();
   auto good = Commit(Update("a", 1, {Key("Grid")}));
@@ -170,7 +169,7 @@ TEST_F(StoreThreadTest, OneWrongUpdateDoesNotSpoilItsGroup) {
   EXPECT_TRUE(thread_->healthy());
 }
 
-TEST_F(StoreThreadTest, AGroupWithAWrongUpdateIsHalvedUntilThatOneIsAlone) {
+TEST_F(StoreThreadTest, AGroupWithAnInvalidUpdateIsHalvedUntilTheUpdateIsAlone) {
   std::vector<std::string> refused;
   Start({.group_interval = milliseconds(0),
          .on_refusal = [&](const SourceUpdate& update, const absl::Status& status) {
@@ -180,7 +179,7 @@ TEST_F(StoreThreadTest, AGroupWithAWrongUpdateIsHalvedUntilThatOneIsAlone) {
   const auto release = Occupy();
   std::vector<std::future<absl::Status>> commits;
   for (int i = 0; i < 32; ++i) {
-    const uint64_t sequence = i == 21 ? 0 : 1;  // 0 is no sequence of a commit
+    const uint64_t sequence = i == 21 ? 0 : 1;  // 0 is not a valid commit sequence
     commits.push_back(Commit(Update("source " + std::to_string(i), sequence, {Key("Grid")})));
   }
   release->set_value();
@@ -190,7 +189,7 @@ TEST_F(StoreThreadTest, AGroupWithAWrongUpdateIsHalvedUntilThatOneIsAlone) {
   EXPECT_THAT(group_sizes_, ::testing::ElementsAre(32, 16, 16, 8, 4, 4, 2, 1, 1, 2, 8));
 }
 
-TEST_F(StoreThreadTest, AFullDiskIsUnhealthyAndToldUntilACommitSucceeds) {
+TEST_F(StoreThreadTest, AFullDiskIsReportedAndUnhealthyUntilACommitSucceeds) {
   failing_ = true;
   std::vector<absl::Status> told;
   Start({.group_interval = milliseconds(0),
@@ -202,12 +201,12 @@ TEST_F(StoreThreadTest, AFullDiskIsUnhealthyAndToldUntilACommitSucceeds) {
   EXPECT_TRUE(Commit(Update("a", 1, {})).get().ok());
   EXPECT_TRUE(Commit(Update("a", 2, {})).get().ok());
   EXPECT_TRUE(thread_->healthy());
-  ASSERT_EQ(told.size(), 2u) << "once each";
+  ASSERT_EQ(told.size(), 2u) << "each reported once";
   EXPECT_EQ(told[0].message(), "the disk is full");
   EXPECT_TRUE(told[1].ok());
 }
 
-TEST_F(StoreThreadTest, AStoreThatIsMisplacedIsFoundWithoutCommitsToldOnceAndSaved) {
+TEST_F(StoreThreadTest, AMisplacedStoreIsDetectedWithoutCommitsReportedOnceAndSaved) {
   std::vector<absl::Status> told;
   std::atomic<int> saved_count = 0;
   Start({.check_interval = milliseconds(1),
@@ -219,12 +218,12 @@ TEST_F(StoreThreadTest, AStoreThatIsMisplacedIsFoundWithoutCommitsToldOnceAndSav
   OnThread([&] { misplaced_ = false; });
   while (!thread_->healthy()) std::this_thread::yield();
   thread_->Close();
-  ASSERT_EQ(told.size(), 2u) << "once each";
+  ASSERT_EQ(told.size(), 2u) << "each reported once";
   EXPECT_TRUE(absl::IsNotFound(told[0]));
   EXPECT_TRUE(told[1].ok());
 }
 
-TEST_F(StoreThreadTest, AMisplacedStoreIsFoundByACommitThatFailsBeforeThatIsTold) {
+TEST_F(StoreThreadTest, AMisplacedStoreIsReportedBeforeTheFailedCommitThatDetectsIt) {
   std::vector<absl::Status> told;
   bool saved = false;
   Start({.group_interval = milliseconds(0),
@@ -239,7 +238,7 @@ TEST_F(StoreThreadTest, AMisplacedStoreIsFoundByACommitThatFailsBeforeThatIsTold
   EXPECT_EQ(told[0].message(), "the file is gone");
 }
 
-TEST_F(StoreThreadTest, AStoreThatIsMisplacedWhileTheDiskFailsIsToldAndIsNotWellWhenItIsBack) {
+TEST_F(StoreThreadTest, AStoreMisplacedDuringADiskFailureIsReportedAndStaysUnhealthyWhenItIsBack) {
   std::vector<absl::StatusCode> told;
   std::atomic<int> told_count = 0;
   Start({.group_interval = milliseconds(0),
@@ -266,7 +265,7 @@ TEST_F(StoreThreadTest, AStoreThatIsMisplacedWhileTheDiskFailsIsToldAndIsNotWell
   EXPECT_THAT(told, ::testing::ElementsAre(kUnavailable, kNotFound, kUnavailable, kOk));
 }
 
-TEST_F(StoreThreadTest, AStoreThatIsMisplacedAgainBehindACommitIsToldAgain) {
+TEST_F(StoreThreadTest, AStoreMisplacedAgainAfterACommitIsReportedAgain) {
   std::vector<absl::StatusCode> told;
   Start({.group_interval = milliseconds(0),
          .check_interval = std::chrono::hours(1),
@@ -281,7 +280,7 @@ TEST_F(StoreThreadTest, AStoreThatIsMisplacedAgainBehindACommitIsToldAgain) {
   EXPECT_THAT(told, ::testing::ElementsAre(kNotFound, kOk, kNotFound));
 }
 
-TEST_F(StoreThreadTest, AMisplacedStoreIsFoundAtTheEndAtTheLatest) {
+TEST_F(StoreThreadTest, AMisplacedStoreIsDetectedAtShutdownAtTheLatest) {
   bool saved = false;
   Start({.check_interval = std::chrono::hours(1),
          .on_misplaced = [&](PriorStore&, bool last) { saved = last; }});
@@ -290,7 +289,7 @@ TEST_F(StoreThreadTest, AMisplacedStoreIsFoundAtTheEndAtTheLatest) {
   EXPECT_TRUE(saved);
 }
 
-TEST_F(StoreThreadTest, TheStoreIsLookedAtWithoutCommitsAndAtTheEnd) {
+TEST_F(StoreThreadTest, TheStoreIsCheckedWithoutCommitsAndAtShutdown) {
   std::atomic<int> look_count = 0;
   const auto look = [&](PriorStore&) { ++look_count; };
   Start({.check_interval = milliseconds(1), .on_check = look});
@@ -313,12 +312,12 @@ TEST_F(StoreThreadTest, AFullQueueRefusesAtOnce) {
   EXPECT_TRUE(queued.get().ok());
 }
 
-TEST_F(StoreThreadTest, ClosingDoesNotTryADiskThatFailsUpdateByUpdate) {
+TEST_F(StoreThreadTest, ClosingDoesNotRetryEachUpdateOnAFailingDisk) {
   failing_ = true;
   Start({.group_interval = milliseconds(0), .group_rows = 1});
   EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
   const auto release = Occupy();
-  failing_ = false;  // It would succeed now, had it been tried.
+  failing_ = false;  // a commit would succeed now
   auto a = Commit(Update("a", 1, {}));
   auto b = Commit(Update("b", 1, {}));
   std::thread closer([&] { thread_->Close(); });

@@ -1,4 +1,4 @@
-// Makes hard links fail as they do on file systems that have none.
+// Makes hard links fail as on file systems that have none.
 #pragma once
 
 #include <linux/filter.h>
@@ -16,8 +16,8 @@
 
 namespace sweepstake::storage {
 
-// Every later attempt of this process fails with EPERM. Returns false where the kernel does not
-// let a process do that to itself.
+// Makes every later attempt of this process fail with EPERM. Returns false if the kernel does not
+// allow this.
 inline bool LoseLinks() {
   constexpr unsigned kFail = SECCOMP_RET_ERRNO | EPERM;
 #ifdef SYS_link
@@ -37,8 +37,8 @@ inline bool LoseLinks() {
          prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
 }
 
-// Returns what `body` returns in a child of this process without hard links; nothing where those
-// cannot be taken away.
+// Runs `body` in a child process without hard links and returns its result; nothing if hard links
+// cannot be disabled.
 inline std::optional<bool> WithoutLinks(const std::function<bool()>& body) {
   constexpr int kHasLinks = 77;
   const pid_t child = fork();

@@ -1,4 +1,4 @@
-// A store goes to PostgreSQL and back, whole or not at all.
+// A store is moved to PostgreSQL and back, completely or not at all.
 #include "server/storage/postgres/postgres_migration.h"
 
 #include <gmock/gmock.h>
@@ -27,8 +27,8 @@ constexpr uint64_t kLongAgoUnixS = 1'700'000'000;
 
 fs::path DatabaseIn(const fs::path& directory) { return directory / DataDirectory::kDatabaseName; }
 
-// A directory whose store has some of all: sessions, imports that count and that wait, a revoked
-// source, and an audit log.
+// A directory whose store contains sessions, counting and quarantined imports, a revoked source,
+// and an audit log.
 void Fill(const fs::path& directory) {
   const auto data = DataDirectory::Open(directory);
   ASSERT_TRUE(data.ok()) << data.status();
@@ -59,7 +59,7 @@ void Fill(const fs::path& directory) {
   ASSERT_TRUE((*store)->Revoke({.id = "barred"}, false).ok());
 }
 
-// All that readers see of a store.
+// Everything that readers see of a store.
 struct Seen {
   std::vector<PriorRecord> records;
   std::vector<PriorRecord> waiting;
@@ -93,7 +93,7 @@ Seen See(PriorStore& store) {
 
 Seen SeeIn(const fs::path& directory) { return See(**OpenSqlitePriorStore(DatabaseIn(directory))); }
 
-// What a migration told of its tables, in order.
+// The progress of a migration by table, in order.
 using Told = std::vector<std::string>;
 OnMigrated TellTo(Told& told) {
   return [&told](const std::string& table, uint64_t rows, uint64_t of) {
@@ -115,7 +115,7 @@ class PostgresMigration : public ::testing::Test {
   const std::string url_ = Server().NewDatabase();
 };
 
-TEST_F(PostgresMigration, AStoreIsTheSameInPostgresAndBackAgain) {
+TEST_F(PostgresMigration, AStoreIsEqualInPostgresAndAfterMovingBack) {
   const Seen before = SeeIn(from_);
   ASSERT_FALSE(before.records.empty());
   ASSERT_EQ(before.waiting.size(), 2u);
@@ -134,7 +134,7 @@ TEST_F(PostgresMigration, AStoreIsTheSameInPostgresAndBackAgain) {
   EXPECT_FALSE(fs::exists(to_.string() + ".migration"));
 }
 
-TEST_F(PostgresMigration, SessionsGoOnAndRevokedSourcesStayAway) {
+TEST_F(PostgresMigration, SessionsContinueAndRevokedSourcesStayRevoked) {
   ASSERT_TRUE(MigrateToPostgres(from_, url_, kNobody).ok());
   const auto store = OpenStore(url_);
   const auto session = *store->LoadSource("s1");
@@ -155,7 +155,7 @@ TEST_F(PostgresMigration, SessionsGoOnAndRevokedSourcesStayAway) {
   EXPECT_EQ(store->Promote({}, false)->record_count, 2u);
 }
 
-TEST_F(PostgresMigration, IsRefusedWhileSomethingWaitsForASharedStore) {
+TEST_F(PostgresMigration, IsRefusedWhileUpdatesWaitForASharedStore) {
   for (const fs::path& directory : {from_, to_}) {
     ASSERT_TRUE(DataDirectory::Open(directory).ok());
     ASSERT_TRUE(Outbox::Open(directory / DataDirectory::kOutboxName)
@@ -167,14 +167,14 @@ TEST_F(PostgresMigration, IsRefusedWhileSomethingWaitsForASharedStore) {
   EXPECT_FALSE(fs::exists(DatabaseIn(to_)));
 }
 
-TEST_F(PostgresMigration, WhatIsThereAlreadyIsNotTouched) {
+TEST_F(PostgresMigration, AnExistingStoreIsNotOverwritten) {
   ASSERT_TRUE(OpenStore(url_)->Commit(std::vector{Update("mine", 1, {Key("Grid")})}).ok());
   const auto refused = MigrateToPostgres(from_, url_, kNobody);
   EXPECT_TRUE(absl::IsAlreadyExists(refused.status())) << refused.status();
   EXPECT_EQ(OpenStore(url_)->Export({}, {}, 100)->records.size(), 1u);
   const Seen before = SeeIn(from_);
   const OnMigrated never = [](const std::string& table, uint64_t, uint64_t) {
-    ADD_FAILURE() << table << " was copied for nothing";
+    ADD_FAILURE() << table << " was copied although the migration was refused";
   };
   EXPECT_TRUE(absl::IsAlreadyExists(MigrateFromPostgres(url_, from_, never).status()));
   EXPECT_EQ(SeeIn(from_), before);

@@ -1,4 +1,4 @@
-// Several daemons write one store in PostgreSQL, and servers and connections end.
+// Several daemons write to one store in PostgreSQL, and servers and connections fail.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <libpq-fe.h>
@@ -41,7 +41,7 @@ void EndConnections(const std::string& url) {
          "current_database() AND pid <> pg_backend_pid()");
 }
 
-TEST(PostgresWriters, WhatOneDaemonCommitsTheOthersServe) {
+TEST(PostgresWriters, CommitsOfOneDaemonAreVisibleToTheOthers) {
   const std::string url = Server().NewDatabase();
   const auto first = OpenStore(url);
   const auto second = OpenStore(url);
@@ -51,7 +51,7 @@ TEST(PostgresWriters, WhatOneDaemonCommitsTheOthersServe) {
   EXPECT_EQ(first->Export({}, {}, 10)->records, second->Export({}, {}, 10)->records);
 }
 
-TEST(PostgresWriters, EachDaemonIsToldWhichScenesTheOthersHaveChanged) {
+TEST(PostgresWriters, EachDaemonGetsTheScenesThatOthersHaveChanged) {
   const std::string url = Server().NewDatabase();
   const auto first = OpenStore(url);
   const auto second = OpenStore(url);
@@ -74,7 +74,7 @@ TEST(PostgresWriters, EachDaemonIsToldWhichScenesTheOthersHaveChanged) {
   EXPECT_THAT(told(), ::testing::ElementsAre("abbey"));
 }
 
-TEST(PostgresWriters, AChangeThatIsCommittedBehindALaterOneIsTold) {
+TEST(PostgresWriters, AChangeCommittedAfterALaterOneIsReported) {
   const std::string url = Server().NewDatabase();
   const auto store = OpenStore(url);
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid"), Key("Grid", "quay")})}).ok());
@@ -91,7 +91,7 @@ TEST(PostgresWriters, AChangeThatIsCommittedBehindALaterOneIsTold) {
                           [](const SceneKey& scene) { return scene.scene == "quay"; }));
 }
 
-TEST(PostgresWriters, OfTwoDaemonsThatGoOnFromTheSameCommitTheFirstWins) {
+TEST(PostgresWriters, TheFirstOfTwoDaemonsThatContinueFromACommitWins) {
   const std::string url = Server().NewDatabase();
   const auto former = OpenStore(url);
   const auto later = OpenStore(url);
@@ -100,15 +100,17 @@ TEST(PostgresWriters, OfTwoDaemonsThatGoOnFromTheSameCommitTheFirstWins) {
   const auto refused = former->Commit(std::vector{UpdateBy({1, 0}, 2)});
   EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
   EXPECT_TRUE(absl::IsFailedPrecondition(former->Commit(std::vector{UpdateBy({1, 0}, 3)})));
-  ASSERT_TRUE(later->Commit(std::vector{UpdateBy({2, 1}, 2)}).ok()) << "whose answer was lost";
+  ASSERT_TRUE(later->Commit(std::vector{UpdateBy({2, 1}, 2)}).ok())
+      << "the answer to this commit was lost";
   ASSERT_TRUE(later->Commit(std::vector{UpdateBy({2, 1}, 3)}).ok());
   EXPECT_EQ(WindowsOf(*former), 3u);
-  ASSERT_TRUE(former->Commit(std::vector{UpdateBy({3, 3}, 4)}).ok()) << "the client is back";
+  ASSERT_TRUE(former->Commit(std::vector{UpdateBy({3, 3}, 4)}).ok())
+      << "the client has returned to the first daemon";
   EXPECT_TRUE(absl::IsFailedPrecondition(later->Commit(std::vector{UpdateBy({2, 1}, 4)})));
   EXPECT_EQ(WindowsOf(*former), 4u);
 }
 
-TEST(PostgresWriters, ARefusedUpdateLeavesNothingOfItsCommit) {
+TEST(PostgresWriters, ARefusedUpdateUndoesItsWholeCommit) {
   const std::string url = Server().NewDatabase();
   const auto store = OpenStore(url);
   ASSERT_TRUE(store->Commit(std::vector{UpdateBy({1, 0}, 1)}).ok());
@@ -118,7 +120,7 @@ TEST(PostgresWriters, ARefusedUpdateLeavesNothingOfItsCommit) {
   EXPECT_EQ(*store->LoadSource("b"), std::nullopt);
 }
 
-TEST(PostgresWriters, AConnectionThatEndsIsOpenedAgain) {
+TEST(PostgresWriters, ALostConnectionIsReopened) {
   const std::string url = Server().NewDatabase();
   const auto store = OpenStore(url);
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
@@ -128,7 +130,7 @@ TEST(PostgresWriters, AConnectionThatEndsIsOpenedAgain) {
   EXPECT_EQ(WindowsOf(*store), 2u);
 }
 
-TEST(PostgresWriters, AnotherDatabaseInItsPlaceIsNotWritten) {
+TEST(PostgresWriters, ADatabaseThatReplacedTheStoreIsNotWritten) {
   const std::string url = Server().NewDatabase();
   const auto store = OpenStore(url);
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
@@ -147,13 +149,13 @@ TEST(PostgresWriters, TablesOfAnotherSchemaVersionAreRefused) {
   EXPECT_THAT(std::string(store.status().message()), ::testing::HasSubstr("schema version 99"));
 }
 
-TEST(PostgresWriters, AServerThatIsNotThereIsUnavailable) {
+TEST(PostgresWriters, AMissingServerIsUnavailable) {
   const auto store = OpenPostgresPriorStore("host=/nowhere user=sweepstake dbname=sweepstake");
   EXPECT_TRUE(absl::IsUnavailable(store.status())) << store.status();
 }
 
-// What one writer does: commits of its own sources about keys that all share, in whatever order
-// the seed says, each offered until it is there.
+// The work of one writer: commits of its own sources about keys that all writers share, in an order
+// that depends on the seed. Each commit is repeated until it succeeds.
 void Write(const std::string& url, uint64_t seed, std::vector<SourceUpdate>& written) {
   auto store = OpenPostgresPriorStore(url);
   while (!store.ok()) store = OpenPostgresPriorStore(url);
@@ -174,7 +176,7 @@ void Write(const std::string& url, uint64_t seed, std::vector<SourceUpdate>& wri
   }
 }
 
-TEST(PostgresWriters, SumsOfManyWritersAreThoseOfOneToTheBit) {
+TEST(PostgresWriters, SumsOfManyWritersEqualThoseOfOneInEveryBit) {
   const std::string url = Server().NewDatabase();
   std::vector<std::vector<SourceUpdate>> written(4);
   {
@@ -194,7 +196,7 @@ TEST(PostgresWriters, SumsOfManyWritersAreThoseOfOneToTheBit) {
     EXPECT_EQ(summed.arms[i].live, expected.arms[i].live) << summed.arms[i].name;
 }
 
-TEST(PostgresWriters, AServerThatIsKilledLosesNothingThatWasCommitted) {
+TEST(PostgresWriters, AKilledServerLosesNoCommit) {
   test_support::PostgresServer server;
   const auto store = OpenStore(server.NewDatabase());
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());

@@ -1,4 +1,4 @@
-// A prior store on a server of the test program's own.
+// A prior store on the test program's own server.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,13 +12,13 @@
 
 namespace sweepstake::storage {
 
-// Started at its first use, and ended with the program.
+// Starts the server at the first use; it ends with the program.
 inline test_support::PostgresServer& Server() {
   static test_support::PostgresServer server;
   return server;
 }
 
-// Opens the store; the test fails if it cannot.
+// Opens the store; the test fails if that fails.
 inline std::unique_ptr<priors::PriorStore> OpenStore(const std::string& url,
                                                      const priors::AuditLimits& limits = {}) {
   auto store = OpenPostgresPriorStore(url, limits);
