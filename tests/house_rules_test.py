@@ -98,8 +98,8 @@ LANGUAGE_EXCEPTIONS = {
 LANGUAGE_PENDING = (
     "server/dashboard", "server/rpc/services",
     "server/watch", "server/web",
-    "tests/server/dashboard", "tests/server/rpc", "tests/server/simulation",
-    "tests/server/storage", "tests/server/watch", "tests/server/web",
+    "tests/server/dashboard", "tests/server/rpc",
+    "tests/server/watch", "tests/server/web",
     "tests/engine_client/cli/", "tests/engine_client/decider/")
 
 
