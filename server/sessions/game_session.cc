@@ -355,7 +355,7 @@ void GameSession::CloseLink(const absl::Status& commit) {
   link.Close(
       Refused(reasons::kStoreFailed,
               absl::StrCat("the last evidence of the session is not on disk (", commit.message(),
-                           "); while the daemon runs it keeps it and tries again")));
+                           "); the daemon keeps it in memory and tries again")));
 }
 
 void GameSession::Kick(bool may_return) {

@@ -121,7 +121,7 @@ TEST(ConnectionListenerTest, ClosesAConnectionTooManyOfAnAddressAndSaysSo) {
   test_support::HttpSocket beyond(listener->port());
   EXPECT_EQ(beyond.ReadAll(), "") << "it ends";
   listener.reset();  // and the thread that writes the log
-  EXPECT_THAT(text.str(), ::testing::HasSubstr("this address has 1001 connections"));
+  EXPECT_THAT(text.str(), ::testing::HasSubstr("this address has 1001 open connections"));
 }
 
 }  // namespace
