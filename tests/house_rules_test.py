@@ -100,7 +100,7 @@ LANGUAGE_PENDING = (
     "server/watch", "server/web",
     "tests/server/dashboard", "tests/server/rpc",
     "tests/server/watch", "tests/server/web",
-    "tests/engine_client/cli/", "tests/engine_client/decider/")
+    "tests/engine_client/decider/")
 
 
 def language_errors(path, text):

@@ -1,5 +1,5 @@
-// Runs a command line within the test's process and keeps what it wrote. It is much faster than to
-// start the program; what needs a process of its own is in program/.
+// Runs a command line in the test's process and captures its output. This is much faster than
+// starting the program. Tests that need a separate process are in program/.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct CommandRun {
   std::string err;
 };
 
-// Runs `sweepstake`, or another program by its `run`. `arguments` are words without the program's
-// name, separated by single spaces.
+// Runs `sweepstake`, or the program whose command lines `run` executes. `arguments` are words
+// without the program's name, separated by single spaces.
 CommandRun RunCommand(const std::string& arguments,
                       int (*run)(std::span<char* const>, Terminal&) = RunCommandLine);
 

@@ -19,7 +19,8 @@ struct Numbers {
   bool json = false;
 };
 
-// The exit code of the command `numbers` with these arguments, or 100 + that of a parse error.
+// Returns the exit code of the command `numbers` with these arguments, or 100 + the exit code of a
+// parse error.
 int Parse(const std::string& arguments, Numbers& parsed) {
   CLI::App app("test", "test");
   int exit_code = -1;
@@ -70,7 +71,7 @@ TEST(AddCommand, EndsItsHelpWithTheExamples) {
   EXPECT_THAT(command->help(), HasSubstr("Examples:\n  test numbers\n"));
 }
 
-TEST(WholeUpTo, AcceptsItsRangeAndNothingThatWouldWrapAround) {
+TEST(WholeUpTo, AcceptsItsRangeAndRejectsNumbersThatWouldWrapAround) {
   Numbers parsed;
   for (const char* valid : {"0", "10"}) {
     EXPECT_EQ(Parse(std::string("--whole ") + valid, parsed), 42) << valid;
@@ -80,7 +81,7 @@ TEST(WholeUpTo, AcceptsItsRangeAndNothingThatWouldWrapAround) {
   }
 }
 
-TEST(RealFrom, AcceptsItsRangeAndNoNan) {
+TEST(RealFrom, AcceptsItsRangeAndRejectsNan) {
   Numbers parsed;
   for (const char* valid : {"0", "1", "0.5", "1e-3"}) {
     EXPECT_EQ(Parse(std::string("--real ") + valid, parsed), 42) << valid;
@@ -123,7 +124,7 @@ TEST(AddDaemonOptions, RequiresAnAddress) {
   EXPECT_FALSE(daemon.tls.has_value());
 }
 
-TEST(AddDaemonOptions, EachOptionOfTlsImpliesTls) {
+TEST(AddDaemonOptions, EachTlsOptionImpliesTls) {
   const struct {
     const char* arguments;
     TlsOptions tls;
@@ -152,13 +153,13 @@ std::string LineOf(std::vector<std::string> words) {
   return CommandLine(pointers);
 }
 
-TEST(CommandLine, QuotesWhatAShellWouldReadOtherwise) {
+TEST(CommandLine, QuotesWordsThatAShellWouldChange) {
   EXPECT_EQ(LineOf({"./sweepstake", "--scene=a,b", "", "my file", "it's", "$HOME"}),
             "./sweepstake --scene=a,b '' 'my file' 'it'\\''s' '$HOME'");
   EXPECT_EQ(LineOf({}), "");
 }
 
-TEST(CommandLine, QuotesEveryCharacterWithAMeaningInAShell) {
+TEST(CommandLine, QuotesEverySpecialCharacterOfAShell) {
   for (const char character : std::string("\n\t \"#&'()*;<>?[\\]`{|}~!^$")) {
     const std::string line = LineOf({std::string("a") + character});
     EXPECT_THAT(line, HasSubstr("'a")) << character;

@@ -1,5 +1,5 @@
-// The command line as scripts use it: exit codes, one JSON document on stdout, and errors that say
-// what is valid.
+// The command line as scripts use it: exit codes, one JSON document on stdout, and errors that list
+// the valid values.
 #include "engine_client/cli/commands.h"
 
 #include <gmock/gmock.h>
@@ -24,13 +24,13 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-// A command line that must fail, and words of its message.
+// A command line that must fail, and a part of its error message.
 struct BadUsage {
   std::string arguments;
   std::string said;
 };
 
-// Each one ends with 2, writes nothing on stdout, and says what is wrong.
+// Expects that each command line exits with 2, writes nothing to stdout, and prints its message.
 void ExpectBadUsage(const std::vector<BadUsage>& cases) {
   for (const auto& [arguments, said] : cases) {
     const CommandRun run = RunCommand(arguments);
@@ -66,7 +66,7 @@ TEST(Commands, TheProgramsHelpListsTheCommandsAndExitCodes) {
   EXPECT_THAT(version.out, testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
-TEST(Commands, ACommandOfTheLaboratoryNamesItsProgramAndHowToBuildIt) {
+TEST(Commands, ALaboratoryCommandNamesSweepstakeLabAndHowToBuildIt) {
   for (const std::string command :
        {"bench", "check", "experiment", "load", "pairs", "record", "replay", "report", "trace"}) {
     ExpectBadUsage(
@@ -75,7 +75,7 @@ TEST(Commands, ACommandOfTheLaboratoryNamesItsProgramAndHowToBuildIt) {
   }
 }
 
-TEST(Commands, AnUnknownCommandGetsTheNearestOneFirst) {
+TEST(Commands, AnUnknownCommandListsTheNearestOneFirst) {
   ExpectBadUsage({
       {"prior list", "unknown command of sweepstake 'prior', must be one of priors"},
       {"priors exports", "unknown command of priors 'exports', must be one of export"},
@@ -83,7 +83,7 @@ TEST(Commands, AnUnknownCommandGetsTheNearestOneFirst) {
   });
 }
 
-TEST(Commands, AnUnknownOptionGetsTheNearestOneFirst) {
+TEST(Commands, AnUnknownOptionListsTheNearestOneFirst) {
   ExpectBadUsage({
       {"watch --onec", "unknown option of watch '--onec', must be one of --once"},
       {"priors list --jsn --daemon 127.0.0.1:1", "must be one of --json"},
@@ -91,7 +91,7 @@ TEST(Commands, AnUnknownOptionGetsTheNearestOneFirst) {
   });
 }
 
-TEST(Commands, AMissingCommandListsAll) {
+TEST(Commands, AMissingCommandListsAllCommands) {
   ExpectBadUsage({
       {"priors", "the commands of priors are list, export, import"},
       {"audit", "the commands of audit are list, export"},
@@ -125,7 +125,7 @@ TEST(Commands, ANumberOutOfRangeIsNamedWithItsOption) {
   });
 }
 
-TEST(Commands, AnUnknownNameGetsTheValidOnes) {
+TEST(Commands, AnUnknownNameListsTheValidNames) {
   ExpectBadUsage({
       {"run --scene nowhere --embedded", "hurricane"},
       {"run --scene suite-b --embedded --arm Octree", "KDTree"},
@@ -148,7 +148,7 @@ TEST(Commands, ARunNeedsExactlyOneDecider) {
   });
 }
 
-TEST(Commands, ADaemonsAddressIsCheckedBeforeItIsCalled) {
+TEST(Commands, TheDaemonAddressIsCheckedBeforeTheCall) {
   for (const std::string command :
        {"watch", "watch --json", "priors list", "priors export --out never.json", "audit list",
         "audit export --out never.csv", "sessions list", "sessions watch", "sessions kick ID"}) {
@@ -157,7 +157,7 @@ TEST(Commands, ADaemonsAddressIsCheckedBeforeItIsCalled) {
   }
 }
 
-TEST(Commands, NobodyAtTheAddressEndsWithThreeAndSaysHowToStartADaemon) {
+TEST(Commands, AnUnreachableDaemonGivesExitCodeThreeAndAHintToStartIt) {
   for (const std::string command :
        {"watch", "watch --json", "priors list --json", "priors export --out never.json",
         "audit list", "audit export --out never.csv", "sessions list", "sessions watch --json",
@@ -173,7 +173,7 @@ TEST(Commands, NobodyAtTheAddressEndsWithThreeAndSaysHowToStartADaemon) {
   EXPECT_FALSE(std::ifstream("never.csv").good());
 }
 
-// Files that no command can read, each with what is wrong with it.
+// Files that no command can read, each with its problem.
 class BrokenFiles : public testing::Test {
  protected:
   std::string Write(const std::string& name, const std::string& bytes) {
@@ -187,14 +187,14 @@ class BrokenFiles : public testing::Test {
   TemporaryDirectory folder_;
 };
 
-TEST_F(BrokenFiles, AreNamedWhereTheyAreScenes) {
+TEST_F(BrokenFiles, AreNamedInErrorsWhenUsedAsScenes) {
   for (const std::string& path : {Path("absent.aabbs"), Write("empty.aabbs", ""),
                                   Write("text.aabbs", std::string(500, 'x'))}) {
     ExpectBadUsage({{"run --embedded --duration 1s --scene " + path, path}});
   }
 }
 
-TEST_F(BrokenFiles, AreNamedWhereTheyArePriors) {
+TEST_F(BrokenFiles, AreNamedInErrorsWhenUsedAsPriors) {
   const std::string run = "run --scene suite-b --objects 10 --embedded --duration 1s --priors ";
   const std::string import = "priors import --daemon localhost:1 --in ";
   for (const std::string& path :
@@ -209,7 +209,7 @@ TEST_F(BrokenFiles, AreNamedWhereTheyArePriors) {
   }
 }
 
-TEST_F(BrokenFiles, ThatCannotBeWrittenAreNamed) {
+TEST_F(BrokenFiles, AreNamedInErrorsWhenTheyCannotBeWritten) {
   const std::string folder = Path("no-such-folder");
   ExpectBadUsage({
       {"audit export --daemon localhost:1 --out " + folder + "/x.csv", folder},

@@ -19,7 +19,7 @@ TEST(OpenChannel, ChecksTheFormOfTheAddress) {
   }
 }
 
-TEST(ToStatus, SaysWhatToDoWhereNobodyAnswers) {
+TEST(ToStatus, SuggestsToStartADaemonIfNoneAnswers) {
   for (const grpc::StatusCode code :
        {grpc::StatusCode::UNAVAILABLE, grpc::StatusCode::DEADLINE_EXCEEDED}) {
     const Status status = ToStatus({code, "connection refused"}, {"host:1"});
@@ -30,7 +30,7 @@ TEST(ToStatus, SaysWhatToDoWhereNobodyAnswers) {
   }
 }
 
-TEST(ToStatus, SaysWhatToDoWhereTheConnectionIsRefused) {
+TEST(ToStatus, GivesAdviceIfTheConnectionIsRejected) {
   const std::string hung_up = "failed to connect to all addresses; last error: Socket closed";
   const DaemonOptions plain{.address = "host:1"};
   const DaemonOptions with_tls{.address = "host:1", .tls = TlsOptions()};
@@ -51,7 +51,7 @@ TEST(ToStatus, SaysWhatToDoWhereTheConnectionIsRefused) {
   }
 }
 
-TEST(ToStatus, PassesOnWhatTheDaemonSaid) {
+TEST(ToStatus, KeepsTheMessageOfTheDaemon) {
   const struct {
     grpc::StatusCode theirs;
     StatusCode ours;

@@ -1,4 +1,4 @@
-// A daemon's services for reading and adding evidence, on a port of its own, with scripted answers.
+// Fakes of a daemon's services with scripted answers, on their own port.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -17,8 +17,8 @@
 
 namespace sweepstake::test_support {
 
-// What the test and the service's threads share: `guarded->member()` holds the lock for the whole
-// expression.
+// A value that the test and the service's threads share. `guarded->member()` holds the lock for the
+// whole expression.
 template <typename T>
 class Guarded {
  public:
@@ -52,10 +52,11 @@ class FakePosteriors final : public v1::PosteriorsService::Service {
  public:
   Guarded<std::vector<v1::ListPosteriorsResponse>> pages;  // the token of page N is "N"
   Guarded<std::vector<v1::WatchPosteriorsResponse>> events;
-  std::atomic<bool> ends_the_watch = true;  // otherwise it waits for the client to go
-  std::atomic<int> watch_count = 0;         // further ones than `watch_limit` are refused
+  std::atomic<bool> ends_the_watch =
+      true;                          // false: the stream stays open until the client cancels it
+  std::atomic<int> watch_count = 0;  // a watch after the first `watch_limit` ones is refused
   std::atomic<int> watch_limit = 2;
-  Guarded<std::vector<std::string>> projects;  // of the requests
+  Guarded<std::vector<std::string>> projects;  // project of each request
   Guarded<std::string> watched_scene;
 
  private:
@@ -77,8 +78,8 @@ class FakePriors final : public v1::PriorsService::Service {
   Guarded<v1::RevokePriorsResponse> revoke_response;
   Guarded<v1::PromotePriorsRequest> promote_request;
   Guarded<v1::PromotePriorsResponse> promote_response;
-  std::atomic<int64_t> patience_s = 0;  // of the latest of both
-  std::atomic<bool> promotes = false;   // as the latest message of an import says
+  std::atomic<int64_t> patience_s = 0;  // deadline of the latest revocation or promotion, in s
+  std::atomic<bool> promotes = false;   // `promote` in the latest message of an import
 
  private:
   grpc::Status PromotePriors(grpc::ServerContext*, const v1::PromotePriorsRequest* request,
@@ -111,16 +112,16 @@ class FakeSessions final : public v1::SessionsService::Service {
  public:
   Guarded<std::vector<v1::ListSessionsResponse>> pages;  // the token of page N is "N"
   Guarded<std::vector<v1::WatchSessionsResponse>> events;
-  std::atomic<int> watch_count = 0;  // all but the first one are refused
+  std::atomic<int> watch_count = 0;  // all watches after the first are refused
   Guarded<v1::KickSessionRequest> kick_request;
   Guarded<grpc::Status> kick_status;
   Guarded<v1::OrderSessionRequest>
-      order_request;  // which the game obeys, on arm "SAP" if it names none
+      order_request;  // the answer is its arm, or "SAP" if it names none
 
  private:
   grpc::Status ListSessions(grpc::ServerContext*, const v1::ListSessionsRequest* request,
                             v1::ListSessionsResponse* response) override;
-  // Ends once all is written.
+  // Ends the stream after the last event.
   grpc::Status WatchSessions(grpc::ServerContext*, const v1::WatchSessionsRequest* request,
                              grpc::ServerWriter<v1::WatchSessionsResponse>* writer) override;
   grpc::Status KickSession(grpc::ServerContext*, const v1::KickSessionRequest* request,

@@ -51,7 +51,7 @@ TEST(PosteriorText, NamesTheSceneItsSourcesAndEachArm) {
   EXPECT_THAT(text, ContainsRegex("39.2 +38 +5 +0\n"));
 }
 
-TEST(PosteriorText, ShowsTheFiguresThatTheDaemonSent) {
+TEST(PosteriorText, ShowsTheValuesThatTheDaemonSent) {
   v1::ScenePosterior scene = SomeScene();
   AddArm("Grid", 2, 5, 35, scene);
   scene.set_verdict(v1::VERDICT_STABLE);
@@ -82,7 +82,7 @@ TEST(PosteriorText, ShowsTheFiguresThatTheDaemonSent) {
   EXPECT_EQ(document["arms"][1]["cost_ratio_95"], (nlohmann::json{1.25, 1.75}));
 }
 
-TEST(PosteriorText, KnowsNoVerdictThatTheDaemonDidNotSend) {
+TEST(PosteriorText, ShowsTheVerdictUnknownIfTheDaemonSentNone) {
   EXPECT_THAT(PosteriorText(SomeScene()), HasSubstr("verdict unknown\n"));
   EXPECT_TRUE(PosteriorJson(SomeScene())["arms"][0]["best_probability"].is_null());
 }
@@ -109,23 +109,23 @@ v1::DecisionEvent EventWithStandings() {
   return event;
 }
 
-TEST(StandingsText, ShowsWhatTheSessionHasLearntOfEachArm) {
+TEST(StandingsText, ShowsWhatTheSessionHasLearntAboutEachArm) {
   const std::string text = StandingsText(EventWithStandings());
   EXPECT_THAT(
       text,
       HasSubstr("session 0af3 of arena after decision 7 of policy adaptive, active arm SAP\n"));
   EXPECT_THAT(text, ContainsRegex("SAP +1.25 +1.06 +12.5 +0.875 +9.8 +38 +123\n"));
   EXPECT_THAT(text, ContainsRegex("Grid +- +- +- +0.000 +0.0 +0 +0\n"));
-  EXPECT_EQ(StandingsText({}), "") << "an older daemon does not tell";
+  EXPECT_EQ(StandingsText({}), "") << "older daemons send no standings";
 }
 
-TEST(StandingsText, OfAMessageThatBreaksItsRulesIsEmpty) {
+TEST(StandingsText, IsEmptyForAnInvalidMessage) {
   v1::DecisionEvent event = EventWithStandings();
   event.mutable_arms()->RemoveLast();
   EXPECT_EQ(StandingsText(event), "");
 }
 
-TEST(DecisionJson, HasWhatTheSessionHasLearntOfEachArm) {
+TEST(DecisionJson, ContainsWhatTheSessionHasLearntAboutEachArm) {
   const auto arms = DecisionJson(EventWithStandings())["arms"];
   ASSERT_EQ(arms.size(), 2U);
   EXPECT_EQ(arms[0]["arm"], "SAP");
@@ -138,7 +138,7 @@ TEST(DecisionJson, HasWhatTheSessionHasLearntOfEachArm) {
   EXPECT_EQ(DecisionJson(EventWithStandings())["unix_ms"], 1'800'000'000'123);
 }
 
-TEST(PosteriorJson, HoldsTheNumbersOfEachArm) {
+TEST(PosteriorJson, ContainsTheNumbersOfEachArm) {
   const auto document = PosteriorJson(SomeScene());
   EXPECT_EQ(document["arms"][0]["alpha"], 30);
   EXPECT_EQ(document["arms"][0]["windows"], 38);
@@ -148,7 +148,7 @@ TEST(PosteriorJson, HoldsTheNumbersOfEachArm) {
   EXPECT_EQ(document["sources"], 3);
 }
 
-TEST(PosteriorJson, GivesNoProbabilityToAnOutdatedVersionOfAnArm) {
+TEST(PosteriorJson, HasNoProbabilityForAnOutdatedVersionOfAnArm) {
   v1::ScenePosterior scene = SomeScene();
   scene.mutable_arms(0)->set_best_probability(0.5);
   AddArm("SAP", 1, 90, 1, scene);
@@ -158,13 +158,13 @@ TEST(PosteriorJson, GivesNoProbabilityToAnOutdatedVersionOfAnArm) {
   EXPECT_TRUE(document["arms"][1]["best_probability"].is_null());
 }
 
-TEST(PosteriorJson, TakesWhatIsNoDistributionForUnknown) {
+TEST(PosteriorJson, TreatsAnInvalidDistributionAsUnknown) {
   v1::ScenePosterior scene = SomeScene();
   AddArm("Grid", 2, 0, -3, scene);
   EXPECT_TRUE(PosteriorJson(scene)["arms"][1]["best_probability"].is_null());
 }
 
-TEST(DecisionText, SaysWhatBecameOfTheCandidate) {
+TEST(DecisionText, StatesTheOutcomeForTheCandidate) {
   v1::DecisionEvent event;
   event.set_scene("arena");
   event.set_decision_id(7);
@@ -184,7 +184,7 @@ TEST(DecisionText, SaysWhatBecameOfTheCandidate) {
   EXPECT_EQ(DecisionText(held), "arena: decision 8, SAP: no frames");
 }
 
-// As many values of each size as it says, in ascending order.
+// Returns a histogram with `count` values in each bucket. The buckets are in ascending order.
 v1::LogHistogram HistogramOf(
     std::initializer_list<std::pair<uint32_t, uint32_t>> bucket_and_count) {
   v1::LogHistogram histogram;
@@ -196,7 +196,7 @@ v1::LogHistogram HistogramOf(
   return histogram;
 }
 
-TEST(Quantile, IsTheMiddleOfTheBucketWithTheValueOfThatRank) {
+TEST(Quantile, IsTheMiddleOfTheBucketThatContainsTheRank) {
   const v1::LogHistogram histogram = HistogramOf({{0, 10}, {161, 80}, {177, 9}, {185, 1}});
   EXPECT_EQ(Quantile(histogram, 0.1), 0.0);
   EXPECT_NEAR(*Quantile(histogram, 0.11), 1'048'576, 0.045 * 1'048'576);
@@ -205,14 +205,14 @@ TEST(Quantile, IsTheMiddleOfTheBucketWithTheValueOfThatRank) {
   EXPECT_DOUBLE_EQ(*Quantile(histogram, 1), 8 * *Quantile(histogram, 0.5));
 }
 
-TEST(Quantile, IsAbsentWithoutValuesAndOfABrokenMessage) {
+TEST(Quantile, IsAbsentWithoutValuesAndForAnInvalidMessage) {
   EXPECT_EQ(Quantile({}, 0.5), std::nullopt);
   v1::LogHistogram broken = HistogramOf({{161, 80}});
   broken.add_counts(1);
   EXPECT_EQ(Quantile(broken, 0.5), std::nullopt);
 }
 
-TEST(DecisionJson, HasWhatTheDecisionWasAboutAndWhatIsBelieved) {
+TEST(DecisionJson, ContainsTheDecisionAndTheBeliefs) {
   v1::DecisionEvent event;
   event.set_policy("paper");
   event.set_machine_class("desktop");
@@ -225,7 +225,7 @@ TEST(DecisionJson, HasWhatTheDecisionWasAboutAndWhatIsBelieved) {
   EXPECT_EQ(json["expected_loss_ratio"], 0.125);
 }
 
-TEST(DecisionJson, HasThePercentilesThatTheTextHas) {
+TEST(DecisionJson, ContainsThePercentilesOfTheText) {
   v1::DecisionEvent event;
   event.set_scene("arena");
   event.set_decision_id(9);

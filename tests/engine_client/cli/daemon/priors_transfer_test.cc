@@ -1,4 +1,4 @@
-// What `sweepstake priors` asks a daemon for, against a service with scripted answers.
+// Checks the requests and output of `sweepstake priors` against a service with scripted answers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ TEST(ImportPriors, SplitsTheRecordsIntoMessagesOfTwoHundred) {
   EXPECT_EQ(result->unchanged_count, 1U);
 }
 
-TEST(ImportPriors, ReturnsTheReasonOfARefusal) {
+TEST(ImportPriors, ReturnsTheReasonWhenTheDaemonRefuses) {
   FakeDaemonServices daemon;
   daemon.priors.import_status =
       grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "record 0 has no arm");
@@ -59,7 +59,7 @@ TEST(ImportPriors, ReturnsTheReasonOfARefusal) {
   EXPECT_EQ(result.status().message(), "record 0 has no arm");
 }
 
-TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
+TEST(ExportPriors, KeepsEveryFieldInAnImportAndAnExport) {
   FakeDaemonServices daemon;
   const PriorRecord record = SomeRecord(9);
   ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{record}).ok());
@@ -96,7 +96,7 @@ TEST(PriorsCommand, ExportsAFileThatImportReads) {
   EXPECT_TRUE(daemon.priors.promotes);
 }
 
-TEST(PriorsCommand, SaysWhichRecordsAreKnownUnderAnotherScene) {
+TEST(PriorsCommand, CountsRecordsThatAreStoredUnderAnotherScene) {
   FakeDaemonServices daemon;
   PriorRecord renamed = SomeRecord(2);
   renamed.key.scene = "renamed";
@@ -115,7 +115,7 @@ TEST(PriorsCommand, SaysWhichRecordsAreKnownUnderAnotherScene) {
   EXPECT_THAT(run.out, HasSubstr("1 of these are not stored under their project and scene"));
 }
 
-TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
+TEST(PriorsCommand, AnEmptyExportGivesExitCodeOneAndKeepsTheFile) {
   FakeDaemonServices daemon;
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "p.json").string();
@@ -154,10 +154,10 @@ TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
   EXPECT_EQ(done["sources"], 2);
   EXPECT_EQ(done["records"], 9);
   EXPECT_EQ(done["windows"], 70);
-  EXPECT_GT(daemon.priors.patience_s, 60) << "a large store takes longer than a question";
+  EXPECT_GT(daemon.priors.patience_s, 60) << "a large store needs longer than the usual deadline";
 }
 
-TEST(PriorsCommand, WhatIsAskedForIsNotThere) {
+TEST(PriorsCommand, ACommandThatMatchesNothingSaysSo) {
   FakeDaemonServices daemon;
   const std::string at = " --daemon " + daemon.address();
   EXPECT_THAT(RunCommand("priors revoke --build nope --yes" + at).out,
@@ -179,14 +179,14 @@ TEST(PriorsCommand, WhatIsAskedForIsNotThere) {
   }
 }
 
-TEST(PriorsCommand, WhatOldSessionsTaughtTogetherIsRevokedThoughItIsOfNoSource) {
+TEST(PriorsCommand, SummedEvidenceOfOldSessionsIsRevokedAlthoughItHasNoSource) {
   FakeDaemonServices daemon;
   daemon.priors.revoke_response->set_record_count(2);
   EXPECT_THAT(RunCommand("priors revoke --build 1.0 --daemon " + daemon.address()).out,
               HasSubstr("0 sources with 2 records"));
 }
 
-TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
+TEST(PriorsCommand, AnExportOfSumsCountsTheRecordsInQuarantine) {
   FakeDaemonServices daemon;
   v1::ExportPriorsResponse part;
   v1::PriorRecord& record = *part.add_records();
@@ -219,7 +219,7 @@ TEST(PriorsCommand, SumsSayHowManyRecordsWait) {
                 "makes them count\n");
   EXPECT_THAT(RunCommand(command + " --sums --json").out, HasSubstr("\"left_waiting\": 1"));
   EXPECT_THAT(RunCommand(command + " --json").out, HasSubstr("\"left_waiting\": 0"))
-      << "they are in the file";
+      << "the file contains the quarantined records";
 }
 
 TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {
@@ -248,7 +248,7 @@ TEST(PriorsCommand, APromotionIsAPreviewUntilItIsConfirmed) {
   EXPECT_GT(daemon.priors.patience_s, 60);
 }
 
-TEST(PriorsCommand, APreviewNamesTheScenesThatWouldHaveAnotherLeader) {
+TEST(PriorsCommand, APreviewNamesTheScenesWhoseLeaderWouldChange) {
   FakeDaemonServices daemon;
   v1::LeaderChanges changes;
   changes.set_scene_count(2);
@@ -275,7 +275,7 @@ TEST(PriorsCommand, APreviewNamesTheScenesThatWouldHaveAnotherLeader) {
   }
 }
 
-TEST(PriorsCommand, AListHasWhatWaitsInQuarantineApart) {
+TEST(PriorsCommand, AListShowsQuarantinedEvidenceSeparately) {
   FakeDaemonServices daemon;
   daemon.posteriors.pages->resize(1);
   PriorRecord record = SomeRecord(1);
@@ -295,7 +295,7 @@ TEST(PriorsCommand, AListHasWhatWaitsInQuarantineApart) {
   EXPECT_EQ(entry["build"], "1.2");
 }
 
-TEST(PriorsCommand, AnExportThatCannotBeWrittenEndsWithTwo) {
+TEST(PriorsCommand, AnExportThatCannotBeWrittenGivesExitCodeTwo) {
   FakeDaemonServices daemon;
   const CommandRun run =
       RunCommand("priors export --out /nonexistent/p.json --daemon " + daemon.address());

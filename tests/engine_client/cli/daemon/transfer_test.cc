@@ -1,4 +1,4 @@
-// What the commands ask a daemon for, against services with scripted answers.
+// Checks the requests and output of the commands against services with scripted answers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ TEST(ListPosteriors, ReadsEveryPage) {
   EXPECT_THAT(daemon.posteriors.projects.get(), ElementsAre("p", "p", "p"));
 }
 
-TEST(ListPosteriors, KeepsOnlyTheSceneThatIsAskedFor) {
+TEST(ListPosteriors, KeepsOnlyTheRequestedScene) {
   FakeDaemonServices daemon;
   daemon.posteriors.pages = {PageWith({"a", "b"}), PageWith({"b"})};
   const auto scenes = ListPosteriors({daemon.address()}, "", "b");
@@ -63,7 +63,7 @@ v1::WatchPosteriorsResponse DecisionOf(uint64_t id) {
   return event;
 }
 
-TEST(WatchPosteriors, HandsOnEachEventAndGoesOnWhereTheDaemonIsLostUntilItRefuses) {
+TEST(WatchPosteriors, PassesEachEventAndReconnectsUntilTheDaemonRefuses) {
   FakeDaemonServices daemon;
   daemon.posteriors.events = {DecisionOf(1), DecisionOf(2), DecisionOf(3)};
   std::vector<uint64_t> seen;
@@ -85,13 +85,13 @@ TEST(WatchPosteriors, HandsOnEachEventAndGoesOnWhereTheDaemonIsLostUntilItRefuse
       });
   EXPECT_THAT(seen, ElementsAre(1, 2, 3, 1, 2, 3));
   EXPECT_EQ(loss_count, 2);
-  EXPECT_GE(return_count, 1) << "and once more if it is seen before the refusal";
+  EXPECT_GE(return_count, 1) << "a second time if the connection is seen before the refusal";
   EXPECT_EQ(status.code(), StatusCode::kFailedPrecondition);
   EXPECT_EQ(status.message(), "not any more");
   EXPECT_EQ(daemon.posteriors.watched_scene.get(), "s");
 }
 
-TEST(WatchPosteriors, EndsWithoutAnErrorWhenItIsStopped) {
+TEST(WatchPosteriors, EndsWithoutAnErrorWhenStopped) {
   FakeDaemonServices daemon;
   daemon.posteriors.events = {DecisionOf(1)};
   daemon.posteriors.ends_the_watch = false;
@@ -103,26 +103,26 @@ TEST(WatchPosteriors, EndsWithoutAnErrorWhenItIsStopped) {
   EXPECT_TRUE(status.ok()) << status.message();
 }
 
-TEST(WatchCommand, PrintsEventsAsTheyComeAndSaysWhenTheDaemonIsLost) {
+TEST(WatchCommand, PrintsEventsAsTheyArriveAndReportsALostDaemon) {
   FakeDaemonServices daemon;
   daemon.posteriors.watch_limit = 1;
   daemon.posteriors.events = {DecisionOf(7)};
   daemon.posteriors.events->emplace_back().mutable_posterior()->set_scene("arena");
   const CommandRun run = RunCommand("watch --daemon " + daemon.address());
-  EXPECT_EQ(run.exit_code, 1) << "it is refused at last";
+  EXPECT_EQ(run.exit_code, 1) << "the last watch is refused";
   EXPECT_THAT(run.out, HasSubstr("s: decision 7, SAP"));
   EXPECT_THAT(run.out, HasSubstr(" / arena"));
   EXPECT_THAT(run.err, HasSubstr("ended the watch; trying again\n"));
 }
 
-TEST(WatchCommand, SaysWhenTheDaemonIsBack) {
+TEST(WatchCommand, ReportsWhenTheDaemonIsConnectedAgain) {
   FakeDaemonServices daemon;
   daemon.posteriors.events = {DecisionOf(7)};
   const CommandRun run = RunCommand("watch --daemon " + daemon.address());
   EXPECT_THAT(run.err, HasSubstr("trying again\nsweepstake: connected again\n"));
 }
 
-TEST(WatchCommand, FollowsInJsonWithADocumentPerLine) {
+TEST(WatchCommand, FollowWithJsonPrintsOneDocumentPerLine) {
   FakeDaemonServices daemon;
   daemon.posteriors.watch_limit = 1;
   daemon.posteriors.events = {DecisionOf(7)};
@@ -140,7 +140,7 @@ TEST(WatchCommand, FollowsInJsonWithADocumentPerLine) {
   EXPECT_FALSE(std::getline(lines, line));
 }
 
-TEST(WatchCommand, SaysOnceThatThereIsNothingYet) {
+TEST(WatchCommand, OnceWithoutPosteriorsSaysThatThereAreNone) {
   FakeDaemonServices daemon;
   daemon.posteriors.pages = {PageWith({})};
   const CommandRun run = RunCommand("watch --once --daemon " + daemon.address());
@@ -226,7 +226,7 @@ TEST(SessionsCommand, WatchesUntilTheDaemonRefusesIt) {
   ended.set_end(v1::SESSION_END_KICKED);
   *daemon.sessions.events->at(1).add_ended() = ended;
   const CommandRun text = RunCommand("sessions watch --daemon " + daemon.address());
-  EXPECT_EQ(text.exit_code, 1) << "it is refused at last";
+  EXPECT_EQ(text.exit_code, 1) << "the last watch is refused";
   EXPECT_THAT(text.err, HasSubstr("ended the watch; trying again\n"));
   EXPECT_THAT(text.out, HasSubstr("The daemon has no sessions\n"));
   EXPECT_THAT(text.out, HasSubstr("one of p/s: connected, Grid, ai\n"));
@@ -241,7 +241,7 @@ TEST(SessionsCommand, WatchesUntilTheDaemonRefusesIt) {
   EXPECT_EQ(nlohmann::json::parse(line)["ended"]["end"], "kicked");
 }
 
-TEST(SessionsCommand, KicksAndSaysWhyNot) {
+TEST(SessionsCommand, KicksASessionOrReportsTheError) {
   FakeDaemonServices daemon;
   CommandRun run = RunCommand("sessions kick one --may-return --daemon " + daemon.address());
   EXPECT_EQ(run.exit_code, 0);
@@ -293,7 +293,7 @@ TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(ExportAudit, OfNothingLeavesTheFileAndEndsWithOne) {
+TEST(ExportAudit, WithoutRowsGivesExitCodeOneAndKeepsTheFile) {
   FakeDaemonServices daemon;
   daemon.audit.parts->resize(1);
   daemon.audit.parts->at(0).set_header("a,b");

@@ -31,7 +31,7 @@ v1::WatchPosteriorsResponse ShownDecision(uint64_t id) {
   return event;
 }
 
-TEST(WatchScreen, IntoAFilePrintsEachEventOnceAndNoControlCharacters) {
+TEST(WatchScreen, InAFilePrintsEachEventOnceWithoutControlCharacters) {
   std::ostringstream out;
   WatchScreen screen(out, false);
   screen.Show(PosteriorOf("arena", 1));
@@ -44,7 +44,7 @@ TEST(WatchScreen, IntoAFilePrintsEachEventOnceAndNoControlCharacters) {
   EXPECT_THAT(out.str(), Not(HasSubstr("arena")));
 }
 
-TEST(WatchScreen, ShowsWhatTheSessionThatDecidedLastHasLearntWithItsScene) {
+TEST(WatchScreen, ShowsEachSceneWithTheStandingsOfItsLatestDecision) {
   std::ostringstream out;
   WatchScreen screen(out, false);
   v1::WatchPosteriorsResponse decided = ShownDecision(5);
@@ -55,18 +55,19 @@ TEST(WatchScreen, ShowsWhatTheSessionThatDecidedLastHasLearntWithItsScene) {
   screen.Show(decided);
   EXPECT_THAT(out.str(), Not(HasSubstr("4711")));
   screen.Show(PosteriorOf("desert", 1));
-  EXPECT_THAT(out.str(), Not(HasSubstr("4711"))) << "of another scene";
+  EXPECT_THAT(out.str(), Not(HasSubstr("4711"))) << "the decision is of another scene";
   v1::WatchPosteriorsResponse arena = PosteriorOf("arena", 1);
   arena.mutable_posterior()->set_reward_version(1);
   screen.Show(arena);
-  EXPECT_THAT(out.str(), Not(HasSubstr("4711"))) << "of policies of another reward";
+  EXPECT_THAT(out.str(), Not(HasSubstr("4711")))
+      << "the decision's policy has another reward version";
   arena.mutable_posterior()->set_reward_version(3);
   screen.Show(arena);
   EXPECT_THAT(out.str(), HasSubstr("session 0af3 of arena after decision 5"));
   EXPECT_THAT(out.str(), HasSubstr("4711"));
 }
 
-TEST(WatchScreen, OnATerminalClearsItAndDrawsTheLegend) {
+TEST(WatchScreen, OnATerminalClearsTheScreenAndDrawsTheLegend) {
   std::ostringstream out;
   WatchScreen screen(out, true);
   screen.Show(PosteriorOf("arena", 1));

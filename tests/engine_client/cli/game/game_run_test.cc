@@ -16,7 +16,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// Counts what the frame path hands on.
+// Counts the output of the frame path.
 class CountingSink final : public FrameSink {
  public:
   void OnFrame(const FrameSample& sample) noexcept override {
@@ -59,14 +59,14 @@ class GameRunTest : public testing::Test {
   std::unique_ptr<GameRun> run_;
 };
 
-TEST_F(GameRunTest, TellsThatItHasObeyedAnOrder) {
+TEST_F(GameRunTest, ReportsTheModeChangeAfterAnOrder) {
   Start(Mode::kAi, "SAP");
   run_->adaptive().Obey({.order_id = 7, .mode = Mode::kManual, .arm = ArmIndex("Grid")});
   for (int i = 0; i < 3; ++i) run_->Frame();
   EXPECT_EQ(sink_.obeyed_order, 7U);
 }
 
-TEST_F(GameRunTest, StepsTheSceneAndHandsEachFrameOn) {
+TEST_F(GameRunTest, StepsTheSceneAndPassesEachFrameToTheSink) {
   Start(Mode::kManual, "SAP");
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(run_->Frame());
   EXPECT_EQ(run_->frame_count(), 20U);
@@ -76,7 +76,7 @@ TEST_F(GameRunTest, StepsTheSceneAndHandsEachFrameOn) {
   EXPECT_TRUE(run_->switches().empty());
 }
 
-TEST_F(GameRunTest, AccountsTheFramesToTheActiveArm) {
+TEST_F(GameRunTest, CountsTheFramesOfTheActiveArm) {
   Start(Mode::kManual, "Grid");
   for (int i = 0; i < 10; ++i) run_->Frame();
   const uint32_t grid = ArmIndex("Grid");
@@ -88,7 +88,7 @@ TEST_F(GameRunTest, AccountsTheFramesToTheActiveArm) {
   EXPECT_GE(activity.active_ns, activity.detection_ns);
 }
 
-// The only bound that no load of the machine breaks: a paced frame is never shorter.
+// Checks only the lower bound, because a loaded machine can make any frame longer.
 TEST_F(GameRunTest, APacedFrameTakesAtLeastItsInterval) {
   constexpr uint64_t kIntervalNs = 2'000'000;
   scene_ = std::move(*OpenScene({"two", 2, 1}));
@@ -99,7 +99,7 @@ TEST_F(GameRunTest, APacedFrameTakesAtLeastItsInterval) {
   for (int i = 0; i < 6; ++i) run_->Frame();
   EXPECT_GE(run_->elapsed_ns(), 5 * kIntervalNs);
   const ArmActivity& activity = run_->activities()[run_->adaptive().active_arm()];
-  EXPECT_GE(activity.active_ns, 5 * kIntervalNs) << "the wait is the frame's";
+  EXPECT_GE(activity.active_ns, 5 * kIntervalNs) << "the frame time includes the wait";
   EXPECT_LT(activity.detection_ns, activity.active_ns);
 }
 
@@ -113,7 +113,7 @@ TEST_F(GameRunTest, TheProfileCountsTheFirstFrameAsARebuild) {
   EXPECT_GT(run_->profile().step_ns, 0U);
 }
 
-TEST_F(GameRunTest, NotesASwitchAtItsFirstFrameAndItsOutcome) {
+TEST_F(GameRunTest, RecordsASwitchWithItsFirstFrameAndItsOutcome) {
   Start(Mode::kAi, "SAP");
   for (int i = 0; i < 5; ++i) run_->Frame();
   const uint32_t grid = ArmIndex("Grid");
@@ -139,7 +139,7 @@ TEST_F(GameRunTest, NotesASwitchAtItsFirstFrameAndItsOutcome) {
   EXPECT_EQ(summary.frame_count, 66U);
 }
 
-TEST(OutcomeOf, TheWayBackFromATrialHasItsCostsAndWhatEndedTheTrial) {
+TEST(OutcomeOf, OfASwitchBackAfterATrialHasItsCostsAndTheFrameThatEndedTheTrial) {
   const SwitchOutcome trial_end{
       .switch_epoch = 3, .executed = 1, .trial_detection_time_ns = 5'000, .trial_arm = 2};
   const SwitchOutcome settled{
@@ -155,7 +155,7 @@ TEST(OutcomeOf, TheWayBackFromATrialHasItsCostsAndWhatEndedTheTrial) {
   EXPECT_EQ(OutcomeOf(outcomes, 4).executed, 0U);
 }
 
-TEST_F(GameRunTest, NotesWhenTheVerdictChanges) {
+TEST_F(GameRunTest, RecordsEachChangeOfTheVerdict) {
   Start(Mode::kManual, "SAP");
   run_->Frame();
   EXPECT_TRUE(run_->verdicts().empty());
@@ -181,7 +181,7 @@ TEST_F(GameRunTest, ASummaryHasEachArmWithItsVersionAndBelief) {
   const RunSummary summary = Summarize({}, *run_, session);
   ASSERT_EQ(summary.arms.size(), run_->adaptive().arms().size());
   EXPECT_EQ(summary.arms[0].mean(), 0.8);
-  EXPECT_EQ(summary.arms[1].mean(), 0.5) << "Beta(1,1) where the decider told nothing";
+  EXPECT_EQ(summary.arms[1].mean(), 0.5) << "Beta(1,1) if the decider reported nothing";
   EXPECT_EQ(summary.arms[1].backend_version, run_->adaptive().arm_versions()[1]);
   EXPECT_EQ(summary.verdict.name, "tie");
   EXPECT_EQ(summary.verdict.leader_arm, run_->adaptive().arms()[1]);
@@ -228,7 +228,7 @@ TEST(ScaledShadow, DividesTheIntervalOfTheSweeps) {
   EXPECT_EQ(scaled.enabled, ShadowMode::kOn);
 }
 
-TEST(Names, AreThoseOfTheContract) {
+TEST(Names, AreTheDocumentedOnes) {
   EXPECT_EQ(ReasonName(SwitchReason::kBailOut), "bail-out");
   EXPECT_EQ(ReasonName(SwitchReason::kManual), "manual");
   EXPECT_EQ(VerdictName(Verdict::kUnknown), "unknown");

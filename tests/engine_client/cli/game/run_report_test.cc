@@ -21,7 +21,7 @@ using testing::Not;
 
 constexpr uint64_t kSecond = 1'000'000'000;
 
-// Two arms, three frames per second of the first, and one switch.
+// Returns a run with two arms, three frames per second of the first arm, and one switch.
 RunSummary SomeSummary() {
   RunSummary summary;
   summary.setup.scene.name = "suite-b";
@@ -50,7 +50,7 @@ RunSummary SomeSummary() {
   return summary;
 }
 
-TEST(RunSummary, AddsUpItsArms) {
+TEST(RunSummary, SumsTheValuesOfItsArms) {
   const RunSummary summary = SomeSummary();
   EXPECT_EQ(summary.active_ns(), 40 * kSecond);
   EXPECT_EQ(summary.fps(), 1);
@@ -61,7 +61,7 @@ TEST(RunSummary, AddsUpItsArms) {
   EXPECT_EQ(summary.SwitchCount(SwitchReason::kPolicy), 0U);
 }
 
-TEST(RunSummary, OfARunWithoutAFrameDividesByNothing) {
+TEST(RunSummary, OfARunWithoutFramesHasNoDivisionByZero) {
   const RunSummary summary;
   EXPECT_EQ(summary.fps(), 0);
   EXPECT_EQ(summary.shadow_busy_ratio(), 0);
@@ -91,7 +91,7 @@ TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
   EXPECT_THAT(text, Not(HasSubstr("Nothing was learnt")));
 }
 
-TEST(RunReportText, SaysWhyASessionWasLost) {
+TEST(RunReportText, StatesWhyTheSessionWasLost) {
   RunSummary summary = SomeSummary();
   summary.session.connection_count = 1;
   EXPECT_THAT(RunReportText(summary), Not(HasSubstr("did not end properly")));
@@ -104,7 +104,7 @@ TEST(RunReportText, SaysWhyASessionWasLost) {
   EXPECT_THAT(text, HasSubstr("(the daemon was lost)"));
 }
 
-TEST(RunReportText, SaysWhenNothingWasLearntWhetherTheDeciderHasSaidSoOrNot) {
+TEST(RunReportText, StatesThatNothingWasLearntWithAndWithoutBeliefs) {
   const char* const nothing = "Nothing was learnt yet: all posteriors are Beta(1,1)\n";
   RunSummary summary = SomeSummary();
   for (ArmRow& row : summary.arms) row.belief = {row.arm};
@@ -114,7 +114,7 @@ TEST(RunReportText, SaysWhenNothingWasLearntWhetherTheDeciderHasSaidSoOrNot) {
   EXPECT_THAT(RunReportText(summary), HasSubstr("Verdict: unknown\n"));
   summary.session.beliefs.clear();
   EXPECT_THAT(RunReportText(summary), HasSubstr(nothing));
-  summary.arms[1].belief.beta = 1.02;  // of old or discounted evidence little is left
+  summary.arms[1].belief.beta = 1.02;  // old evidence that was discounted almost to nothing
   EXPECT_THAT(RunReportText(summary), Not(HasSubstr(nothing)));
 }
 
@@ -148,9 +148,9 @@ TEST(RunReportJson, HasTheFieldsThatScriptsRead) {
   EXPECT_EQ(document["verdict_changes"][0]["frame"], 20);
 }
 
-TEST(RunReportJson, SaysWhatADaemonDecidedWith) {
+TEST(RunReportJson, ContainsTheDaemonsVersionPolicyAndSeed) {
   RunSummary summary = SomeSummary();
-  EXPECT_TRUE(RunReportJson(summary)["daemon"].is_null()) << "there was none";
+  EXPECT_TRUE(RunReportJson(summary)["daemon"].is_null()) << "the run had no daemon";
   summary.session.daemon_version = "1.2.3";
   summary.session.policy = "paper";
   summary.session.seed = ~uint64_t{0};
@@ -160,7 +160,7 @@ TEST(RunReportJson, SaysWhatADaemonDecidedWith) {
   EXPECT_EQ(daemon["seed"], "18446744073709551615");
 }
 
-TEST(RunReportJson, LeavesOutALeaderThatIsUnknown) {
+TEST(RunReportJson, OmitsAnUnknownLeader) {
   RunSummary summary = SomeSummary();
   summary.verdict = {};
   const nlohmann::ordered_json document = RunReportJson(summary);
@@ -190,7 +190,7 @@ TEST(WriteRunReportCsv, NamesTheFileThatCannotBeWritten) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("/nonexistent/switches.csv"));
 }
 
-TEST(PriorsText, SaysWhereTheRunStartsFrom) {
+TEST(PriorsText, StatesThePriorsOfTheRun) {
   RunSetup setup;
   SessionStats session;
   EXPECT_EQ(PriorsText(setup, session), "no priors yet");
@@ -208,13 +208,13 @@ TEST(PriorsText, SaysWhereTheRunStartsFrom) {
   EXPECT_EQ(PriorsText(setup, session), "p.json has no priors of these backends for project p");
 }
 
-TEST(SwitchText, SaysWhenWhichAndWhy) {
+TEST(SwitchText, ContainsTheTimeTheArmsAndTheReason) {
   EXPECT_EQ(SwitchText(SomeSummary().switches[0]), "1.2 s  frame 12: SAP → Grid (bail-out)");
   EXPECT_EQ(VerdictChangeText(SomeSummary().verdict_changes[0]),
             "2.5 s  frame 20: verdict tie: Grid is the best with probability 0.50");
 }
 
-TEST(ShadowText, SaysWhyThereIsNoLaneOrWhatItCost) {
+TEST(ShadowText, StatesWhyTheLaneIsOffOrWhatItCost) {
   RunSummary summary = SomeSummary();
   summary.shadow.state = ShadowState::kNoSpareCore;
   summary.shadow.cold_switch_count = 2;
@@ -231,9 +231,9 @@ TEST(ShadowText, SaysWhyThereIsNoLaneOrWhatItCost) {
             "frame thread 2.50 %, copying took 200 ns per frame; 1 warm and 0 cold switches");
 }
 
-// 30 frames of SAP and 10 of Grid, which is believed to take twice as long: 1.25 on average, and
-// the median is 1.5.
-TEST(FrameCostText, SaysWhatChoosingSavesAndWhatTheLaneTakes) {
+// The run has 30 frames of SAP with cost ratio 1 and 10 of Grid with ratio 2: 1.25 on average. The
+// median ratio of the arms is 1.5.
+TEST(FrameCostText, StatesTheSavedTimeAndTheTimeOfTheLane) {
   RunSummary summary = SomeSummary();
   summary.shadow.busy_time_ns = 4 * kSecond;
   EXPECT_EQ(FrameCostText(summary),
@@ -253,7 +253,7 @@ TEST(FrameCostText, SaysWhatChoosingSavesAndWhatTheLaneTakes) {
   EXPECT_EQ(FrameCostText(summary), "Per frame: 175.0000 ms of detection");
 }
 
-TEST(RunReportText, HasADashWhereTheDeciderDoesNotTell) {
+TEST(RunReportText, HasADashForUnknownValues) {
   RunSummary summary = SomeSummary();
   summary.arms[1].belief.standing.reset();
   EXPECT_THAT(RunReportText(summary),
@@ -274,7 +274,7 @@ TEST(BeliefsText, ListsTheArmsBestFirst) {
   EXPECT_EQ(BeliefsText({}), "");
 }
 
-TEST(DroppedText, SaysWhatALossMeansAndWhyThereIsOne) {
+TEST(DroppedText, StatesTheCauseAndTheConsequenceOfDroppedSamples) {
   SessionStats session;
   session.connection_count = 1;
   EXPECT_EQ(DroppedText(session, 10), "no samples dropped");

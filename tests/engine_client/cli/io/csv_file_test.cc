@@ -24,12 +24,11 @@ TEST(CsvFile, AppearsOnlyWhenItIsCommitted) {
   EXPECT_TRUE(kept->Commit().ok());
   std::stringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
-  EXPECT_EQ(text.str(), "a,b\r\n1,\"x,y\"\r\n\"a\"\"b\",\"a\nb\"\r\n")
-      << "quoted as RFC 4180 has it";
+  EXPECT_EQ(text.str(), "a,b\r\n1,\"x,y\"\r\n\"a\"\"b\",\"a\nb\"\r\n") << "quoted as in RFC 4180";
   std::filesystem::remove(path);
 }
 
-TEST(CsvFile, SaysWhichFileCannotBeWritten) {
+TEST(CsvFile, NamesTheFileThatCannotBeWritten) {
   const auto csv = CsvFile::Create("/nonexistent/x.csv", {"a"});
   ASSERT_FALSE(csv.ok());
   EXPECT_NE(csv.status().message().find("/nonexistent/x.csv"), std::string::npos);

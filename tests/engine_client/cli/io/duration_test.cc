@@ -5,14 +5,14 @@
 namespace sweepstake::cli {
 namespace {
 
-TEST(ParseDuration, TakesANumberAndAUnit) {
+TEST(ParseDuration, AcceptsANumberAndAUnit) {
   EXPECT_EQ(*ParseDuration("500ms"), 500'000'000U);
   EXPECT_EQ(*ParseDuration("60s"), 60'000'000'000U);
   EXPECT_EQ(*ParseDuration("15m"), 900'000'000'000U);
   EXPECT_EQ(*ParseDuration("1.5h"), 5'400'000'000'000U);
 }
 
-TEST(ParseDuration, RefusesEverythingElseAndSaysWhatItTakes) {
+TEST(ParseDuration, RejectsEverythingElseAndStatesTheFormat) {
   for (const char* text :
        {"", "60", "s", "-1s", "0s", "1e9s", "nans", "inf", "1 s", "1d", "1s1", "1000h", "١s"}) {
     const auto duration = ParseDuration(text);
@@ -27,7 +27,7 @@ TEST(ParseDuration, AcceptsUpToThirtyDays) {
   EXPECT_FALSE(ParseDuration("0.0000001ms").ok());
 }
 
-TEST(ParseDuration, RepeatsWhatItWasGiven) {
+TEST(ParseDuration, RepeatsTheInputInTheError) {
   EXPECT_NE(ParseDuration("soon").status().message().find("'soon' is not a duration"),
             std::string::npos);
 }

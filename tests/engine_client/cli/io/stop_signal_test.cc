@@ -8,8 +8,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// The state is the process's, so each test has a process of its own.
-TEST(StopSignalDeathTest, TheFirstSignalIsAQuestionAndTheSecondEndsTheProcess) {
+// The state belongs to the process, so each test runs in its own process.
+TEST(StopSignalDeathTest, TheFirstSignalSetsTheFlagAndTheSecondEndsTheProcess) {
   EXPECT_EXIT(
       {
         InstallStopSignal();
@@ -22,7 +22,7 @@ TEST(StopSignalDeathTest, TheFirstSignalIsAQuestionAndTheSecondEndsTheProcess) {
       testing::KilledBySignal(SIGINT), "");
 }
 
-TEST(StopSignalDeathTest, TermAsksToo) {
+TEST(StopSignalDeathTest, SigtermSetsTheFlagToo) {
   EXPECT_EXIT(
       {
         InstallStopSignal();

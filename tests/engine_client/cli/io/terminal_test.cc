@@ -39,7 +39,7 @@ TEST_F(TerminalTest, FailPrintsOneLineAndChoosesTheExitCode) {
   EXPECT_EQ(out_.str(), "");
 }
 
-TEST_F(TerminalTest, FailAnswerTellsARefusalFromBadUsageAndFromNobodyThere) {
+TEST_F(TerminalTest, FailAnswerDistinguishesRefusalBadUsageAndNoDaemon) {
   const struct {
     StatusCode code;
     int exit_code;
@@ -106,7 +106,7 @@ TEST_F(TerminalTest, ProgressWithoutATotalHasNoBar) {
   EXPECT_EQ(err_.str(), "run SAP");
 }
 
-TEST_F(TerminalTest, ALineStandsAboveTheBar) {
+TEST_F(TerminalTest, ALineAppearsAboveTheBar) {
   Terminal terminal = Tty(80);
   Progress progress(terminal, "run", 0);
   progress.Show(1, "bar");
@@ -114,10 +114,10 @@ TEST_F(TerminalTest, ALineStandsAboveTheBar) {
   progress.Line("a switch");
   EXPECT_EQ(err_.str(), "\r\x1b[Ka switch\n");
   progress.ClearBar();
-  EXPECT_EQ(err_.str(), "\r\x1b[Ka switch\n") << "a bar is cleared once";
+  EXPECT_EQ(err_.str(), "\r\x1b[Ka switch\n") << "the bar is cleared only once";
 }
 
-TEST_F(TerminalTest, ProgressIntoAFileHasNoControlCharacters) {
+TEST_F(TerminalTest, ProgressInAFileHasNoControlCharacters) {
   Terminal terminal = File();
   {
     Progress progress(terminal, "check", 10);

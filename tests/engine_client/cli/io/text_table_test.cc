@@ -17,7 +17,7 @@ TEST(TextTable, AlignsNumbersRightAndWordsLeft) {
             "KDTree  12.25\n");
 }
 
-TEST(TextTable, AColumnWithOneWordIsNoColumnOfNumbers) {
+TEST(TextTable, AColumnWithOneWordIsAlignedLeft) {
   TextTable table({"n", "x"});
   table.AddRow({"1", "a"});
   table.AddRow({"-", "a"});
@@ -32,14 +32,14 @@ TEST(TextTable, CountsCharactersAndNotBytes) {
   EXPECT_EQ(table.Text(), "a    b\n→→   x\nabc  y\n");
 }
 
-TEST(TextTable, ATitleStandsAcrossTheColumnsAndWidensNone) {
+TEST(TextTable, ATitleSpansTheColumnsAndWidensNone) {
   TextTable table({"a", "b"});
   table.AddTitle("a long title");
   table.AddRow({"1", "2"});
   EXPECT_EQ(table.Text(), "a  b\n\na long title\n1  2\n");
 }
 
-TEST(TextTable, OfNoRowsIsItsHeader) {
+TEST(TextTable, WithoutRowsIsItsHeader) {
   const TextTable table({"arm", "ms"});
   EXPECT_EQ(table.Text(), "arm  ms\n");
   std::ostringstream out;

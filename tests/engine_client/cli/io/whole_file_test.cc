@@ -36,13 +36,13 @@ TEST(WholeFile, ReplacesTheOldFileOnlyWhenItIsCommitted) {
   EXPECT_EQ(FileCount(folder.path()), 1U);
 }
 
-TEST(WholeFile, LeavesNothingWhenItIsDropped) {
+TEST(WholeFile, LeavesNoFileWithoutACommit) {
   const test_support::TemporaryDirectory folder;
   (*WholeFile::Create(folder.path() / "out.html"))->Write("half");
   EXPECT_EQ(FileCount(folder.path()), 0U);
 }
 
-TEST(WholeFile, RefusesAtOnceWhatCannotBeWritten) {
+TEST(WholeFile, RejectsAFileThatCannotBeWrittenAtOnce) {
   const test_support::TemporaryDirectory folder;
   for (const path& place : {folder.path(), path("/nonexistent/out.html"), path("/dev/null"),
                             path(""), folder.path() / "new" / ""}) {

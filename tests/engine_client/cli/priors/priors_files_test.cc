@@ -1,4 +1,4 @@
-// What `sweepstake priors show|doctor|diff|merge|arm` say of files.
+// Tests of `sweepstake priors show|doctor|diff|merge|arm`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-// What 50 windows of a source taught.
+// Returns a record of 50 windows of a source.
 PriorRecord RecordOf(const std::string& source, const std::string& arm, double cost_us) {
   const decision::Increment window =
       decision::LogCostIncrement(0, decision::RewardOf(std::log(cost_us)), 0.02 * 0.02);
@@ -42,7 +42,7 @@ PriorRecord RecordOf(const std::string& source, const std::string& arm, double c
           .last_seen_unix_s = 0};
 }
 
-// Grid costs half of SAP.
+// Returns records in which Grid costs half as much as SAP.
 std::vector<PriorRecord> Honest() {
   return {RecordOf("a", "Grid", 100), RecordOf("a", "SAP", 200)};
 }
@@ -54,7 +54,7 @@ class PriorsFilesTest : public testing::Test {
     EXPECT_TRUE(WritePriorsFile(records, path).ok());
     return path;
   }
-  // Returns the only entry of what the doctor of build 1.1 says.
+  // Returns the only entry of the doctor's output for build 1.1.
   json Diagnose(const std::vector<PriorRecord>& records) {
     const CommandRun run =
         RunCommand("priors doctor --json --build 1.1 --in " + Write("sick.json", records));
@@ -67,7 +67,7 @@ class PriorsFilesTest : public testing::Test {
   test_support::TemporaryDirectory folder_;
 };
 
-TEST_F(PriorsFilesTest, SumsOfBuildsCountLikeTheirSessionsAndAreImportedNowhere) {
+TEST_F(PriorsFilesTest, SumsCountLikeTheirSessionsAndCannotBeImported) {
   std::vector<PriorRecord> sessions = Honest();
   for (const PriorRecord& record : Honest()) sessions.emplace_back(record).source_id = "b";
   const std::string file = Write("sums.json", SumByBuild(sessions));
@@ -86,7 +86,7 @@ TEST_F(PriorsFilesTest, SumsOfBuildsCountLikeTheirSessionsAndAreImportedNowhere)
   EXPECT_THAT(refused.err, HasSubstr("export the evidence without --sums"));
 }
 
-TEST_F(PriorsFilesTest, ShowSaysWhatEachArmCostsByTheCheapest) {
+TEST_F(PriorsFilesTest, ShowPrintsCostsRelativeToTheCheapestArm) {
   std::vector<PriorRecord> records = Honest();
   records.push_back(RecordOf("b", "Grid", 100));
   records.back().key.measured_by = "lane";
@@ -106,7 +106,7 @@ TEST_F(PriorsFilesTest, ShowSaysWhatEachArmCostsByTheCheapest) {
             (folder_.path() / "none.json").string() + " has no records\n");
 }
 
-TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
+TEST_F(PriorsFilesTest, TheDoctorShowsWhatCountsAndWhyTheRestDoesNot) {
   const std::vector<PriorRecord> healthy = Honest();
   EXPECT_EQ(Diagnose(healthy)["fitness"], "valid");
   EXPECT_EQ(Diagnose(healthy)["weight"], 1);
@@ -133,13 +133,14 @@ TEST_F(PriorsFilesTest, TheDoctorSaysWhatCountsHereAndWhyTheRestDoesNot) {
   std::vector<PriorRecord> newer = Honest();
   for (PriorRecord& record : newer) record.key.backend_version = 99;
   newer.insert(newer.begin(), healthy.begin(), healthy.end());
-  EXPECT_EQ(Diagnose(newer)["fitness"], "valid") << "what the version here taught counts in full";
+  EXPECT_EQ(Diagnose(newer)["fitness"], "valid")
+      << "evidence of this program's version counts in full";
   const CommandRun empty = RunCommand("priors doctor --in " + Write("none.json", {}));
   EXPECT_EQ(empty.exit_code, 1);
   EXPECT_THAT(empty.out, HasSubstr("none.json has no records\n"));
 }
 
-TEST_F(PriorsFilesTest, WhatWaitsInQuarantineIsToldApartAndCountsNowhere) {
+TEST_F(PriorsFilesTest, QuarantinedRecordsAreMarkedAndDoNotCount) {
   std::vector<PriorRecord> records = Honest();
   for (PriorRecord& record : records) record.is_quarantined = true;
   const json entry = Diagnose(records);
@@ -151,25 +152,25 @@ TEST_F(PriorsFilesTest, WhatWaitsInQuarantineIsToldApartAndCountsNowhere) {
               HasSubstr("in build 1.1 (in quarantine), 1 sources"));
   EXPECT_THAT(RunCommand("priors diff " + Write("counts.json", Honest()) + " " + waiting).out,
               HasSubstr("The files agree on every scene"))
-      << "what promoting would bring can be compared";
+      << "diff shows the effect of a promotion";
 }
 
-// One arm in another version, and one that this program does not have.
-TEST_F(PriorsFilesTest, AnArmThatChangedLosesNothingOfTheOthersKnowledge) {
+// The file has one arm in another version, and one arm that this program does not have.
+TEST_F(PriorsFilesTest, AChangedArmDoesNotReduceTheWeightOfTheOthers) {
   std::vector<PriorRecord> records = Honest();
   records[0].key.backend_version += 1;
   records.push_back(RecordOf("a", "Grid", 300));
   records.back().key.arm = "Octree";
   const json entry = Diagnose(records);
   EXPECT_EQ(entry["fitness"], "near");
-  EXPECT_EQ(entry["weight"], 1) << "of SAP, which is the same";
+  EXPECT_EQ(entry["weight"], 1) << "the weight of SAP, whose version is the same";
   EXPECT_EQ(entry["reasons"].size(), 2u);
   EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("), and counts 4 %"));
   for (PriorRecord& record : records) record.is_quarantined = true;
   EXPECT_THAT(Diagnose(records)["reasons"].dump(), Not(HasSubstr("and counts 4")));
 }
 
-TEST_F(PriorsFilesTest, DiffNamesTheScenesOfWhichTwoFilesSaySomethingElse) {
+TEST_F(PriorsFilesTest, DiffNamesTheScenesInWhichTwoFilesDiffer) {
   std::vector<PriorRecord> later = Honest();
   later[1] = RecordOf("a", "SAP", 50);
   for (PriorRecord& record : Honest()) {
@@ -192,7 +193,7 @@ TEST_F(PriorsFilesTest, DiffNamesTheScenesOfWhichTwoFilesSaySomethingElse) {
             "The files agree on every scene to within 5 %.\n");
 }
 
-TEST_F(PriorsFilesTest, DiffSaysWhereOneFileKnowsNothing) {
+TEST_F(PriorsFilesTest, DiffMarksScenesThatOneFileDoesNotHave) {
   const std::string files = Write("some.json", Honest()) + " " + Write("none.json", {});
   EXPECT_THAT(
       RunCommand("priors diff " + files).out,
@@ -220,7 +221,7 @@ TEST_F(PriorsFilesTest, DiffComparesTwoBuildsOfOneFile) {
   EXPECT_TRUE(json::parse(RunCommand(diff + " --other-build 1.1").out)["scenes"].empty());
 }
 
-TEST_F(PriorsFilesTest, MergeKeepsOfEachSourceWhatIsLater) {
+TEST_F(PriorsFilesTest, MergeKeepsTheLaterRecordOfEachSource) {
   std::vector<PriorRecord> theirs = {RecordOf("a", "Grid", 100), RecordOf("b", "SAP", 200)};
   theirs[0].source_sequence = 2;
   theirs[0].evidence.window_count = 70;
@@ -237,7 +238,7 @@ TEST_F(PriorsFilesTest, MergeKeepsOfEachSourceWhatIsLater) {
   EXPECT_THAT(nowhere.err, HasSubstr("/nonexistent/p"));
 }
 
-// A sum may have what the sessions taught.
+// A sum may contain the evidence of sessions in the other file.
 TEST_F(PriorsFilesTest, MergeCountsNothingTwice) {
   const std::string sums = Write("sums.json", SumByBuild(Honest()));
   const std::string sessions = Write("sessions.json", Honest());
@@ -254,18 +255,20 @@ TEST_F(PriorsFilesTest, MergeCountsNothingTwice) {
   std::vector<PriorRecord> played = SumByBuild(Honest());
   played.push_back(RecordOf("own", "SAP", 200));
   const std::string save = Write("played.json", played);
-  EXPECT_EQ(merge(sums + " " + save).out, out + ": 3 records\n") << "it began with these sums";
+  EXPECT_EQ(merge(sums + " " + save).out, out + ": 3 records\n")
+      << "the save started from these sums";
   std::vector<PriorRecord> later = Honest();
   later.push_back(RecordOf("own", "SAP", 200));
   const std::string later_sums = Write("later.json", SumByBuild(later));
-  EXPECT_EQ(merge(later_sums + " " + save).exit_code, 2) << "they may have the save's session";
+  EXPECT_EQ(merge(later_sums + " " + save).exit_code, 2)
+      << "the sums may contain the save's session";
   EXPECT_EQ(merge(save + " " + later_sums).exit_code, 2);
 }
 
 TEST_F(PriorsFilesTest, ArmIsTheCheapestOfTheScene) {
   const std::string arm = "priors arm --project arcade --in " + Write("p.json", Honest());
   EXPECT_EQ(RunCommand(arm + " --scene arena").out, "Grid\n");
-  EXPECT_EQ(RunCommand(arm + " --scene desert").out, "Grid\n") << "of the project's others";
+  EXPECT_EQ(RunCommand(arm + " --scene desert").out, "Grid\n") << "from the project's other scenes";
 }
 
 }  // namespace

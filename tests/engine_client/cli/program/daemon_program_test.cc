@@ -1,4 +1,4 @@
-// The commands that talk to a daemon, against a real one.
+// Tests of the commands that connect to a daemon, with a real daemon.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,9 +31,8 @@ bool HasLearnt(const ProgramRun& run) {
                      [](const json& arm) { return arm["live_windows"] > 0; });
 }
 
-// Explores the arms at virtual intervals of a few milliseconds, and leaves evidence behind. A slow
-// machine may not have the frames for that within a second; a session that learnt nothing leaves
-// nothing, so another and longer one does the same.
+// Runs a game that explores the arms every few milliseconds, so that the daemon stores evidence. On
+// a slow machine one second may have too few frames to learn anything; then a longer game follows.
 ProgramRun Learn(const DaemonProcess& daemon, int time_scale = 1000) {
   for (int seconds = 1;; seconds *= 2) {
     ProgramRun run = RunProgram(
@@ -45,7 +44,7 @@ ProgramRun Learn(const DaemonProcess& daemon, int time_scale = 1000) {
   }
 }
 
-TEST(DaemonProgram, CommandsEndWithThreeWhenNobodyAnswers) {
+TEST(DaemonProgram, CommandsGiveExitCodeThreeIfNoDaemonAnswers) {
   for (const std::string command : {"watch", "priors list", "priors export --out never.json",
                                     "audit list", "audit export --out never.json"}) {
     const ProgramRun run = RunProgram(command + " --daemon " + kNobody);
@@ -56,7 +55,7 @@ TEST(DaemonProgram, CommandsEndWithThreeWhenNobodyAnswers) {
   EXPECT_FALSE(std::ifstream("never.json").good());
 }
 
-TEST(DaemonProgram, BadUsageEndsWithTwo) {
+TEST(DaemonProgram, BadUsageGivesExitCodeTwo) {
   const struct {
     const char* arguments;
     const char* said;
@@ -80,7 +79,7 @@ TEST(DaemonProgram, BadUsageEndsWithTwo) {
   }
 }
 
-TEST(DaemonProgram, ASwitchWithoutSenseEndsTheDaemonWithTwo) {
+TEST(DaemonProgram, AnInvalidFlagEndsTheDaemonWithExitCodeTwo) {
   for (const char* flag : {"--insecure=maybe", "--no-insecure=maybe",
                            "--insecure=", "--decision-explore=99999999999999999999"}) {
     const ProgramRun run = RunDaemonProgram(std::string(flag) + " --print-config");
@@ -92,7 +91,7 @@ TEST(DaemonProgram, ASwitchWithoutSenseEndsTheDaemonWithTwo) {
   EXPECT_THAT(run.out, HasSubstr("explore = false"));
 }
 
-TEST(DaemonProgram, AnUnknownWordGetsWhatIsNearInOneShortLine) {
+TEST(DaemonProgram, AnUnknownWordSuggestsTheNearestInOneShortLine) {
   const std::pair<const char*, const char*> cases[] = {
       {"token list --jsn", "unknown option '--jsn', the nearest is --json; --help lists all\n"},
       {"--lissten=x", "unknown option '--lissten', the nearest is --listen; --help lists all\n"},
@@ -111,7 +110,7 @@ TEST(DaemonProgram, AnUnknownWordGetsWhatIsNearInOneShortLine) {
   }
 }
 
-TEST(DaemonProgram, AMisspeltOptionIsSaidBeforeWhatIsMissing) {
+TEST(DaemonProgram, AMisspeltOptionIsReportedBeforeAMissingOne) {
   const ProgramRun create = RunDaemonProgram("token create game --rol ingest");
   EXPECT_EQ(create.exit_code, 2);
   EXPECT_THAT(create.err, HasSubstr("unknown option '--rol', the nearest is --role"));
@@ -121,7 +120,7 @@ TEST(DaemonProgram, AMisspeltOptionIsSaidBeforeWhatIsMissing) {
   EXPECT_THAT(RunDaemonProgram("backup").err, HasSubstr("file is required"));
 }
 
-TEST(DaemonProgram, EachLineThatIsWrongInAFileIsSaid) {
+TEST(DaemonProgram, EveryInvalidLineOfAConfigurationIsReported) {
   const TemporaryDirectory folder;
   const std::string path = (folder.path() / "daemon.toml").string();
   std::ofstream(path) << "lissten = 'x'\nmax_scenes = 0\n";
@@ -131,7 +130,7 @@ TEST(DaemonProgram, EachLineThatIsWrongInAFileIsSaid) {
   EXPECT_THAT(checked.err, HasSubstr("\nsweepstaked: " + path + ":2: max_scenes: Value 0 not in"));
 }
 
-TEST(DaemonProgram, ADirectoryIsNoConfiguration) {
+TEST(DaemonProgram, ADirectoryIsRejectedAsConfiguration) {
   const TemporaryDirectory folder;
   const std::string path = folder.path().string();
   EXPECT_EQ(RunDaemonProgram("--print-config --config " + path).exit_code, 2);
@@ -140,13 +139,13 @@ TEST(DaemonProgram, ADirectoryIsNoConfiguration) {
   EXPECT_THAT(checked.err, HasSubstr("is a directory"));
 }
 
-TEST(DaemonProgram, VersionIsThatOfTheCommandLine) {
+TEST(DaemonProgram, TheDaemonAndTheCommandLineHaveTheSameVersion) {
   const ProgramRun run = RunDaemonProgram("--version");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.out, RunProgram("--version").out);
 }
 
-TEST(DaemonProgram, ABackupOfARunningDaemonBeginsAnotherOne) {
+TEST(DaemonProgram, ABackupOfARunningDaemonCanStartAnotherDaemon) {
   const TemporaryDirectory folder;
   const TemporaryDirectory data_folder;
   const std::string data = data_folder.path().string();
@@ -169,7 +168,7 @@ TEST(DaemonProgram, ABackupOfARunningDaemonBeginsAnotherOne) {
   EXPECT_EQ(list(next), list(daemon));
 }
 
-TEST(DaemonProgram, ABackupWithoutTheRowsThatADiskChangedIsKeptAndTold) {
+TEST(DaemonProgram, ABackupThatOmitsDamagedRowsIsKeptAndReported) {
   const TemporaryDirectory folder;
   const TemporaryDirectory data;
   const std::string file = (folder.path() / "monday.db").string();
@@ -189,7 +188,7 @@ TEST(DaemonProgram, ABackupWithoutTheRowsThatADiskChangedIsKeptAndTold) {
   EXPECT_EQ(RunDaemonProgram("restore " + file + " --verify").exit_code, 0);
 }
 
-TEST(DaemonProgram, ABackupThatIsDamagedIsToldByRestore) {
+TEST(DaemonProgram, RestoreReportsADamagedBackup) {
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "monday.db").string();
   std::ofstream(file) << std::string(5000, 'x');
@@ -199,7 +198,7 @@ TEST(DaemonProgram, ABackupThatIsDamagedIsToldByRestore) {
   EXPECT_EQ(RunDaemonProgram("restore").exit_code, 2);
 }
 
-TEST(DaemonProgram, ARunThatTheDaemonRefusesEndsAtOnceWithTwoAndItsWords) {
+TEST(DaemonProgram, ARunThatTheDaemonRefusesEndsAtOnceWithItsMessage) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
   const ProgramRun run =
@@ -210,7 +209,7 @@ TEST(DaemonProgram, ARunThatTheDaemonRefusesEndsAtOnceWithTwoAndItsWords) {
   EXPECT_EQ(run.out, "");
 }
 
-TEST(DaemonProgram, ARunLearnsOverTheStreamAndTheNextOneStartsFromItsPriors) {
+TEST(DaemonProgram, ARunLearnsAndTheNextRunStartsFromItsPriors) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
   const ProgramRun first = Learn(daemon);
@@ -223,7 +222,7 @@ TEST(DaemonProgram, ARunLearnsOverTheStreamAndTheNextOneStartsFromItsPriors) {
   EXPECT_THAT(second.err, HasSubstr("starts from priors of 1 earlier session"));
 }
 
-TEST(DaemonProgram, ARunThatAllowsOrdersObeysAnOperator) {
+TEST(DaemonProgram, ARunThatAllowsOrdersFollowsAnOperator) {
   const TemporaryDirectory data;
   const DaemonProcess daemon(data.path());
   const test_support::ChildProcess game(
@@ -241,10 +240,10 @@ TEST(DaemonProgram, ARunThatAllowsOrdersObeysAnOperator) {
   EXPECT_EQ(pin.out, id + " follows the order: manual, Grid is active\n");
   EXPECT_EQ(RunProgram("sessions release " + id + at).exit_code, 0);
   const ProgramRun wrong = RunProgram("sessions pin " + id + "0 Grid" + at);
-  EXPECT_EQ(wrong.exit_code, 1) << "it is no bad usage: " << wrong.err;
+  EXPECT_EQ(wrong.exit_code, 1) << "the command line is valid: " << wrong.err;
 }
 
-TEST(DaemonProgram, WatchShowsWhatWasLearntOnceAsJsonAndAsText) {
+TEST(DaemonProgram, WatchShowsThePosteriorsAsJsonAndAsText) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
   ASSERT_EQ(Learn(daemon).exit_code, 0);
@@ -259,7 +258,7 @@ TEST(DaemonProgram, WatchShowsWhatWasLearntOnceAsJsonAndAsText) {
   EXPECT_THAT(text.out, HasSubstr("p / s on m"));
 }
 
-TEST(DaemonProgram, PriorsGoFromOneDaemonToAnotherAndIntoAGame) {
+TEST(DaemonProgram, PriorsMoveFromOneDaemonToAnotherAndIntoAGame) {
   const TemporaryDirectory data;
   const TemporaryDirectory other_data;
   DaemonProcess daemon(data.path());
@@ -291,7 +290,7 @@ TEST(DaemonProgram, PriorsGoFromOneDaemonToAnotherAndIntoAGame) {
   EXPECT_EQ(json::parse(game.out)["prior_sources"], 1);
 }
 
-// Plays a minute, and returns the path of the exported priors.
+// Runs one minute of play and returns the path of the exported priors.
 std::string PlayOffline(const std::filesystem::path& file) {
   EmbeddedOptions options;
   options.project = "p";
@@ -312,7 +311,7 @@ std::string PlayOffline(const std::filesystem::path& file) {
   return file.string();
 }
 
-TEST(DaemonProgram, WhatAGameLearntOfflineCountsOnceInADaemonHoweverOftenItIsImported) {
+TEST(DaemonProgram, OfflineEvidenceCountsOnceHoweverOftenItIsImported) {
   const TemporaryDirectory data;
   const TemporaryDirectory saves;
   const DaemonProcess daemon(data.path());
@@ -323,26 +322,26 @@ TEST(DaemonProgram, WhatAGameLearntOfflineCountsOnceInADaemonHoweverOftenItIsImp
     const ProgramRun imported = RunProgram(import);
     ASSERT_EQ(imported.exit_code, 0) << imported.err;
     EXPECT_EQ(json::parse(imported.out)["applied"], 1);
-    EXPECT_EQ(json::parse(RunProgram(import).out)["unchanged"], 1) << "the second time";
+    EXPECT_EQ(json::parse(RunProgram(import).out)["unchanged"], 1) << "the second import";
     const json scenes = json::parse(RunProgram("priors list" + at).out)["scenes"];
     ASSERT_EQ(scenes.size(), 1U);
-    EXPECT_EQ(scenes[0]["sources"], 1) << "one player, whose record grows";
+    EXPECT_EQ(scenes[0]["sources"], 1) << "one player whose record grows";
     const json& arm = scenes[0]["arms"][0];
     EXPECT_GT(arm["windows"], 25 * run);
     EXPECT_LT(arm["windows"], 35 * run);
   }
 }
 
-TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {
+TEST(DaemonProgram, EveryDecisionIsExportedAndReplayed) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
-  // With 500 decisions a second a slow disk would leave gaps in the log.
+  // At 500 decisions per second, a slow disk would cause gaps in the log.
   const ProgramRun game = Learn(daemon, /*time_scale=*/100);
   ASSERT_EQ(game.exit_code, 0) << game.err;
   const ProgramRun listed = RunProgram("audit list --json --daemon " + daemon.address());
   ASSERT_EQ(listed.exit_code, 0) << listed.err;
   const json segments = json::parse(listed.out)["segments"];
-  // A game before it, which learnt nothing, may have begun a log.
+  // An earlier game that learnt nothing may have its own segment.
   ASSERT_FALSE(segments.empty());
   const json& last = segments.back();
   EXPECT_EQ(last["session_id"], json::parse(game.out)["session_id"]);

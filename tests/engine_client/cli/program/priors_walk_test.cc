@@ -33,7 +33,7 @@ class PriorsWalk : public testing::Test {
     EXPECT_EQ(run.exit_code, 0) << command << ": " << run.err;
     return json::parse(run.out);
   }
-  // Plays until it has learnt something, which takes a slow machine more than a second.
+  // Plays until something was learnt, which takes more than a second on a slow machine.
   json Play(const std::string& build) const {
     for (int seconds = 1;; seconds *= 2) {
       json run = JsonOf(kGame + std::string("--time-scale 1000 --duration ") +
@@ -43,7 +43,7 @@ class PriorsWalk : public testing::Test {
       if (has_learnt || HasFailure()) return run;
     }
   }
-  // What the daemon knows, to the last bit.
+  // Returns the daemon's evidence, to the last bit.
   std::string Known(const std::string& file) const {
     JsonOf("priors export --out " + Path(file) + at());
     return test_support::FileText(Path(file)) + JsonOf("priors list" + at()).dump();
@@ -53,10 +53,10 @@ class PriorsWalk : public testing::Test {
   test_support::DaemonProcess daemon_{data_.path()};
 };
 
-TEST_F(PriorsWalk, ABuildLearnsTheNextStartsFromItABadOneGoesAndTheFileShips) {
+TEST_F(PriorsWalk, BuildsShareEvidenceABadBuildIsRevokedAndPriorsAreShipped) {
   EXPECT_EQ(Play("1.0")["prior_sources"], 0);
   const json second = Play("1.1");
-  EXPECT_GE(second["prior_sources"], 1) << "it begins with what 1.0 has learnt";
+  EXPECT_GE(second["prior_sources"], 1) << "it starts from what 1.0 has learnt";
   JsonOf("audit export --project arcade --out " + Path("log.csv") + at());
   EXPECT_THAT(test_support::FileText(Path("log.csv")), HasSubstr("of build 1.0 on m at 0.25"));
 
@@ -78,7 +78,7 @@ TEST_F(PriorsWalk, ABuildLearnsTheNextStartsFromItABadOneGoesAndTheFileShips) {
   EXPECT_EQ(revoked["windows"], preview["windows"]);
   EXPECT_EQ(Known("without-1.2.json"), before);
   EXPECT_EQ(JsonOf("priors import --in " + Path("with-1.2.json") + at())["applied"], 0)
-      << "it does not come back with a file";
+      << "an import does not restore revoked evidence";
 
   const json posteriors = JsonOf("priors list" + at())["scenes"];
   const std::string shipped = Path("shipped.json");

@@ -1,4 +1,4 @@
-// The command line of `sweepstake` as scripts use it: words and exit codes.
+// The command line of `sweepstake` as scripts use it: messages and exit codes.
 #include "tests/engine_client/cli/program/program.h"
 
 #include <gmock/gmock.h>
@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Program, HelpOfEveryCommandEndsWithZeroAndShowsExamples) {
+TEST(Program, HelpOfEveryCommandGivesExitCodeZeroAndShowsExamples) {
   for (const std::string command : {"run", "watch", "audit list", "priors list", "sessions list"}) {
     const ProgramRun run = RunProgram(command + " --help");
     EXPECT_EQ(run.exit_code, 0) << command;
@@ -20,7 +20,7 @@ TEST(Program, HelpOfEveryCommandEndsWithZeroAndShowsExamples) {
   EXPECT_EQ(RunProgram("--version").exit_code, 0);
 }
 
-TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
+TEST(Program, BadUsageGivesExitCodeTwoAndListsValidValues) {
   const struct {
     std::string arguments;
     std::string said;

@@ -1,5 +1,5 @@
-// `sweepstake run` as scripts use it. No clock is compared: the runs are short and what they say
-// must add up.
+// `sweepstake run` as scripts use it. The tests check that the numbers of a run are consistent, and
+// compare no times, because the runs are short.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,8 +22,8 @@ using testing::HasSubstr;
 constexpr char kSmallGame[] = "run --scene suite-b --objects 100 --embedded ";
 const std::string kSmallRun = std::string(kSmallGame) + "--duration 300ms ";
 
-// The policy of the paper explores whatever the arms cost. Runs longer and longer games until one
-// has switched: a busy machine gives a short one too few frames.
+// Runs longer and longer games until one has switched, because a short game has too few frames on a
+// busy machine. It uses the paper's policy, which explores whatever the arms cost.
 ProgramRun RunUntilItSwitches(const std::string& options) {
   for (int duration_ms = 300;; duration_ms *= 2) {
     ProgramRun run = RunProgram(kSmallGame + std::string("--policy paper --time-scale 1000 ") +
@@ -38,7 +38,7 @@ size_t Lines(const std::string& text) {
   return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-TEST(RunProgram, EmbeddedPrintsOneDocumentWhoseNumbersAddUp) {
+TEST(RunProgram, EmbeddedPrintsOneDocumentWithConsistentNumbers) {
   const ProgramRun run = RunUntilItSwitches("--json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json document = json::parse(run.out);
@@ -54,7 +54,7 @@ TEST(RunProgram, EmbeddedPrintsOneDocumentWhoseNumbersAddUp) {
   EXPECT_THAT(run.err, HasSubstr("no priors yet"));
 }
 
-TEST(RunProgram, RecordsTheFramesBeforeOneOverTheBudgetForReplay) {
+TEST(RunProgram, RecordsTheFramesBeforeAFrameOverTheBudget) {
   const std::string folder = TemporaryPath("flights");
   std::filesystem::create_directories(folder);
   const ProgramRun run = RunProgram(std::string(kSmallGame) +
@@ -77,7 +77,7 @@ TEST(RunProgram, RecordsTheFramesBeforeOneOverTheBudgetForReplay) {
   EXPECT_EQ(RunProgram(kSmallRun + "--flight-recorder 8 --flight-folder " + folder).exit_code, 2);
 }
 
-TEST(RunProgram, TellsWhatTheShadowLaneDid) {
+TEST(RunProgram, ReportsTheWorkOfTheShadowLane) {
   const auto shadow_of = [](const std::string& options, int duration_ms) {
     const ProgramRun run = RunProgram(kSmallGame + std::string("--duration ") +
                                       std::to_string(duration_ms) + "ms --json " + options);
@@ -91,7 +91,7 @@ TEST(RunProgram, TellsWhatTheShadowLaneDid) {
   EXPECT_GT(off["cold_switches"].get<uint64_t>(), 0U);
   const json manual = shadow_of("--mode manual", 300);
   json on;
-  // The lane runs where nothing else does: it gets little of a busy machine.
+  // The lane uses idle cores only, so a busy machine leaves it little time.
   for (int duration_ms = 300; duration_ms <= 60'000; duration_ms *= 2) {
     on = shadow_of("--mode manual --shadow on", duration_ms);
     if (on["state"] == "off, no core to spare") return;
@@ -107,17 +107,17 @@ TEST(RunProgram, TellsWhatTheShadowLaneDid) {
   EXPECT_EQ(RunProgram(kSmallRun + "--shadow maybe").exit_code, 2);
 }
 
-TEST(RunProgram, PrintsSwitchesAndATableForPeople) {
+TEST(RunProgram, PrintsSwitchesAndATableAsText) {
   const ProgramRun run = RunUntilItSwitches("");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("no priors yet"));
   EXPECT_THAT(run.out, HasSubstr("(exploration)"));
-  EXPECT_THAT(run.out, HasSubstr("KDTree 0.")) << "the posteriors at a switch";
+  EXPECT_THAT(run.out, HasSubstr("KDTree 0.")) << "the posteriors when it switched";
   EXPECT_THAT(run.out, HasSubstr("Posteriors learnt in suite-b with 100 objects"));
   EXPECT_THAT(run.out, HasSubstr("Shadow lane: "));
 }
 
-TEST(RunProgram, SaysWhenThePriorsFileHasNoneForIt) {
+TEST(RunProgram, ReportsThatThePriorsFileHasNoneForTheScene) {
   const std::string file = TemporaryPath("priors.json");
   std::ofstream(file) << R"({"format":"sweepstake-priors","version":1,"records":[]})";
   const ProgramRun run =
@@ -128,8 +128,8 @@ TEST(RunProgram, SaysWhenThePriorsFileHasNoneForIt) {
   std::filesystem::remove(file);
 }
 
-// Tracy is the cheaper one of the two in the scene that the file has.
-TEST(PriorsArm, PrintsWhatTheFileSaysOfTheSceneAndOfItsNeighbours) {
+// In the only scene of the file, Tracy is the cheaper of two arms.
+TEST(PriorsArm, PrintsTheArmOfTheSceneOrOfTheProject) {
   json records = json::array();
   for (const auto& [arm, alpha] : {std::pair("SAP", 400), std::pair("Tracy", 600)}) {
     for (int version = 1; version <= 9; ++version) {
@@ -162,7 +162,7 @@ TEST(PriorsArm, PrintsWhatTheFileSaysOfTheSceneAndOfItsNeighbours) {
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.err, HasSubstr("the priors say nothing of scene \"s\" of project \"q\""));
   std::filesystem::remove(file);
-  EXPECT_EQ(RunProgram(command + "p --scene s").exit_code, 2) << "there is no file";
+  EXPECT_EQ(RunProgram(command + "p --scene s").exit_code, 2) << "the file does not exist";
 }
 
 TEST(RunProgram, ManualModeStaysOnItsArm) {
@@ -190,7 +190,7 @@ TEST(RunProgram, WritesFourCsvFiles) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(RunProgram, GoesOnWithoutItsDaemonAndEndsWithThree) {
+TEST(RunProgram, ContinuesWithoutItsDaemonAndGivesExitCodeThree) {
   // Port 1 of the loopback has no listener.
   const ProgramRun run =
       RunProgram("run --scene suite-b --objects 100 --daemon 127.0.0.1:1 --duration 300ms --json");
@@ -199,7 +199,7 @@ TEST(RunProgram, GoesOnWithoutItsDaemonAndEndsWithThree) {
   EXPECT_THAT(run.err, HasSubstr("no session with 127.0.0.1:1"));
 }
 
-TEST(RunProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
+TEST(RunProgram, BadUsageGivesExitCodeTwoAndListsValidValues) {
   const struct {
     std::string arguments;
     std::string said;

@@ -1,4 +1,4 @@
-// The commands that talk to a daemon, with TLS.
+// Tests of the commands that connect to a daemon, with TLS.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using ::sweepstake::test_support::TestAuthority;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// The daemon asks for certificates of clients, and its own is for a name that no machine has.
+// The daemon requires client certificates. Its own certificate is for a name that no machine has.
 class TlsProgram : public ::testing::Test {
  protected:
   TlsProgram() {
@@ -51,7 +51,7 @@ class TlsProgram : public ::testing::Test {
   std::unique_ptr<DaemonProcess> daemon_;
 };
 
-TEST_F(TlsProgram, EveryCommandThatTalksToADaemonDoesSo) {
+TEST_F(TlsProgram, EveryCommandThatConnectsToADaemonSupportsTls) {
   const std::string out = Path("priors.json");
   const std::vector<std::string> commands = {"run --scene suite-b --objects 100 --duration 2s",
                                              "watch --once",
@@ -67,21 +67,21 @@ TEST_F(TlsProgram, EveryCommandThatTalksToADaemonDoesSo) {
   }
 }
 
-TEST_F(TlsProgram, TheEnvironmentMayNameTheFiles) {
+TEST_F(TlsProgram, EnvironmentVariablesCanNameTheFiles) {
   setenv("SWEEPSTAKE_CLIENT_TLS_CA", authority_.cert().c_str(), 1);
   setenv("SWEEPSTAKE_CLIENT_TLS_CERT", client_.cert.c_str(), 1);
   setenv("SWEEPSTAKE_CLIENT_TLS_KEY", client_.key.c_str(), 1);
   setenv("SWEEPSTAKE_CLIENT_TLS_SERVER_NAME", "sweepstake.example", 1);
   const ProgramRun run = RunProgram("watch --once" + Daemon());
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  // They are none of the daemon's.
+  // The daemon ignores these variables.
   EXPECT_EQ(RunDaemonProgram("--print-config").exit_code, 0);
   for (const char* name : {"CA", "CERT", "KEY", "SERVER_NAME"}) {
     unsetenv((std::string("SWEEPSTAKE_CLIENT_TLS_") + name).c_str());
   }
 }
 
-TEST_F(TlsProgram, WhereItFailsItSaysWhatToDo) {
+TEST_F(TlsProgram, ErrorsSayWhatToDo) {
   const struct {
     std::string options;
     int exit_code;
@@ -107,12 +107,12 @@ TEST_F(TlsProgram, WhereItFailsItSaysWhatToDo) {
       const ProgramRun run = RunEither(command + options);
       EXPECT_EQ(run.exit_code, exit_code) << command << options << '\n' << run.err;
       EXPECT_THAT(run.err, HasSubstr(said)) << command << options;
-      EXPECT_THAT(run.err, Not(HasSubstr(".cc:"))) << "lines of gRPC's own: " << command << options;
+      EXPECT_THAT(run.err, Not(HasSubstr(".cc:"))) << "log lines of gRPC: " << command << options;
     }
   }
 }
 
-TEST(DaemonTlsProgram, FilesThatCannotBeUsedEndTheStartAndAreNamed) {
+TEST(DaemonTlsProgram, AnUnusableFileEndsTheStartAndIsNamed) {
   const TemporaryDirectory folder;
   const TestAuthority authority(folder.path() / "ca.pem");
   const CertificateFiles one{folder.path() / "one.pem", folder.path() / "one-key.pem"};

@@ -1,4 +1,4 @@
-// The commands that talk to a daemon, with tokens.
+// Tests of the commands that connect to a daemon, with tokens.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -20,7 +20,7 @@ using ::sweepstake::test_support::TemporaryDirectory;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Sets the variable until the end of its life.
+// Sets an environment variable during the lifetime of the object.
 class Variable {
  public:
   Variable(const char* name, const std::string& value) : name_(name) {
@@ -38,7 +38,7 @@ class TokenProgram : public ::testing::Test {
  protected:
   TokenProgram() : admin_(MakeToken("admin")), watch_(MakeToken("watch")) {}
 
-  // Makes a token of the role and returns the file that has it.
+  // Creates a token with the role and returns its file.
   std::string MakeToken(const std::string& role) const {
     const std::string file = Path(role + ".token");
     const ProgramRun run = RunDaemonProgram("token create " + role + " --role " + role + " --out " +
@@ -50,7 +50,7 @@ class TokenProgram : public ::testing::Test {
   std::string Daemon() const { return " --daemon " + daemon_.address(); }
   static std::string Token(const std::string& file) {
     std::string token = FileText(file);
-    token.pop_back();  // the line's end
+    token.pop_back();  // the line break
     return token;
   }
 
@@ -61,7 +61,7 @@ class TokenProgram : public ::testing::Test {
   DaemonProcess daemon_{data_.path()};
 };
 
-TEST_F(TokenProgram, EveryCommandThatTalksToADaemonBringsItsToken) {
+TEST_F(TokenProgram, EveryCommandThatConnectsToADaemonSendsItsToken) {
   const std::string out = Path("priors.json");
   const std::vector<std::string> commands = {"run --scene suite-b --objects 100 --duration 2s",
                                              "watch --once",
@@ -78,7 +78,7 @@ TEST_F(TokenProgram, EveryCommandThatTalksToADaemonBringsItsToken) {
   }
 }
 
-TEST_F(TokenProgram, TheEnvironmentMayHaveTheTokenOrNameItsFile) {
+TEST_F(TokenProgram, EnvironmentVariablesCanHoldTheTokenOrNameItsFile) {
   const std::string command = "watch --once" + Daemon();
   {
     const Variable token("SWEEPSTAKE_CLIENT_TOKEN", Token(watch_));
@@ -86,12 +86,12 @@ TEST_F(TokenProgram, TheEnvironmentMayHaveTheTokenOrNameItsFile) {
   }
   const Variable file("SWEEPSTAKE_CLIENT_TOKEN_FILE", watch_);
   EXPECT_EQ(RunProgram(command).exit_code, 0);
-  // The option comes before the variables.
+  // The option has precedence over the variables.
   const Variable wrong("SWEEPSTAKE_CLIENT_TOKEN", "wrong");
   EXPECT_EQ(RunProgram(command + " --token-file " + watch_).exit_code, 0);
 }
 
-TEST_F(TokenProgram, WithoutOneOrWithAWrongOneItIsToldWhatIsWantedAndNotTheToken) {
+TEST_F(TokenProgram, AMissingOrWrongTokenGivesAdviceAndDoesNotRevealTheToken) {
   const std::string command = "priors list" + Daemon();
   const ProgramRun without = RunProgram(command);
   EXPECT_NE(without.exit_code, 0);
@@ -104,7 +104,7 @@ TEST_F(TokenProgram, WithoutOneOrWithAWrongOneItIsToldWhatIsWantedAndNotTheToken
   EXPECT_EQ(without.out + wrong.out, "");
 }
 
-TEST_F(TokenProgram, OfAnotherRoleIsRefused) {
+TEST_F(TokenProgram, ATokenOfAnotherRoleIsRefused) {
   const std::string priors = Path("priors.json") + Daemon() + " --token-file ";
   EXPECT_EQ(RunProgram("priors export --out " + priors + watch_).exit_code, 0);
   const ProgramRun import = RunProgram("priors import --in " + priors + watch_);
