@@ -51,7 +51,7 @@ class AttackTest : public ::testing::Test {
 
 bool Learns(const SessionStats& stats) { return stats.acknowledged_sequence > 0; }
 
-TEST_F(AttackTest, TextThatIsNotUtf8AddsNothingToTheLogButItsRefusal) {
+TEST_F(AttackTest, TextThatIsNotUtf8OnlyAddsItsRefusalToTheLog) {
   const auto channel = grpc::CreateChannel(daemon_.address(), grpc::InsecureChannelCredentials());
   v1::Hello hello = rpc::OneArmHello();
   hello.set_scene("\xff");
@@ -67,7 +67,8 @@ TEST_F(AttackTest, TwoThousandHalfOpenConnectionsBlockNoGame) {
   constexpr size_t kCount = 2'000;
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
-  if (limit.rlim_max < kCount + 500) GTEST_SKIP() << "too few descriptors: " << limit.rlim_max;
+  if (limit.rlim_max < kCount + 500)
+    GTEST_SKIP() << "the limit of descriptors is too low: " << limit.rlim_max;
   limit.rlim_cur = limit.rlim_max;
   setrlimit(RLIMIT_NOFILE, &limit);
   const auto strangers = Connect(port(), kCount);
@@ -76,7 +77,7 @@ TEST_F(AttackTest, TwoThousandHalfOpenConnectionsBlockNoGame) {
   EXPECT_EQ(game.stats().connection_count, 1u);
 }
 
-TEST_F(AttackTest, DescriptorsThatRanOutLetGamesInOnceThereAreSome) {
+TEST_F(AttackTest, GamesConnectOnceDescriptorsAreFreeAgain) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "UBSan needs a pipe to check an object's type, and ends the daemon without one";
 #endif
@@ -98,7 +99,7 @@ TEST_F(AttackTest, DescriptorsThatRanOutLetGamesInOnceThereAreSome) {
 }
 
 // Without the daemon's limit each of these calls would take about 20 KiB.
-TEST_F(AttackTest, StreamsThatAreResetAtOnceStayWithinTheMemoryQuota) {
+TEST_F(AttackTest, StreamsResetAtOnceStayWithinTheMemoryQuota) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer does not release freed memory";
 #endif

@@ -27,8 +27,8 @@ class AuditTest : public ::testing::TestWithParam<std::string> {
     return report;
   }
 
-  // Runs no faster than the daemon acknowledges, because the queue of the log's rows for the disk
-  // is bounded.
+  // Runs no faster than the daemon acknowledges, because the queue of audit rows that wait for the
+  // disk is bounded.
   static bool RunInStep(ScriptedGame& game, const std::function<bool(const SessionStats&)>& done) {
     constexpr uint64_t kMessagesAhead = 8;
     return game.RunUntil([&](const SessionStats& stats) {
@@ -41,7 +41,7 @@ class AuditTest : public ::testing::TestWithParam<std::string> {
   const TemporaryDirectory data_;
 };
 
-TEST_P(AuditTest, EveryDecisionOfAKilledDaemonIsDerivedAgain) {
+TEST_P(AuditTest, EveryDecisionOfAKilledDaemonCanBeReplayed) {
   auto daemon = std::make_unique<DaemonProcess>(data_.path());
   const std::string address = daemon->address();
   ScriptedGame game(address, Options());
@@ -67,7 +67,7 @@ TEST_P(AuditTest, EveryDecisionOfAKilledDaemonIsDerivedAgain) {
   EXPECT_EQ(game.wait_count(), 0U) << "the frame thread must never wait";
 }
 
-TEST_P(AuditTest, HasEveryDecisionOfASessionThatSaidGoodbye) {
+TEST_P(AuditTest, ContainsEveryDecisionOfASessionThatSaidGoodbye) {
   DaemonProcess daemon(data_.path());
   ScriptedGame game(daemon.address(), Options());
   ASSERT_TRUE(RunInStep(game, [](const SessionStats& stats) {

@@ -201,7 +201,7 @@ class HaproxyTest : public ::testing::Test {
   std::unique_ptr<Haproxy> haproxy_;
 };
 
-TEST_F(HaproxyTest, AGameLearnsThroughIt) {
+TEST_F(HaproxyTest, AGameLearnsThroughTheProxy) {
   Start();
   ScriptedGame game(haproxy_->address(), Trusting(authority_));
   ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
@@ -230,7 +230,7 @@ TEST_F(HaproxyTest, AReloadedCertificateIsServedAndNoRunningStreamIsLost) {
   EXPECT_EQ(running.stats().last_error, "");
 }
 
-TEST_F(HaproxyTest, OnlyTelemetryIsLetThroughAndOnlySoManyRequestsOfAnAddress) {
+TEST_F(HaproxyTest, OnlyTelemetryPassesAndRequestsPerAddressAreLimited) {
   Start({"REQUESTS_PER_ADDRESS=2"});
   grpc::SslCredentialsOptions trust;
   trust.pem_root_certs = FileText(authority_.cert());
@@ -246,7 +246,7 @@ TEST_F(HaproxyTest, OnlyTelemetryIsLetThroughAndOnlySoManyRequestsOfAnAddress) {
   }
 }
 
-TEST_F(HaproxyTest, WhoIsSilentIsSentAwayWhereverItStops) {
+TEST_F(HaproxyTest, ASilentClientIsDisconnectedAtEveryStage) {
   Start();
   RawClient before_tls(haproxy_->port());
   RawClient after_tls(haproxy_->port());
@@ -260,7 +260,7 @@ TEST_F(HaproxyTest, WhoIsSilentIsSentAwayWhereverItStops) {
     EXPECT_TRUE(client->AwaitEnd());
 }
 
-TEST_F(HaproxyTest, AnAddressHasABoundedNumberOfConnections) {
+TEST_F(HaproxyTest, ConnectionsPerAddressAreLimited) {
   Start({"CONNECTIONS_PER_ADDRESS=2"});
   RawClient first(haproxy_->port(), "127.0.0.2");
   ASSERT_TRUE(first.Handshake());
@@ -272,7 +272,7 @@ TEST_F(HaproxyTest, AnAddressHasABoundedNumberOfConnections) {
   EXPECT_TRUE(game.RunUntil(IsConnected)) << game.stats().last_error;
 }
 
-TEST_F(HaproxyTest, WhoResetsRapidlyIsSentAwayAndTheGamesPlayOn) {
+TEST_F(HaproxyTest, ARapidResetAttackIsDisconnectedAndGamesPlayOn) {
   Start();
   ScriptedGame game(haproxy_->address(), Trusting(authority_));
   ASSERT_TRUE(game.RunUntil(IsConnected)) << game.stats().last_error;

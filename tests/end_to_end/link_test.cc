@@ -131,7 +131,7 @@ class LinkHost {
   bool finish_ = false;
 };
 
-TEST(LinkTest, PlaysAWholeSessionOverATransportThatKnowsNoMessage) {
+TEST(LinkTest, PlaysAWholeSessionOverATransportThatDoesNotParseMessages) {
   const TemporaryDirectory folder;
   DaemonProcess daemon(folder.path());
   LinkHost host(daemon.address());

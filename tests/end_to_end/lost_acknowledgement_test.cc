@@ -1,4 +1,4 @@
-// If acknowledgements are lost, the game sends again what is already on disk.
+// If acknowledgements are lost, the game resends messages that are already on disk.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ void SendAll(rpc::TelemetryClient& client) {
   client.Send(rpc::BailOut(kMessageCount, kMessageCount * 1000));
 }
 
-TEST(LostAcknowledgementTest, WhatIsSentAgainThoughItIsOnDiskCountsOnceAlsoAfterAKill) {
+TEST(LostAcknowledgementTest, ResentMessagesThatAreOnDiskCountOnceAlsoAfterAKill) {
   const TemporaryDirectory data;
   auto daemon = std::make_unique<DaemonProcess>(data.path());
   const std::string address = daemon->address();

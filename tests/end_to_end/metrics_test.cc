@@ -1,4 +1,4 @@
-// What a running daemon shows to operators over HTTP, and how Prometheus reads it.
+// The HTTP pages for operators of a running daemon, and how Prometheus reads them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -61,7 +61,7 @@ bool Eventually(Condition condition) {
   return true;
 }
 
-TEST(MetricsTest, TheyMoveWhenAGameStreams) {
+TEST(MetricsTest, MetricsChangeWhenAGameStreams) {
   const TemporaryDirectory data;
   DaemonProcess daemon = StartWithHttp(data);
   const std::string before = Get(daemon.http_port(), "/metrics").body;
@@ -103,7 +103,7 @@ TEST(MetricsTest, TheDaemonRaisesItsLimitOfOpenFiles) {
   EXPECT_THAT(Metric(daemon, "process_open_fds"), Gt(0));
 }
 
-TEST(MetricsTest, AStoreThatCannotWriteIsNotReadyUntilItCan) {
+TEST(MetricsTest, ADaemonIsNotReadyWhileItsStoreCannotBeWritten) {
   const TemporaryDirectory data;
   DaemonProcess daemon = StartWithHttp(data);
   ScriptedGame game(daemon.address(), FastOptions());
@@ -134,7 +134,7 @@ int RunShell(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// The names of all metrics that the daemon's sources have.
+// Returns the names of all metrics in the daemon's sources.
 std::set<std::string> NamesInSources() {
   static const std::regex kName("\"((sweepstake|process)_[a-z0-9_]+)\"");
   std::set<std::string> names;
@@ -156,10 +156,10 @@ std::set<std::string> NamesOn(const std::string& page) {
   return names;
 }
 
-TEST(MetricsTest, PromtoolFindsNothingToSayOfAnyThatThereIs) {
+TEST(MetricsTest, PromtoolHasNoComplaintAboutAnyMetric) {
   const TemporaryDirectory data;
   const TemporaryDirectory folder;
-  // Some are there with TLS only.
+  // Some metrics exist only with TLS.
   const TestAuthority authority(folder.path() / "ca.pem");
   const CertificateFiles server{folder.path() / "server.pem", folder.path() / "server-key.pem"};
   authority.Issue("IP:127.0.0.1", server);
@@ -207,7 +207,7 @@ class Prometheus {
   ChildProcess process_;
 };
 
-TEST(MetricsTest, ARealPrometheusScrapesThem) {
+TEST(MetricsTest, ARealPrometheusScrapesTheMetrics) {
   const TemporaryDirectory data;
   const TemporaryDirectory folder;
   const DaemonProcess daemon = StartWithHttp(data);

@@ -113,7 +113,7 @@ class MisplacedDatabaseTest : public ::testing::Test {
   uint64_t sequence_ = 0;
 };
 
-TEST_F(MisplacedDatabaseTest, OneThatIsRemovedUnderGamesIsToldOnceAndSaved) {
+TEST_F(MisplacedDatabaseTest, ADatabaseRemovedDuringGamesIsReportedOnceAndSaved) {
   fs::remove(database_);
   ExpectNothingMoreIsAcknowledged();
   const fs::path copy = AwaitCopy();
@@ -130,7 +130,7 @@ TEST_F(MisplacedDatabaseTest, OneThatIsRemovedUnderGamesIsToldOnceAndSaved) {
   const DaemonProcess next(data_.path());
 }
 
-TEST_F(MisplacedDatabaseTest, OneThatIsReplacedUnderGamesIsToldOnceAndSaved) {
+TEST_F(MisplacedDatabaseTest, ADatabaseReplacedDuringGamesIsReportedOnceAndSaved) {
   const fs::path other = elsewhere_.path() / "priors.db";
   ASSERT_TRUE(storage::OpenSqlitePriorStore(other).ok());
   fs::rename(other, database_);
@@ -145,7 +145,7 @@ TEST_F(MisplacedDatabaseTest, OneThatIsReplacedUnderGamesIsToldOnceAndSaved) {
   ExpectAllIn(data_.path());
 }
 
-TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayIsFoundWithoutGamesAndGoesOnWhenItIsBack) {
+TEST_F(MisplacedDatabaseTest, AMovedDatabaseIsDetectedWithoutGamesAndUsedAgainWhenItIsBack) {
   const fs::path away = elsewhere_.path() / "away";
   for (rpc::TelemetryClient& game : games_) game.Cancel();
   fs::rename(database_, away);
@@ -158,7 +158,7 @@ TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayIsFoundWithoutGamesAndGoesOnWhen
   ExpectAllIn(data_.path());
 }
 
-TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayAgainIsSavedAgainWithWhatCameMeanwhile) {
+TEST_F(MisplacedDatabaseTest, ADatabaseMovedAgainIsSavedAgainWithLaterEvidence) {
   const fs::path away = elsewhere_.path() / "away";
   fs::rename(database_, away);
   AwaitCopy();
@@ -175,7 +175,7 @@ TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayAgainIsSavedAgainWithWhatCameMea
   ExpectAllIn(data_.path());
 }
 
-TEST(MisplacedDirectoryTest, WhereNoCopyCouldBeMadeOneIsTriedAtTheEndWithoutWaiting) {
+TEST(MisplacedDirectoryTest, AFailedCopyIsTriedAgainAtShutdownWithoutWaiting) {
   const TemporaryDirectory folder;
   const fs::path above = folder.path() / "above";
   fs::create_directories(above / "data");

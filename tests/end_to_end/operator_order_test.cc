@@ -62,7 +62,7 @@ class OperatorOrderTest : public ::testing::Test {
   v1::OrderSessionResponse response_;
 };
 
-TEST_F(OperatorOrderTest, APinnedGameRunsThatArmOverARestartOfTheDaemonUntilItsRelease) {
+TEST_F(OperatorOrderTest, APinnedGameKeepsItsArmAcrossARestartUntilItsRelease) {
   auto daemon = std::make_unique<DaemonProcess>(data_.path());
   const std::string address = daemon->address();
   ScriptedGame game(address, Options(/*allow_operator_orders=*/true));
@@ -108,7 +108,7 @@ TEST_F(OperatorOrderTest, ABailOutEndsThePinAndIsAnswered) {
       game.RunUntil([&](const SessionStats&) { return game.adaptive().active_arm() != kPinned; }));
 }
 
-TEST_F(OperatorOrderTest, AShippedGameRefuses) {
+TEST_F(OperatorOrderTest, AShippedGameRefusesOrders) {
   DaemonProcess daemon(data_.path());
   ScriptedGame game(daemon.address(), Options(/*allow_operator_orders=*/false));
   ASSERT_TRUE(Settles(game)) << game.stats().last_error;

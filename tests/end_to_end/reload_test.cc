@@ -75,7 +75,7 @@ TEST_F(ReloadTest, QuotasRatesBoundsAndBackupsAreApplied) {
   EXPECT_EQ(daemon_->Terminate(), 0);
 }
 
-TEST_F(ReloadTest, AnInvalidConfigurationIsRefusedAndTheDaemonRunsOn) {
+TEST_F(ReloadTest, AnInvalidConfigurationIsRefusedAndTheDaemonContinues) {
   Write("");
   Start();
   Write("lissten = 'x'\n");

@@ -68,7 +68,7 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
   ExpectConsistent(source);
 }
 
-TEST(RestartTest, ADaemonThatHangsCostsSamplesAndNoFrame) {
+TEST(RestartTest, AHangingDaemonCostsSamplesButNoFrames) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
   SessionOptions options = FastOptions();
@@ -85,7 +85,7 @@ TEST(RestartTest, ADaemonThatHangsCostsSamplesAndNoFrame) {
   game.Stop(100);
 }
 
-TEST(RestartTest, ADaemonThatComesLateIsFound) {
+TEST(RestartTest, AGameConnectsToADaemonThatStartsLater) {
   const TemporaryDirectory data;
   std::string address;
   {
@@ -101,7 +101,7 @@ TEST(RestartTest, ADaemonThatComesLateIsFound) {
   EXPECT_EQ(game.wait_count(), 0U);
 }
 
-TEST(RestartTest, ADaemonWithAnotherPolicyGivesTheGameANewSessionAndItGoesOnLearning) {
+TEST(RestartTest, ADaemonWithAnotherPolicyStartsANewSessionThatLearns) {
   const TemporaryDirectory data;
   auto daemon = std::make_unique<DaemonProcess>(
       data.path(), "127.0.0.1:0", std::vector<std::string>{"--decision-policy", "paper"});
@@ -128,7 +128,7 @@ TEST(RestartTest, ADaemonWithAnotherPolicyGivesTheGameANewSessionAndItGoesOnLear
   EXPECT_THAT(TotalEvidence(ReadSource(data.path(), stats.session_id)).window_count, Gt(0U));
 }
 
-TEST(RestartTest, ADrainedDaemonEndsCleanlyAndTheSessionGoesOnWithTheNext) {
+TEST(RestartTest, ADrainedDaemonEndsCleanlyAndTheSessionContinuesWithTheNext) {
   const TemporaryDirectory data;
   auto daemon = std::make_unique<DaemonProcess>(data.path());
   const std::string address = daemon->address();

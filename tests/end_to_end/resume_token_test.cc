@@ -57,7 +57,7 @@ std::string Play(const std::string& address) {
   return hello.hello().resume_token();
 }
 
-TEST(ResumeTokenTest, IsInNoFileOfTheDaemonNorInItsLog) {
+TEST(ResumeTokenTest, AppearsInNoFileOrLogOfTheDaemon) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path(), "127.0.0.1:0", {"--log-level", "trace"});
   const std::string token = Play(daemon.address());

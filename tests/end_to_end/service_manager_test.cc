@@ -20,7 +20,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(ServiceManagerTest, HearsOfTheDaemonFromItsStartToItsEnd) {
+TEST(ServiceManagerTest, ReceivesNotificationsFromStartToEnd) {
   const TemporaryDirectory data;
   const TemporaryDirectory folder;
   NotifySocket manager(folder.path(), std::chrono::seconds(60));
@@ -57,7 +57,7 @@ std::string Complaint(const std::string& arguments) {
   return said;
 }
 
-TEST(ProbeTest, TellsADaemonThatServesFromNone) {
+TEST(ProbeTest, DistinguishesARunningDaemonFromNone) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
   EXPECT_EQ(Probe("--listen " + daemon.address()), 0);
@@ -85,7 +85,7 @@ class TlsProbeTest : public ::testing::Test {
   CertificateFiles server_{folder_.path() / "server.pem", folder_.path() / "server-key.pem"};
 };
 
-TEST_F(TlsProbeTest, ADaemonWithTlsProbesItselfWhateverItsCertificateSays) {
+TEST_F(TlsProbeTest, ADaemonWithTlsProbesItselfWithAnyCertificateName) {
   NotifySocket manager(folder_.path(), std::chrono::seconds(60));
   for (const TestAuthority* clients : {static_cast<const TestAuthority*>(nullptr),
                                        static_cast<const TestAuthority*>(&authority_)}) {
@@ -101,7 +101,7 @@ TEST_F(TlsProbeTest, ADaemonWithTlsProbesItselfWhateverItsCertificateSays) {
   }
 }
 
-TEST_F(TlsProbeTest, FilesThatBreakDoNotMakeTheServiceManagerEndADaemonThatServes) {
+TEST_F(TlsProbeTest, BrokenFilesDoNotMakeTheServiceManagerEndADaemonThatServes) {
   NotifySocket manager(folder_.path(), std::chrono::seconds(12));
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(nullptr));
   const auto receive_alive = [&] {
@@ -115,7 +115,7 @@ TEST_F(TlsProbeTest, FilesThatBreakDoNotMakeTheServiceManagerEndADaemonThatServe
   EXPECT_EQ(receive_alive(), "WATCHDOG=1");
 }
 
-TEST_F(TlsProbeTest, AProbeWithoutAnAnswerSaysWhatMayBeWrong) {
+TEST_F(TlsProbeTest, AFailedProbeExplainsPossibleCauses) {
   std::string tls;
   for (const std::string& flag : Flags(nullptr)) tls += flag + " ";
   std::string address;
@@ -133,7 +133,7 @@ TEST_F(TlsProbeTest, AProbeWithoutAnAnswerSaysWhatMayBeWrong) {
               HasSubstr("the daemon uses plain text"));
 }
 
-TEST_F(TlsProbeTest, ADaemonWhoseOwnCertificateHasExpiredIsToldSoWhereClientsNeedOne) {
+TEST_F(TlsProbeTest, AProbeReportsTheDaemonsExpiredCertificateIfClientsNeedOne) {
   authority_.Issue("DNS:sweepstake.example", server_, /*expires_in_s=*/-60);
   std::string tls;
   for (const std::string& flag : Flags(nullptr)) tls += flag + " ";
@@ -149,7 +149,7 @@ TEST_F(TlsProbeTest, ADaemonWhoseOwnCertificateHasExpiredIsToldSoWhereClientsNee
   }
 }
 
-TEST_F(TlsProbeTest, ADaemonThatWouldNotLetItselfInDoesNotStartUnderAWatchdog) {
+TEST_F(TlsProbeTest, ADaemonThatCannotProbeItselfDoesNotStartUnderAWatchdog) {
   NotifySocket manager(folder_.path(), std::chrono::seconds(60));
   std::string command = std::string(SWEEPSTAKED_PATH) + " --listen 127.0.0.1:0 --data " +
                         (data_.path() / "data").string();

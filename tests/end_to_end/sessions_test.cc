@@ -24,7 +24,7 @@ bool Kick(const DaemonProcess& daemon, const std::string& session_id, bool may_r
   return v1::SessionsService::NewStub(channel)->KickSession(&context, request, &response).ok();
 }
 
-TEST(Sessions, AKickedGameComesBackOnlyIfItMay) {
+TEST(Sessions, AKickedGameReturnsOnlyIfAllowed) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
   ScriptedGame game(daemon.address(), FastOptions());

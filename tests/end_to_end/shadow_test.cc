@@ -1,5 +1,4 @@
-// What the shadow lane of a real game measures reaches, over a real stream, the session that
-// decides.
+// Measurements of the shadow lane of a real game reach the deciding session over a real stream.
 #include <algorithm>
 #include <vector>
 
@@ -48,7 +47,7 @@ class ShadowTest : public rpc::RpcTest {
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
 
-TEST_F(ShadowTest, MovesTheGameOffTheSlowestArmThoughNoOtherWasEverActive) {
+TEST_F(ShadowTest, MovesTheGameOffTheSlowestArmAlthoughNoOtherWasActive) {
   if (adaptive_->shadow_stats().state == ShadowState::kNoSpareCore) {
     GTEST_SKIP() << "the lane needs a second core";
   }

@@ -103,19 +103,19 @@ TEST_F(TlsTest, AGameThatTrustsTheAuthorityLearns) {
   EXPECT_EQ(daemon.Terminate(), 0);
 }
 
-TEST_F(TlsTest, AGameThatTrustsAnotherAuthorityIsToldToNameThisOne) {
+TEST_F(TlsTest, AGameThatTrustsAnotherAuthorityGetsAdviceToNameThisOne) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags());
   tls_.ca_file = other_authority_.cert();
   EXPECT_THAT(Play(daemon.address(), tls_),
               HasSubstr("give the certificate of the authority that signed it"));
 }
 
-TEST_F(TlsTest, APlainGameIsToldThatTheDaemonMaySpeakTlsOnly) {
+TEST_F(TlsTest, APlainTextGameGetsAdviceThatTheDaemonMayRequireTls) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags());
   EXPECT_THAT(Play(daemon.address(), std::nullopt), HasSubstr("may require TLS"));
 }
 
-TEST_F(TlsTest, AGameWithTlsIsToldThatTheDaemonSpeaksPlainText) {
+TEST_F(TlsTest, ATlsGameGetsAdviceThatTheDaemonUsesPlainText) {
   const DaemonProcess daemon(data_.path());
   EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("the daemon uses plain text"));
 }
@@ -128,7 +128,7 @@ TEST_F(TlsTest, ACertificateForAnotherHostNeedsItsName) {
   EXPECT_EQ(Play(daemon.address(), tls_), "");
 }
 
-TEST_F(TlsTest, ADaemonWithAClientAuthorityLetsInOnlyWhomItSigned) {
+TEST_F(TlsTest, ADaemonWithAClientAuthorityAcceptsOnlyItsCertificates) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", FlagsWithClientCa());
   EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("may require a client certificate"));
   tls_.cert_file = client_.cert;
@@ -139,7 +139,7 @@ TEST_F(TlsTest, ADaemonWithAClientAuthorityLetsInOnlyWhomItSigned) {
   EXPECT_EQ(Play(daemon.address(), tls_), "");
 }
 
-TEST_F(TlsTest, AClientWhoseCertificateHasExpiredIsNotLetInWhereThatIsAskedFor) {
+TEST_F(TlsTest, AnExpiredClientCertificateIsRefused) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", FlagsWithClientCa());
   tls_.cert_file = client_.cert;
   tls_.key_file = client_.key;
@@ -170,7 +170,7 @@ TEST_F(TlsTest, AReplacedCertificateIsServedAndNoRunningStreamIsLost) {
               HasSubstr("give the certificate of the authority that signed it"));
 }
 
-TEST_F(TlsTest, FilesThatBreakAreToldOnceAndNoRunningStreamIsLost) {
+TEST_F(TlsTest, BrokenFilesAreReportedOnceAndNoRunningStreamIsLost) {
   auto flags = Flags();
   flags.insert(flags.end(), {"--http", "127.0.0.1:0"});
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", flags);
@@ -203,10 +203,10 @@ TEST_F(TlsTest, FilesThatBreakAreToldOnceAndNoRunningStreamIsLost) {
   const std::string log = daemon.log();
   const size_t told = log.find(server_.key.string() + " contains no unencrypted private key");
   ASSERT_NE(told, std::string::npos) << log;
-  EXPECT_EQ(log.find("are invalid", told), std::string::npos) << "told again";
+  EXPECT_EQ(log.find("are invalid", told), std::string::npos) << "reported again";
 }
 
-TEST_F(TlsTest, AReplacedClientAuthorityLetsInWhomItSignedAndNoRunningStreamIsLost) {
+TEST_F(TlsTest, AReplacedClientAuthorityIsUsedAndNoRunningStreamIsLost) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", FlagsWithClientCa());
   authority_.Issue("DNS:game", client_);
   tls_.cert_file = client_.cert;
@@ -221,7 +221,7 @@ TEST_F(TlsTest, AReplacedClientAuthorityLetsInWhomItSignedAndNoRunningStreamIsLo
   EXPECT_EQ(running.stats().last_error, "");
 }
 
-TEST_F(TlsTest, AGameWhoseFilesAreGoneSaysWhichAndConnectsOnceTheyAreBack) {
+TEST_F(TlsTest, AGameNamesItsMissingFilesAndConnectsOnceTheyAreBack) {
   std::optional<DaemonProcess> daemon;
   daemon.emplace(data_.path(), "127.0.0.1:0", Flags());
   const std::string address = daemon->address();
@@ -240,7 +240,7 @@ TEST_F(TlsTest, AGameWhoseFilesAreGoneSaysWhichAndConnectsOnceTheyAreBack) {
                             UINT64_MAX));
 }
 
-TEST_F(TlsTest, FilesThatCannotBeUsedAreRefusedBeforeTheFirstConnection) {
+TEST_F(TlsTest, UnusableFilesAreRefusedBeforeTheFirstConnection) {
   tls_.ca_file = Path("nowhere.pem");
   const auto session = MakeDaemonSession("127.0.0.1:1", With(tls_));
   EXPECT_EQ(session.status().code(), StatusCode::kInvalidArgument);

@@ -62,7 +62,7 @@ class TokenTest : public ::testing::Test {
   TemporaryDirectory data_;
 };
 
-TEST_F(TokenTest, AGameWithATokenLearnsAndOneWithoutIsToldThatItNeedsOne) {
+TEST_F(TokenTest, AGameWithATokenLearnsAndOneWithoutGetsAnError) {
   const std::string file = MakeToken("game", "--role ingest");
   DaemonProcess daemon(data_.path());
   ScriptedGame game(daemon.address(), With(file));
@@ -86,7 +86,7 @@ TEST_F(TokenTest, ATokenOfAnotherRoleOrProjectIsRefused) {
   }
 }
 
-TEST_F(TokenTest, AGameWhoseTokenIsRevokedIsToldAndGoesOnWithItsNextOne) {
+TEST_F(TokenTest, AGameWithARevokedTokenGetsAnErrorAndContinuesWithItsNextToken) {
   const std::string file = MakeToken("first", "--role ingest");
   const DaemonProcess daemon(data_.path());
   ScriptedGame game(daemon.address(), With(file));
@@ -101,7 +101,7 @@ TEST_F(TokenTest, AGameWhoseTokenIsRevokedIsToldAndGoesOnWithItsNextOne) {
   EXPECT_NE(game.stats().session_id, session) << "the old session belongs to the first token";
 }
 
-TEST_F(TokenTest, AFileThatIsGoneUnderADaemonIsSaidToBeMissingAndWhatANewOneEnds) {
+TEST_F(TokenTest, AMissingTokenFileIsLoggedWithTheEffectOfANewOne) {
   MakeToken("game", "--role ingest");
   DaemonProcess daemon(data_.path());
   const std::filesystem::path tokens = data_.path() / "tokens.db";
@@ -115,7 +115,7 @@ TEST_F(TokenTest, AFileThatIsGoneUnderADaemonIsSaidToBeMissingAndWhatANewOneEnds
   EXPECT_EQ(daemon.Terminate(), 0);
 }
 
-TEST_F(TokenTest, ATokenThatCannotBeUsedIsRefusedBeforeTheFirstConnectionAndNotShown) {
+TEST_F(TokenTest, AnUnusableTokenIsRefusedBeforeTheFirstConnectionAndNotShown) {
   const auto error = [](const std::string& address, const ClientToken& token) {
     SessionOptions options = FastOptions();
     options.token = token;
@@ -147,7 +147,7 @@ std::string Say(const std::string& address, const std::string& token) {
   return status.error_message() + status.error_details() + response.DebugString();
 }
 
-TEST_F(TokenTest, NoTokenIsInAnythingThatTheDaemonWritesOrSays) {
+TEST_F(TokenTest, NoTokenAppearsInTheOutputOfTheDaemon) {
   const std::string file = MakeToken("canary", "--role ingest");
   std::string token = Content(file);
   token.pop_back();  // the line break

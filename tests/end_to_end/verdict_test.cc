@@ -23,7 +23,7 @@ class VerdictTest : public testing::Test {
   DaemonProcess daemon_{data_.path()};
 };
 
-TEST_F(VerdictTest, IsStableWhereOneArmIsClearlyTheBest) {
+TEST_F(VerdictTest, IsStableIfOneArmIsClearlyTheBest) {
   ScriptedGame game(daemon_.address(), FastOptions());
   // The frame thread can read the verdict without the session.
   const auto knows_the_best = [&game](const SessionStats&) {
@@ -35,7 +35,7 @@ TEST_F(VerdictTest, IsStableWhereOneArmIsClearlyTheBest) {
   EXPECT_EQ(game.wait_count(), 0U) << "the frame thread must never wait";
 }
 
-TEST_F(VerdictTest, IsDegradedWhereEvenTheBestArmMissesTheFrameRate) {
+TEST_F(VerdictTest, IsDegradedIfEvenTheBestArmMissesTheFrameRate) {
   ScriptedGame game(daemon_.address(), FastOptions(), {400, 250, 60, 300, 200, 350, 80});
   Hear(Verdict::kDegraded, game);
 }

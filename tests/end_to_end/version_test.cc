@@ -183,7 +183,7 @@ TEST(VersionTest, AGameOfVersion1PlaysWithThisDaemon) {
   EXPECT_EQ(stream.latest(kAcknowledgement).Number(1), 4u);
 }
 
-TEST(VersionTest, ANewerGameThatSpeaksAnOldVersionPlaysWithThisDaemon) {
+TEST(VersionTest, ANewerGameThatSupportsAnOldVersionPlaysWithThisDaemon) {
   const TemporaryDirectory data;
   const DaemonProcess daemon(data.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"});
   Request hello = Newer<Request>("hello");
@@ -279,7 +279,7 @@ TEST_F(GameTest, PlaysWithADaemonOfVersion1) {
       1u);
 }
 
-TEST_F(GameTest, TellsWhatTheDaemonDecidesWith) {
+TEST_F(GameTest, ReportsThePolicyOfTheDaemon) {
   ScriptedGame game(daemon_.address(), FastOptions());
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.connection_count == 1; }));
   const v1::Welcome welcome = Recorded<Response>("welcome").welcome();
@@ -289,7 +289,7 @@ TEST_F(GameTest, TellsWhatTheDaemonDecidesWith) {
   EXPECT_NE(welcome.seed(), 0u);
 }
 
-TEST_F(GameTest, RefusesADaemonThatChoosesAVersionItDoesNotSpeakAndTakesItOnceItDoes) {
+TEST_F(GameTest, RefusesADaemonWithAnUnsupportedVersionAndAcceptsItAfterAChange) {
   daemon_.SetScript([](FakeDaemon::Script& script) { script.welcome.set_protocol_version(3); });
   ScriptedGame game(daemon_.address(), FastOptions());
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.refusal.empty(); }));
@@ -304,7 +304,7 @@ TEST_F(GameTest, RefusesADaemonThatChoosesAVersionItDoesNotSpeakAndTakesItOnceIt
   EXPECT_EQ(game.stats().refusal, "");
 }
 
-TEST_F(GameTest, CountsAndSkipsWhatOnlyANewerDaemonSays) {
+TEST_F(GameTest, CountsAndSkipsMessagesOfANewerDaemon) {
   ScriptedGame game(daemon_.address(), FastOptions());
   ASSERT_TRUE(
       game.RunUntil([](const SessionStats& stats) { return stats.acknowledged_sequence > 0; }));

@@ -84,7 +84,7 @@ class MigrationProgram : public ::testing::Test {
   v1::Hello hello_ = rpc::OneArmHello();
 };
 
-TEST_F(MigrationProgram, WhatWasLearntGoesThereAndBackAndTheSessionGoesOn) {
+TEST_F(MigrationProgram, EvidenceMovesThereAndBackAndTheSessionContinues) {
   {
     DaemonProcess daemon(data_.path());
     Play(daemon, 0, kMessages);
@@ -116,7 +116,7 @@ TEST_F(MigrationProgram, WhatWasLearntGoesThereAndBackAndTheSessionGoesOn) {
   EXPECT_EQ(daemon.Terminate(), 0);
 }
 
-TEST(MigrationWords, WhatIsMissingIsSaidWithWhatToDo) {
+TEST(MigrationWords, ErrorsSayWhatIsMissingAndWhatToDo) {
   const TemporaryDirectory directory;
   const std::string data = " --data " + directory.path().string();
   EXPECT_THAT(RunDaemonProgram("migrate to-store" + data).said,
@@ -133,7 +133,7 @@ TEST(MigrationWords, WhatIsMissingIsSaidWithWhatToDo) {
   EXPECT_THAT(start.said, HasSubstr("see that the server runs"));
 }
 
-TEST(MigrationWords, TheExampleOfASharedStoreIsAConfiguration) {
+TEST(MigrationWords, TheExampleOfASharedStoreIsAValidConfiguration) {
   const Ran checked = RunDaemonProgram("check-config " EXAMPLE_CONFIG);
   EXPECT_EQ(checked.exit_code, 0) << checked.said;
 }

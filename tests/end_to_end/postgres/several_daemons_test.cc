@@ -268,7 +268,7 @@ void Cluster::ExpectTheSameEverywhere(priors::PriorStore& store) {
   EXPECT_EQ(said[2], said[0]);
 }
 
-TEST(SeveralDaemons, WhateverIsKilledEachMessageOfEachGameCountsOnce) {
+TEST(SeveralDaemons, EachMessageOfEachGameCountsOnceAfterAnyKill) {
   const uint64_t seed = FromEnvironment("TEST_SEED", 20'260'115);
   const uint64_t kills = FromEnvironment("TEST_KILLS", 100);
   SCOPED_TRACE("TEST_SEED=" + std::to_string(seed));
@@ -280,14 +280,14 @@ TEST(SeveralDaemons, WhateverIsKilledEachMessageOfEachGameCountsOnce) {
   cluster.End();
 }
 
-TEST(SeveralDaemons, WithoutTheServerGamesPlayOnForHoursAndAllIsInOnceAfterwards) {
+TEST(SeveralDaemons, GamesContinueForHoursWithoutTheServerAndAllEvidenceCountsOnce) {
   Cluster cluster(7);
   for (int i = 0; i < 3; ++i) cluster.PlayWithoutServer();
   cluster.End();
 }
 
-// No game sends its evidence again.
-TEST(SeveralDaemons, WhatAGameTaughtOutlivesADaemonThatEndsWithoutTheServer) {
+// In this test no game resends its evidence.
+TEST(SeveralDaemons, EvidenceSurvivesADaemonThatEndsWithoutTheServer) {
   for (const bool is_killed : {false, true}) {
     PostgresServer server;
     const std::string url = server.NewDatabase();
@@ -331,7 +331,7 @@ TEST(SeveralDaemons, WhatAGameTaughtOutlivesADaemonThatEndsWithoutTheServer) {
   }
 }
 
-TEST(SeveralDaemons, WatchersOfOneDaemonAreShownWhatGamesOfAnotherTeach) {
+TEST(SeveralDaemons, WatchersOfOneDaemonSeeTheEvidenceOfGamesOfAnother) {
   PostgresServer server;
   const std::vector<std::string> store = {"--store", server.NewDatabase()};
   const TemporaryDirectory data[2];

@@ -1,4 +1,4 @@
-// The audit log of sessions over the stream: what is exported is derived again bit for bit.
+// The audit log of sessions over the stream: every exported decision can be replayed bit by bit.
 #include <spdlog/sinks/ringbuffer_sink.h>
 
 #include <limits>
@@ -43,7 +43,8 @@ class AuditTest : public RpcTest {
     EXPECT_TRUE(reader->Finish().ok());
     return segments;
   }
-  // Ticks with frames of messages `first` to `last`, each acknowledged.
+  // Sends frames in messages `first` to `last`, with a tick after each, and waits for each
+  // acknowledgement.
   void Play(TelemetryClient& client, uint64_t first, uint64_t last) {
     for (uint64_t message = first; message <= last; ++message) {
       client.Send(Frames(message, 30));
@@ -53,7 +54,7 @@ class AuditTest : public RpcTest {
     }
   }
 
-  uint64_t applied_ = 0;  // messages, since the server started
+  uint64_t applied_ = 0;  // messages since the server started
 };
 
 decision::AuditReport Derived(const std::string& csv) {
@@ -62,12 +63,12 @@ decision::AuditReport Derived(const std::string& csv) {
   return report;
 }
 
-TEST_F(AuditTest, AnEmptyLogIsAHeader) {
+TEST_F(AuditTest, AnEmptyLogHasAHeaderOnly) {
   EXPECT_EQ(Export(), decision::AuditHeader() + "\n");
   EXPECT_TRUE(List().empty());
 }
 
-TEST_F(AuditTest, EveryDecisionIsDerivedAgainFromWhatIsExported) {
+TEST_F(AuditTest, EveryExportedDecisionCanBeReplayed) {
   TelemetryClient client(channel_);
   const std::string id = client.Open(HelloMessage()).session_id();
   Play(client, 1, 5);
@@ -86,7 +87,7 @@ TEST_F(AuditTest, EveryDecisionIsDerivedAgainFromWhatIsExported) {
   EXPECT_GT(segments[0].unix_start_ms(), 1'600'000'000'000);
 }
 
-TEST_F(AuditTest, ASetupSaysWhoseEvidenceTheSessionBeganWithAndItsWeight) {
+TEST_F(AuditTest, TheSetupRowListsTheSourcesOfThePriorAndTheirWeights) {
   v1::Hello hello = HelloMessage();
   hello.set_policy("adaptive");
   hello.set_machine_class("desktop");
@@ -115,7 +116,7 @@ TEST_F(AuditTest, ASetupSaysWhoseEvidenceTheSessionBeganWithAndItsWeight) {
   Derived(csv);
 }
 
-TEST_F(AuditTest, BailOutsThatAreNoEvidenceAreDerivedAgainAsSuch) {
+TEST_F(AuditTest, BailOutsWithoutEvidenceAreReplayedAsSuch) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   for (uint64_t sequence = 1; sequence <= 20; ++sequence) client.Send(BailOut(sequence, sequence));
@@ -125,7 +126,7 @@ TEST_F(AuditTest, BailOutsThatAreNoEvidenceAreDerivedAgainAsSuch) {
   EXPECT_EQ(Derived(Export()).decision_count, 20u);
 }
 
-TEST_F(AuditTest, ASessionThatGoesOnAfterARestartBeginsAnotherSegment) {
+TEST_F(AuditTest, ASessionResumedAfterARestartBeginsAnotherSegment) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
@@ -143,7 +144,7 @@ TEST_F(AuditTest, ASessionThatGoesOnAfterARestartBeginsAnotherSegment) {
   EXPECT_EQ(report.decision_count, 6u);
 }
 
-TEST_F(AuditTest, ASessionThatComesBackWithinItsTimeGoesOnInItsSegment) {
+TEST_F(AuditTest, ASessionResumedWithinItsWindowContinuesItsSegment) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
@@ -181,14 +182,14 @@ TEST_F(AuditTest, IsListedAndExportedBySessionProjectAndScene) {
   EXPECT_EQ(List(scenes)[0].scene(), "desert");
 }
 
-// The lines of a CSV file behind its header. REQUIRES: no cell has a line break.
+// Returns the lines of a CSV file after its header. REQUIRES: no cell has a line break.
 std::vector<std::string> RowsIn(const std::string& csv) {
   std::vector<std::string> lines = absl::StrSplit(csv, '\n', absl::SkipEmpty());
   lines.erase(lines.begin());
   return lines;
 }
 
-TEST_F(AuditTest, OfASessionIsExportedBehindARowThatIsKnown) {
+TEST_F(AuditTest, ASessionCanBeExportedFromAGivenRowOn) {
   v1::Hello hello = HelloMessage();
   v1::ExportDecisionsRequest request;
   {
@@ -202,7 +203,7 @@ TEST_F(AuditTest, OfASessionIsExportedBehindARowThatIsKnown) {
   request.set_session_id(client.Open(hello).session_id());
   Play(client, 4, 6);
   const std::vector<std::string> all = RowsIn(Export(request));
-  ASSERT_EQ(all.size(), 8u) << "of two segments, each with its setup";
+  ASSERT_EQ(all.size(), 8u) << "two segments, each with its setup row";
   const auto behind = [&](uint32_t segment, uint64_t row) {
     request.set_after_segment(segment);
     request.set_after_row(row);
@@ -215,7 +216,7 @@ TEST_F(AuditTest, OfASessionIsExportedBehindARowThatIsKnown) {
   EXPECT_THAT(behind(3, 1), IsEmpty()) << "no such segment yet";
 }
 
-TEST_F(AuditTest, WhatIsNoRowOfASessionIsRefused) {
+TEST_F(AuditTest, AnInvalidStartRowIsRefused) {
   const auto code = [&](const std::string& session, uint32_t segment, uint64_t row) {
     v1::ExportDecisionsRequest request;
     request.set_session_id(session);
@@ -231,10 +232,10 @@ TEST_F(AuditTest, WhatIsNoRowOfASessionIsRefused) {
   EXPECT_EQ(code("a", 1, 0), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(code("a", 0, 1), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(code("a", 1, std::numeric_limits<uint64_t>::max()), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(code("a", 1, 1), grpc::StatusCode::OK) << "of no session there are no rows";
+  EXPECT_EQ(code("a", 1, 1), grpc::StatusCode::OK) << "an unknown session has no rows";
 }
 
-TEST_F(AuditTest, OfManyRowsComesInManyMessages) {
+TEST_F(AuditTest, ManyRowsAreSentInSeveralMessages) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   Play(client, 1, 1'000);
@@ -243,7 +244,7 @@ TEST_F(AuditTest, OfManyRowsComesInManyMessages) {
   EXPECT_EQ(Derived(csv).decision_count, 1'000u);
 }
 
-TEST_F(AuditTest, LacksRowsWhereTheDiskDoesNotKeepUpAndGoesOnAfterThem) {
+TEST_F(AuditTest, RowsAreLostIfTheDiskIsTooSlowAndTheLogContinuesAfterThem) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   Play(client, 1, 2);
@@ -270,7 +271,7 @@ TEST_F(AuditTest, LacksRowsWhereTheDiskDoesNotKeepUpAndGoesOnAfterThem) {
   EXPECT_EQ(segments[0].lost_row_count(), server_->counters().lost_audit_row_count);
 }
 
-TEST_F(AuditTest, HasNoRowAndNoCommitForATickInWhichNothingHappened) {
+TEST_F(AuditTest, ATickWithoutEventsCausesNoRowAndNoCommit) {
   TelemetryClient idle(channel_);
   TelemetryClient playing(channel_);
   idle.Open(OneArmHello());
@@ -292,7 +293,7 @@ TEST_F(AuditTest, HasNoRowAndNoCommitForATickInWhichNothingHappened) {
 class AuditLossTest : public AuditTest {
  protected:
   AuditLossTest() { log_.sinks().push_back(lines_); }
-  // Lets a second pass and waits until the daemon's log has a line with the text.
+  // Advances one second, and waits until the daemon's log has a line with the text.
   [[nodiscard]] bool Told(const std::string& text) {
     clock_.Advance(kSecondNs);
     return Eventually([&] {
@@ -307,7 +308,7 @@ class AuditLossTest : public AuditTest {
       std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(16);
 };
 
-TEST_F(AuditLossTest, OfRowsThatTheStoreCouldNotWriteIsCountedAndToldOnceAMinute) {
+TEST_F(AuditLossTest, LostRowsAreCountedAndLoggedOnceAMinute) {
   store_.LoseAuditRows(7);
   clock_.Advance(kSecondNs);
   EXPECT_TRUE(Told("7 rows of the audit log could not be written, 7 since the start"));
@@ -326,14 +327,14 @@ class SmallAuditTest : public AuditTest {
   static constexpr priors::AuditLimits kLimits{.bytes = 20'000};
 };
 
-TEST_F(SmallAuditTest, OfALiveSessionLosesItsBeginningAndSaysSo) {
+TEST_F(SmallAuditTest, ALiveSessionLosesItsOldestRowsAndTheListingShowsIt) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   Play(client, 1, 200);
   const auto segments = List();
   ASSERT_EQ(segments.size(), 1u);
   EXPECT_GT(segments[0].first_row(), 1u);
-  EXPECT_EQ(segments[0].first_row() + segments[0].row_count(), 202u) << "with the setup's row";
+  EXPECT_EQ(segments[0].first_row() + segments[0].row_count(), 202u) << "including the setup row";
   EXPECT_EQ(segments[0].lost_row_count(), 0u);
   const auto report = Derived(Export());
   EXPECT_EQ(report.row_count, segments[0].row_count());
@@ -347,7 +348,7 @@ class WithoutAuditTest : public AuditTest {
   WithoutAuditTest() { options_.keeps_audit = false; }
 };
 
-TEST_F(WithoutAuditTest, NothingIsKeptWhereNothingIsWanted) {
+TEST_F(WithoutAuditTest, NothingIsStoredIfTheAuditLogIsOff) {
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
   Play(client, 1, 2);

@@ -1,5 +1,5 @@
-// Input that breaks the contract: it ends the stream with the right code, is counted, and teaches
-// nothing.
+// Input that breaks the contract: it ends the stream with the right code, is counted, and is not
+// evidence.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 #include <grpcpp/impl/codegen/client_context.h>
@@ -21,7 +21,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Sends bytes that no generated stub would.
+// Sends raw bytes that no generated stub would send.
 class RawClient {
  public:
   explicit RawClient(const std::shared_ptr<grpc::Channel>& channel,
@@ -49,7 +49,7 @@ class RawClient {
 
 class BadInputTest : public RpcTest {
  protected:
-  // How the stream ends that sends `request` after an orderly Hello.
+  // Returns how a stream ends that sends `request` after a valid Hello.
   grpc::Status EndAfter(const v1::StreamTelemetryRequest& request) {
     TelemetryClient client(channel_);
     client.Open(HelloMessage());
@@ -58,7 +58,7 @@ class BadInputTest : public RpcTest {
   }
 };
 
-TEST_F(BadInputTest, ShadowSamplesMustNameAnArmAndATimeAndBeNoMoreThanABatchMayHold) {
+TEST_F(BadInputTest, ShadowSamplesNeedAnArmAndATimeAndAreLimitedPerBatch) {
   const auto with_samples = [](int count) {
     v1::StreamTelemetryRequest request = Frames(1, 1);
     for (int i = 0; i < count; ++i) {
@@ -82,7 +82,7 @@ sessions::Telemetry Converted(const v1::StreamTelemetryRequest& request) {
   return telemetry;
 }
 
-TEST(MessageValidation, TakesOnlyWhatWasMeasuredOfTheScene) {
+TEST(MessageValidation, AcceptsOnlyMeasuredValuesOfTheScene) {
   v1::StreamTelemetryRequest request;
   v1::SceneDescriptor& message = *request.mutable_frame_batch()->mutable_scene_descriptor();
   message.set_object_count(1000);
@@ -100,7 +100,7 @@ TEST(MessageValidation, TakesOnlyWhatWasMeasuredOfTheScene) {
   EXPECT_EQ(descriptor.static_ratio, 0.0);
 }
 
-TEST(MessageValidation, BoundsWhatASwitchMayHaveCost) {
+TEST(MessageValidation, LimitsTheCostOfASwitch) {
   v1::StreamTelemetryRequest request;
   v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
   const auto cost = [&request] {
@@ -118,7 +118,7 @@ TEST(MessageValidation, BoundsWhatASwitchMayHaveCost) {
   EXPECT_EQ(cost().ended_trial->detection_time_ns, 3600u * uint64_t{kSecondNs});
 }
 
-TEST(MessageValidation, ATrialIsThatOfAnArmOfTheSession) {
+TEST(MessageValidation, ATrialMustNameAnArmOfTheSession) {
   v1::StreamTelemetryRequest request;
   request.set_sequence(1);
   v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
@@ -172,7 +172,7 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   EXPECT_EQ(Stored().arms[0].live, before.arms[0].live);
 }
 
-TEST_F(BadInputTest, OfTwoThatResumeASessionAtOnceWithDifferentArmsOneBeginsANewSession) {
+TEST_F(BadInputTest, OneOfTwoConcurrentResumptionsWithDifferentArmsGetsANewSession) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
@@ -199,7 +199,7 @@ TEST_F(BadInputTest, OfTwoThatResumeASessionAtOnceWithDifferentArmsOneBeginsANew
   EXPECT_FALSE(welcome.resumed());
   EXPECT_NE(welcome.session_id(), hello.session_id());
   first.Send(Frames(2, 30));
-  EXPECT_TRUE(Applied(1)) << "the first one goes on";
+  EXPECT_TRUE(Applied(1)) << "the first one continues";
 }
 
 TEST_F(BadInputTest, ATruncatedMessageIsInvalid) {
@@ -209,7 +209,7 @@ TEST_F(BadInputTest, ATruncatedMessageIsInvalid) {
   EXPECT_EQ(ReasonOf(raw.Finish()), v1::ERROR_REASON_MALFORMED_MESSAGE);
 }
 
-TEST_F(BadInputTest, AWatchersBytesThatDoNotParseAreToldInTheLog) {
+TEST_F(BadInputTest, AWatchersUnparsableBytesAreLogged) {
   const auto lines = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(10);
   log_.sinks().push_back(lines);
   RawClient raw(channel_, "/sweepstake.v1.PosteriorsService/WatchPosteriors");
@@ -303,7 +303,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadHello{"ScaleTooLarge", [](auto& h) { h.set_time_scale(1001); }}),
     [](const auto& instance) { return std::string(instance.param.what); });
 
-TEST(MessageValidationTest, ATimeScaleIsRefusedWithWhatToDoUnlessTheDaemonAllowsIt) {
+TEST(MessageValidationTest, ATooLargeTimeScaleIsRefusedWithAdvice) {
   v1::Hello hello = HelloMessage();
   RpcOptions options;
   hello.set_time_scale(7.5);
@@ -317,7 +317,7 @@ TEST(MessageValidationTest, ATimeScaleIsRefusedWithWhatToDoUnlessTheDaemonAllows
   EXPECT_TRUE(CheckHello(hello, options).ok());
 }
 
-TEST(MessageValidationTest, ANewerClientThatStillSpeaksAnOldVersionIsWelcome) {
+TEST(MessageValidationTest, ANewerClientThatSupportsAnOldVersionIsAccepted) {
   v1::Hello hello = HelloMessage();
   hello.set_protocol_version(3);
   hello.set_min_protocol_version(1);

@@ -1,5 +1,5 @@
-// What games get while the prior store cannot be read: a session all the same, which the welcome
-// says, and never one whose messages could be counted twice.
+// Sessions of games while the prior store cannot be read: a session begins anyway, and the welcome
+// message reports the missing priors. A session whose messages could count twice never begins.
 #include <spdlog/sinks/ringbuffer_sink.h>
 
 #include <fstream>
@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Made before the store that lies in it.
+// Created before the store inside it.
 class WithDirectory {
  protected:
   const test_support::TemporaryDirectory directory_;
@@ -29,7 +29,7 @@ class DamagedStoreTest : public WithDirectory, public RpcTest {
     log_.sinks().push_back(log_lines_);
   }
 
-  // A session that learnt one window, which only the store knows.
+  // Makes a session that learns one window and is then only in the store.
   v1::Hello Learnt() {
     v1::Hello hello = HelloMessage();
     {
@@ -66,7 +66,7 @@ class DamagedStoreTest : public WithDirectory, public RpcTest {
       std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(100);
 };
 
-TEST_F(DamagedStoreTest, ANewSessionBeginsWithoutThePriorsAndIsDecidedFor) {
+TEST_F(DamagedStoreTest, ANewSessionBeginsWithoutPriorsAndDecides) {
   Learnt();
   Damage("evidence_key");
   TelemetryClient client(channel_);
@@ -78,7 +78,7 @@ TEST_F(DamagedStoreTest, ANewSessionBeginsWithoutThePriorsAndIsDecidedFor) {
   ExpectDecisions(client);
 }
 
-TEST_F(DamagedStoreTest, SoItDoesWhereOnlyAValueIsNotWhatWasWritten) {
+TEST_F(DamagedStoreTest, ANewSessionBeginsWithoutPriorsIfAHashIsWrong) {
   Learnt();
   ASSERT_TRUE(storage::SqliteDatabase::Open(path_, storage::SqliteDatabase::OpenMode::kExisting)
                   ->Execute("UPDATE evidence_key SET alpha_sum = 1e6 WHERE arm = 'Grid'")
@@ -91,7 +91,7 @@ TEST_F(DamagedStoreTest, SoItDoesWhereOnlyAValueIsNotWhatWasWritten) {
   ExpectDecisions(client);
 }
 
-TEST_F(DamagedStoreTest, ASessionWhoseProgressCannotBeReadIsNotResumed) {
+TEST_F(DamagedStoreTest, ASessionWithUnreadableProgressIsNotResumed) {
   const v1::Hello hello = Learnt();
   Damage("source");
   TelemetryClient client(channel_);
@@ -105,7 +105,7 @@ TEST_F(DamagedStoreTest, ASessionWhoseProgressCannotBeReadIsNotResumed) {
   ExpectDecisions(client);
 }
 
-TEST_F(DamagedStoreTest, ASessionGoesOnWithItsOwnEvidenceWhereItsScenesCannotBeRead) {
+TEST_F(DamagedStoreTest, ASessionContinuesWithItsOwnEvidenceIfItsScenesCannotBeRead) {
   const v1::Hello hello = Learnt();
   Damage("scene");
   const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
@@ -115,7 +115,7 @@ TEST_F(DamagedStoreTest, ASessionGoesOnWithItsOwnEvidenceWhereItsScenesCannotBeR
   EXPECT_NEAR(welcome.priors(0).alpha() + welcome.priors(0).beta(), 3, 1e-12);
 }
 
-TEST_F(DamagedStoreTest, TheLogSaysItOnceAMinute) {
+TEST_F(DamagedStoreTest, TheLogReportsItOnceAMinute) {
   Learnt();
   Damage("evidence_key");
   TelemetryClient(channel_).Open(HelloMessage());
@@ -129,7 +129,7 @@ TEST_F(DamagedStoreTest, TheLogSaysItOnceAMinute) {
   EXPECT_THAT(log_lines_->last_formatted()[1], HasSubstr("3 so far"));
 }
 
-TEST_F(DamagedStoreTest, ThatItKeepsAWatcherOutIsToldInTheLogAsThatItIsBusyIs) {
+TEST_F(DamagedStoreTest, TheLogReportsWatchersRefusedByADamagedOrBusyStore) {
   Learnt();
   const auto end_of_watch = [&] {
     grpc::ClientContext context;
@@ -145,7 +145,7 @@ TEST_F(DamagedStoreTest, ThatItKeepsAWatcherOutIsToldInTheLogAsThatItIsBusyIs) {
               ::testing::ElementsAre(HasSubstr("(STORE_BUSY)"), HasSubstr("(STORE_FAILED)")));
 }
 
-TEST_F(DamagedStoreTest, AStoreThatDoesNotAnswerIsNotWaitedForAndTheEvidenceReachesItLater) {
+TEST_F(DamagedStoreTest, ASlowStoreDoesNotBlockASessionAndTheEvidenceReachesItLater) {
   const v1::Hello hello = Learnt();
   std::promise<void> release;
   thread_.Submit([&](priors::PriorStore&) { release.get_future().wait(); });

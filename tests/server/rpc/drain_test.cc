@@ -1,4 +1,4 @@
-// The end of a daemon: what clients are told, and when they come back.
+// The end of a daemon: the messages to clients, and the times at which they reconnect.
 #include <map>
 #include <memory>
 #include <set>
@@ -19,7 +19,7 @@ class DrainTest : public RpcTest {
   }
 };
 
-TEST_F(DrainTest, DrainingTellsClientsToComeBackAndEnds) {
+TEST_F(DrainTest, DrainingRequestsClientsToReconnectAndEnds) {
   TelemetryClient silent(channel_);
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
@@ -29,13 +29,13 @@ TEST_F(DrainTest, DrainingTellsClientsToComeBackAndEnds) {
   EXPECT_FALSE(silent.Finish().ok());
 }
 
-TEST_F(DrainTest, ClientsAreToldToComeBackOneAfterTheOther) {
+TEST_F(DrainTest, ReconnectDelaysOfClientsAreStaggered) {
   std::vector<std::unique_ptr<TelemetryClient>> clients;
   for (int i = 0; i < 4; ++i) {
     clients.push_back(std::make_unique<TelemetryClient>(channel_));
     clients.back()->Open(HelloMessage());
   }
-  clients.push_back(std::make_unique<TelemetryClient>(channel_));  // has no session
+  clients.push_back(std::make_unique<TelemetryClient>(channel_));  // a client without a session
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 5; }));
   server_->Drain(std::chrono::minutes(10));
   std::multiset<uint32_t> delays_ms;
@@ -46,7 +46,7 @@ TEST_F(DrainTest, ClientsAreToldToComeBackOneAfterTheOther) {
   EXPECT_THAT(delays_ms, ::testing::ElementsAre(500, 1'000, 1'500, 2'000, 2'500));
 }
 
-TEST(ReconnectDelayTest, TenThousandClientsComeBackInTwentySecondsOfFiveHundredEach) {
+TEST(ReconnectDelayTest, TenThousandClientsReconnectOverTwentySecondsAtFiveHundredPerSecond) {
   std::map<uint32_t, int> clients_by_second;
   for (uint64_t rank = 0; rank < 10'000; ++rank) {
     const uint32_t delay_ms = ReconnectDelayMs(RpcOptions{}, rank);

@@ -1,5 +1,5 @@
-// The reasons that statuses have: each has a code, and travels as the google.rpc.ErrorInfo that
-// other programs read.
+// The reasons of statuses: each has a code, and is sent as the google.rpc.ErrorInfo that other
+// programs read.
 #include "server/rpc/common/error_reasons.h"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-TEST(ErrorReasons, EachTravelsWithACodeAndIsCounted) {
+TEST(ErrorReasons, EachReasonIsSentWithACodeAndCounted) {
   Counters counters;
   for (int number = 1; number < v1::ErrorReason_ARRAYSIZE; ++number) {
     if (!v1::ErrorReason_IsValid(number)) continue;
@@ -35,7 +35,7 @@ TEST(ErrorReasons, TheStoresErrorsKeepTheirCode) {
   EXPECT_EQ(ReasonOf(wrong), v1::ERROR_REASON_INVALID_MESSAGE);
 }
 
-TEST(ErrorReasons, AStatusWithoutOneIsCounted) {
+TEST(ErrorReasons, AStatusWithoutAReasonIsCounted) {
   Counters counters;
   EXPECT_TRUE(ToGrpc(absl::OkStatus(), counters).ok());
   ToGrpc(absl::CancelledError("the connection was lost"), counters);
@@ -45,8 +45,8 @@ TEST(ErrorReasons, AStatusWithoutOneIsCounted) {
 }
 
 // google.rpc.Status {code: 14, message: "m", details: [Any {type_url, value: ErrorInfo {reason,
-// domain}}]} in protobuf's encoding, as any other program makes and reads it.
-TEST(ErrorReasons, TheBytesAreThoseOfGooglesMessages) {
+// domain}}]} in protobuf's encoding.
+TEST(ErrorReasons, TheBytesEqualThoseOfGooglesMessages) {
   Counters counters;
   const std::string url = "type.googleapis.com/google.rpc.ErrorInfo";
   const std::string info = std::string("\x0a\x08") + "DRAINING" + "\x12\x0a" + "sweepstake";
@@ -57,7 +57,7 @@ TEST(ErrorReasons, TheBytesAreThoseOfGooglesMessages) {
   EXPECT_EQ(ToGrpc(Refused(v1::ERROR_REASON_DRAINING, "m"), counters).error_details(), expected);
 }
 
-TEST(ErrorReasons, TheClientSaysTheReasonAfterTheMessage) {
+TEST(ErrorReasons, TheClientPrintsTheReasonAfterTheMessage) {
   Counters counters;
   const grpc::Status known = ToGrpc(Refused(v1::ERROR_REASON_DRAINING, "come back"), counters);
   EXPECT_EQ(MessageWithReason(known), "come back (DRAINING)");

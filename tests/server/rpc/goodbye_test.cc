@@ -1,5 +1,5 @@
-// What happens to evidence that is not on disk yet when its client leaves: after a goodbye, a
-// half-close, a lost connection, a drain, and with a full table.
+// Evidence that is not on disk yet when its client leaves: after a goodbye, a half-close, a lost
+// connection, a drain, and with a full table.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {
@@ -9,14 +9,14 @@ using Response = v1::StreamTelemetryResponse;
 
 class GoodbyeTest : public RpcTest {
  protected:
-  // What a goodbye gets while the disk refuses evidence.
+  // Expects the refusal of a goodbye while the disk is full.
   static void ExpectRefusal(TelemetryClient& client) {
     const grpc::Status status = client.Finish();
     EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
     EXPECT_THAT(status.error_message(), ::testing::HasSubstr("the disk is full"));
     EXPECT_THAT(status.error_message(), ::testing::HasSubstr("tries again"));
   }
-  // A session with one message applied and not on disk.
+  // Opens a session with one applied message that is not on disk.
   v1::Welcome OpenWithEvidence(TelemetryClient& client) {
     const uint64_t message_count = server_->counters().applied_message_count;
     const v1::Welcome welcome = client.Open(OneArmHello());
@@ -27,8 +27,8 @@ class GoodbyeTest : public RpcTest {
   [[nodiscard]] bool Held(size_t count) {
     return Eventually([&] { return store_.held_count() == count; });
   }
-  // A session with two messages applied, whose goodbye comes while the commit of the first is held.
-  // Returns its id.
+  // Opens a session with two applied messages, and says goodbye while the commit of the first is
+  // held. Returns its id.
   std::string SayGoodbyeBehindACommit(TelemetryClient& client) {
     const std::string id = OpenWithEvidence(client).session_id();
     store_.Hold();
@@ -38,7 +38,7 @@ class GoodbyeTest : public RpcTest {
     client.Send(Goodbye());
     return id;
   }
-  // Frames of the session in the store.
+  // Returns the stored frame count of the session.
   uint64_t StoredFrames(const std::string& session_id) {
     std::promise<uint64_t> frames;
     thread_.Submit([&](priors::PriorStore& store) {
@@ -52,21 +52,21 @@ class GoodbyeTest : public RpcTest {
   }
 };
 
-TEST_F(GoodbyeTest, AHalfCloseAfterItLeavesTheStreamOpenUntilTheCommit) {
+TEST_F(GoodbyeTest, AHalfCloseAfterAGoodbyeLeavesTheStreamOpenUntilTheCommit) {
   TelemetryClient client(channel_);
   const std::string id = OpenWithEvidence(client).session_id();
   store_.Hold();
   client.Send(Goodbye());
   client.HalfClose();
   ASSERT_TRUE(Held(1));
-  // A stream that had ended with the half-close would have nothing to acknowledge.
+  // If the stream had ended with the half-close, there would be no acknowledgement.
   store_.Release();
   EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
   EXPECT_TRUE(client.Finish().ok());
   EXPECT_EQ(StoredFrames(id), 30u);
 }
 
-TEST_F(GoodbyeTest, ACommitBehindAnotherIsAwaitedToo) {
+TEST_F(GoodbyeTest, AGoodbyeWaitsForAQueuedCommit) {
   TelemetryClient client(channel_);
   const std::string id = SayGoodbyeBehindACommit(client);
   client.HalfClose();
@@ -88,7 +88,7 @@ TEST_F(GoodbyeTest, AfterALostConnectionTheCommitStillReachesTheStore) {
   EXPECT_TRUE(ReachesTheStore(id, 60));
 }
 
-TEST_F(GoodbyeTest, EvidenceThatADiskRefusedIsOfferedAgainSoonThoughNobodyIsThere) {
+TEST_F(GoodbyeTest, EvidenceThatTheDiskRefusedIsOfferedAgainWithoutAClient) {
   TelemetryClient client(channel_);
   const std::string id = OpenWithEvidence(client).session_id();
   store_.Fail(true);
@@ -100,7 +100,7 @@ TEST_F(GoodbyeTest, EvidenceThatADiskRefusedIsOfferedAgainSoonThoughNobodyIsTher
   EXPECT_TRUE(ReachesTheStore(id));
 }
 
-TEST_F(GoodbyeTest, ADrainOffersWhatTheDiskRefusedOnceMoreAndWaitsForIt) {
+TEST_F(GoodbyeTest, ADrainRetriesRefusedEvidenceAndWaitsForIt) {
   TelemetryClient client(channel_);
   const std::string id = OpenWithEvidence(client).session_id();
   store_.Fail(true);
@@ -111,19 +111,19 @@ TEST_F(GoodbyeTest, ADrainOffersWhatTheDiskRefusedOnceMoreAndWaitsForIt) {
   EXPECT_EQ(StoredFrames(id), 30u);
 }
 
-TEST_F(GoodbyeTest, ADrainWithADiskThatFailsLetsClientsGoAtOnce) {
+TEST_F(GoodbyeTest, ADrainWithAFailingDiskReleasesClientsAtOnce) {
   TelemetryClient client(channel_);
   OpenWithEvidence(client);
   store_.Fail(true);
   const uint64_t failed = server_->counters().failed_commit_count;
   Tick();
   ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count == failed + 1; }));
-  // Waiting for its patience would take the test's whole time.
+  // Waiting for the patience would take the test's whole time.
   server_->Drain(std::chrono::minutes(10));
   EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
-TEST_F(GoodbyeTest, BehindADrainItIsKnownWhatADiskRefusedAndWhoSendsItAgain) {
+TEST_F(GoodbyeTest, AfterADrainCountHeldReportsEvidenceThatTheDiskRefused) {
   TelemetryClient stored(channel_);
   LearnOneWindow(stored, OneArmHello());
   TelemetryClient ended(channel_);
@@ -142,7 +142,7 @@ TEST_F(GoodbyeTest, BehindADrainItIsKnownWhatADiskRefusedAndWhoSendsItAgain) {
   EXPECT_EQ(held.ended_session_count, 1u);
 }
 
-TEST_F(GoodbyeTest, AMessageAfterItIsNotTakenForItsEvidence) {
+TEST_F(GoodbyeTest, AMessageAfterAGoodbyeIsNotEvidence) {
   TelemetryClient client(channel_);
   const std::string id = OpenWithEvidence(client).session_id();
   store_.Hold();
@@ -161,7 +161,7 @@ class FullTableGoodbyeTest : public GoodbyeTest {
   FullTableGoodbyeTest() { options_.max_sessions = 1; }
 };
 
-TEST_F(FullTableGoodbyeTest, ASessionThatIsTheOnlyOneToHaveItsEvidenceStays) {
+TEST_F(FullTableGoodbyeTest, AnEndedSessionWithUnstoredEvidenceStays) {
   std::string id;
   {
     TelemetryClient client(channel_);
@@ -181,7 +181,7 @@ TEST_F(FullTableGoodbyeTest, ASessionThatIsTheOnlyOneToHaveItsEvidenceStays) {
   EXPECT_FALSE(third.Open(OneArmHello()).resumed());
 }
 
-TEST_F(FullTableGoodbyeTest, ASessionThatIsBackMakesNoRoomThoughItsEvidenceIsNotOnDiskYet) {
+TEST_F(FullTableGoodbyeTest, AResumedSessionWithUnstoredEvidenceMakesNoRoom) {
   v1::Hello hello = OneArmHello();
   store_.Fail(true);
   {
@@ -200,7 +200,7 @@ TEST_F(FullTableGoodbyeTest, ASessionThatIsBackMakesNoRoomThoughItsEvidenceIsNot
   EXPECT_EQ(second.Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
-TEST_F(FullTableGoodbyeTest, ALostSessionMakesRoomSinceItsClientSendsAgainWhatIsNotOnDisk) {
+TEST_F(FullTableGoodbyeTest, ALostSessionMakesRoomBecauseItsClientResendsUnstoredEvidence) {
   v1::Hello hello = OneArmHello();
   {
     TelemetryClient client(channel_);

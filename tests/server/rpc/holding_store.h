@@ -1,5 +1,5 @@
-// A store that keeps commits back until the test lets them through, or fails them, and that can be
-// closed while the store behind it goes on.
+// A store that holds commits until the test releases or fails them. It can be closed while the
+// store behind it continues.
 #pragma once
 
 #include <atomic>
@@ -51,12 +51,12 @@ class HoldingStore final : public priors::AsyncPriorStore {
     const std::lock_guard lock(mutex_);
     failing_ = failing;
   }
-  // While it is closed it takes nothing; what it took before still runs.
+  // While closed it accepts nothing; earlier calls still run.
   void Close(bool closed) {
     const std::lock_guard lock(mutex_);
     closed_ = closed;
   }
-  // Jobs and reads offered so far.
+  // Number of jobs and reads offered so far.
   size_t submit_count() const { return submit_count_; }
   size_t held_count() const {
     const std::lock_guard lock(mutex_);

@@ -1,4 +1,4 @@
-// The bytes of HTTP/2 (RFC 9113), so that tests can also send what no client would.
+// The bytes of HTTP/2 (RFC 9113), so that tests can send what no regular client sends.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +19,12 @@ inline std::string Http2Frame(Http2Type type, char flags, uint32_t stream,
   return frame.append(payload);
 }
 
-// What a client begins with: the preface and empty settings.
+// Returns the first bytes of a client: the preface and empty settings.
 inline std::string Http2Preface() {
   return "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + Http2Frame(Http2Type::kSettings, 0, 0, "");
 }
 
-// The headers that begin a call of the method. None is compressed.
+// Returns the headers that begin a call of the method, uncompressed.
 inline std::string Http2Call(uint32_t stream, std::string_view method) {
   constexpr char kEndOfHeaders = 4;
   std::string block;

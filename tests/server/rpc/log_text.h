@@ -1,4 +1,4 @@
-// What a logger was told, to be read while other threads still log.
+// The text of a log, readable while other threads still log.
 #pragma once
 
 #include <spdlog/sinks/base_sink.h>

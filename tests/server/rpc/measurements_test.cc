@@ -1,4 +1,4 @@
-// What watchers are told about the cost of frames.
+// The measurements of frame costs that watchers receive.
 #include <cmath>
 #include <vector>
 
@@ -39,9 +39,9 @@ class MeasurementsTest : public RpcTest {
     EXPECT_TRUE(
         Eventually([&] { return server_->counters().decision_count == message.sequence(); }));
   }
-  // Makes the tick at which decisions are told, and returns them until there are so many.
+  // Advances to the tick at which decisions are published, and returns them once there are `count`.
   std::vector<v1::DecisionEvent> Told(size_t count) {
-    // This call passes the loop, so that it has told the hub of what it decided.
+    // This call passes the loop, so the loop has then published its decisions.
     grpc::ClientContext context;
     v1::ListPosteriorsResponse response;
     EXPECT_TRUE(stub_->ListPosteriors(&context, {}, &response).ok());
@@ -65,11 +65,12 @@ class MeasurementsTest : public RpcTest {
   std::unique_ptr<grpc::ClientReader<v1::WatchPosteriorsResponse>> reader_;
 };
 
-TEST_F(MeasurementsTest, AWatcherIsToldWhatTheFramesOfEachWindowCost) {
+TEST_F(MeasurementsTest, AWatcherReceivesTheFrameCostsOfEachWindow) {
   Watch();
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
-  EXPECT_FALSE(DecideAndTell(client, Frames(1, 30)).has_measurements()) << "nobody watched before";
+  EXPECT_FALSE(DecideAndTell(client, Frames(1, 30)).has_measurements())
+      << "there were no watchers before";
   v1::StreamTelemetryRequest frames = Frames(2, 30);
   frames.mutable_frame_batch()->set_flags(0, v1::FRAME_FLAG_PAUSED);
   frames.mutable_frame_batch()->set_flags(1, v1::FRAME_FLAG_LOADING);
@@ -84,10 +85,10 @@ TEST_F(MeasurementsTest, AWatcherIsToldWhatTheFramesOfEachWindowCost) {
   EXPECT_EQ(CountOf(told.detection_time_ns()), 28U);
   EXPECT_EQ(told.native_bytes().bucket_steps(0), sessions::LogHistogram::BucketOf(1 << 20));
   const v1::DecisionEvent next = DecideAndTell(client, Frames(3, 5));
-  EXPECT_EQ(CountOf(next.measurements().frame_time_ns()), 5U) << "those of this window alone";
+  EXPECT_EQ(CountOf(next.measurements().frame_time_ns()), 5U) << "only the frames of this window";
 }
 
-TEST_F(MeasurementsTest, AreToldFourTimesASecondAtMostAndNoFrameIsLost) {
+TEST_F(MeasurementsTest, ArePublishedAtMostFourTimesASecondWithoutLosingFrames) {
   options_.decision.decision_interval_ns = 100'000'000;
   RestartServer();
   stub_ = v1::PosteriorsService::NewStub(channel_);
@@ -101,7 +102,7 @@ TEST_F(MeasurementsTest, AreToldFourTimesASecondAtMostAndNoFrameIsLost) {
   EXPECT_EQ(counts, (std::vector<uint64_t>{0, 10, 0, 0, 30, 0, 0, 30}));
 }
 
-TEST_F(MeasurementsTest, AreAtMostAKilobyteWhateverAClientSends) {
+TEST_F(MeasurementsTest, AreAtMostAKilobyteForAnyInput) {
   Watch();
   TelemetryClient client(channel_);
   client.Open(OneArmHello());

@@ -1,4 +1,4 @@
-// What becomes of an operator's order on its way to the game and back.
+// The way of an operator's order to the game, and its answer.
 #include <functional>
 #include <utility>
 #include <vector>
@@ -11,7 +11,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Keeps what its client would be sent.
+// Records the messages to the client.
 class RecordingLink final : public sessions::ClientStream {
  public:
   void SendSwitch(const SwitchCommand& command) override { switches.push_back(command); }
@@ -50,7 +50,7 @@ class OperatorOrderTest : public ::testing::Test {
     thread_.Close();
     OnLoop([] {});
   }
-  // A connection of the game begins. On the loop.
+  // Connects the game. Runs on the loop.
   void Begin(bool takes_orders) {
     v1::Hello hello = HelloMessage();
     if (takes_orders) hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
@@ -108,7 +108,7 @@ class OperatorOrderTest : public ::testing::Test {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-TEST_F(OperatorOrderTest, IsAnsweredWhenTheGameHasObeyedAndNoArmIsChosenUntilItsRelease) {
+TEST_F(OperatorOrderTest, IsAnsweredWhenExecutedAndPinsTheArmUntilReleased) {
   Order(Mode::kManual, 2);
   ASSERT_EQ(link_.orders.size(), 1u);
   EXPECT_EQ(link_.orders[0].arm, 2u);
@@ -126,10 +126,10 @@ TEST_F(OperatorOrderTest, IsAnsweredWhenTheGameHasObeyedAndNoArmIsChosenUntilIts
   ChangeMode(v1::MODE_AI, 2, link_.order_ids[1]);
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kOk, absl::StatusCode::kOk));
   for (int window = 0; window < 40; ++window) Play(2, 1);
-  EXPECT_FALSE(link_.switches.empty()) << "decisions go on";
+  EXPECT_FALSE(link_.switches.empty()) << "decisions continue";
 }
 
-TEST_F(OperatorOrderTest, ThatTheGameRefusesIsAFailedPrecondition) {
+TEST_F(OperatorOrderTest, IsAFailedPreconditionIfTheGameRefuses) {
   Order(Mode::kManual, 1);
   v1::StreamTelemetryRequest request;
   request.set_sequence(1);
@@ -140,7 +140,7 @@ TEST_F(OperatorOrderTest, ThatTheGameRefusesIsAFailedPrecondition) {
   EXPECT_EQ(session_->decisions().mode(), Mode::kAi);
 }
 
-TEST_F(OperatorOrderTest, IsNotSentToAGameThatTakesNone) {
+TEST_F(OperatorOrderTest, IsNotSentToAGameThatAcceptsNoOrders) {
   OnLoop([this] { Begin(/*takes_orders=*/false); });
   Order(Mode::kManual, 2);
   EXPECT_THAT(link_.orders, IsEmpty());
@@ -154,7 +154,7 @@ TEST_F(OperatorOrderTest, IsNotConfirmedByAnotherChangeOfMode) {
   EXPECT_THAT(answers_, IsEmpty());
 }
 
-TEST_F(OperatorOrderTest, GivesWayToALaterOneAndIsAnsweredOnce) {
+TEST_F(OperatorOrderTest, IsReplacedByALaterOneAndAnsweredOnce) {
   Order(Mode::kManual, 1);
   Order(Mode::kManual, 2);
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kAborted));
@@ -165,7 +165,7 @@ TEST_F(OperatorOrderTest, GivesWayToALaterOneAndIsAnsweredOnce) {
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kAborted, absl::StatusCode::kOk));
 }
 
-TEST_F(OperatorOrderTest, OfAGameThatSaysNothingEndsAfterFiveSeconds) {
+TEST_F(OperatorOrderTest, EndsAfterFiveSecondsWithoutAnAnswer) {
   Order(Mode::kManual, 1);
   clock_.Advance(5 * kSecondNs - 1);
   OnLoop([] {});
@@ -179,7 +179,7 @@ TEST_F(OperatorOrderTest, OfAGameThatSaysNothingEndsAfterFiveSeconds) {
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kDeadlineExceeded));
 }
 
-TEST_F(OperatorOrderTest, OfAGameThatIsLostEndsAndALostOneGetsNone) {
+TEST_F(OperatorOrderTest, EndsWhenTheGameIsLostAndIsNotSentToALostGame) {
   Order(Mode::kManual, 1);
   OnLoop([&] { session_->Detach(link_); });
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kUnavailable));
@@ -190,7 +190,7 @@ TEST_F(OperatorOrderTest, OfAGameThatIsLostEndsAndALostOneGetsNone) {
   OnLoop([&] { session_->Attach(next); });
   Order(Mode::kManual, 1);
   OnLoop([&] { session_->Attach(link_); });
-  EXPECT_EQ(answers_.size(), 3u) << "another connection took the session over";
+  EXPECT_EQ(answers_.size(), 3u) << "another connection has resumed the session";
 }
 
 }  // namespace

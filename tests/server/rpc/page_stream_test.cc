@@ -1,4 +1,4 @@
-// When a stream of pages may be ended from outside.
+// The conditions under which a stream of pages may be ended from outside.
 #include "server/rpc/services/page_stream.h"
 #include "sweepstake/v1/priors.pb.h"
 
@@ -14,7 +14,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// A store that has too much to do.
+// An overloaded store.
 class BusyStore final : public priors::AsyncPriorStore {
  public:
   void Commit(priors::SourceUpdate /*update*/, CommitCallback /*done*/) override {}
@@ -24,10 +24,10 @@ class BusyStore final : public priors::AsyncPriorStore {
   uint64_t lost_audit_row_count() const override { return 0; }
 };
 
-// What a stream needs of its server, without a server: its call is never begun, so that whatever
-// touches it ends the program.
+// The services that a stream needs, without a server. The stream's call never begins, so that using
+// the call ends the program.
 struct Services {
-  // Returns when the loop has run what is posted and due.
+  // Returns when the loop has run all posted and due tasks.
   void Settle() {
     for (int i = 0; i < 2; ++i) {
       std::promise<void> reached;
@@ -51,7 +51,7 @@ struct Services {
   WatcherSet watchers{context};
 };
 
-TEST(PageStreamTest, AStreamThatIsFinishedIsNotEndedAgainBeforeTheLoopHearsOfItsEnd) {
+TEST(PageStreamTest, AFinishedStreamIsNotEndedAgainBeforeTheLoopProcessesItsEnd) {
   using Stream = PageStream<v1::ExportPriorsResponse, int>;
   Services services;
   grpc::CallbackServerContext call;

@@ -34,7 +34,7 @@ priors::SourceUpdate Evidence(const std::string& source, const std::string& scen
   return update;
 }
 
-// The names make every decision's event a kilobyte.
+// The long names make the event of each decision about a kilobyte.
 v1::Hello ManyArmsHello() {
   v1::Hello hello = HelloMessage();
   hello.clear_arms();
@@ -82,8 +82,8 @@ class PosteriorsTest : public RpcTest {
     return writer->Finish();
   }
 
-  // Lets the hub tell its watchers what is on disk. A call passes the store and the loop; what the
-  // first may have overtaken there is done before the second is answered.
+  // Makes the hub publish to its watchers. A call passes the store and the loop. The second call is
+  // answered after everything that the first one may have overtaken.
   void TellWatchers() {
     for (int i = 0; i < 2; ++i) {
       grpc::ClientContext context;
@@ -105,7 +105,7 @@ class PosteriorsTest : public RpcTest {
 
 using WatchReader = std::unique_ptr<grpc::ClientReader<v1::WatchPosteriorsResponse>>;
 
-// What a server answers to a call of the reflection service.
+// Calls the reflection service and returns the status code.
 grpc::StatusCode CallReflection(const std::shared_ptr<grpc::Channel>& channel) {
   grpc::GenericStub stub(channel);
   grpc::ClientContext context;
@@ -119,7 +119,7 @@ grpc::StatusCode CallReflection(const std::shared_ptr<grpc::Channel>& channel) {
   return code.get_future().get();
 }
 
-TEST_F(RpcTest, ReflectionIsOffUnlessAskedFor) {
+TEST_F(RpcTest, ReflectionIsOffByDefault) {
   EXPECT_EQ(CallReflection(channel_), grpc::StatusCode::UNIMPLEMENTED);
   RpcOptions options = options_;
   options.reflection = true;
@@ -161,7 +161,7 @@ TEST_F(PosteriorsTest, AForeignPageTokenIsInvalid) {
   }
 }
 
-TEST_F(PosteriorsTest, OneSceneIsBetaOneOnePlusItsEvidence) {
+TEST_F(PosteriorsTest, APosteriorIsBetaOneOnePlusTheEvidence) {
   Store(Evidence("a", "harbour"));
   priors::SourceUpdate timed = Evidence("b", "harbour");
   timed.unix_time_s = 1'800'000'000;
@@ -197,7 +197,7 @@ TEST_F(PosteriorsTest, AnUnknownSceneIsNotFoundAndAnEmptyNameInvalid) {
             v1::ERROR_REASON_UNKNOWN_SCENE);
 }
 
-TEST_F(PosteriorsTest, TheFiguresOfASceneAreThoseOfTheDeciderBitForBit) {
+TEST_F(PosteriorsTest, TheFiguresOfASceneEqualThoseOfTheDeciderBitByBit) {
   for (const uint32_t reward_version : {1u, decision::kLogCostRewardVersion}) {
     SCOPED_TRACE(reward_version);
     priors::SceneEvidence evidence;
@@ -237,7 +237,7 @@ TEST_F(PosteriorsTest, TheFiguresOfASceneAreThoseOfTheDeciderBitForBit) {
   }
 }
 
-TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
+TEST_F(PosteriorsTest, AWatcherReceivesTheScenesThenDecisionsAndTheirEvidence) {
   Store(Evidence("a", "harbour", "SAP"));
   Store(Evidence("b", "desert"));
   TelemetryClient client(channel_);
@@ -285,12 +285,12 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
   context.TryCancel();
 }
 
-TEST_F(PosteriorsTest, AWatcherThatDoesNotReadIsDroppedAndOthersAreNot) {
+TEST_F(PosteriorsTest, OnlyAWatcherThatDoesNotReadIsDropped) {
   const v1::Hello hello = ManyArmsHello();
   const auto own_channel = SmallWindowChannel();
   grpc::ClientContext context;
   const auto idle = v1::PosteriorsService::NewStub(own_channel)->WatchPosteriors(&context, {});
-  // Until its buffers are full, which shows as time that passes without dropping it.
+  // Until its buffers are full: then time passes without dropping it.
   for (int i = 0; i < 400; ++i)
     Store(Evidence("source " + std::to_string(i),
                    "scene " + std::to_string(i) + std::string(100, 'y'), std::string(120, 'x')));
@@ -313,7 +313,7 @@ TEST_F(PosteriorsTest, AWatcherThatDoesNotReadIsDroppedAndOthersAreNot) {
   EXPECT_EQ(client.AwaitAcknowledgement(601), 601u);
 }
 
-TEST_F(PosteriorsTest, AHundredWatchersReadTheStoreOncePerSceneHoweverManyCommitsThereAre) {
+TEST_F(PosteriorsTest, AHundredWatchersReadTheStoreOncePerSceneForAnyNumberOfCommits) {
   Store(Evidence("a", "harbour"));
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
@@ -335,7 +335,7 @@ TEST_F(PosteriorsTest, AHundredWatchersReadTheStoreOncePerSceneHoweverManyCommit
   for (grpc::ClientContext& context : contexts) context.TryCancel();
 }
 
-TEST_F(PosteriorsTest, DecisionsOfOneMomentAreEncodedOnceAndAllReachWatchersThatKeepUp) {
+TEST_F(PosteriorsTest, ConcurrentDecisionsAreEncodedOnceAndReachAllFastWatchers) {
   options_.max_streams_per_connection = 1'000;
   RestartServer();
   posteriors_ = v1::PosteriorsService::NewStub(channel_);
@@ -373,11 +373,11 @@ TEST_F(PosteriorsTest, DecisionsOfOneMomentAreEncodedOnceAndAllReachWatchersThat
     }
   }
   EXPECT_EQ(sessions.size(), kSessions);
-  EXPECT_EQ(events.size(), 2u) << "of three watchers";
+  EXPECT_EQ(events.size(), 2u) << "events of all three watchers";
   for (grpc::ClientContext& context : contexts) context.TryCancel();
 }
 
-TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoSceneAndReadsTheStoreOnce) {
+TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoScenesAndReadsTheStoreOnce) {
   options_.watcher_patience_ns = 1'000'000 * kSecondNs;
   RestartServer();
   posteriors_ = v1::PosteriorsService::NewStub(channel_);
@@ -386,7 +386,7 @@ TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoSceneAndReadsTheStoreOnce
   for (int i = 0; i < 30; ++i) {
     v1::Hello hello = ManyArmsHello();
     hello.set_scene(i == 0 ? "harbour" : "elsewhere");
-    if (i == 0) hello.mutable_arms()->RemoveLast();  // the scene has one already, and may have 32
+    if (i == 0) hello.mutable_arms()->RemoveLast();  // the scene already has one, and may have 32
     clients.push_back(std::make_unique<TelemetryClient>(channel_));
     clients.back()->Open(hello);
   }
@@ -415,7 +415,7 @@ TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoSceneAndReadsTheStoreOnce
   context.TryCancel();
 }
 
-// Moves the clock until the call has ended, and returns how.
+// Advances the clock until the call has ended, and returns its status.
 template <typename Call>
 grpc::Status EndOfStalled(sessions::ManualClock& clock, Call& call) {
   std::future<grpc::Status> end = std::async(std::launch::async, [&] { return call.Finish(); });
@@ -440,7 +440,7 @@ TEST_F(PosteriorsTest, AnImportThatStopsHalfwayEndsAndImportsNothing) {
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
-TEST_F(PosteriorsTest, AnExportThatNobodyReadsEnds) {
+TEST_F(PosteriorsTest, AnExportThatIsNotReadEnds) {
   for (int i = 0; i < 4000; ++i) {
     Store(Evidence("source " + std::to_string(i) + std::string(100, 'x'), "harbour"));
   }
@@ -493,7 +493,7 @@ TEST_F(PosteriorsTest, AnImportWithOneWrongRecordImportsNothingAndNamesIt) {
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
-TEST_F(PosteriorsTest, MoreEvidenceThanASessionTakesIsScaledDownInItsProportion) {
+TEST_F(PosteriorsTest, EvidenceAboveTheLimitOfASessionIsScaledDownProportionally) {
   const v1::Hello hello = OneArmHello();
   v1::PriorRecord record;
   record.set_project(hello.project());
@@ -516,7 +516,7 @@ TEST_F(PosteriorsTest, MoreEvidenceThanASessionTakesIsScaledDownInItsProportion)
   EXPECT_NEAR(welcome.priors(0).alpha() / welcome.priors(0).beta(), 3, 1e-9);
 }
 
-TEST_F(PosteriorsTest, AnImportThatBreaksOffImportsNothing) {
+TEST_F(PosteriorsTest, AnInterruptedImportImportsNothing) {
   Store(Evidence("a", "harbour"));
   v1::PriorRecord record = Export()[0];
   record.set_source_id("b");

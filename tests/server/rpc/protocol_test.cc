@@ -1,4 +1,4 @@
-// What clients of other versions, and many clients, are told.
+// Welcome messages to clients of other versions, and to many clients.
 #include "server/sessions/session_start.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -7,7 +7,7 @@ namespace {
 
 class ProtocolTest : public RpcTest {};
 
-TEST_F(ProtocolTest, WithMoreStreamsTheWelcomeAsksForLessFrequentBatches) {
+TEST_F(ProtocolTest, TheBatchIntervalGrowsWithTheNumberOfStreams) {
   EXPECT_EQ(BatchIntervalMs(2000, 1), 250u);
   EXPECT_EQ(BatchIntervalMs(2000, 2500), 250u);
   EXPECT_EQ(BatchIntervalMs(2000, 5000), 500u);
@@ -16,7 +16,7 @@ TEST_F(ProtocolTest, WithMoreStreamsTheWelcomeAsksForLessFrequentBatches) {
   EXPECT_EQ(BatchIntervalMs(2, 10'000), 1u);
 }
 
-TEST_F(ProtocolTest, WhatOnlyANewerProtocolHasIsCountedAndTheStreamGoesOn) {
+TEST_F(ProtocolTest, MessagesOfANewerProtocolAreCountedAndTheStreamContinues) {
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
   v1::StreamTelemetryRequest message;

@@ -1,4 +1,4 @@
-// Which session a Hello with a session id gets: the one it names, or a new one that tells nothing
+// The session that a Hello with a session id gets: the named one, or a new one that reveals nothing
 // about it.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -7,7 +7,7 @@ namespace {
 
 class ResumeTest : public RpcTest {
  protected:
-  // Returns a Hello that resumes a session of one window, which nobody is connected to.
+  // Returns a Hello that resumes a disconnected session of one window.
   v1::Hello Learnt() {
     v1::Hello hello = HelloMessage();
     TelemetryClient client(channel_);
@@ -21,7 +21,7 @@ class ResumeTest : public RpcTest {
     EXPECT_NE(welcome.session_id(), hello.session_id());
     EXPECT_EQ(welcome.acknowledged_sequence(), 0u);
   }
-  // The session is asked for while it is in memory, and when only the store knows it.
+  // Tries to resume the session while it is in memory, and again when only the store has it.
   void ExpectNewFromMemoryAndStore(const v1::Hello& hello) {
     ExpectNew(hello);
     RestartServer();
@@ -35,7 +35,7 @@ TEST_F(ResumeTest, AnUnknownIdBeginsANewSession) {
   ExpectNew(hello);
 }
 
-TEST_F(ResumeTest, AGameThatComesBackAndSendsNothingIsToldTheVerdictAllTheSame) {
+TEST_F(ResumeTest, AResumedSilentGameStillReceivesTheVerdict) {
   const v1::Hello hello = Learnt();
   TelemetryClient client(channel_);
   EXPECT_TRUE(client.Open(hello).resumed());
@@ -50,10 +50,11 @@ TEST_F(ResumeTest, AnIdWithoutItsTokenBeginsANewSession) {
   ExpectNew(stolen);
   stolen.set_resume_token(std::string(32, 'x'));
   ExpectNewFromMemoryAndStore(stolen);
-  EXPECT_TRUE(TelemetryClient(channel_).Open(hello).resumed()) << "its client still can";
+  EXPECT_TRUE(TelemetryClient(channel_).Open(hello).resumed())
+      << "the session's own client can still resume it";
 }
 
-TEST_F(ResumeTest, TheTokenOfAnotherSessionIsOfNoUse) {
+TEST_F(ResumeTest, TheTokenOfAnotherSessionIsRefused) {
   v1::Hello hello = Learnt();
   hello.set_resume_token(TelemetryClient(channel_).Open(HelloMessage()).resume_token());
   ExpectNewFromMemoryAndStore(hello);
@@ -77,7 +78,7 @@ TEST_F(ResumeTest, AnotherVersionOfAnArmBeginsANewSession) {
   ExpectNewFromMemoryAndStore(hello);
 }
 
-TEST_F(ResumeTest, ASessionThatSaidGoodbyeAndWaitsForTheDiskIsNotResumed) {
+TEST_F(ResumeTest, ASessionThatEndedAndWaitsForTheDiskIsNotResumed) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
@@ -91,7 +92,7 @@ TEST_F(ResumeTest, ASessionThatSaidGoodbyeAndWaitsForTheDiskIsNotResumed) {
   ExpectNew(hello);
 }
 
-TEST_F(ResumeTest, TheNewSessionLearnsBesideTheOldOne) {
+TEST_F(ResumeTest, TheNewSessionLearnsIndependentlyOfTheOldOne) {
   v1::Hello hello = Learnt();
   hello.set_machine_class("a faster one");
   TelemetryClient client(channel_);

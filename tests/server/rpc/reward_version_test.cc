@@ -1,5 +1,5 @@
-// Evidence of two versions of the reward side by side, and of the shadow lane: over the stream, in
-// SQLite, and read back.
+// Evidence of two reward versions side by side, and of the shadow lane: over the stream, in SQLite,
+// and read back.
 #include <functional>
 #include <utility>
 #include <vector>
@@ -25,7 +25,7 @@ v1::Hello HelloOf(const std::string& policy) {
   return hello;
 }
 
-// Made before the store that is in it.
+// Created before the store inside it.
 class Directory {
  protected:
   test_support::TemporaryDirectory directory_;
@@ -35,8 +35,8 @@ class RewardVersionTest : public Directory, public RpcTest {
  protected:
   RewardVersionTest() : RpcTest(OpenStore(directory_.path() / "priors.sqlite")) {}
 
-  // A session of its own that learns one window; its welcome. `applied`: messages since the server
-  // began.
+  // Runs a new session that learns one window, and returns its welcome message. `applied` is the
+  // number of messages since the server started.
   v1::Welcome Learn(const std::string& policy, uint64_t applied) {
     TelemetryClient client(channel_);
     v1::Welcome welcome = client.Open(HelloOf(policy));
@@ -47,8 +47,8 @@ class RewardVersionTest : public Directory, public RpcTest {
     return welcome;
   }
 
-  // Learns a window of the first arm, and a visit to each, of which the third is twice as fast.
-  // Returns its Hello. The first session of a server.
+  // Learns a window of the first arm and a lane visit of every arm; the third is twice as fast.
+  // Returns the Hello. REQUIRES: this is the first session of the server.
   v1::Hello LearnInTheLane() {
     v1::Hello hello = HelloMessage();
     hello.set_policy("adaptive");
@@ -81,7 +81,7 @@ class RewardVersionTest : public Directory, public RpcTest {
     return {response.scenes().begin(), response.scenes().end()};
   }
 
-  // 0: leaves it to the daemon.
+  // 0 means the daemon's default.
   v1::ScenePosterior Get(uint32_t reward_version) {
     v1::GetPosteriorRequest request;
     request.set_project("game");
@@ -108,7 +108,7 @@ TEST_F(RewardVersionTest, EvidenceOfTwoVersionsIsNeverMerged) {
   EXPECT_EQ(Stored("harbour", 1).source_count, 1u);
   EXPECT_EQ(Stored("harbour", 3).arms[0].live.window_count, 1u);
 
-  // Each begins where its own version left off, also after a restart.
+  // Each session continues with the evidence of its own version, also after a restart.
   RestartServer();
   const v1::Welcome paper = WelcomeOf("paper");
   EXPECT_EQ(paper.prior_source_count(), 1u);
@@ -121,8 +121,8 @@ double MeanOf(const v1::BetaPosterior& posterior) {
   return posterior.alpha() / (posterior.alpha() + posterior.beta());
 }
 
-// The lane finds the third arm twice as fast; it never ran.
-TEST_F(RewardVersionTest, ASessionBeginsWithWhatTheLaneHasSeen) {
+// The lane measures the third arm as twice as fast; the arm was never active.
+TEST_F(RewardVersionTest, ASessionBeginsWithTheEvidenceOfTheLane) {
   const v1::Hello hello = LearnInTheLane();
   RestartServer();
   const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
@@ -137,18 +137,18 @@ TEST_F(RewardVersionTest, ASessionBeginsWithWhatTheLaneHasSeen) {
   EXPECT_EQ(shown.arms(1).arm(), "KDTree");
   EXPECT_EQ(shown.arms(1).window_count(), 0u);
   EXPECT_EQ(shown.arms(1).visit_count(), 1u);
-  EXPECT_GT(shown.arms(1).effective_window_count(), 0) << "what the lane tells is worth windows";
+  EXPECT_GT(shown.arms(1).effective_window_count(), 0) << "lane visits count as windows";
   EXPECT_LT(shown.arms(1).effective_window_count(), 1);
   EXPECT_GT(shown.arms(1).posterior().alpha(), shown.arms(2).posterior().alpha());
 }
 
-TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
+TEST_F(RewardVersionTest, ANewSceneBeginsWithTheEvidenceOfOtherScenesOfTheProject) {
   v1::Hello hello = LearnInTheLane();
   hello.set_scene("desert");
   v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
   EXPECT_EQ(welcome.prior_source_count(), 1u);
   EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02);
-  EXPECT_TRUE(Stored("desert", 3).arms.empty()) << "it is no evidence of this scene";
+  EXPECT_TRUE(Stored("desert", 3).arms.empty()) << "the evidence belongs to another scene";
 
   {
     TelemetryClient client(channel_);
@@ -161,7 +161,7 @@ TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
   welcome = TelemetryClient(channel_).Open(hello);
   EXPECT_EQ(Stored("desert", 3).arms.size(), 1u);
   EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02)
-      << "it knows the first arm itself, and the others still from its neighbour";
+      << "the first arm has evidence of this scene, and the others that of the other scene";
 
   for (const auto& change : std::vector<std::function<void(v1::Hello&)>>{
            [](v1::Hello& other) { other.set_project("other"); },
@@ -176,7 +176,7 @@ TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
   }
 }
 
-TEST_F(RewardVersionTest, ANewSceneOfANewClassOfMachinesBeginsWithThoseOfTheOthers) {
+TEST_F(RewardVersionTest, ANewSceneOnANewMachineClassBeginsWithTheEvidenceOfOtherClasses) {
   v1::Hello hello = LearnInTheLane();
   hello.set_scene("desert");
   hello.set_machine_class("phone");
@@ -185,7 +185,7 @@ TEST_F(RewardVersionTest, ANewSceneOfANewClassOfMachinesBeginsWithThoseOfTheOthe
   EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02);
 }
 
-TEST_F(RewardVersionTest, TheWelcomeNamesThePolicyAsTheRegistryDoes) {
+TEST_F(RewardVersionTest, TheWelcomeUsesThePolicyNameOfTheRegistry) {
   EXPECT_EQ(WelcomeOf("default").policy(),
             decision::PolicyKindOf("default", decision::ShippedPolicies()).name);
 }
@@ -205,7 +205,7 @@ TEST_F(RewardVersionTest, ASceneIsListedAndReadOncePerVersion) {
             decision::PolicyKindOf("default", decision::ShippedPolicies()).reward_version);
 }
 
-TEST_F(RewardVersionTest, AWatcherSeesEachVersion) {
+TEST_F(RewardVersionTest, AWatcherReceivesEachVersion) {
   Learn("paper", 1);
   Learn("adaptive", 2);
   grpc::ClientContext context;
@@ -219,7 +219,7 @@ TEST_F(RewardVersionTest, AWatcherSeesEachVersion) {
   context.TryCancel();
 }
 
-TEST_F(RewardVersionTest, ANewSessionBeginsUnderAnotherVersion) {
+TEST_F(RewardVersionTest, AnotherVersionBeginsANewSession) {
   v1::Hello hello = HelloOf("adaptive");
   Resume(hello, Learn("paper", 1));
   for (const bool from_store : {false, true}) {

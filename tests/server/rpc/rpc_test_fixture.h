@@ -1,5 +1,5 @@
-// A real server on an ephemeral loopback port, a scripted clock, a memory store unless a test wants
-// another, and a client to talk to it.
+// A real server on an ephemeral loopback port, with a manual clock and a client. The store is in
+// memory unless a test chooses another.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -58,14 +58,14 @@ inline v1::Hello HelloMessage() {
   return hello;
 }
 
-// With one arm there is nothing to switch to, so no switch command comes between other responses.
+// With one arm there is nothing to switch to, so no switch command arrives between other responses.
 inline v1::Hello OneArmHello() {
   v1::Hello hello = HelloMessage();
   hello.mutable_arms()->DeleteSubrange(1, 2);
   return hello;
 }
 
-// What games of OneArmHello() have learnt in some three hours.
+// The evidence of games with OneArmHello() after about three hours.
 inline priors::PriorRecord LearntInHours() {
   const v1::Hello hello = OneArmHello();
   return {.key = {.project = hello.project(),
@@ -80,7 +80,7 @@ inline priors::PriorRecord LearntInHours() {
           .evidence = {.alpha = 9'000, .beta = 1'000, .window_count = 10'000, .bail_out_count = 0}};
 }
 
-// Makes the Hello one that resumes the session.
+// Changes the Hello so that it resumes the session.
 inline void Resume(v1::Hello& hello, const v1::Welcome& session) {
   hello.set_session_id(session.session_id());
   hello.set_resume_token(session.resume_token());
@@ -92,7 +92,7 @@ inline v1::StreamTelemetryRequest Request(const v1::Hello& hello) {
   return request;
 }
 
-// `count` equal frames of `frame_ms` on `arm`.
+// Returns `count` equal frames of `frame_ms` on `arm`.
 inline v1::StreamTelemetryRequest Frames(uint64_t sequence, int count, uint64_t frame_ms = 10,
                                          uint32_t arm = 0, uint32_t epoch = 0) {
   v1::StreamTelemetryRequest request;
@@ -148,7 +148,8 @@ class TelemetryClient {
     if (response.has_acknowledgement()) acknowledged_ = response.acknowledgement().sequence();
     return response;
   }
-  // The next response that has the field; others are skipped. Fails the test when the stream ends.
+  // Returns the next response that has the field, and skips others. Fails the test if the stream
+  // ends.
   Response Await(bool (Response::*has)() const) {
     while (std::optional<Response> response = Read()) {
       if (((*response).*has)()) return *response;
@@ -160,15 +161,15 @@ class TelemetryClient {
     Send(Request(hello));
     return Await(&Response::has_welcome).welcome();
   }
-  // Waits until `sequence` is acknowledged and returns the latest acknowledged number. An
-  // acknowledgement that Await skipped counts.
+  // Waits until `sequence` is acknowledged, and returns the latest acknowledged number.
+  // Acknowledgements that Await skipped count.
   uint64_t AwaitAcknowledgement(uint64_t sequence) {
     while (acknowledged_ < sequence && !::testing::Test::HasFailure()) {
       Await(&Response::has_acknowledgement);
     }
     return acknowledged_;
   }
-  // Reads to the end.
+  // Reads until the stream ends, and returns its status.
   grpc::Status Finish() {
     while (Read()) {
     }
@@ -196,13 +197,13 @@ class RpcTest : public ::testing::Test {
     options_.decision.settling_ns = 0;
     options_.daemon_version = "0.1.0";
     options_.resume_secret = std::string(32, 's');
-    options_.max_reads_per_s = 1'000'000;  // tests ask again and again while the clock stands
+    options_.max_reads_per_s = 1'000'000;  // tests poll while the clock stands still
   }
   void SetUp() override { StartServer(); }
   void TearDown() override { StopServer(); }
 
   std::string address() const { return "127.0.0.1:" + std::to_string(server_->port()); }
-  // A connection of its own, which takes little that its client does not read.
+  // Returns a new connection with small receive windows, so that unread data block the sender soon.
   std::shared_ptr<grpc::Channel> SmallWindowChannel() const {
     grpc::ChannelArguments small_window;
     small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
@@ -214,16 +215,16 @@ class RpcTest : public ::testing::Test {
     server_ = *std::move(server);
     channel_ = grpc::CreateChannel(address(), grpc::InsecureChannelCredentials());
   }
-  // Stops the server; what is not in the store is lost, as after a crash. Whatever errors a test
-  // met, each had a reason.
+  // Stops the server; everything outside the store is lost, as after a crash. Expects that every
+  // error so far had a reason.
   void StopServer() {
     channel_.reset();
     if (server_ != nullptr) {
       EXPECT_EQ(server_->counters().error_counts.at(v1::ERROR_REASON_UNSPECIFIED), 0u);
     }
     if (server_ != nullptr) server_->Drain(std::chrono::milliseconds(0));
-    // Callbacks of the store refer to the server's loop, and tasks of the loop begin new calls of
-    // the store, the loop's last ones included. So the store is closed first, as the daemon does.
+    // Callbacks of the store use the server's loop, and tasks of the loop, including the last ones,
+    // call the store. So the store is closed first, as in the daemon.
     store_.Release();
     store_.Close(true);
     Flush();
@@ -240,19 +241,19 @@ class RpcTest : public ::testing::Test {
     done.get_future().wait();
   }
 
-  // Puts records into the store, past the server.
+  // Writes records into the store directly.
   void Put(const std::vector<priors::PriorRecord>& records) {
     thread_.Submit(
         [&](priors::PriorStore& store) { EXPECT_TRUE(store.Import(records).status().ok()); });
     Flush();
   }
 
-  // Waits until the server has taken `count` messages with evidence since it started.
+  // Waits until the server has applied `count` messages with evidence since it started.
   [[nodiscard]] bool Applied(uint64_t count) {
     return Eventually([&] { return server_->counters().applied_message_count == count; });
   }
-  // Opens a session, teaches it one window of message 1, and returns its welcome when that is
-  // acknowledged. The first one of a server.
+  // Opens a session, sends one window in message 1, and returns the welcome message once message 1
+  // is acknowledged. REQUIRES: this is the first session of the server.
   v1::Welcome LearnOneWindow(TelemetryClient& client, const v1::Hello& hello) {
     v1::Welcome welcome = client.Open(hello);
     client.Send(Frames(1, 30));
@@ -261,7 +262,7 @@ class RpcTest : public ::testing::Test {
     client.AwaitAcknowledgement(1);
     return welcome;
   }
-  // Returns what administrators did, as the log has it for the holder of the token "NAME-token".
+  // Returns the audit rows of administrators that the token "NAME-token" may read.
   std::vector<std::string> AdminRows(const std::string& name = "all") {
     grpc::ClientContext context;
     context.AddMetadata("authorization", "Bearer " + name + "-token");
@@ -274,7 +275,7 @@ class RpcTest : public ::testing::Test {
     EXPECT_TRUE(reader->Finish().ok());
     return rows;
   }
-  // Makes one decision tick; the caller waits for what follows from it.
+  // Makes one decision tick; the caller waits for its results.
   void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }
 
   priors::SceneEvidence Stored(const std::string& scene = "harbour", uint32_t reward_version = 1) {

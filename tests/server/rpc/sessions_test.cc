@@ -1,4 +1,4 @@
-// SessionsService: who is connected, what becomes of the sessions, and how one is ended.
+// SessionsService: connected clients, the ends of sessions, and how a session is kicked.
 #include <map>
 
 #include "sweepstake/v1/sessions.grpc.pb.h"
@@ -41,14 +41,14 @@ class SessionsTest : public RpcTest {
     return sessions_->OrderSession(&context, request, &response);
   }
 
-  // Waits until what a kicked session sent is on disk, and lets the time pass after which it then
-  // leaves memory.
+  // Waits until the messages of a kicked session are on disk, and advances the clock until the
+  // session leaves memory.
   [[nodiscard]] bool Leaves(uint64_t count) {
     if (!Eventually([&] { return server_->counters().stored_commit_count >= 1; })) return false;
     clock_.Advance(2 * kSecondNs);
     return Eventually([&] { return server_->counters().session_count == count; });
   }
-  // Makes the tick at which watchers are told. What has happened before is told then.
+  // Advances to the tick at which the earlier changes are published to watchers.
   void TellWatchers() {
     List();
     clock_.Advance(watch::WatchHub::kIntervalNs);
@@ -64,7 +64,7 @@ v1::StreamTelemetryRequest ModeChange(uint64_t sequence, v1::Mode mode) {
   return request;
 }
 
-// One who watches sessions.
+// A watcher of sessions.
 class SessionsWatch {
  public:
   SessionsWatch(v1::SessionsService::Stub& stub, const v1::WatchSessionsRequest& request = {})
@@ -88,7 +88,7 @@ class SessionsWatch {
   std::unique_ptr<grpc::ClientReader<v1::WatchSessionsResponse>> reader_;
 };
 
-TEST_F(SessionsTest, ListsWhatIsKnownOfEach) {
+TEST_F(SessionsTest, ListsThePropertiesOfEachSession) {
   v1::Hello hello = HelloMessage();
   hello.set_build("1.2.3");
   hello.set_active_arm(1);
@@ -117,7 +117,7 @@ TEST_F(SessionsTest, ListsWhatIsKnownOfEach) {
   EXPECT_EQ(response.DebugString().find(welcome.resume_token()), std::string::npos);
 }
 
-TEST_F(SessionsTest, PagesAreInOrderAndMayBeOfOneScene) {
+TEST_F(SessionsTest, PagesAreInOrderAndCanBeFilteredByScene) {
   std::vector<std::unique_ptr<TelemetryClient>> clients;
   std::set<std::string> ids;
   for (int i = 0; i < 5; ++i) {
@@ -139,7 +139,7 @@ TEST_F(SessionsTest, PagesAreInOrderAndMayBeOfOneScene) {
   EXPECT_EQ(listed, std::vector<std::string>(ids.begin(), ids.end()));
 }
 
-TEST_F(SessionsTest, AKickedOneHasEndedAndWhatItSentIsOnDisk) {
+TEST_F(SessionsTest, AKickedSessionEndsAndItsMessagesReachTheDisk) {
   v1::Hello hello = HelloMessage();
   TelemetryClient client(channel_);
   Resume(hello, client.Open(hello));
@@ -153,14 +153,14 @@ TEST_F(SessionsTest, AKickedOneHasEndedAndWhatItSentIsOnDisk) {
   EXPECT_EQ(List().sessions_size(), 0);
   EXPECT_GE(server_->counters().stored_commit_count, 1u);
   EXPECT_EQ(ReasonOf(Kick(hello.session_id(), false)), v1::ERROR_REASON_UNKNOWN_SESSION);
-  // The store still knows it, and its client has a token to resume it.
+  // The store still has the session, and its client has the resume token.
   TelemetryClient second(channel_);
   second.Send(Request(hello));
   EXPECT_EQ(ReasonOf(second.Finish()), v1::ERROR_REASON_SESSION_KICKED);
   EXPECT_EQ(List().sessions_size(), 0);
 }
 
-TEST_F(SessionsTest, OneThatMayReturnGoesOn) {
+TEST_F(SessionsTest, AKickedSessionThatMayReturnContinues) {
   v1::Hello hello = HelloMessage();
   TelemetryClient client(channel_);
   Resume(hello, client.Open(hello));
@@ -174,7 +174,7 @@ TEST_F(SessionsTest, OneThatMayReturnGoesOn) {
   EXPECT_EQ(List().sessions(0).state(), v1::SESSION_STATE_CONNECTED);
 }
 
-TEST_F(SessionsTest, ALostOneThatIsKickedCannotBeResumed) {
+TEST_F(SessionsTest, AKickedLostSessionCannotBeResumed) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
@@ -188,7 +188,7 @@ TEST_F(SessionsTest, ALostOneThatIsKickedCannotBeResumed) {
   EXPECT_EQ(ReasonOf(second.Finish()), v1::ERROR_REASON_SESSION_KICKED);
 }
 
-TEST_F(SessionsTest, AKickIsToldInTheLogWithWhoDidIt) {
+TEST_F(SessionsTest, AKickIsLoggedWithTheOperator) {
   TelemetryClient client(channel_);
   const std::string id = client.Open(HelloMessage()).session_id();
   EXPECT_TRUE(Kick(id, false).ok());
@@ -196,7 +196,7 @@ TEST_F(SessionsTest, AKickIsToldInTheLogWithWhoDidIt) {
   EXPECT_THAT(logged_->text(), HasSubstr("kicked session " + id + " of game/harbour"));
 }
 
-TEST_F(SessionsTest, AWatcherSeesWhatThereIsAndThenWhatChanges) {
+TEST_F(SessionsTest, AWatcherReceivesAllSessionsAndThenTheirChanges) {
   TelemetryClient before(channel_);
   const std::string first = before.Open(HelloMessage()).session_id();
   SessionsWatch watch(*sessions_);
@@ -224,7 +224,7 @@ TEST_F(SessionsTest, AWatcherSeesWhatThereIsAndThenWhatChanges) {
   EXPECT_GT(ended.stamp().unix_ms(), 0);
 }
 
-TEST_F(SessionsTest, AWatcherIsToldOnceAndOnlyOfItsScene) {
+TEST_F(SessionsTest, AWatcherReceivesEachChangeOnceAndOnlyOfItsScene) {
   v1::WatchSessionsRequest request;
   request.set_scene("harbour");
   SessionsWatch watch(*sessions_, request);
@@ -253,7 +253,7 @@ TEST_F(SessionsTest, AWatcherIsToldOnceAndOnlyOfItsScene) {
   EXPECT_EQ(ended.ended(0).end(), v1::SESSION_END_KICKED);
 }
 
-TEST_F(SessionsTest, WatchersOfOneFilterAreToldTheSameBytes) {
+TEST_F(SessionsTest, WatchersWithTheSameFilterReceiveTheSameBytes) {
   v1::WatchSessionsRequest scene;
   scene.set_scene("harbour");
   v1::WatchSessionsRequest other;
@@ -274,11 +274,11 @@ TEST_F(SessionsTest, WatchersOfOneFilterAreToldTheSameBytes) {
   TelemetryClient there(channel_);
   there.Open(elsewhere);
   TellWatchers();
-  EXPECT_EQ(none.Next().sessions(0).scene(), "elsewhere") << "and nothing before";
+  EXPECT_EQ(none.Next().sessions(0).scene(), "elsewhere") << "and nothing before it";
 }
 
 // Its buffers hold no more than a page of sessions with long names.
-TEST_F(SessionsTest, AWatcherThatReadsSlowlyIsToldOnceWhatHasChangedMeanwhile) {
+TEST_F(SessionsTest, ASlowWatcherReceivesSeveralChangesOfASessionOnce) {
   constexpr size_t kSessions = 250;
   options_.max_streams_per_connection = 1'000;
   RestartServer();
@@ -314,7 +314,7 @@ TEST_F(SessionsTest, AWatcherThatReadsSlowlyIsToldOnceWhatHasChangedMeanwhile) {
     }
   }
   EXPECT_EQ(told.size(), kSessions);
-  EXPECT_EQ(told[id], 2) << "in the list, and once more";
+  EXPECT_EQ(told[id], 2) << "in the list, and one update";
 }
 
 class FewWatchersTest : public SessionsTest {
@@ -322,7 +322,7 @@ class FewWatchersTest : public SessionsTest {
   FewWatchersTest() { options_.max_watchers = 1; }
 };
 
-TEST_F(FewWatchersTest, WatchersAreBoundedAndADrainEndsThem) {
+TEST_F(FewWatchersTest, TheNumberOfWatchersIsLimitedAndADrainEndsThem) {
   SessionsWatch watch(*sessions_);
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
   SessionsWatch second(*sessions_);
@@ -330,11 +330,12 @@ TEST_F(FewWatchersTest, WatchersAreBoundedAndADrainEndsThem) {
   EXPECT_THAT(logged_->text(), ::testing::HasSubstr("TOO_MANY_WATCHERS"));
   server_->Drain(std::chrono::seconds(10));
   EXPECT_EQ(ReasonOf(watch.Finish()), v1::ERROR_REASON_DRAINING);
-  EXPECT_THAT(logged_->text(), ::testing::Not(::testing::HasSubstr("DRAINING"))) << "no refusal";
+  EXPECT_THAT(logged_->text(), ::testing::Not(::testing::HasSubstr("DRAINING")))
+      << "a drain is not a refusal";
   EXPECT_EQ(server_->counters().open_watcher_count, 0u);
 }
 
-TEST_F(SessionsTest, AnOrderNeedsASessionAModeAndAnArmThatThereAre) {
+TEST_F(SessionsTest, AnOrderNeedsAnExistingSessionModeAndArm) {
   TelemetryClient client(channel_);
   const std::string id = client.Open(HelloMessage()).session_id();
   using grpc::StatusCode;
@@ -348,9 +349,9 @@ TEST_F(SessionsTest, AnOrderNeedsASessionAModeAndAnArmThatThereAre) {
   EXPECT_EQ(Order(id, v1::MODE_AI, "").error_code(), StatusCode::NOT_FOUND);
 }
 
-TEST_F(SessionsTest, AnOrderOrKickThatIsRefusedIsToldInTheLogAsARefusalAndNotAsGiven) {
+TEST_F(SessionsTest, ARefusedOrderOrKickIsLoggedAsARefusal) {
   TelemetryClient client(channel_);
-  const std::string id = client.Open(HelloMessage()).session_id();  // takes no orders
+  const std::string id = client.Open(HelloMessage()).session_id();  // accepts no orders
   EXPECT_EQ(ReasonOf(Order(id, v1::MODE_AI, "")), v1::ERROR_REASON_ORDER_REFUSED);
   EXPECT_EQ(ReasonOf(Kick("nobody", false)), v1::ERROR_REASON_UNKNOWN_SESSION);
   EXPECT_THAT(logged_->text(), HasSubstr("(ORDER_REFUSED): this game does not accept orders"));
@@ -358,7 +359,7 @@ TEST_F(SessionsTest, AnOrderOrKickThatIsRefusedIsToldInTheLogAsARefusalAndNotAsG
   EXPECT_THAT(logged_->text(), Not(HasSubstr("ordered")));
 }
 
-TEST_F(SessionsTest, AnOrderThatIsObeyedIsToldInTheLog) {
+TEST_F(SessionsTest, AnExecutedOrderIsLogged) {
   v1::Hello hello = HelloMessage();
   hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   TelemetryClient client(channel_);

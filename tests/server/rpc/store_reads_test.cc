@@ -1,5 +1,5 @@
-// What is read beside the commits: it waits for none of them, except for a session that goes on,
-// and nothing older is taken for newer.
+// Reads concurrent with commits: only the resumption of a session waits for a commit, and no older
+// state replaces a newer one.
 #include "server/rpc/services/watcher_set.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
@@ -11,7 +11,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Made before the store and its threads.
+// Created before the store and its threads.
 class WithOpenedStore {
  protected:
   const test_support::TemporaryDirectory directory_;
@@ -23,7 +23,7 @@ class StoreReadsTest : public WithOpenedStore, public RpcTest {
   StoreReadsTest() : RpcTest(std::move(opened_.store), std::move(opened_.reads)) {
     options_.max_sessions = 1;
   }
-  // Lets commits wait until `release_` is set.
+  // Blocks commits until `release_` is set.
   void HoldCommits() {
     thread_.Submit([this](priors::PriorStore&) { release_.get_future().wait(); });
     ASSERT_TRUE(Eventually([&] { return thread_.queued_count() == 0; }));
@@ -35,7 +35,7 @@ class StoreReadsTest : public WithOpenedStore, public RpcTest {
   std::promise<void> release_;
 };
 
-TEST_F(StoreReadsTest, AFreshHelloAListAndAnExportAreAnsweredWhileCommitsWait) {
+TEST_F(StoreReadsTest, ANewSessionAListAndAnExportAreAnsweredWhileCommitsWait) {
   {
     TelemetryClient client(channel_);
     LearnOneWindow(client, HelloMessage());
@@ -59,7 +59,7 @@ TEST_F(StoreReadsTest, AFreshHelloAListAndAnExportAreAnsweredWhileCommitsWait) {
   release_.set_value();
 }
 
-TEST_F(StoreReadsTest, ASessionThatGoesOnWaitsForItsCommitThoughNothingOfItIsInMemory) {
+TEST_F(StoreReadsTest, AResumedSessionWaitsForItsCommitEvenIfItHasLeftMemory) {
   v1::Hello hello = OneArmHello();
   {
     TelemetryClient client(channel_);
@@ -71,7 +71,7 @@ TEST_F(StoreReadsTest, ASessionThatGoesOnWaitsForItsCommitThoughNothingOfItIsInM
     ASSERT_TRUE(Eventually([&] { return thread_.queued_count() == 1; }));
   }
   ASSERT_TRUE(Gone());
-  TelemetryClient(channel_).Open(OneArmHello());  // takes its place in memory
+  TelemetryClient(channel_).Open(OneArmHello());  // displaces the session in memory
   ASSERT_TRUE(Gone());
   TelemetryClient client(channel_);
   client.Send(Request(hello));
@@ -96,7 +96,7 @@ priors::SourceUpdate OneWindowOf(const std::string& source) {
   return update;
 }
 
-// A state of the store whose lists come when newer ones have long been told.
+// A reader whose lists arrive after newer ones have been published.
 class LateReader final : public storage::ForwardingStore {
  public:
   absl::StatusOr<std::vector<priors::SceneEvidence>> List(
@@ -122,14 +122,14 @@ class LateReads final : public storage::ReadConnection {
   priors::PriorReader& reader_;
 };
 
-// Made before the store and its threads.
+// Created before the store and its threads.
 template <typename Reader>
 class WithReader {
  protected:
   Reader reader_;
 };
 
-// What reads the store, but for commits, reads another one.
+// Uses another store for everything except commits.
 template <typename Reader>
 class OtherReaderTest : public WithReader<Reader>, public RpcTest {
  protected:
@@ -139,7 +139,7 @@ class OtherReaderTest : public WithReader<Reader>, public RpcTest {
 
 using LatePageTest = OtherReaderTest<LateReader>;
 
-TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
+TEST_F(LatePageTest, DoesNotReplaceNewerStateOfAWatcher) {
   const auto old = OneWindowOf("a");
   ASSERT_TRUE(reader_.Commit({&old, 1}).ok());
   std::promise<void> stored;
@@ -155,7 +155,8 @@ TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
   ASSERT_TRUE(Applied(1));
   Tick();
   client.AwaitAcknowledgement(1);
-  // The hub reads the scene on the thread that commits; the loop has it after the second message.
+  // The hub reads the scene on the writing thread; the loop has the result after the second
+  // message.
   Flush();
   for (uint64_t sequence = 2; sequence <= 5; ++sequence) {
     client.Send(Frames(sequence, 1));
@@ -169,8 +170,8 @@ TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
   context.TryCancel();
 }
 
-// Has a page of records that is far larger than what gRPC takes for a client that does not read,
-// and comes to the next page when it is released.
+// Has a page of records that is far larger than what gRPC buffers for a client that does not read.
+// The next page is returned when the test releases it.
 class LongExport final : public storage::ForwardingStore {
  public:
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& /*filter*/,
@@ -199,7 +200,7 @@ class LongExport final : public storage::ForwardingStore {
 
 class PageAheadTest : public OtherReaderTest<LongExport> {
  protected:
-  // Begins an export that nobody reads from, whose next page is asked for.
+  // Begins an export that is not read, and whose next page has been requested.
   std::unique_ptr<grpc::ClientReader<v1::ExportPriorsResponse>> Begin() {
     auto records = v1::PriorsService::NewStub(SmallWindowChannel())->ExportPriors(&context_, {});
     const auto asked = reader_.asked.get_future();
@@ -211,7 +212,7 @@ class PageAheadTest : public OtherReaderTest<LongExport> {
   grpc::ClientContext context_;
 };
 
-TEST_F(PageAheadTest, APageIsReadWhileTheOneBeforeIsWritten) {
+TEST_F(PageAheadTest, APageIsReadWhileThePreviousOneIsSent) {
   const auto records = Begin();
   v1::ExportPriorsResponse page;
   EXPECT_TRUE(records->Read(&page));
@@ -220,17 +221,17 @@ TEST_F(PageAheadTest, APageIsReadWhileTheOneBeforeIsWritten) {
   EXPECT_TRUE(records->Finish().ok());
 }
 
-TEST_F(PageAheadTest, APageThatComesWhenItsClientIsGoneIsDropped) {
+TEST_F(PageAheadTest, APageThatArrivesAfterItsClientLeftIsDropped) {
   const auto records = Begin();
   context_.TryCancel();
   EXPECT_EQ(records->Finish().error_code(), grpc::StatusCode::CANCELLED);
   reader_.release.set_value();
-  // It is read behind the page, by the same thread.
+  // The Hello is read after the page, on the same thread.
   EXPECT_FALSE(TelemetryClient(channel_).Open(HelloMessage()).session_id().empty());
 }
 
-// Otherwise the hub would add increments to sums that have them already.
-TEST(HubLoopTest, TheSumsOfASceneDoNotOvertakeTheNewsOfCommits) {
+// Otherwise the hub would add increments to sums that already contain them.
+TEST(HubLoopTest, TheSumsOfASceneDoNotOvertakeTheResultsOfCommits) {
   sessions::ManualClock clock;
   sessions::DecisionLoop loop(clock, {}, sessions::DecisionLoop::Runner::kCaller);
   std::vector<std::string> done;

@@ -1,4 +1,4 @@
-// What streams cost that have no session: those that never say Hello, and those whose client gave
+// The cost of streams without a session: those that never send Hello, and those whose client gave
 // up while the store was busy.
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Counts what is read for Hellos.
+// Counts the reads for Hellos.
 class CountingStore final : public storage::ForwardingStore {
  public:
   explicit CountingStore(std::atomic<uint64_t>& load_count) : load_count_(load_count) {}
@@ -28,7 +28,7 @@ class CountingStore final : public storage::ForwardingStore {
   std::atomic<uint64_t>& load_count_;
 };
 
-// Made before the store that counts in it.
+// Created before the store that uses it.
 class LoadCount {
  protected:
   std::atomic<uint64_t> load_count_{0};
@@ -49,8 +49,8 @@ class StreamBoundsTest : public LoadCount, public RpcTest {
   }
 };
 
-// The other tests shorten times and lower bounds; these are the ones that people get.
-TEST(AttackBoundsTest, AreThoseThatTheListOfAttacksNames) {
+// Other tests shorten times and lower limits; these are the defaults that users get.
+TEST(AttackBoundsTest, DefaultsMatchTheListOfAttacks) {
   const RpcOptions options;
   EXPECT_EQ(options.handshake_patience, std::chrono::seconds(10));
   EXPECT_EQ(options.connection_idle_patience, std::chrono::minutes(1));
@@ -71,7 +71,7 @@ TEST(AttackBoundsTest, AreThoseThatTheListOfAttacksNames) {
   EXPECT_EQ(auth::FailureLimit::kIntervalNs, 60 * kSecondNs);
 }
 
-TEST_F(StreamBoundsTest, OneWithoutAHelloIsClosedInTime) {
+TEST_F(StreamBoundsTest, AStreamWithoutAHelloIsClosed) {
   TelemetryClient silent(channel_);
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
@@ -81,10 +81,10 @@ TEST_F(StreamBoundsTest, OneWithoutAHelloIsClosedInTime) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_HELLO_OVERDUE);
   EXPECT_THAT(status.error_message(), HasSubstr("Hello"));
-  ASSERT_TRUE(StreamsOpen(1)) << "that with a session stays";
+  ASSERT_TRUE(StreamsOpen(1)) << "the stream with a session stays";
 }
 
-TEST_F(StreamBoundsTest, NothingIsReadForHellosWhoseClientsHaveGivenUp) {
+TEST_F(StreamBoundsTest, NothingIsReadForHellosOfClientsThatLeft) {
   std::promise<void> release;
   Block(release);
   std::vector<std::unique_ptr<TelemetryClient>> clients;
@@ -100,7 +100,7 @@ TEST_F(StreamBoundsTest, NothingIsReadForHellosWhoseClientsHaveGivenUp) {
   EXPECT_EQ(load_count_, 0u);
 }
 
-TEST_F(StreamBoundsTest, ThoseWithoutASessionAreCountedToo) {
+TEST_F(StreamBoundsTest, StreamsWithoutASessionAreCountedToo) {
   std::vector<std::unique_ptr<TelemetryClient>> clients;
   const uint64_t max_count = options_.max_sessions + kMaxStreamsWithoutSession;
   while (clients.size() < max_count) clients.push_back(std::make_unique<TelemetryClient>(channel_));

@@ -1,4 +1,4 @@
-// The stream of telemetry: sessions, evidence, acknowledgements.
+// The telemetry stream: sessions, evidence, acknowledgements.
 #include "server/rpc/health_probe.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -14,7 +14,7 @@ std::vector<uint64_t> ValuesOf(const sessions::RejectionCounts& counts) {
 
 class TelemetryTest : public RpcTest {};
 
-TEST_F(TelemetryTest, HelloIsAnsweredWithAWelcomeThatSaysHowToGoOn) {
+TEST_F(TelemetryTest, HelloIsAnsweredWithAWelcome) {
   TelemetryClient client(channel_);
   const v1::Welcome welcome = client.Open(HelloMessage());
   EXPECT_EQ(welcome.session_id().size(), 32u);
@@ -34,7 +34,7 @@ TEST_F(TelemetryTest, HelloIsAnsweredWithAWelcomeThatSaysHowToGoOn) {
   EXPECT_EQ(welcome.prior_source_count(), 0u);
 }
 
-TEST_F(TelemetryTest, TheWelcomeHasTheVersionAndTheCapabilitiesThatBothSidesHave) {
+TEST_F(TelemetryTest, TheWelcomeHasTheCommonVersionAndCapabilities) {
   v1::Hello hello = HelloMessage();
   hello.set_protocol_version(1'000);
   hello.set_min_protocol_version(1);
@@ -46,7 +46,7 @@ TEST_F(TelemetryTest, TheWelcomeHasTheVersionAndTheCapabilitiesThatBothSidesHave
   EXPECT_THAT(welcome.capabilities(), ::testing::ElementsAre(v1::CAPABILITY_OPERATOR_ORDERS));
 }
 
-TEST_F(TelemetryTest, AHelloWithoutAPolicyGetsTheDaemonsOwn) {
+TEST_F(TelemetryTest, AHelloWithoutAPolicyGetsTheDaemonsDefault) {
   StopServer();
   options_.decision.policy = "paper";
   StartServer();
@@ -95,7 +95,7 @@ TEST_F(TelemetryTest, AReplayedMessageIsCountedAndNotAppliedAgain) {
   EXPECT_EQ(Stored().arms[0].live.bail_out_count, 1u);
 }
 
-TEST_F(TelemetryTest, ASessionGoesOnAfterALostStream) {
+TEST_F(TelemetryTest, ASessionContinuesAfterALostStream) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
@@ -117,7 +117,7 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterALostStream) {
   EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
 }
 
-TEST_F(TelemetryTest, ASessionGoesOnAfterARestartWithNothingLostOrDoubled) {
+TEST_F(TelemetryTest, ASessionContinuesAfterARestartWithNothingLostOrDoubled) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
@@ -143,7 +143,7 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterARestartWithNothingLostOrDoubled) {
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
-TEST_F(TelemetryTest, ASessionThatSentNothingLeavesNothingInTheStore) {
+TEST_F(TelemetryTest, ASilentSessionIsNotStored) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient ends(channel_);
@@ -157,10 +157,11 @@ TEST_F(TelemetryTest, ASessionThatSentNothingLeavesNothingInTheStore) {
     EXPECT_TRUE(client.Finish().ok());
   }
   EXPECT_EQ(server_->counters().decision_count, 0u);
-  EXPECT_EQ(server_->counters().waiting_audit_bytes, 0u) << "what never reaches the disk";
+  EXPECT_EQ(server_->counters().waiting_audit_bytes, 0u)
+      << "rows that never reach the disk are released";
   {
     TelemetryClient client(channel_);
-    EXPECT_TRUE(client.Open(hello).resumed()) << "it is in memory";
+    EXPECT_TRUE(client.Open(hello).resumed()) << "the session is in memory";
   }
   EXPECT_EQ(server_->counters().stored_commit_count, 0u);
   RestartServer();
@@ -172,7 +173,7 @@ TEST_F(TelemetryTest, ASessionThatSentNothingLeavesNothingInTheStore) {
   EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
 }
 
-TEST_F(TelemetryTest, ANewSessionStartsFromWhatOthersLearnt) {
+TEST_F(TelemetryTest, ANewSessionStartsFromTheEvidenceOfOthers) {
   {
     TelemetryClient client(channel_);
     LearnOneWindow(client, HelloMessage());
@@ -189,14 +190,15 @@ TEST_F(TelemetryTest, ANewSessionStartsFromWhatOthersLearnt) {
   EXPECT_EQ(flat.priors(0).alpha() + flat.priors(0).beta(), 2);
 }
 
-TEST_F(TelemetryTest, ASecondConnectionTakesTheSessionOver) {
+TEST_F(TelemetryTest, ASecondConnectionResumesTheSessionAndEndsTheFirst) {
   v1::Hello hello = HelloMessage();
   TelemetryClient first(channel_);
   Resume(hello, first.Open(hello));
   TelemetryClient second(channel_);
   EXPECT_TRUE(second.Open(hello).resumed());
   const grpc::Status status = first.Finish();
-  // The welcome may be on its way still; then the stream is cut off, and its status has no details.
+  // The welcome message may still be on its way; then the stream is cut off, and its status has no
+  // details.
   EXPECT_EQ(status.error_code(), grpc::StatusCode::ABORTED);
   EXPECT_EQ(server_->counters().error_counts.at(v1::ERROR_REASON_SESSION_TAKEN_OVER), 1u);
   second.Send(Frames(1, 30));
@@ -205,7 +207,7 @@ TEST_F(TelemetryTest, ASecondConnectionTakesTheSessionOver) {
   EXPECT_EQ(second.AwaitAcknowledgement(1), 1u);
 }
 
-TEST_F(TelemetryTest, ABailOutIsAnsweredAtOnceAndKeptWithTheNextTick) {
+TEST_F(TelemetryTest, ABailOutIsAnsweredAtOnceAndStoredWithTheNextTick) {
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
   client.Send(Frames(1, 30));
@@ -222,7 +224,7 @@ TEST_F(TelemetryTest, ABailOutIsAnsweredAtOnceAndKeptWithTheNextTick) {
   EXPECT_EQ(Stored().arms[0].live.bail_out_count, 1u);
 }
 
-TEST_F(TelemetryTest, ABailOutWithinTheLimitIsNoneWhateverItsFlagSays) {
+TEST_F(TelemetryTest, AFrameWithinTheLimitIsNotABailOutDespiteItsFlag) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   v1::StreamTelemetryRequest forged = BailOut(1, 5000);
@@ -240,10 +242,10 @@ TEST_F(TelemetryTest, ABailOutWithinTheLimitIsNoneWhateverItsFlagSays) {
   Tick();
   EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
   EXPECT_EQ(Stored().arms[0].live.bail_out_count, 0u);
-  EXPECT_EQ(Stored().arms[0].live.window_count, 1u) << "its frames are ordinary ones";
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1u) << "its frames count as ordinary frames";
 }
 
-TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyMovesWhatOthersStartFrom) {
+TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyChangesThePriors) {
   const auto mean_at_start = [this] {
     const v1::Welcome welcome = TelemetryClient(channel_).Open(OneArmHello());
     return welcome.priors(0).alpha() / (welcome.priors(0).alpha() + welcome.priors(0).beta());
@@ -266,7 +268,7 @@ TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyMovesWhatOthersStartFro
   EXPECT_LT(before, mean_at_start() + 0.05);
 }
 
-TEST_F(TelemetryTest, ASwitchCommandThatWasLostIsSentAgain) {
+TEST_F(TelemetryTest, ALostSwitchCommandIsSentAgain) {
   v1::Hello hello = HelloMessage();
   uint64_t command_id = 0;
   {
@@ -299,7 +301,7 @@ TEST_F(TelemetryTest, ManualModeLearnsNothingAndStillAcknowledges) {
   EXPECT_TRUE(Stored().arms.empty());
 }
 
-TEST_F(TelemetryTest, ImplausibleFramesAreLeftOutAndCounted) {
+TEST_F(TelemetryTest, ImpossibleFramesAreRejectedAndCounted) {
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
   v1::StreamTelemetryRequest request = Frames(1, 30);
@@ -315,7 +317,7 @@ TEST_F(TelemetryTest, ImplausibleFramesAreLeftOutAndCounted) {
   EXPECT_EQ(server_->counters().accepted_frame_count, 25u);
 }
 
-TEST_F(TelemetryTest, WhatTheShadowLaneMeasuredReachesThePolicy) {
+TEST_F(TelemetryTest, MeasurementsOfTheShadowLaneReachThePolicy) {
   TelemetryClient client(channel_);
   v1::Hello hello = HelloMessage();
   hello.set_policy("adaptive");
@@ -337,7 +339,7 @@ TEST_F(TelemetryTest, WhatTheShadowLaneMeasuredReachesThePolicy) {
   EXPECT_EQ(command.reason(), v1::SWITCH_REASON_POLICY);
 }
 
-TEST_F(TelemetryTest, ImplausibleShadowVisitsAreLeftOutAndCounted) {
+TEST_F(TelemetryTest, ImpossibleShadowVisitsAreRejectedAndCounted) {
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
   v1::StreamTelemetryRequest request = Frames(1, 30);
@@ -364,7 +366,7 @@ TEST_F(TelemetryTest, GoodbyeIsAnsweredWhenEverythingIsOnDisk) {
   EXPECT_TRUE(client.Finish().ok());
 }
 
-TEST_F(TelemetryTest, WithAFullDiskDecisionsGoOnAndNothingIsAcknowledgedUntilItIsMended) {
+TEST_F(TelemetryTest, WithAFullDiskDecisionsContinueAndNothingIsAcknowledgedUntilItRecovers) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   store_.Fail(true);
@@ -393,7 +395,8 @@ TEST_F(TelemetryTest, GoodbyeWithAFullDiskDoesNotHang) {
 }
 
 TEST_F(TelemetryTest, HealthFollowsTheStore) {
-  // The server looks a second after it last looked, which may be after the clock was advanced.
+  // The server checks a second after its last check, which may have been after the clock was
+  // advanced.
   const auto health = [&] {
     clock_.Advance(kSecondNs);
     return *HealthOf(channel_, std::chrono::minutes(1));
@@ -405,7 +408,7 @@ TEST_F(TelemetryTest, HealthFollowsTheStore) {
   EXPECT_TRUE(Eventually([&] { return health() == Health::kServing; }));
 }
 
-TEST_F(TelemetryTest, ASessionLeavesMemoryWhenItsWindowIsOverAndComesBackFromTheStore) {
+TEST_F(TelemetryTest, ASessionLeavesMemoryAfterItsWindowAndIsResumedFromTheStore) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);

@@ -1,4 +1,5 @@
-// Tokens: who is let in, what a token's projects show and hide, whose session is whose.
+// Tokens: which calls are allowed, which projects a token shows, and which token may resume a
+// session.
 #include <functional>
 
 #include "engine_client/telemetry/error_reason.h"
@@ -26,7 +27,7 @@ class AccessTest : public RpcTest {
     tokens_.Add("mine", auth::Role::kOperator, {"game", "mine"});
   }
 
-  // Learns something about the scene of each project.
+  // Stores evidence about one scene of each project.
   void Learn(const std::vector<std::string>& projects) {
     for (const std::string& project : projects) {
       v1::Hello hello = OneArmHello();
@@ -61,7 +62,7 @@ class AccessTest : public RpcTest {
     writer->WritesDone();
     return writer->Finish();
   }
-  // One record for each project.
+  // Returns one record per project.
   static v1::ImportPriorsRequest ImportOf(const std::vector<std::string>& projects) {
     v1::ImportPriorsRequest request;
     for (const std::string& project : projects) {
@@ -80,7 +81,7 @@ class AccessTest : public RpcTest {
   std::unique_ptr<v1::PosteriorsService::Stub> posteriors() {
     return v1::PosteriorsService::NewStub(channel_);
   }
-  // Returns the end of a stream that says Hello.
+  // Returns the status with which a stream ends after its Hello.
   grpc::Status Refusal(const v1::Hello& hello, const std::string& token) {
     TelemetryClient client(channel_, token);
     client.Send(Request(hello));
@@ -132,14 +133,14 @@ TEST_F(AccessTest, AListingAnExportAndTheAuditLogShowTheTokensProjectsOnly) {
   EXPECT_THAT(text, ::testing::Not(HasSubstr("theirs")));
 }
 
-// Returns the message with the project's name left out, which it must have.
+// Returns the message without the project's name, which it must contain.
 std::string WithoutName(std::string message, const std::string& project) {
   const size_t place = message.find(project);
   EXPECT_NE(place, std::string::npos) << message;
   return place == std::string::npos ? message : message.erase(place, project.size());
 }
 
-TEST_F(AccessTest, AnotherProjectIsDeniedWhetherItIsThereOrNot) {
+TEST_F(AccessTest, AnotherProjectIsDeniedWhetherItExistsOrNot) {
   Learn({"theirs"});
   std::set<std::string> answers;
   for (const char* project : {"theirs", "nobodys"}) {
@@ -165,7 +166,7 @@ TEST_F(AccessTest, AnotherProjectIsDeniedWhetherItIsThereOrNot) {
   EXPECT_EQ(answers.size(), 1u) << ::testing::PrintToString(answers);
 }
 
-TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
+TEST_F(AccessTest, RefusalsForAnotherProjectAreLoggedForEveryCall) {
   const auto audit = v1::AuditService::NewStub(channel_);
   const auto priors = v1::PriorsService::NewStub(channel_);
   const auto sessions = v1::SessionsService::NewStub(channel_);
@@ -227,7 +228,7 @@ TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
   }
 }
 
-TEST_F(AccessTest, AWatcherIsToldOfTheTokensProjectsOnly) {
+TEST_F(AccessTest, AWatcherReceivesTheTokensProjectsOnly) {
   Learn({"theirs", "mine"});
   const auto context = Mine();
   const auto stub = posteriors();
@@ -249,12 +250,12 @@ TEST_F(AccessTest, AnImportForAnotherProjectImportsNothing) {
   EXPECT_THAT(Projects(listed_.scenes()), IsEmpty());
 }
 
-TEST_F(AccessTest, TheLogSaysWhoImported) {
+TEST_F(AccessTest, TheLogNamesTheImporter) {
   EXPECT_TRUE(Import({"mine", "game"}).ok());
   EXPECT_THAT(logged_->text(), HasSubstr("token mine imported 2 records, 2 of them new or newer"));
 }
 
-TEST_F(AccessTest, ARefusedCallIsALineInTheLog) {
+TEST_F(AccessTest, ARefusedCallIsLogged) {
   EXPECT_FALSE(List("unknown").ok());
   EXPECT_FALSE(List("game-token").ok());
   grpc::ClientContext none;
@@ -266,7 +267,7 @@ TEST_F(AccessTest, ARefusedCallIsALineInTheLog) {
   EXPECT_THAT(logged_->text(), HasSubstr("refused ipv4:127.0.0.1:"));
 }
 
-TEST_F(AccessTest, ASessionIsResumedByTheTokenItBeganWithAlone) {
+TEST_F(AccessTest, OnlyTheTokenThatBeganASessionCanResumeIt) {
   v1::Hello hello = OneArmHello();
   v1::Welcome first;
   {
@@ -284,11 +285,11 @@ TEST_F(AccessTest, ASessionIsResumedByTheTokenItBeganWithAlone) {
       EXPECT_TRUE(again.resumed());
       EXPECT_EQ(again.session_id(), first.session_id());
     }
-    RestartServer();  // where the session comes from the store
+    RestartServer();  // the session comes from the store then
   }
 }
 
-TEST_F(AccessTest, AnIdWithoutItsResumeTokenTellsNothingAboutItsSession) {
+TEST_F(AccessTest, AnIdWithoutItsResumeTokenRevealsNothingAboutItsSession) {
   v1::Hello hello = OneArmHello();
   TelemetryClient owner(channel_, "game-token");
   Resume(hello, owner.Open(hello));
@@ -321,7 +322,7 @@ TEST_F(AccessTest, TheStreamsOfARevokedTokenEnd) {
   while (watch->Read(&event)) continue;
   EXPECT_EQ(watch->Finish().error_code(), grpc::StatusCode::UNAUTHENTICATED);
   other.Send(Goodbye());
-  EXPECT_TRUE(other.Finish().ok()) << "another token's";
+  EXPECT_TRUE(other.Finish().ok()) << "the stream of another token";
 }
 
 TEST_F(AccessTest, AnImportWhoseTokenIsRevokedMeanwhileImportsNothing) {
@@ -344,16 +345,16 @@ TEST_F(AccessTest, AnImportWhoseTokenIsRevokedAfterItsLastMessageIsRefused) {
   const auto context = Mine();
   v1::ImportPriorsResponse response;
   const auto writer = stub->ImportPriors(context.get(), &response);
-  // One refusal may be due to the import before it, which is counted until gRPC is done with it.
+  // One refusal may be due to the previous import, which counts until gRPC has finished it.
   const auto refused = [&] { return ReasonOf(Import({})) == v1::ERROR_REASON_TOO_MANY_IMPORTS; };
   ASSERT_TRUE(Eventually([&] { return refused() && refused() && refused(); }))
-      << "it has begun, and waits for a message or the end";
+      << "the import is under way, and waits for a message or its end";
   tokens_.Revoke("mine");
   writer->WritesDone();
   EXPECT_EQ(ReasonOf(writer->Finish()), v1::ERROR_REASON_TOKEN_REFUSED);
 }
 
-TEST_F(AccessTest, AnImportWhoseTokenIsRevokedEndsThoughItsClientGoesOn) {
+TEST_F(AccessTest, AnImportWhoseTokenIsRevokedEndsEvenIfItsClientContinues) {
   const auto stub = v1::PriorsService::NewStub(channel_);
   const auto context = Mine();
   v1::ImportPriorsResponse response;
@@ -364,7 +365,7 @@ TEST_F(AccessTest, AnImportWhoseTokenIsRevokedEndsThoughItsClientGoesOn) {
   EXPECT_EQ(ReasonOf(writer->Finish()), v1::ERROR_REASON_TOKEN_REFUSED);
 }
 
-TEST_F(AccessTest, AnExportWhoseTokenIsRevokedMeanwhileHasNoOtherPage) {
+TEST_F(AccessTest, AnExportWhoseTokenIsRevokedMeanwhileSendsNoFurtherPage) {
   std::vector<priors::PriorRecord> records(3 * kRecordsPerMessage);
   for (size_t i = 0; i < records.size(); ++i) {
     records[i].key.project = "mine";
@@ -388,7 +389,7 @@ TEST_F(AccessTest, AnExportWhoseTokenIsRevokedMeanwhileHasNoOtherPage) {
   for (v1::ExportPriorsResponse part; reader->Read(&part);)
     count += static_cast<size_t>(part.records_size());
   EXPECT_EQ(ReasonOf(reader->Finish()), v1::ERROR_REASON_TOKEN_REFUSED);
-  EXPECT_EQ(count, 0u) << "not even the page that was being read";
+  EXPECT_EQ(count, 0u) << "not even the page that was being read is sent";
 }
 
 class SessionQuotaTest : public AccessTest {
@@ -396,7 +397,7 @@ class SessionQuotaTest : public AccessTest {
   SessionQuotaTest() { options_.max_sessions_per_token = 2; }
 };
 
-TEST_F(SessionQuotaTest, ATokenHasSoManySessionsAndALostOneMakesRoom) {
+TEST_F(SessionQuotaTest, ATokenHasLimitedSessionsAndALostOneMakesRoom) {
   TelemetryClient first(channel_, "game-token");
   first.Open(OneArmHello());
   auto second = std::make_unique<TelemetryClient>(channel_, "game-token");
@@ -412,7 +413,7 @@ TEST_F(SessionQuotaTest, ATokenHasSoManySessionsAndALostOneMakesRoom) {
   third.Open(OneArmHello());
 }
 
-TEST_F(AccessTest, GuessingIsSlowedDownAndWhoHasATokenIsLetIn) {
+TEST_F(AccessTest, GuessingTokensIsSlowedDownAndValidTokensAreAccepted) {
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(ReasonOf(List("guess-" + std::to_string(i))), v1::ERROR_REASON_TOKEN_REFUSED);
   }
@@ -421,12 +422,12 @@ TEST_F(AccessTest, GuessingIsSlowedDownAndWhoHasATokenIsLetIn) {
     EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
     EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_TOO_MANY_FAILURES);
   }
-  EXPECT_TRUE(List("all-token").ok()) << "behind the same address";
+  EXPECT_TRUE(List("all-token").ok()) << "from the same address";
   clock_.Advance(auth::FailureLimit::kIntervalNs);
   EXPECT_EQ(ReasonOf(List("guess")), v1::ERROR_REASON_TOKEN_REFUSED);
 }
 
-TEST_F(AccessTest, OnlyOneBearerTokenIsAToken) {
+TEST_F(AccessTest, ExactlyOneBearerTokenIsAccepted) {
   v1::ListPosteriorsResponse response;
   for (const char* wrong : {"", "Bearer", "Bearer ", "Basic all-token", "all-token"}) {
     const auto context = With(wrong);
@@ -442,7 +443,7 @@ TEST_F(AccessTest, OnlyOneBearerTokenIsAToken) {
   EXPECT_TRUE(posteriors()->ListPosteriors(lower.get(), {}, &response).ok());
 }
 
-TEST_F(AccessTest, OnceThereIsATokenEverybodyNeedsOne) {
+TEST_F(AccessTest, EveryCallNeedsATokenOnceATokenExists) {
   StopServer();
   ScriptedTokens tokens;
   options_.tokens = &tokens;
@@ -461,7 +462,7 @@ TEST_F(AccessTest, OnceThereIsATokenEverybodyNeedsOne) {
   StopServer();
 }
 
-TEST_F(AccessTest, ForWhomTheHttpSideCallsIsTakenFromItAlone) {
+TEST_F(AccessTest, TheOriginalCallerIsAcceptedFromTheHttpSideOnly) {
   const auto list = [](const std::shared_ptr<grpc::Channel>& channel, const std::string& caller) {
     const auto context = With("Bearer guess");
     context->AddMetadata(kCallerKey, caller);
@@ -474,12 +475,12 @@ TEST_F(AccessTest, ForWhomTheHttpSideCallsIsTakenFromItAlone) {
               v1::ERROR_REASON_TOKEN_REFUSED);
   }
   EXPECT_EQ(list(channel_, "ipv4:192.0.2.99:1"), v1::ERROR_REASON_TOO_MANY_FAILURES)
-      << "over a connection it counts for nothing";
+      << "it is ignored in calls over the network";
   for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i)
     EXPECT_EQ(list(server_->own_channel(), "ipv4:192.0.2.7:1"), v1::ERROR_REASON_TOKEN_REFUSED);
   EXPECT_EQ(list(server_->own_channel(), "ipv4:192.0.2.7:2"), v1::ERROR_REASON_TOO_MANY_FAILURES);
   EXPECT_EQ(list(server_->own_channel(), "ipv4:192.0.2.8:1"), v1::ERROR_REASON_TOKEN_REFUSED)
-      << "others have a count of their own";
+      << "other addresses have their own count";
   EXPECT_THAT(logged_->text(), ::testing::Not(HasSubstr("192.0.2.99")));
 }
 

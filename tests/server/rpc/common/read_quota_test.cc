@@ -1,5 +1,5 @@
-// How often somebody may list, export and begin to watch, and how many exports, imports and
-// watchers there may be at a time.
+// Limits on the rate of listings, exports and new watchers, and on the number of concurrent
+// exports, imports and watchers.
 #include "engine_client/telemetry/error_reason.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
@@ -18,7 +18,7 @@ class ReadQuotaTest : public RpcTest {
 
   std::unique_ptr<grpc::ClientContext> Call(const std::string& token) const {
     auto context = std::make_unique<grpc::ClientContext>();
-    // So that a call that is not refused fails the test, and does not hold it up.
+    // A call that is wrongly accepted then fails the test instead of blocking it.
     context->set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(1));
     if (!token.empty()) context->AddMetadata("authorization", "Bearer " + token);
     return context;
@@ -36,7 +36,7 @@ class ReadQuotaTest : public RpcTest {
   }
 };
 
-TEST_F(ReadQuotaTest, AnAddressReadsSoOftenAndPlaysOn) {
+TEST_F(ReadQuotaTest, AnAddressHasAReadRateAndItsGamesPlayOn) {
   for (int i = 0; i < 10; ++i) {
     EXPECT_TRUE(List().ok());
     EXPECT_TRUE(Export().ok());
@@ -60,7 +60,7 @@ TEST_F(ReadQuotaTest, AnAddressReadsSoOftenAndPlaysOn) {
   EXPECT_FALSE(List().ok());
 }
 
-TEST_F(ReadQuotaTest, TheRateMayBeChangedMeanwhile) {
+TEST_F(ReadQuotaTest, TheRateCanBeChangedAtAnyTime) {
   for (int i = 0; i < 1'000 && List().ok(); ++i) continue;
   EXPECT_FALSE(List().ok());
   options_.max_reads_per_s = 1'000;
@@ -69,7 +69,7 @@ TEST_F(ReadQuotaTest, TheRateMayBeChangedMeanwhile) {
   for (int i = 0; i < 100; ++i) EXPECT_TRUE(List().ok());
 }
 
-// Tokens, each from an address of its own.
+// Tokens, each used from several addresses.
 class TokenReadQuotaTest : public ReadQuotaTest {
  protected:
   TokenReadQuotaTest() {
@@ -80,7 +80,7 @@ class TokenReadQuotaTest : public ReadQuotaTest {
   ScriptedTokens tokens_;
 };
 
-TEST_F(TokenReadQuotaTest, ATokenReadsSoOftenFromWhereverItComes) {
+TEST_F(TokenReadQuotaTest, ATokenHasOneReadRateForAllAddresses) {
   AccessControl access(options_, clock_, log_);
   const auto tell = [&](const std::string& address) { return access.BeginRead(address, 7).ok(); };
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(tell("ipv4:192.0.2." + std::to_string(i)));
@@ -96,7 +96,7 @@ class TransferQuotaTest : public TokenReadQuotaTest {
     options_.max_transfers = 3;
     options_.max_transfers_per_token = 2;
   }
-  // Puts so many records into the store.
+  // Stores `count` records.
   void Fill(size_t count) {
     std::vector<priors::PriorRecord> records(count);
     for (size_t i = 0; i < count; ++i) {
@@ -108,7 +108,7 @@ class TransferQuotaTest : public TokenReadQuotaTest {
     }
     Put(records);
   }
-  // An import that has begun and goes on.
+  // An import that is under way.
   struct OpenImport {
     std::unique_ptr<grpc::ClientContext> context;
     v1::ImportPriorsResponse response;
@@ -123,7 +123,7 @@ class TransferQuotaTest : public TokenReadQuotaTest {
   }
 };
 
-TEST_F(TransferQuotaTest, TheDaemonAndATokenHaveSoManyAtATime) {
+TEST_F(TransferQuotaTest, TheDaemonAndATokenHaveLimitedConcurrentTransfers) {
   AccessControl access(options_, clock_, log_);
   const auto begin = [&](int64_t token_id) {
     auth::Principal caller;
@@ -136,13 +136,13 @@ TEST_F(TransferQuotaTest, TheDaemonAndATokenHaveSoManyAtATime) {
   EXPECT_TRUE(absl::IsResourceExhausted(begin(1).status()));
   const auto other = begin(2);
   EXPECT_TRUE(other.ok());
-  EXPECT_TRUE(absl::IsResourceExhausted(begin(2).status())) << "the daemon has three";
+  EXPECT_TRUE(absl::IsResourceExhausted(begin(2).status())) << "the daemon already has three";
   first->reset();
   EXPECT_TRUE(begin(1).ok());
-  EXPECT_TRUE(begin(2).ok()) << "the one before has ended";
+  EXPECT_TRUE(begin(2).ok()) << "the previous one has ended";
 }
 
-TEST_F(TransferQuotaTest, AnExportAndAnImportTooManyAreRefusedAndToldInTheLog) {
+TEST_F(TransferQuotaTest, OneExportOrImportTooManyIsRefusedAndLogged) {
   options_.max_transfers = 0;
   server_->Adjust(options_);
   EXPECT_EQ(ReasonOf(Export("ann-token")), v1::ERROR_REASON_TOO_MANY_READS);
@@ -152,10 +152,11 @@ TEST_F(TransferQuotaTest, AnExportAndAnImportTooManyAreRefusedAndToldInTheLog) {
   options_.max_transfers = 1;
   server_->Adjust(options_);
   for (int i = 0; i < 10; ++i)
-    EXPECT_TRUE(Eventually([&] { return Export("bob-token").ok(); })) << "each leaves its place";
+    EXPECT_TRUE(Eventually([&] { return Export("bob-token").ok(); }))
+        << "each transfer releases its place";
 }
 
-TEST_F(TransferQuotaTest, AnImportThatNeverEndsIsEndedThoughItGoesOn) {
+TEST_F(TransferQuotaTest, AnEndlessImportIsEndedDespiteProgress) {
   options_.transfer_patience_ns = 60 * kSecondNs;
   RestartServer();
   const auto import = Begin("ann-token");
@@ -170,7 +171,7 @@ TEST_F(TransferQuotaTest, AnImportThatNeverEndsIsEndedThoughItGoesOn) {
   EXPECT_EQ(import->writer->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
 }
 
-TEST_F(TransferQuotaTest, AnExportThatIsReadTooSlowlyIsEndedThoughItGoesOn) {
+TEST_F(TransferQuotaTest, AnExportThatIsReadTooSlowlyIsEndedDespiteProgress) {
   constexpr int kPages = 100;
   Fill(kPages * kRecordsPerMessage);
   options_.transfer_patience_ns = 30 * kSecondNs;
@@ -184,7 +185,7 @@ TEST_F(TransferQuotaTest, AnExportThatIsReadTooSlowlyIsEndedThoughItGoesOn) {
   EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
 }
 
-TEST_F(TransferQuotaTest, AnImportOfMoreRecordsThanOneMayHoldIsEnded) {
+TEST_F(TransferQuotaTest, AnImportWithTooManyRecordsIsEnded) {
   v1::PriorRecord record;
   record.set_project("game");
   record.set_scene("harbour");
@@ -211,7 +212,7 @@ class WatcherQuotaTest : public TokenReadQuotaTest {
   }
 };
 
-TEST_F(WatcherQuotaTest, ATokenHasHalfOfThemWhateverItWatchesAndOneThatEndsMakesRoom) {
+TEST_F(WatcherQuotaTest, ATokenMayHaveHalfOfTheWatchersAndOneThatEndsMakesRoom) {
   const auto posteriors = v1::PosteriorsService::NewStub(channel_);
   const auto sessions = v1::SessionsService::NewStub(channel_);
   const auto& open = server_->counters().open_watcher_count;
@@ -227,7 +228,8 @@ TEST_F(WatcherQuotaTest, ATokenHasHalfOfThemWhateverItWatchesAndOneThatEndsMakes
   EXPECT_THAT(status.error_message(), HasSubstr("this token has 2 watchers"));
   const auto bobs = Call("bob-token");
   const auto bobs_watch = posteriors->WatchPosteriors(bobs.get(), {});
-  EXPECT_TRUE(Eventually([&] { return open == 3; })) << "half is left to the others";
+  EXPECT_TRUE(Eventually([&] { return open == 3; }))
+      << "half of the watchers is reserved for others";
   first->TryCancel();
   EXPECT_TRUE(Eventually([&] { return open == 2; }));
   const auto third = Call("ann-token");
@@ -236,7 +238,7 @@ TEST_F(WatcherQuotaTest, ATokenHasHalfOfThemWhateverItWatchesAndOneThatEndsMakes
   for (const auto* call : {&second, &bobs, &third}) (*call)->TryCancel();
 }
 
-TEST_F(WatcherQuotaTest, AnAddressHasHalfOfThemAndTheOwnMachineAll) {
+TEST_F(WatcherQuotaTest, AnAddressMayHaveHalfOfTheWatchersAndTheOwnMachineAll) {
   AccessControl access(options_, clock_, log_);
   std::vector<AccessControl::Share> shares;
   const auto begin = [&](const std::string& address) {

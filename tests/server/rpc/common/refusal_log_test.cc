@@ -24,7 +24,7 @@ class RefusalLogTest : public ::testing::Test {
   void Refuse(v1::ErrorReason reason, int count) {
     for (int i = 0; i < count; ++i) refusals_.Tell("ipv4:192.0.2.7:1", Refused(reason, "no"));
   }
-  // Returns what was said since the last call.
+  // Returns the text logged since the last call.
   std::string Said() {
     std::string said = text_.str();
     text_.str("");
@@ -37,7 +37,7 @@ class RefusalLogTest : public ::testing::Test {
   RefusalLog refusals_{clock_, log_};
 };
 
-TEST_F(RefusalLogTest, SaysOneLineOfEachReasonAndHowManyItLeftOut) {
+TEST_F(RefusalLogTest, LogsOneLinePerReasonAndTheNumberOfOmittedLines) {
   Refuse(v1::ERROR_REASON_INVALID_MESSAGE, 1'000);
   Refuse(v1::ERROR_REASON_HELLO_OVERDUE, 1);
   EXPECT_EQ(Said(),
@@ -51,12 +51,12 @@ TEST_F(RefusalLogTest, SaysOneLineOfEachReasonAndHowManyItLeftOut) {
   EXPECT_EQ(Said(), "refused 999 more (INVALID_MESSAGE)\n");
   clock_.Advance(10 * RefusalLog::kIntervalNs);
   refusals_.TellLeftOut();
-  EXPECT_EQ(Said(), "") << "nothing was left out";
+  EXPECT_EQ(Said(), "") << "no line was omitted";
   Refuse(v1::ERROR_REASON_INVALID_MESSAGE, 1);
   EXPECT_EQ(Said(), "refused ipv4:192.0.2.7:1 (INVALID_MESSAGE): no\n");
 }
 
-// Does something while a line is written.
+// A sink that calls a function while it writes a line.
 class BusySink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  public:
   std::function<void()> meanwhile;
@@ -81,7 +81,7 @@ TEST(RefusalLogLockTest, CallsAreRefusedWhileALineIsWritten) {
   clock.Advance(RefusalLog::kIntervalNs);
   int refused_meanwhile_count = 0;
   sink->meanwhile = [&] {
-    std::thread(refuse).join();  // waits for ever if the lock is held
+    std::thread(refuse).join();  // blocks forever if the lock is held
     ++refused_meanwhile_count;
   };
   refusals.TellLeftOut();

@@ -1,4 +1,4 @@
-// Every RPC of proto/ has a role, and its handler asks for it.
+// Every RPC of proto/ has a role, and its handler checks it.
 #include "server/rpc/common/role_table.h"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// The SERVICE/METHOD of every RPC that a file of proto/ declares.
+// Returns the SERVICE/METHOD names of all RPCs that the files of proto/ declare.
 std::set<std::string> DeclaredRpcs() {
   std::set<std::string> names;
   const auto* pool = google::protobuf::DescriptorPool::generated_pool();
@@ -46,7 +46,7 @@ class RoleTableTest : public RpcTest {
         std::find(auth::kRoleNames.begin(), auth::kRoleNames.end(), name) -
         auth::kRoleNames.begin());
   }
-  // Sends an empty message and returns how the call ends.
+  // Sends an empty message and returns the status of the call.
   grpc::Status Call(const std::string& rpc, const std::string& token) {
     grpc::GenericStub stub(channel_);
     grpc::CompletionQueue queue;
@@ -79,7 +79,7 @@ class RoleTableTest : public RpcTest {
   ScriptedTokens tokens_;
 };
 
-TEST(RoleTable, HasARowForEveryRpcAndNoOther) {
+TEST(RoleTable, HasExactlyOneRowPerRpc) {
   std::set<std::string> rows;
   for (const Rpc& rpc : kRoleTable) rows.insert(std::string(rpc.name));
   EXPECT_EQ(rows, DeclaredRpcs());
@@ -89,7 +89,8 @@ TEST(RoleTable, HasARowForEveryRpcAndNoOther) {
 TEST_F(RoleTableTest, EveryHandlerRefusesACallWithoutItsRole) {
   for (const Rpc& rpc : kRoleTable) {
     const std::string name(rpc.name);
-    clock_.Advance(auth::FailureLimit::kIntervalNs);  // so many failures are no matter here
+    // so that the limit of failures is not reached
+    clock_.Advance(auth::FailureLimit::kIntervalNs);
     EXPECT_EQ(Call(name, "").error_code(), grpc::StatusCode::UNAUTHENTICATED) << name;
     EXPECT_EQ(Call(name, "other-token").error_code(), grpc::StatusCode::UNAUTHENTICATED) << name;
     for (const std::string_view role : auth::kRoleNames) {

@@ -1,4 +1,4 @@
-// Tokens that a test makes and revokes.
+// Tokens that a test adds and revokes.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace sweepstake::rpc {
 
 class ScriptedTokens final : public auth::TokenDirectory {
  public:
-  // Makes the token "NAME-token".
+  // Adds the token "NAME-token".
   void Add(const std::string& name, auth::Role role, std::vector<std::string> projects = {}) {
     const std::lock_guard lock(mutex_);
     tokens_[name + "-token"] = {++last_id_, name, role, std::move(projects)};
@@ -44,7 +44,7 @@ class ScriptedTokens final : public auth::TokenDirectory {
   }
 
  private:
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::map<std::string, auth::Principal> tokens_;
   int64_t last_id_ = 0;
 };

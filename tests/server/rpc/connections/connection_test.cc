@@ -1,4 +1,4 @@
-// Connections that are no proper ones of HTTP/2, over real sockets.
+// Connections with invalid or incomplete HTTP/2, over real sockets.
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 
 class ConnectionTest : public RpcTest {};
 
-TEST_F(ConnectionTest, OneThatIsHalfOpenIsClosedInTimeAndOneWithAStreamStays) {
+TEST_F(ConnectionTest, AHalfOpenConnectionIsClosedAndOneWithAStreamStays) {
   EXPECT_EQ(options_.handshake_patience, std::chrono::seconds(10));
   options_.handshake_patience = std::chrono::milliseconds(100);
   RestartServer();
@@ -42,7 +42,7 @@ TEST_F(ConnectionTest, OneThatIsHalfOpenIsClosedInTimeAndOneWithAStreamStays) {
   EXPECT_TRUE(Applied(1));
 }
 
-TEST_F(ConnectionTest, WhatIsNoHttp2IsClosed) {
+TEST_F(ConnectionTest, AConnectionWithoutHttp2IsClosed) {
   for (const std::string bytes : {"GET / HTTP/1.1\r\n\r\n", "\x16\x03\x01\x02 a TLS handshake"}) {
     HttpSocket socket(server_->port());
     socket.Send(bytes);
@@ -51,7 +51,7 @@ TEST_F(ConnectionTest, WhatIsNoHttp2IsClosed) {
   TelemetryClient(channel_).Open(HelloMessage());
 }
 
-TEST_F(ConnectionTest, OneThatIsOldIsAskedToEndAndThenEnds) {
+TEST_F(ConnectionTest, AnOldConnectionIsAskedToEndAndThenClosed) {
   options_.connection_age = std::chrono::milliseconds(100);
   options_.connection_age_grace = std::chrono::milliseconds(100);
   RestartServer();
@@ -63,9 +63,10 @@ TEST_F(ConnectionTest, OneThatIsOldIsAskedToEndAndThenEnds) {
   socket.ReadAll();
 }
 
-TEST_F(ConnectionTest, OneWithoutACallIsClosedInTimeAndOneWithAStreamStays) {
+TEST_F(ConnectionTest, AConnectionWithoutACallIsClosedAndOneWithAStreamStays) {
   options_.connection_idle_patience = std::chrono::milliseconds(100);
-  options_.keepalive_interval = std::chrono::hours(1);  // so that it is not this that ends one
+  // so that the keepalive does not end a connection
+  options_.keepalive_interval = std::chrono::hours(1);
   RestartServer();
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
@@ -76,7 +77,7 @@ TEST_F(ConnectionTest, OneWithoutACallIsClosedInTimeAndOneWithAStreamStays) {
   EXPECT_TRUE(Applied(1));
 }
 
-TEST_F(ConnectionTest, OneThatGivesNoSignOfLifeIsClosed) {
+TEST_F(ConnectionTest, AConnectionThatDoesNotAnswerPingsIsClosed) {
   options_.keepalive_interval = std::chrono::milliseconds(100);
   options_.keepalive_patience = std::chrono::milliseconds(100);
   RestartServer();
@@ -86,10 +87,10 @@ TEST_F(ConnectionTest, OneThatGivesNoSignOfLifeIsClosed) {
   silent.Send(Http2Preface());
   silent.ReadAll();
   client.Send(Frames(1, 30));
-  EXPECT_TRUE(Applied(1)) << "that of a client that answers stays";
+  EXPECT_TRUE(Applied(1)) << "the connection of a client that answers stays open";
 }
 
-TEST_F(ConnectionTest, AFloodOfPingsIsToldToGoAway) {
+TEST_F(ConnectionTest, AFloodOfPingsIsAnsweredWithGoAway) {
   HttpSocket socket(server_->port());
   socket.Send(Http2Preface());
   for (int i = 0; i < 100; ++i) socket.Send(Http2Frame(Http2Type::kPing, 0, 0, "12345678"));
@@ -97,8 +98,8 @@ TEST_F(ConnectionTest, AFloodOfPingsIsToldToGoAway) {
   TelemetryClient(channel_).Open(HelloMessage());
 }
 
-// A socket that listens on all addresses of IPv4, or one that connects from a port of its own to
-// an address of it.
+// A socket that listens on all IPv4 addresses, or one that connects from its own port to one of
+// these addresses.
 class TcpSocket {
  public:
   explicit TcpSocket(int descriptor = socket(AF_INET, SOCK_STREAM, 0)) : descriptor_(descriptor) {
@@ -141,7 +142,7 @@ class TcpSocket {
   const int descriptor_;
 };
 
-TEST(ConnectionCallsTest, TwoConnectionsOfOneOtherEndAreCountedAndEndedTogether) {
+TEST(ConnectionCallsTest, TwoConnectionsOfOnePeerAreCountedAndEndedTogether) {
   constexpr uint32_t kAddresses[] = {INADDR_LOOPBACK, INADDR_LOOPBACK + 1};
   TcpSocket listener;
   ASSERT_TRUE(listener.Bind(INADDR_ANY, 0));
@@ -169,7 +170,7 @@ TEST(ConnectionCallsTest, TwoConnectionsOfOneOtherEndAreCountedAndEndedTogether)
   for (const TcpSocket& client : clients) EXPECT_TRUE(Eventually([&] { return client.ended(); }));
 }
 
-TEST_F(ConnectionTest, OneThatBeginsCallsFasterThanTheyCanBeDoneIsEnded) {
+TEST_F(ConnectionTest, AConnectionThatBeginsCallsTooFastIsEnded) {
   options_.max_streams_per_connection = 1;
   RestartServer();
   const auto& ended = server_->counters().flooding_connection_count;
@@ -190,7 +191,7 @@ TEST_F(ConnectionTest, OneThatBeginsCallsFasterThanTheyCanBeDoneIsEnded) {
   TelemetryClient(channel_).Open(HelloMessage());
 }
 
-TEST_F(ConnectionTest, BeyondItsStreamsTheNextWaitsUntilOneEnds) {
+TEST_F(ConnectionTest, AStreamAboveTheLimitWaitsUntilAnotherEnds) {
   options_.max_streams_per_connection = 3;
   RestartServer();
   std::vector<std::unique_ptr<TelemetryClient>> clients;
@@ -200,7 +201,7 @@ TEST_F(ConnectionTest, BeyondItsStreamsTheNextWaitsUntilOneEnds) {
   }
   auto welcome = std::async(std::launch::async,
                             [this] { return TelemetryClient(channel_).Open(HelloMessage()); });
-  // Long enough for a welcome, on most machines, if it did not wait.
+  // On most machines long enough for a welcome message, if the stream did not wait.
   for (uint64_t sequence = 1; sequence <= 100; ++sequence) {
     clients[0]->Send(Frames(sequence, 30));
     ASSERT_TRUE(Applied(sequence));

@@ -1,4 +1,4 @@
-// How many connections an address may have open.
+// The limit of open connections per address.
 #include "server/rpc/open_connections.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ constexpr int kMost = 2 + OpenConnections::kSpare;
 class OpenConnectionsTest : public ::testing::Test {
  protected:
   OpenConnectionsTest() { options_.max_streams_per_address = 2; }
-  // Opens connections at descriptors from `first` on, and returns how many are admitted.
+  // Opens connections at descriptors from `first` on, and returns how many are accepted.
   int Open(const std::string& address, int first, int count) {
     int admitted = 0;
     for (int descriptor = first; descriptor < first + count; ++descriptor) {
@@ -43,8 +43,8 @@ class OpenConnectionsTest : public ::testing::Test {
 
   RpcOptions options_;
   sessions::ManualClock clock_;
-  std::map<int, std::string> names_;     // of the descriptors that are open
-  std::string own_ = "ipv4:192.0.2.1:";  // what names of this machine begin with
+  std::map<int, std::string> names_;     // peers of the open descriptors
+  std::string own_ = "ipv4:192.0.2.1:";  // prefix of peers on this machine
   OpenConnections connections_{
       options_, clock_,
       [this](int descriptor) {
@@ -54,33 +54,34 @@ class OpenConnectionsTest : public ::testing::Test {
       [this](int descriptor) { return names_.at(descriptor).starts_with(own_); }};
 };
 
-TEST_F(OpenConnectionsTest, AnAddressHasSoManyAndOthersHaveTheirs) {
+TEST_F(OpenConnectionsTest, EachAddressHasItsOwnLimit) {
   EXPECT_EQ(Open("ipv4:192.0.2.7", 100, 2 * kMost), kMost);
   EXPECT_EQ(Open("ipv4:192.0.2.8", 10'000, 10), 10);
   EXPECT_EQ(Open("ipv6:%5B2001:db8::1%5D", 20'000, kMost), kMost);
-  EXPECT_EQ(Open("ipv6:%5B2001:db8::2%5D", 30'000, 1), 0) << "the network counts";
+  EXPECT_EQ(Open("ipv6:%5B2001:db8::2%5D", 30'000, 1), 0) << "connections are counted per network";
 }
 
-TEST_F(OpenConnectionsTest, TheOwnMachineHasAnyNumber) {
+TEST_F(OpenConnectionsTest, TheOwnMachineHasNoLimit) {
   EXPECT_EQ(Open("ipv4:127.0.0.1", 100, 2 * kMost), 2 * kMost);
-  EXPECT_EQ(Open("ipv4:192.0.2.1", 10'000, 2 * kMost), 2 * kMost) << "at its own other address";
+  EXPECT_EQ(Open("ipv4:192.0.2.1", 10'000, 2 * kMost), 2 * kMost)
+      << "at another address of this machine";
 }
 
-TEST_F(OpenConnectionsTest, ThoseThatCloseMakeRoomWithinASecond) {
+TEST_F(OpenConnectionsTest, ClosedConnectionsMakeRoomWithinASecond) {
   ASSERT_EQ(Open("ipv4:192.0.2.7", 100, kMost + 1), kMost);
   for (int descriptor = 100; descriptor < 110; ++descriptor) names_.erase(descriptor);
-  EXPECT_EQ(Open("ipv4:192.0.2.7", 10'000, 1), 0) << "it was looked at a moment ago";
+  EXPECT_EQ(Open("ipv4:192.0.2.7", 10'000, 1), 0) << "the descriptors were checked a moment ago";
   clock_.Advance(OpenConnections::kLookIntervalNs);
   EXPECT_EQ(Open("ipv4:192.0.2.7", 10'000, 20), 10);
 }
 
-TEST_F(OpenConnectionsTest, ADescriptorOfAnotherConnectionIsNotCountedForTheFormerOne) {
+TEST_F(OpenConnectionsTest, AReusedDescriptorIsNotCountedForItsFormerConnection) {
   ASSERT_EQ(Open("ipv4:192.0.2.7", 100, kMost), kMost);
   EXPECT_EQ(Open("ipv4:192.0.2.8", 100, 1), 1);
   EXPECT_EQ(Open("ipv4:192.0.2.7", 10'000, 2), 1);
 }
 
-// Keeps the descriptors that it gets.
+// Keeps the descriptors that it receives.
 class KeptConnections final : public grpc::experimental::ExternalConnectionAcceptor {
  public:
   ~KeptConnections() override {
@@ -97,7 +98,7 @@ class KeptConnections final : public grpc::experimental::ExternalConnectionAccep
   std::promise<void> first_;
 };
 
-TEST(ConnectionListenerTest, ClosesAConnectionTooManyOfAnAddressAndSaysSo) {
+TEST(ConnectionListenerTest, ClosesAndLogsOneConnectionTooManyOfAnAddress) {
   RpcOptions options;
   options.max_streams_per_address = 1;
   sessions::ManualClock clock;
@@ -119,8 +120,8 @@ TEST(ConnectionListenerTest, ClosesAConnectionTooManyOfAnAddressAndSaysSo) {
   const test_support::HttpSocket last(listener->port());
   first.wait();
   test_support::HttpSocket beyond(listener->port());
-  EXPECT_EQ(beyond.ReadAll(), "") << "it ends";
-  listener.reset();  // and the thread that writes the log
+  EXPECT_EQ(beyond.ReadAll(), "") << "the connection ends";
+  listener.reset();  // also ends the thread that writes the log
   EXPECT_THAT(text.str(), ::testing::HasSubstr("this address has 1001 open connections"));
 }
 

@@ -1,4 +1,4 @@
-// The mark in a watcher's stream that all there was has been told.
+// The mark in a watcher's stream after the complete initial state.
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -13,7 +13,8 @@ namespace {
 
 using AllToldTest = RpcTest;
 
-// Reads a stream to its mark, and returns how many rows came before it, and what is in the mark.
+// Reads a stream up to its mark. Returns the number of rows before it, and sets `mark` to the
+// response with the mark.
 template <typename Reader, typename Response>
 int CountToMark(Reader& reader, Response& mark, int (*count)(const Response&)) {
   int told = 0;
@@ -67,7 +68,7 @@ TEST_F(AllToldTest, ComesAfterTheLastSession) {
   }
 }
 
-TEST_F(AllToldTest, IsForThoseWhoAskForIt) {
+TEST_F(AllToldTest, IsSentOnlyOnRequest) {
   const auto stub = v1::PosteriorsService::NewStub(channel_);
   grpc::ClientContext context;
   const auto watcher = stub->WatchPosteriors(&context, {});

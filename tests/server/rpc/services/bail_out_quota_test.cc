@@ -1,4 +1,4 @@
-// How many bail-outs of a token and of an address are evidence, however many sessions they begin.
+// The limit of bail-outs per token and address that count as evidence, over any number of sessions.
 #include <string>
 
 #include "engine_client/decider/audit/rederive.h"
@@ -13,7 +13,7 @@ constexpr uint64_t kAtOnce = 20;
 
 class BailOutQuotaTest : public ::testing::Test {
  protected:
-  // Begins sessions one after the other, each with as many bail-outs as one may have at once.
+  // Begins sessions one after the other, each with the maximum number of bail-outs at once.
   void BailOutOfSessions(int count, const std::string& address, int64_t token_id,
                          const v1::Hello& hello = OneArmHello()) {
     for (int i = 0; i < count; ++i) {
@@ -46,7 +46,7 @@ class BailOutQuotaTest : public ::testing::Test {
   PromptDaemon daemon_;
 };
 
-TEST_F(BailOutQuotaTest, ATokenWithManyShortSessionsHardlyMovesWhatOthersStartFrom) {
+TEST_F(BailOutQuotaTest, ATokenWithManyShortSessionsHardlyChangesThePriors) {
   const priors::PriorRecord others = LearntInHours();
   ASSERT_TRUE(daemon_.store.store.Import({&others, 1}).status().ok());
   for (int host = 0; host < 100; ++host)
@@ -58,7 +58,7 @@ TEST_F(BailOutQuotaTest, ATokenWithManyShortSessionsHardlyMovesWhatOthersStartFr
   EXPECT_EQ(daemon_.counters.surplus_bail_out_count, 100 * kOfASession - kAtOnce);
 }
 
-TEST_F(BailOutQuotaTest, AnAddressHasAsManyWithWhateverTokensAndOthersAreNotHeldUp) {
+TEST_F(BailOutQuotaTest, AnAddressHasOneLimitForAllItsTokensAndOthersAreNotAffected) {
   for (int64_t token = 1; token <= 10; ++token) BailOutOfSessions(1, "ipv4:192.0.2.7", token);
   EXPECT_EQ(Stored().bail_out_count, kAtOnce);
   BailOutOfSessions(10, "ipv4:192.0.2.8", 0);
@@ -67,14 +67,14 @@ TEST_F(BailOutQuotaTest, AnAddressHasAsManyWithWhateverTokensAndOthersAreNotHeld
   EXPECT_EQ(Stored().bail_out_count, 2 * kAtOnce + kOfASession);
 }
 
-TEST_F(BailOutQuotaTest, TheOwnMachineHasNoneSinceAProxyOnItHasThatOfAllItsGames) {
+TEST_F(BailOutQuotaTest, TheOwnMachineHasNoLimitBecauseOfProxies) {
   BailOutOfSessions(10, "ipv4:127.0.0.1", 0);
   EXPECT_EQ(Stored().bail_out_count, 10 * kOfASession);
   BailOutOfSessions(10, "ipv4:127.0.0.1", 7);
-  EXPECT_EQ(Stored().bail_out_count, 10 * kOfASession + kAtOnce) << "the token has one";
+  EXPECT_EQ(Stored().bail_out_count, 10 * kOfASession + kAtOnce) << "the token has a limit";
 }
 
-TEST_F(BailOutQuotaTest, ItComesBackWithTime) {
+TEST_F(BailOutQuotaTest, TheBudgetIsRefilledWithTime) {
   BailOutOfSessions(2, "ipv4:192.0.2.7", 7);
   EXPECT_EQ(Stored().bail_out_count, kAtOnce);
   daemon_.Advance(kSecondNs);
@@ -82,7 +82,7 @@ TEST_F(BailOutQuotaTest, ItComesBackWithTime) {
   EXPECT_EQ(Stored().bail_out_count, kAtOnce + 2);
 }
 
-TEST_F(BailOutQuotaTest, AGameThatBailsOutWithoutEndIsBelievedAtAnyLimit) {
+TEST_F(BailOutQuotaTest, ASingleGameStaysWithinTheLimitForAnyBailOutTime) {
   uint64_t count = 0;
   for (const int64_t bail_out_ns : {kSecondNs / 10, 5 * kSecondNs, 60 * kSecondNs}) {
     daemon_.options.decision.bail_out_ns = bail_out_ns;
@@ -101,7 +101,7 @@ TEST_F(BailOutQuotaTest, AGameThatBailsOutWithoutEndIsBelievedAtAnyLimit) {
   }
 }
 
-TEST_F(BailOutQuotaTest, WhatASessionItselfIsNotBelievedSpendsNothing) {
+TEST_F(BailOutQuotaTest, BailOutsThatASessionDoesNotUseAreNotCounted) {
   PromptStream stream(daemon_, "ipv4:192.0.2.7:1", CallerOf(7));
   stream.Send(Request(OneArmHello()));
   for (uint64_t sequence = 1; sequence <= 10 * kOfASession; ++sequence)
@@ -112,7 +112,7 @@ TEST_F(BailOutQuotaTest, WhatASessionItselfIsNotBelievedSpendsNothing) {
   EXPECT_EQ(Stored().bail_out_count, kAtOnce);
 }
 
-TEST_F(BailOutQuotaTest, BeyondItAGameIsAnsweredAndTheAuditLogSaysThatItIsNoEvidence) {
+TEST_F(BailOutQuotaTest, BailOutsAboveTheLimitAreAnsweredAndLoggedAsNoEvidence) {
   BailOutOfSessions(2, "ipv4:192.0.2.7", 7);
   const uint64_t before = daemon_.counters.switch_command_count;
   BailOutOfSessions(2, "ipv4:192.0.2.7", 7, HelloMessage());

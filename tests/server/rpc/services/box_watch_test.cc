@@ -1,5 +1,5 @@
-// Operators look at the boxes of a session: who may, what the game is asked for, and that nothing
-// is kept.
+// Operators look at the boxes of a session: who may, what the game is asked to send, and that
+// nothing is stored.
 #include <cmath>
 #include <functional>
 
@@ -13,7 +13,7 @@ namespace {
 
 using Response = v1::StreamTelemetryResponse;
 
-// One who looks.
+// An operator that watches a session's boxes.
 class Look {
  public:
   Look(const std::shared_ptr<grpc::Channel>& channel, const std::string& session_id,
@@ -77,7 +77,7 @@ class BoxWatchTest : public RpcTest {
   ScriptedTokens tokens_;
 };
 
-TEST_F(BoxWatchTest, TheGameIsAskedWhileSomebodyLooksAndWhatItShowsIsPassedOn) {
+TEST_F(BoxWatchTest, TheGameIsAskedWhileThereAreViewersAndItsViewsArePassedOn) {
   TelemetryClient game(channel_, "all-token");
   const v1::Welcome welcome = game.Open(Hello(true));
   ASSERT_EQ(welcome.capabilities_size(), 1);
@@ -93,12 +93,12 @@ TEST_F(BoxWatchTest, TheGameIsAskedWhileSomebodyLooksAndWhatItShowsIsPassedOn) {
     EXPECT_EQ(shown.view().SerializeAsString(), View(5).box_view().SerializeAsString());
     EXPECT_GT(shown.stamp().sequence(), 0u);
     clock_.Advance(asked.until_ms() * int64_t{1'000'000} / 2);
-    EXPECT_EQ(Asked(game).interval_ms(), 250u) << "before its time has run out";
+    EXPECT_EQ(Asked(game).interval_ms(), 250u) << "the request is renewed before it expires";
   }
-  EXPECT_EQ(Asked(game).interval_ms(), 0u) << "nobody looks any more";
+  EXPECT_EQ(Asked(game).interval_ms(), 0u) << "there are no viewers left";
 }
 
-TEST_F(BoxWatchTest, NothingOfAViewIsEvidenceOrInALog) {
+TEST_F(BoxWatchTest, AViewIsNeitherEvidenceNorLogged) {
   TelemetryClient game(channel_, "all-token");
   const v1::Welcome welcome = game.Open(Hello(true));
   Look look(channel_, welcome.session_id());
@@ -109,8 +109,8 @@ TEST_F(BoxWatchTest, NothingOfAViewIsEvidenceOrInALog) {
   EXPECT_EQ(server_->counters().replayed_message_count, 0u);
   grpc::ClientContext context;
   context.AddMetadata("authorization", "Bearer all-token");
-  // Rows come with the session's beginning, its decisions and what befalls it: at most the first
-  // one.
+  // Rows come from the session's start, its decisions and its events; here at most the first one
+  // exists.
   v1::ListAuditSegmentsResponse listed;
   const auto reader = v1::AuditService::NewStub(channel_)->ListAuditSegments(&context, {});
   uint64_t rows = 0;
@@ -121,7 +121,7 @@ TEST_F(BoxWatchTest, NothingOfAViewIsEvidenceOrInALog) {
   EXPECT_LE(rows, 1u);
 }
 
-TEST_F(BoxWatchTest, IsForOperatorsOfTheProject) {
+TEST_F(BoxWatchTest, IsRestrictedToOperatorsOfTheProject) {
   TelemetryClient game(channel_, "all-token");
   const std::string id = game.Open(Hello(true)).session_id();
   EXPECT_EQ(Look(channel_, id, "reader-token").Finish().error_code(),
@@ -139,7 +139,7 @@ TEST_F(BoxWatchTest, AGameThatDoesNotShowItsBoxesIsNotAsked) {
   EXPECT_THAT(refused.error_message(), ::testing::HasSubstr("allow_box_view"));
 }
 
-TEST_F(BoxWatchTest, TwoMayLookAtASession) {
+TEST_F(BoxWatchTest, ASessionHasAtMostTwoViewers) {
   TelemetryClient game(channel_, "all-token");
   const std::string id = game.Open(Hello(true)).session_id();
   Look first(channel_, id);
@@ -152,7 +152,7 @@ TEST_F(BoxWatchTest, TwoMayLookAtASession) {
   EXPECT_EQ(second.Next().view().frame_index(), 1u);
 }
 
-TEST_F(BoxWatchTest, GoesOnWhenTheGameComesBackAndEndsWithTheSession) {
+TEST_F(BoxWatchTest, ContinuesWhenTheGameReconnectsAndEndsWithTheSession) {
   auto game = std::make_unique<TelemetryClient>(channel_, "all-token");
   const v1::Welcome welcome = game->Open(Hello(true));
   Look look(channel_, welcome.session_id());
@@ -170,7 +170,7 @@ TEST_F(BoxWatchTest, GoesOnWhenTheGameComesBackAndEndsWithTheSession) {
   EXPECT_TRUE(look.Finish().ok());
 }
 
-TEST_F(BoxWatchTest, AViewThatBreaksItsBoundsEndsTheStream) {
+TEST_F(BoxWatchTest, AnInvalidViewEndsTheStream) {
   const auto refusal_of = [&](const std::function<void(v1::BoxView&)>& change) {
     TelemetryClient game(channel_, "all-token");
     game.Open(Hello(true));

@@ -1,4 +1,4 @@
-// What an import brings waits in quarantine until somebody who may lets it count.
+// Imported records wait in quarantine until an authorised caller promotes them.
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -23,7 +23,7 @@ class PromoteTest : public RpcTest {
     context->AddMetadata("authorization", "Bearer " + name + "-token");
     return context;
   }
-  // What a source of this build says of the scene of OneArmHello.
+  // Returns a record of a source of this build about the scene of OneArmHello.
   static v1::PriorRecord RecordOf(const std::string& source, const std::string& build) {
     const v1::Hello hello = OneArmHello();
     v1::PriorRecord record;
@@ -68,7 +68,7 @@ class PromoteTest : public RpcTest {
     EXPECT_TRUE(reader->Finish().ok());
     return records;
   }
-  // The alpha that a new session begins with.
+  // Returns alpha of the prior of a new session.
   double AlphaOfASession() {
     TelemetryClient client(channel_, "all-token");
     const v1::Welcome welcome = client.Open(OneArmHello());
@@ -97,10 +97,10 @@ TEST_F(PromoteTest, AnImportReachesNoSessionAndNoPosteriorUntilItIsPromoted) {
   EXPECT_EQ(promoted_.window_count(), 4u);
   EXPECT_EQ(promoted_.scene_count(), 1u);
   ASSERT_EQ(promoted_.leader_changes().scenes_size(), 1);
-  EXPECT_EQ(promoted_.leader_changes().scenes(0).arm(), "") << "nothing is known now";
+  EXPECT_EQ(promoted_.leader_changes().scenes(0).arm(), "") << "the scene has no leader before";
   EXPECT_EQ(promoted_.leader_changes().scenes(0).next_arm(), OneArmHello().arms(0).name());
-  EXPECT_TRUE(Stored().arms.empty()) << "a preview";
-  ASSERT_TRUE(Eventually([&] { return AdminRows().size() == 1; })) << "of the import";
+  EXPECT_TRUE(Stored().arms.empty()) << "a preview changes nothing";
+  ASSERT_TRUE(Eventually([&] { return AdminRows().size() == 1; })) << "the row of the import";
   EXPECT_THAT(AdminRows()[0], HasSubstr("action=import records=1 applied=1 promoted=no"));
 
   request.set_preview(false);
@@ -115,10 +115,10 @@ TEST_F(PromoteTest, AnImportReachesNoSessionAndNoPosteriorUntilItIsPromoted) {
               AllOf(HasSubstr("action=promote sources=1 records=1 project= source= build=0.9"),
                     HasSubstr("operator=token all at ")));
   ASSERT_TRUE(Promote(request).ok());
-  EXPECT_EQ(promoted_.record_count(), 0u) << "it counts already";
+  EXPECT_EQ(promoted_.record_count(), 0u) << "the record already counts";
 }
 
-TEST_F(PromoteTest, AnImportThatSaysSoCountsAtOnce) {
+TEST_F(PromoteTest, AnImportWithPromoteCountsAtOnce) {
   EXPECT_EQ(Import({RecordOf("a", "0.9")}, /*promote=*/true).applied_count(), 1u);
   EXPECT_EQ(Stored().arms[0].live, (priors::Evidence{30, 10, 4, 0}));
   EXPECT_TRUE(Export(/*quarantined_only=*/true).empty());
@@ -126,7 +126,7 @@ TEST_F(PromoteTest, AnImportThatSaysSoCountsAtOnce) {
   EXPECT_THAT(AdminRows()[0], HasSubstr("action=import records=1 applied=1 promoted=yes"));
 }
 
-TEST_F(PromoteTest, AnExportHasWhatWaitsBehindWhatCountsInPages) {
+TEST_F(PromoteTest, AnExportHasWaitingRecordsAfterCountingOnesInPages) {
   std::vector<v1::PriorRecord> records;
   for (int i = 0; i < 150; ++i) records.push_back(RecordOf("counts " + std::to_string(i), "1"));
   Import(records, /*promote=*/true);
@@ -142,7 +142,7 @@ TEST_F(PromoteTest, AnExportHasWhatWaitsBehindWhatCountsInPages) {
   EXPECT_EQ(Export(/*quarantined_only=*/true).size(), 450u);
 }
 
-TEST_F(PromoteTest, WhatWaitsIsRevokedLikeWhatCounts) {
+TEST_F(PromoteTest, WaitingRecordsAreRevokedLikeCountingOnes) {
   Import({RecordOf("a", "0.9"), RecordOf("b", "1.0")});
   v1::RevokePriorsRequest request;
   request.mutable_sources()->set_build("0.9");
@@ -154,7 +154,7 @@ TEST_F(PromoteTest, WhatWaitsIsRevokedLikeWhatCounts) {
   EXPECT_EQ(Export()[0].source_id(), "b");
 }
 
-TEST_F(PromoteTest, WhoMayDoItForSomeProjectsNamesOneAndAReaderMayNot) {
+TEST_F(PromoteTest, ATokenForSomeProjectsMustNameOneAndAReaderMayNotPromote) {
   Import({RecordOf("a", "0.9")});
   v1::PromotePriorsRequest request;
   EXPECT_EQ(ReasonOf(Promote(request, "mine")), v1::ERROR_REASON_NOT_ALLOWED);

@@ -1,5 +1,5 @@
-// The streams of a daemon without gRPC and without threads: what a test does has happened when the
-// call returns. For many streams, and for those of other machines.
+// The streams of a daemon without gRPC and threads: each call takes effect before it returns. For
+// tests with many streams, or with streams of other machines.
 #pragma once
 
 #include <spdlog/logger.h>
@@ -20,7 +20,7 @@
 
 namespace sweepstake::rpc {
 
-// Answers at once, on the caller's thread, but for reads that are held.
+// Answers at once, on the caller's thread, except for held reads.
 class PromptStore final : public priors::AsyncPriorStore {
  public:
   void Commit(priors::SourceUpdate update, CommitCallback done) override {
@@ -42,7 +42,7 @@ class PromptStore final : public priors::AsyncPriorStore {
     }
     return true;
   }
-  // Reads that begin until EndReads see what was committed before them. They are answered at
+  // Reads that begin before EndReads see the state at their start. Their results are delivered at
   // EndReads.
   void HoldReads() { holds_reads_ = true; }
   void EndReads() {
@@ -86,7 +86,7 @@ struct PromptDaemon {
   TelemetryStreams streams;
 };
 
-// A client's stream. It reads all that is written, and leaves when it is destroyed.
+// A client's stream. It reads all responses, and closes when it is destroyed.
 class PromptStream final : public TelemetryTransport {
  public:
   explicit PromptStream(PromptDaemon& daemon, std::string peer = "ipv4:127.0.0.1:1",
@@ -99,7 +99,7 @@ class PromptStream final : public TelemetryTransport {
   }
   ~PromptStream() override { Leave(); }
 
-  // Returns whether the stream still stands.
+  // Returns whether the stream is still open.
   bool Send(v1::StreamTelemetryRequest request) {
     if (stream_ == nullptr || pending_reads_ == 0) return false;
     --pending_reads_;
@@ -114,7 +114,7 @@ class PromptStream final : public TelemetryTransport {
   bool welcomed() const { return !written_.empty() && written_.front().has_welcome(); }
   const std::vector<v1::StreamTelemetryResponse>& written() const { return written_; }
   uint32_t pending_reads() const { return pending_reads_; }
-  // What the daemon has ended it with.
+  // The status with which the daemon has ended the stream.
   const std::optional<absl::Status>& end() const { return end_; }
 
   void Read() override {

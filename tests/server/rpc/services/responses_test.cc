@@ -1,4 +1,4 @@
-// What a game is told, when, and with what else in the same response.
+// Responses to a game: their content, their time, and what one response combines.
 #include <memory>
 #include <optional>
 #include <vector>
@@ -13,7 +13,7 @@ using Response = v1::StreamTelemetryResponse;
 
 class ResponseTest : public RpcTest {};
 
-TEST_F(ResponseTest, AnAcknowledgementSaysHowLongToCollectFramesAmongAsManyStreamsAsThereAreNow) {
+TEST_F(ResponseTest, AnAcknowledgementHasTheBatchIntervalForTheCurrentNumberOfStreams) {
   StopServer();
   options_.max_time_scale = 100;
   StartServer();
@@ -32,11 +32,11 @@ TEST_F(ResponseTest, AnAcknowledgementSaysHowLongToCollectFramesAmongAsManyStrea
     Tick();
     EXPECT_EQ(first.Await(&Response::has_acknowledgement).acknowledgement().batch_interval_ms(),
               expected)
-        << "0 if the game knows it";
+        << "0 if the interval is unchanged";
   }
 }
 
-TEST_F(ResponseTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
+TEST_F(ResponseTest, ATickSendsASnapshotAndAnAcknowledgement) {
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
   client.Send(Frames(1, 30));
@@ -53,14 +53,15 @@ TEST_F(ResponseTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
   EXPECT_EQ(snapshot.standings(1).effective_window_count(), 0);
   EXPECT_EQ(snapshot.standings(static_cast<int>(snapshot.leader_arm())).best_probability(),
             snapshot.leader_probability());
-  EXPECT_FALSE(snapshot.standings(0).has_cost_ratio()) << "the paper's reward does not tell costs";
+  EXPECT_FALSE(snapshot.standings(0).has_cost_ratio())
+      << "the reward of the policy " paper " has no costs";
   EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
   ASSERT_EQ(Stored().arms.size(), 1u);
   EXPECT_EQ(Stored().arms[0].name, "Grid");
   EXPECT_EQ(Stored().arms[0].live.window_count, 1u);
 }
 
-TEST_F(ResponseTest, AnAcknowledgementTakesThePosteriorsAlongExceptToAGameOfVersion1) {
+TEST_F(ResponseTest, AnAcknowledgementIncludesThePosteriorsExceptForVersion1) {
   for (const uint32_t version : {1u, 2u}) {
     PromptDaemon daemon(options_);
     PromptStream stream(daemon);
@@ -76,7 +77,7 @@ TEST_F(ResponseTest, AnAcknowledgementTakesThePosteriorsAlongExceptToAGameOfVers
   }
 }
 
-TEST_F(ResponseTest, ASnapshotSaysTheVerdictAndWhoLeads) {
+TEST_F(ResponseTest, ASnapshotHasTheVerdictAndTheLeader) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   client.Send(Frames(1, 30));
@@ -89,7 +90,7 @@ TEST_F(ResponseTest, ASnapshotSaysTheVerdictAndWhoLeads) {
   EXPECT_EQ(snapshot.leader_probability(), 1);
 }
 
-TEST_F(ResponseTest, AVerdictThatChangesIsToldEvenWhereNothingIsLearnt) {
+TEST_F(ResponseTest, AChangedVerdictIsSentEvenWithoutNewEvidence) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   client.Send(Frames(1, 30));
@@ -106,7 +107,7 @@ TEST_F(ResponseTest, AVerdictThatChangesIsToldEvenWhereNothingIsLearnt) {
     ASSERT_TRUE(Applied(sequence));
     const uint64_t decision_count = server_->counters().decision_count;
     Tick();
-    // A tick that has not run yet takes the next frames into its window.
+    // A tick that has not run yet would include the next frames in its window.
     ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count > decision_count; }));
   }
   const v1::PosteriorSnapshot snapshot =
@@ -122,14 +123,14 @@ TEST_F(ResponseTest, AnAcknowledgementComesOnlyWhenTheStoreHasCommitted) {
   ASSERT_TRUE(Applied(1));
   store_.Hold();
   Tick();
-  // A tick that has not run yet takes the next frames into its window.
+  // A tick that has not run yet would include the next frames in its window.
   ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count == 1; }));
   ASSERT_TRUE(Eventually([&] { return store_.held_count() == 1; }));
   client.Send(Frames(2, 30));
   ASSERT_TRUE(Applied(2));
   Tick();
-  // The posteriors of the first window have waited for its commit, and wait no more. They did not
-  // wait where the welcome was still being written, whose end takes them along.
+  // The posteriors of the first window waited for its commit, and are sent now. If the welcome
+  // message was still being written, they were sent right after it.
   for (double observations = 0; observations < 4;) {
     const std::optional<Response> next = client.Read();
     ASSERT_TRUE(next);

@@ -1,4 +1,4 @@
-// Evidence is taken out again: of which sources, by whom, and that nothing of it is left.
+// Evidence is removed: of which sources, by whom, and without a trace.
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -18,7 +18,8 @@ class RevokeTest : public RpcTest {
     tokens_.Add("player", auth::Role::kIngest);
   }
 
-  // A session of this build that learns one window; the n-th of a server.
+  // Runs a session of this build that learns one window. REQUIRES: it is the n-th session of the
+  // server.
   v1::Welcome Learn(const std::string& build, uint64_t n, const std::string& token = "all-token") {
     TelemetryClient client(channel_, token);
     v1::Hello hello = OneArmHello();
@@ -51,7 +52,7 @@ class RevokeTest : public RpcTest {
   v1::RevokePriorsResponse revoked_;
 };
 
-TEST_F(RevokeTest, ABuildGoesWithoutATraceAfterAPreviewThatChangesNothing) {
+TEST_F(RevokeTest, ABuildIsRemovedCompletelyAfterAPreviewThatChangesNothing) {
   Learn("1.0", 1);
   const priors::SceneEvidence before = Stored();
   Learn("1.1", 2);
@@ -66,16 +67,16 @@ TEST_F(RevokeTest, ABuildGoesWithoutATraceAfterAPreviewThatChangesNothing) {
   EXPECT_TRUE(AdminRows().empty());
 
   EXPECT_EQ(RevokedBy(OfBuild("1.1")).source_count(), 2u);
-  EXPECT_EQ(Stored().arms[0].live, before.arms[0].live) << "to the last bit";
+  EXPECT_EQ(Stored().arms[0].live, before.arms[0].live) << "equal in every bit";
   EXPECT_EQ(Stored().source_count, 1u);
-  EXPECT_EQ(RevokedBy(OfBuild("1.1")).source_count(), 0u) << "they are gone already";
+  EXPECT_EQ(RevokedBy(OfBuild("1.1")).source_count(), 0u) << "the sources are already revoked";
   ASSERT_TRUE(Eventually([&] { return AdminRows().size() == 2; }));
   EXPECT_THAT(AdminRows()[0],
               AllOf(HasSubstr("action=revoke sources=2 records=2 project= source= build=1.1"),
                     HasSubstr("operator=token all at ")));
 }
 
-TEST_F(RevokeTest, APreviewSaysWhichScenesWouldHaveAnotherLeader) {
+TEST_F(RevokeTest, APreviewListsTheScenesWhoseLeaderWouldChange) {
   const auto import = [this](const std::string& source, const std::string& arm, double alpha) {
     v1::ImportPriorsRequest request;
     request.set_promote(true);
@@ -116,10 +117,10 @@ TEST_F(RevokeTest, APreviewSaysWhichScenesWouldHaveAnotherLeader) {
   EXPECT_EQ(RevokedBy(request).leader_changes().scenes(0).scene(), "100");
   request.mutable_sources()->set_project("other");
   EXPECT_EQ(RevokedBy(request).leader_changes().scene_count(), 0u);
-  EXPECT_FALSE(RevokedBy(OfBuild("1.1")).has_leader_changes()) << "no preview";
+  EXPECT_FALSE(RevokedBy(OfBuild("1.1")).has_leader_changes()) << "this is not a preview";
 }
 
-TEST_F(RevokeTest, ASessionThatIsRevokedPlaysOnAndTeachesNoMore) {
+TEST_F(RevokeTest, ARevokedSessionContinuesWithoutStoringEvidence) {
   TelemetryClient client(channel_, "all-token");
   v1::RevokePriorsRequest request;
   request.mutable_sources()->set_source_id(LearnOneWindow(client, OneArmHello()).session_id());
@@ -131,7 +132,7 @@ TEST_F(RevokeTest, ASessionThatIsRevokedPlaysOnAndTeachesNoMore) {
   EXPECT_TRUE(Stored().arms.empty());
 }
 
-TEST_F(RevokeTest, ATokensSessionsGoByItsNumber) {
+TEST_F(RevokeTest, TheSessionsOfATokenAreRevokedByItsId) {
   Learn("1.0", 1, "all-token");
   Learn("1.0", 2, "player-token");
   v1::RevokePriorsRequest request;
@@ -140,7 +141,7 @@ TEST_F(RevokeTest, ATokensSessionsGoByItsNumber) {
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
-TEST_F(RevokeTest, WhoMayDoItForSomeProjectsNamesOne) {
+TEST_F(RevokeTest, ATokenForSomeProjectsMustNameOne) {
   Learn("1.0", 1);
   EXPECT_EQ(ReasonOf(Revoke(OfBuild("1.0"), "mine-token")), v1::ERROR_REASON_NOT_ALLOWED);
   v1::RevokePriorsRequest request = OfBuild("1.0");

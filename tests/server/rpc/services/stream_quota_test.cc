@@ -1,5 +1,5 @@
-// How many streams an address may have and how often it may begin one, and how many messages a
-// stream may send and has read ahead.
+// Limits on the streams per address and their rate, on the messages of a stream, and on its
+// read-ahead.
 #include <spdlog/sinks/ostream_sink.h>
 
 #include <memory>
@@ -52,7 +52,7 @@ class AddressQuotaTest : public ::testing::Test {
   std::vector<std::unique_ptr<PromptStream>> streams_;
 };
 
-TEST_F(AddressQuotaTest, AnAddressHasSoManyStreamsAndOneThatEndsMakesRoom) {
+TEST_F(AddressQuotaTest, AnAddressHasLimitedStreamsAndOneThatEndsMakesRoom) {
   Open("ipv4:192.0.2.7", 3);
   EXPECT_EQ(daemon_.streams.all.size(), 3u);
   PromptStream fourth(daemon_, "ipv4:192.0.2.7:9");
@@ -67,14 +67,14 @@ TEST_F(AddressQuotaTest, AnAddressHasSoManyStreamsAndOneThatEndsMakesRoom) {
   EXPECT_FALSE(fifth.end());
 }
 
-TEST_F(AddressQuotaTest, AStreamTooManyIsToldInTheLog) {
+TEST_F(AddressQuotaTest, OneStreamTooManyIsLogged) {
   std::ostringstream text;
   daemon_.log.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   Open("ipv4:192.0.2.7", 5);
   EXPECT_THAT(text.str(), HasSubstr("refused ipv4:192.0.2.7:1003 (TOO_MANY_STREAMS)"));
 }
 
-TEST_F(AddressQuotaTest, OfIpv6TheNetworkCountsAndTheOwnMachineDoesNot) {
+TEST_F(AddressQuotaTest, Ipv6IsCountedPerNetworkAndTheOwnMachineIsNotCounted) {
   Open("ipv6:%5B2001:db8::1%5D", 2);
   Open("ipv6:%5B2001:db8::2%5D", 1);
   PromptStream fourth(daemon_, "ipv6:%5B2001:db8::3%5D:9");
@@ -86,7 +86,8 @@ TEST_F(AddressQuotaTest, OfIpv6TheNetworkCountsAndTheOwnMachineDoesNot) {
 
 class HelloQuotaTest : public ::testing::Test {
  protected:
-  // Opens streams and drops each once it has its answer; returns how many got a welcome.
+  // Opens streams and drops each once it has its answer. Returns how many received a welcome
+  // message.
   int OpenAndDrop(int count, const std::string& address, int64_t token_id = 0) {
     auth::Principal caller;
     caller.token_id = token_id;
@@ -107,7 +108,7 @@ class HelloQuotaTest : public ::testing::Test {
   PromptDaemon daemon_;
 };
 
-TEST_F(HelloQuotaTest, WhoOpensAndDropsStreamsIsRefusedBeyondItsRateAndOthersAreNot) {
+TEST_F(HelloQuotaTest, OpeningAndDroppingStreamsIsLimitedPerAddress) {
   daemon_.options.max_hellos_per_s = 2;
   EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 20);
   EXPECT_EQ(daemon_.counters.invalid_message_count, 0u);
@@ -116,10 +117,10 @@ TEST_F(HelloQuotaTest, WhoOpensAndDropsStreamsIsRefusedBeyondItsRateAndOthersAre
   EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 2);
   daemon_.options.max_hellos_per_s = 1'000;
   daemon_.Advance(kSecondNs);
-  EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 100) << "the rate may be changed meanwhile";
+  EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 100) << "the rate can be changed at any time";
 }
 
-TEST_F(HelloQuotaTest, ATokenHasItsRateFromWhereverItComes) {
+TEST_F(HelloQuotaTest, ATokenHasOneRateForAllAddresses) {
   daemon_.options.max_hellos_per_s = 2;
   int welcome_count = 0;
   for (int host = 0; host < 50; ++host)
@@ -128,14 +129,14 @@ TEST_F(HelloQuotaTest, ATokenHasItsRateFromWhereverItComes) {
   EXPECT_EQ(OpenAndDrop(1, "ipv4:192.0.2.99", 8), 1);
 }
 
-TEST_F(HelloQuotaTest, TheOwnMachineHasNoneSinceAProxyOnItHasThatOfAllItsGames) {
+TEST_F(HelloQuotaTest, TheOwnMachineHasNoRateBecauseOfProxies) {
   daemon_.options.max_hellos_per_s = 2;
-  EXPECT_EQ(OpenAndDrop(100, "ipv4:127.0.0.1", 7), 20) << "of the token";
+  EXPECT_EQ(OpenAndDrop(100, "ipv4:127.0.0.1", 7), 20) << "the limit of the token";
   EXPECT_EQ(OpenAndDrop(100, "ipv4:127.0.0.1"), 100);
   EXPECT_EQ(OpenAndDrop(100, "ipv6:%5B::1%5D"), 100);
 }
 
-TEST_F(HelloQuotaTest, TenThousandGamesOfOneAddressAndTokenComeBackAtOnce) {
+TEST_F(HelloQuotaTest, TenThousandGamesOfOneAddressAndTokenReconnectAtOnce) {
   EXPECT_EQ(OpenAndDrop(10'000, "ipv4:192.0.2.7", 7), 10'000);
 }
 
@@ -145,7 +146,7 @@ class MessageQuotaTest : public ::testing::Test {
     daemon_.options.max_messages_per_s = 20;
     daemon_.options.max_time_scale = 8;
   }
-  // Sends messages until one ends the stream, and returns how many did not.
+  // Sends messages until one ends the stream, and returns how many were accepted.
   int SendUntilTheEnd(PromptStream& stream,
                       const std::function<v1::StreamTelemetryRequest()>& next) {
     int count = 0;
@@ -158,7 +159,7 @@ class MessageQuotaTest : public ::testing::Test {
   uint64_t sequence_ = 0;
 };
 
-TEST_F(MessageQuotaTest, AFloodOfBatchesOrBailOutsEndsTheStreamWhichMayComeBack) {
+TEST_F(MessageQuotaTest, AFloodOfMessagesEndsTheStreamWhichMayReconnect) {
   for (const bool bail_outs : {false, true}) {
     PromptStream stream(daemon_);
     EXPECT_TRUE(stream.Send(Request(OneArmHello())));
@@ -168,7 +169,7 @@ TEST_F(MessageQuotaTest, AFloodOfBatchesOrBailOutsEndsTheStreamWhichMayComeBack)
       ++sequence_;
       return BailOut(sequence_, sequence_);
     });
-    EXPECT_EQ(sent, 199) << "with the Hello as many as in ten seconds";
+    EXPECT_EQ(sent, 199) << "with the Hello, a burst of ten seconds";
     ASSERT_TRUE(stream.end());
     EXPECT_TRUE(absl::IsResourceExhausted(*stream.end()));
     EXPECT_EQ(EndOf(stream), v1::ERROR_REASON_TOO_MANY_MESSAGES);
@@ -177,7 +178,7 @@ TEST_F(MessageQuotaTest, AFloodOfBatchesOrBailOutsEndsTheStreamWhichMayComeBack)
   }
 }
 
-TEST_F(MessageQuotaTest, WhoSendsAsTheWelcomeAsksNeverMeetsIt) {
+TEST_F(MessageQuotaTest, AClientThatFollowsTheBatchIntervalNeverReachesTheLimit) {
   PromptStream stream(daemon_);
   ASSERT_TRUE(stream.Send(Request(OneArmHello())));
   for (int second = 0; second < 100; ++second) {
@@ -186,7 +187,7 @@ TEST_F(MessageQuotaTest, WhoSendsAsTheWelcomeAsksNeverMeetsIt) {
   }
 }
 
-TEST_F(MessageQuotaTest, ATimeScaleMultipliesIt) {
+TEST_F(MessageQuotaTest, ATimeScaleMultipliesTheLimit) {
   v1::Hello hello = OneArmHello();
   hello.set_time_scale(8);
   PromptStream stream(daemon_);
