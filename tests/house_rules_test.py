@@ -98,7 +98,7 @@ LANGUAGE_EXCEPTIONS = {
 LANGUAGE_PENDING = (
     "server/dashboard", "server/rpc/services",
     "server/watch", "server/web",
-    "tests/server/dashboard", "tests/server/rpc",
+    "tests/server/dashboard",
     "tests/server/watch", "tests/server/web",
     "tests/engine_client/decider/")
 
