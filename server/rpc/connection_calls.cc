@@ -20,7 +20,7 @@ void Abort(int descriptor) {
   }
 }
 
-// Counts one call during its lifetime, which is that of the gRPC call.
+// Counts one call while it lives. gRPC destroys it together with the call.
 class CountedCall final : public grpc::experimental::Interceptor {
  public:
   CountedCall(std::shared_ptr<ConnectionCalls> calls, const std::string& peer)

@@ -8,7 +8,7 @@
 namespace sweepstake::sessions {
 namespace {
 
-// Project and scene name of the log, which covers all of them.
+// Stored as the project and scene of the log, because it covers all of them.
 constexpr const char* kAll = "*";
 
 }  // namespace

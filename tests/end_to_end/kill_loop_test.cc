@@ -26,8 +26,8 @@ namespace {
 using ::testing::Ge;
 
 constexpr size_t kGameCount = 3;  // concurrent games of each daemon
-// A daemon accepts 16 bail-outs of a session at once. It may receive those of this many lives
-// together, plus two that happened while no daemon ran.
+// A daemon accepts 16 bail-outs of a session at once. It may receive the bail-outs of this many
+// lives together, plus two that happened while no daemon ran.
 constexpr uint64_t kLivesUntilAllIsHeard = 4;
 constexpr uint64_t kMaxBailOutsInLife = 2;
 
@@ -44,7 +44,7 @@ bool IsHeard(const Player& player) {
   return player.game->stats().acknowledged_sequence > player.sent_before_life;
 }
 
-// What a game that has ended with a goodbye has sent.
+// The messages of a game that has ended with a goodbye.
 struct Sent {
   SessionStats stats;
   uint64_t bail_out_count = 0;

@@ -118,11 +118,11 @@ absl::Status AccessControl::BeginHello(const std::string& address, int64_t token
   const uint32_t per_s = options_.max_hellos_per_s;
   const std::string who = CountGame(hellos_, per_s, address, token_id);
   if (who.empty()) return absl::OkStatus();
-  return Refused(v1::ERROR_REASON_TOO_MANY_HELLOS,
-                 absl::StrCat(who, " starts more than ", per_s,
-                              " streams per second (max_hellos_per_s), after a burst of ten times "
-                              "this; connect again in ten seconds, or raise the limit on the "
-                              "daemon"));
+  return Refused(
+      v1::ERROR_REASON_TOO_MANY_HELLOS,
+      absl::StrCat(who, " starts more than ", per_s,
+                   " streams per second (max_hellos_per_s; bursts of ten times this are allowed); "
+                   "connect again in ten seconds, or raise the limit on the daemon"));
 }
 
 absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_id) {
@@ -162,8 +162,8 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginTransfer(const auth::Pr
       (caller.token_id != 0 && own_count >= options_.max_transfers_per_token)) {
     return Refused(
         refusal, absl::StrCat(transfers_->count, " exports and imports are under way, ", own_count,
-                              " of them with this token, which is the maximum "
-                              "(max_transfers, max_transfers_per_token); try again later"));
+                              " of them with this token; one of the limits max_transfers and "
+                              "max_transfers_per_token is reached; try again later"));
   }
   return Shares::Take(transfers_, std::move(holders));
 }

@@ -38,7 +38,7 @@ class AccessControl {
   AccessControl(const RpcOptions& options, const sessions::Clock& clock, spdlog::logger& log)
       : options_(options), tokens_(options.tokens), clock_(clock), refusals_(clock, log) {}
 
-  // Returns the caller. Errors: UNAUTHENTICATED (no token, or an invalid one), PERMISSION_DENIED
+  // Returns the caller. Errors: UNAUTHENTICATED (missing or invalid token), PERMISSION_DENIED
   // (its role does not allow this RPC), RESOURCE_EXHAUSTED (too many unauthenticated calls from the
   // address, or the token or the address reads too often). Unauthenticated calls from an address
   // never block a valid token from there. Refusals are logged.
