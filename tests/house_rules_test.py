@@ -99,8 +99,7 @@ LANGUAGE_PENDING = (
     "server/dashboard", "server/rpc/services",
     "server/watch", "server/web",
     "tests/server/dashboard",
-    "tests/server/watch", "tests/server/web",
-    "tests/engine_client/decider/")
+    "tests/server/watch", "tests/server/web",)
 
 
 def language_errors(path, text):

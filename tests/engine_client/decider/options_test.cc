@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Options, DefaultsAreThePapersAndValid) {
+TEST(Options, DefaultsAreValidAndThoseOfThePaper) {
   const DecisionOptions options;
   EXPECT_EQ(Validate(options, ShippedPolicies()), std::nullopt);
   EXPECT_EQ(options.decision_interval_ns, 2 * kSecond);
@@ -26,7 +26,7 @@ TEST(Options, DefaultsAreThePapersAndValid) {
   EXPECT_EQ(options.bail_out_penalty, 10);
 }
 
-TEST(Options, WithoutAPolicyThatOfAiDecidesIsMeant) {
+TEST(Options, TheDefaultPolicyIsThatOfAiDecides) {
   EXPECT_EQ(DecisionOptions().policy, "default");
   EXPECT_EQ(PolicyKindOf("default", ShippedPolicies()).name, "adaptive");
 }
@@ -58,7 +58,7 @@ TEST(Options, AGameChoosesBetweenAiDecidesAndThePapersPolicy) {
   EXPECT_THAT(PolicyNames(ShippedPolicies()), testing::ElementsAre("default", "adaptive", "paper"));
 }
 
-TEST(Options, TheLaboratoryKnowsEveryShippedPolicy) {
+TEST(Options, TheLaboratoryHasEveryShippedPolicy) {
   EXPECT_EQ(PolicyNames(StudyPolicies()).size(), PolicyNames(ComparedPolicies()).size() + 6);
   for (const std::string_view name : PolicyNames(ShippedPolicies()))
     EXPECT_NE(FindPolicy(name, StudyPolicies()), nullptr) << name;
@@ -108,7 +108,7 @@ TEST(Options, FrameRateFloorIsFiniteAndNotNegative) {
   }
 }
 
-TEST(TimeScale, DividesEveryIntervalButTheBailOutLimit) {
+TEST(TimeScale, DividesEveryIntervalExceptTheBailOutLimit) {
   const DecisionOptions scaled = DecisionOptions().Scaled(100);
   EXPECT_EQ(scaled.decision_interval_ns, 20 * kMillisecond);
   EXPECT_EQ(scaled.cooldown_ns, 400 * kMillisecond);
@@ -118,7 +118,7 @@ TEST(TimeScale, DividesEveryIntervalButTheBailOutLimit) {
   EXPECT_EQ(scaled.bail_out_ns, 5 * kSecond);
 }
 
-TEST(TimeScale, NeverMakesAnIntervalZeroThatWasNot) {
+TEST(TimeScale, NeverMakesANonzeroIntervalZero) {
   DecisionOptions options;
   options.decision_interval_ns = 1;
   options.cooldown_ns = 0;
@@ -126,7 +126,7 @@ TEST(TimeScale, NeverMakesAnIntervalZeroThatWasNot) {
   EXPECT_EQ(options.Scaled(1000).cooldown_ns, 0);
 }
 
-TEST(Setup, TakesOneToThirtyTwoUniqueArms) {
+TEST(Setup, AcceptsOneToThirtyTwoUniqueArms) {
   EXPECT_TRUE(Validate(PlainSetup(0), ShippedPolicies()));
   EXPECT_EQ(Validate(PlainSetup(1), ShippedPolicies()), std::nullopt);
   EXPECT_EQ(Validate(PlainSetup(32), ShippedPolicies()), std::nullopt);

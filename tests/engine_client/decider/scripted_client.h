@@ -1,5 +1,5 @@
-// A session with the game it decides for, on a scripted clock: frames of any cost, switches
-// executed or not.
+// A decision session and its game, on a scripted clock. Tests set the cost of the frames, and
+// whether the game executes switches.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,15 @@ namespace sweepstake::decision {
 inline constexpr int64_t kSecond = 1'000'000'000;
 inline constexpr int64_t kMillisecond = 1'000'000;
 
-// Names "arm0", "arm1" …, policy `paper`, no exploration.
+// Returns a setup with the arms "arm0", "arm1" …, the policy `paper` and no exploration.
 SessionSetup PlainSetup(uint32_t arm_count);
-// The same for two arms, of which the second is known to be the better one.
+// Returns the same for two arms, with priors that make the second one clearly better.
 SessionSetup SetupThatWantsArmOne();
 
 class ScriptedClient {
  public:
-  // The cost of each frame, before the client fills in arm and epoch: 100 FPS, cheap.
+  // The next frame, without arm and epoch, which the client fills in. By default it is cheap, at
+  // 100 FPS.
   FrameSample frame{.frame_time_ns = 10'000'000,
                     .detection_time_ns = 1'667'000,
                     .aabb_check_count = 49'950,
@@ -29,15 +30,16 @@ class ScriptedClient {
 
   explicit ScriptedClient(const SessionSetup& setup);
 
-  // One frame of the active arm: time passes, the session sees it.
+  // Advances the clock by one frame and passes the frame to the session.
   void RunFrame();
-  // Frames until the tick is due, then the tick. A command is kept, and executed when `obedient`.
+  // Runs frames until the tick is due, then the tick. Stores a command, and executes it if
+  // `obedient`.
   Decision RunToTick();
-  // The same for some ticks; the last decision.
+  // Runs `count` ticks and returns the last decision.
   Decision RunTicks(int count);
-  // Runs until the arm has settled and the window is empty: the next ticks learn.
+  // Runs until the arm has settled and the window is empty, so that the next ticks learn.
   void Settle();
-  // Executes a switch as clients do at once: epoch, then report.
+  // Executes a switch at once, as clients do: changes the epoch, then reports the switch.
   void Execute(uint32_t arm, SwitchReason reason);
 
   DecisionSession session;

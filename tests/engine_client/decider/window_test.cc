@@ -35,13 +35,13 @@ TEST(Window, DetectionAndChecksAreMeansAndMemoryIsThePeak) {
   EXPECT_DOUBLE_EQ(metrics.check_ratio, 2'020.0 / 5'050);
 }
 
-// Adds so many frames whose detection takes this.
+// Adds `count` frames with this detection time.
 void AddFrames(Window& window, int count, uint64_t detection_time_ns) {
   for (int i = 0; i < count; ++i)
     window.Add({.frame_time_ns = 16'000'000, .detection_time_ns = detection_time_ns});
 }
 
-TEST(Window, AnInterruptedFrameIsCalmAtTwiceTheTypicalTime) {
+TEST(Window, CalmTimeLimitsAnInterruptedFrameToTwiceTheTypicalTime) {
   Window window;
   for (int i = 0; i < 10; ++i) {
     AddFrames(window, 9, 1'000'000);
@@ -51,7 +51,7 @@ TEST(Window, AnInterruptedFrameIsCalmAtTwiceTheTypicalTime) {
   EXPECT_NEAR(window.Metrics().calm_detection_ms, 1.1, 0.02);
 }
 
-TEST(Window, WhatIsTypicalOutlastsAWindow) {
+TEST(Window, TheTypicalTimeIsKeptAcrossWindows) {
   Window window;
   AddFrames(window, 100, 1'000'000);
   window.Clear();
@@ -61,7 +61,7 @@ TEST(Window, WhatIsTypicalOutlastsAWindow) {
   EXPECT_NEAR(window.Metrics().calm_detection_ms, 1.1, 0.02);
 }
 
-TEST(Window, FramesThatStayLongCountHoweverFewAWindowHas) {
+TEST(Window, FramesThatStayLongCountHoweverFewFramesAWindowHas) {
   Window window;
   AddFrames(window, 100, 1'000'000);
   window.Clear();
@@ -74,7 +74,7 @@ TEST(Window, FramesThatStayLongCountHoweverFewAWindowHas) {
   EXPECT_NEAR(window.Metrics().calm_detection_ms, 1.1, 0.02);
 }
 
-// Three frames of so long a search before each of 4 ms.
+// Returns the metrics of windows in which three frames of `others_ns` precede each frame of 4 ms.
 WindowMetrics WithThreeOthers(uint64_t others_ns) {
   Window window;
   for (int i = 0; i < 200; ++i) {
@@ -85,20 +85,20 @@ WindowMetrics WithThreeOthers(uint64_t others_ns) {
   return window.Metrics();
 }
 
-// Substeps, of which every fourth is the dear one.
-TEST(Window, AQuarterOfTheFramesIsNoInterruption) {
+// Every fourth frame is expensive, as with substeps.
+TEST(Window, AQuarterOfTheFramesDoesNotCountAsInterrupted) {
   const WindowMetrics metrics = WithThreeOthers(20'000);
   EXPECT_NEAR(metrics.calm_detection_ms, metrics.detection_ms, 0.001);
 }
 
-// Physics at a quarter of the frames.
-TEST(Window, HowOftenAGameSearchesIsNoCostOfTheArm) {
+// The physics step runs only in every fourth frame.
+TEST(Window, CalmTimeIgnoresFramesWithoutASearch) {
   const WindowMetrics metrics = WithThreeOthers(0);
   EXPECT_DOUBLE_EQ(metrics.detection_ms, 1);
   EXPECT_DOUBLE_EQ(metrics.calm_detection_ms, 4);
 }
 
-TEST(Window, TellsTheCostOnceAFrameSearched) {
+TEST(Window, MeasuresTheCostOnceAFrameSearched) {
   Window window;
   AddFrames(window, 10, 0);
   EXPECT_FALSE(window.tells_cost());
@@ -108,9 +108,9 @@ TEST(Window, TellsTheCostOnceAFrameSearched) {
   EXPECT_FALSE(window.tells_cost());
 }
 
-// A rebuild's time among frames that do not search is neither what a search takes nor what a
-// rebuild does on average.
-TEST(Window, TellsTheCostOfRebuildsOnlyWhereAllFramesRebuild) {
+// The time of a rebuild among frames without searches is neither the typical cost of a search nor
+// of a rebuild.
+TEST(Window, MeasuresTheCostOfRebuildsOnlyIfAllFramesRebuild) {
   Window window;
   window.Add({.frame_time_ns = 1, .detection_time_ns = 1, .flags = kFrameRebuild});
   EXPECT_TRUE(window.tells_cost());
@@ -118,7 +118,7 @@ TEST(Window, TellsTheCostOfRebuildsOnlyWhereAllFramesRebuild) {
   EXPECT_FALSE(window.tells_cost());
 }
 
-TEST(Window, RebuildFramesStayOutOfTheDetectionMeanOnly) {
+TEST(Window, RebuildFramesAreOmittedOnlyFromTheDetectionMean) {
   Window window;
   window.Add({.frame_time_ns = 1'000'000, .detection_time_ns = 2'000'000});
   window.Add({.frame_time_ns = 3'000'000,
@@ -132,7 +132,7 @@ TEST(Window, RebuildFramesStayOutOfTheDetectionMeanOnly) {
   EXPECT_DOUBLE_EQ(metrics.fps, 500);
 }
 
-TEST(Window, RebuildFramesAreTheDetectionMeanWhereThereIsNothingElse) {
+TEST(Window, OnlyRebuildFramesMakeTheDetectionMeanIfThereAreNoOthers) {
   Window window;
   window.Add({.frame_time_ns = 1, .detection_time_ns = 2'000'000, .flags = kFrameRebuild});
   window.Add({.frame_time_ns = 1, .detection_time_ns = 6'000'000, .flags = kFrameRebuild});
@@ -140,14 +140,14 @@ TEST(Window, RebuildFramesAreTheDetectionMeanWhereThereIsNothingElse) {
   EXPECT_DOUBLE_EQ(window.Metrics().calm_detection_ms, 4);
 }
 
-TEST(Window, ChecksAreJudgedAgainstThePairsOfEachFramesOwnObjectCount) {
+TEST(Window, ChecksAreComparedWithAllPairsOfEachFramesObjects) {
   Window window;
   window.Add({.frame_time_ns = 1, .aabb_check_count = 10, .object_count = 5});    // of 10
   window.Add({.frame_time_ns = 1, .aabb_check_count = 135, .object_count = 20});  // of 190
   EXPECT_DOUBLE_EQ(window.Metrics().check_ratio, 145.0 / 200);
 }
 
-TEST(Window, WithoutAnyPairOfObjectsOnlyNoCheckIsGood) {
+TEST(Window, WithoutPairsOfObjectsAnyCheckIsBad) {
   for (const uint32_t n : {0u, 1u}) {
     Window window;
     window.Add({.frame_time_ns = 1, .object_count = n});
@@ -170,7 +170,7 @@ TEST(Window, AbsurdFramesGiveFiniteMetrics) {
   EXPECT_NEAR(window.Metrics().fps, 1e9 / 0x1p64, 1e-15);
 }
 
-TEST(Window, FramesThatTookNoTimeHaveNoFiniteFps) {
+TEST(Window, FramesWithoutTimeHaveNoFiniteFps) {
   Window window;
   window.Add({.frame_time_ns = 0});
   EXPECT_FALSE(window.Metrics().IsFinite());

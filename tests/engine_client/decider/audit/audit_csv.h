@@ -1,4 +1,4 @@
-// The audit log of a store as one CSV.
+// Reads the audit log of a store as one CSV text.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace sweepstake::test_support {
 
-// Returns the rows of all sessions, up to 10,000 segments. As the audit service does it, a
-// `missing` row stands where the disk has not taken some in time. Errors: those of the store.
+// Returns the rows of all sessions, up to 10,000 segments. As in the audit service, a `missing` row
+// replaces rows that the disk was too slow to store. Errors: those of the store.
 inline absl::StatusOr<std::string> AuditCsv(priors::PriorReader& store) {
   const auto segments = store.ListAudit({}, 0, 10'000);
   if (!segments.ok()) return segments.status();

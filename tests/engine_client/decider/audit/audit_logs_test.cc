@@ -1,5 +1,5 @@
-// Logs of real games with a real daemon, over gRPC on Linux x86-64 (logs/make.sh), are derived
-// again bit for bit on every platform that these tests run on.
+// logs/ contains logs of real games with a real daemon, made on Linux x86-64 (logs/make.sh). These
+// tests replay them and expect the same bits on every platform.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace {
 
 class AuditLogOfARealGame : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(AuditLogOfARealGame, IsDerivedAgainBitForBit) {
+TEST_P(AuditLogOfARealGame, ReplaysBitForBit) {
   const std::filesystem::path path =
       std::filesystem::path(SWEEPSTAKE_LOGS_DIR) / (GetParam() + ".csv");
   std::ifstream file(path, std::ios::binary);
@@ -23,7 +23,8 @@ TEST_P(AuditLogOfARealGame, IsDerivedAgainBitForBit) {
   const AuditReport report = Rederive(csv);
   EXPECT_FALSE(report.difference)
       << report.difference->Text()
-      << "\nIf decisions were meant to change, make the logs anew: logs/make.sh";
+      << "\n"
+         "If decisions were meant to change, make new logs with logs/make.sh";
   EXPECT_GE(report.decision_count, 30u);
 }
 

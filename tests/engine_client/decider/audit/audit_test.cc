@@ -1,5 +1,4 @@
-// The audit log: what is written is derived again bit for bit, and whatever was changed in it is
-// found where it was changed.
+// The audit log replays bit for bit, and a replay finds the place of any change to the log.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +53,7 @@ std::string ProblemOf(const std::string& csv) {
   return report.difference ? report.difference->Text() : "";
 }
 
-TEST(AuditLog, OfEveryPolicyIsDerivedAgainBitForBit) {
+TEST(AuditLog, OfEveryPolicyReplaysBitForBit) {
   for (const std::string_view policy : PolicyNames(StudyPolicies())) {
     for (uint64_t seed = 1; seed <= 4; ++seed) {
       const AuditFile file = LogOf(seed, policy, 1'500);
@@ -66,7 +65,7 @@ TEST(AuditLog, OfEveryPolicyIsDerivedAgainBitForBit) {
   }
 }
 
-TEST(AuditLog, HoldsEveryKindOfRow) {
+TEST(AuditLog, ContainsEveryKindOfRow) {
   std::set<std::string> kinds;
   for (auto& row : RowsOf(LogOf(1, "paper", 2'000).text))
     kinds.insert(CellOf(row, AuditColumn::kKind));
@@ -74,7 +73,7 @@ TEST(AuditLog, HoldsEveryKindOfRow) {
     EXPECT_TRUE(kinds.contains(kind)) << kind;
 }
 
-TEST(AuditLog, HasARowForEachDecisionWithWhatWasDecided) {
+TEST(AuditLog, HasARowWithTheResultOfEachDecision) {
   AuditFile file;
   AuditedGame game(AuditedSetup(3, "paper"), &file);
   game.Run(500);
@@ -96,7 +95,7 @@ TEST(AuditLog, HasARowForEachDecisionWithWhatWasDecided) {
   EXPECT_EQ(next, game.decisions().size());
 }
 
-TEST(AuditLog, DoesNotChangeWhatIsDecided) {
+TEST(AuditLog, DoesNotChangeDecisions) {
   AuditFile file;
   AuditedGame logged(AuditedSetup(5, "paper"), &file);
   AuditedGame silent(AuditedSetup(5, "paper"), nullptr);
@@ -109,7 +108,7 @@ TEST(AuditLog, DoesNotChangeWhatIsDecided) {
   }
 }
 
-TEST(AuditLog, OfASessionThatGoesOnAfterARestartHasTwoSegments) {
+TEST(AuditLog, OfASessionThatContinuesAfterARestartHasTwoSegments) {
   AuditFile file;
   AuditedGame first(AuditedSetup(7, "paper"), &file);
   first.Run(400);
@@ -125,7 +124,7 @@ TEST(AuditLog, OfASessionThatGoesOnAfterARestartHasTwoSegments) {
   EXPECT_EQ(report.segment_count, 2u);
 }
 
-TEST(AuditLog, WithoutItsLastRowsIsALogStill) {
+TEST(AuditLog, WithoutItsLastRowsIsStillValid) {
   Rows rows = RowsOf(LogOf(1, "paper", 400).text);
   while (rows.size() > 1) {
     rows.pop_back();
@@ -133,7 +132,7 @@ TEST(AuditLog, WithoutItsLastRowsIsALogStill) {
   }
 }
 
-TEST(AuditLog, SurvivesAnEditorThatWritesLineEndsOfWindows) {
+TEST(AuditLog, AcceptsWindowsLineEndings) {
   const Rows rows = RowsOf(LogOf(1, "paper", 100).text);
   std::string text;
   for (const auto& row : rows) {
@@ -175,7 +174,7 @@ TEST(AuditLog, AnEditedOutputIsNamedWithBothValues) {
   EXPECT_EQ(report.difference->message, "the log has wrong, derived again it is " + derived);
 }
 
-TEST(AuditLog, MissingAndExchangedRowsAreNamed) {
+TEST(AuditLog, MissingAndSwappedRowsAreReported) {
   const Rows rows = RowsOf(LogOf(1, "paper", 200).text);
   Rows missing = rows;
   missing.erase(missing.begin() + 5);
@@ -191,7 +190,7 @@ TEST(AuditLog, MissingAndExchangedRowsAreNamed) {
   EXPECT_NE(ProblemOf(TextOf(headless)).find("first rows are missing"), std::string::npos);
 }
 
-// The rows with those from number `first` on replaced by one that tells they are missing.
+// Returns the rows, with `count` rows from number `first` on replaced by one `missing` row.
 Rows WithMissing(const Rows& rows, size_t first, size_t count) {
   Rows missing = rows;
   missing.erase(missing.begin() + static_cast<std::ptrdiff_t>(first),
@@ -201,7 +200,7 @@ Rows WithMissing(const Rows& rows, size_t first, size_t count) {
   return missing;
 }
 
-TEST(AuditLog, WhoseMissingRowsAreToldIsDerivedUpToThereAndCheckedByItsHashesAfterThem) {
+TEST(AuditLog, WithAMissingRowReplaysUpToItAndIsCheckedByHashesAfterIt) {
   const AuditFile file = LogOf(1, "paper", 1'500);
   const Rows rows = RowsOf(file.text);
   ASSERT_GT(rows.size(), 100u);
@@ -241,7 +240,7 @@ TEST(AuditLog, AnEditAfterMissingRowsIsFound) {
   EXPECT_NE(ProblemOf(TextOf(told_twice)).find("has cells of its own"), std::string::npos);
 }
 
-TEST(AuditLog, ALineThatIsCutOffIsNamed) {
+TEST(AuditLog, ATruncatedLineIsReported) {
   std::string text = LogOf(1, "paper", 200).text;
   text.resize(text.size() - 3);
   EXPECT_NE(ProblemOf(text).find("log_hash does not fit"), std::string::npos) << ProblemOf(text);
@@ -249,14 +248,14 @@ TEST(AuditLog, ALineThatIsCutOffIsNamed) {
   EXPECT_NE(ProblemOf(text).find("is it cut off?"), std::string::npos) << ProblemOf(text);
 }
 
-TEST(AuditLog, OtherFilesAreNoLogs) {
+TEST(AuditLog, OtherFilesAreRejected) {
   EXPECT_EQ(ProblemOf(""), "line 0: the file is empty");
   EXPECT_EQ(ProblemOf("frame,arm\n1,2\n"),
             "line 1: the header is not that of an audit log of this version");
   EXPECT_EQ(ProblemOf(AuditHeader() + "\n"), "");
 }
 
-TEST(AuditLog, ATickBeforeItIsDueOrAfterTheEndOfTimeIsRefused) {
+TEST(AuditLog, ATickBeforeItIsDueOrAfterTheEndOfTimeIsRejected) {
   Rows rows = RowsOf(LogOf(1, "paper", 200).text);
   const auto tick = std::find_if(rows.begin(), rows.end(), [](auto& row) {
     return CellOf(row, AuditColumn::kKind) == "tick";
@@ -269,7 +268,8 @@ TEST(AuditLog, ATickBeforeItIsDueOrAfterTheEndOfTimeIsRefused) {
             std::string::npos);
 }
 
-// The goal is 1.5 kB; 7 arms, all cells that a policy with a gate and a diagnosis fills.
+// The goal is at most 1.5 kB for 7 arms, with all cells that a policy with a gate and a diagnosis
+// fills.
 TEST(AuditLog, ARowOfSevenArmsIsSmall) {
   AuditFile file;
   AuditedGame game(AuditedSetup(1, "default"), &file);
@@ -277,7 +277,7 @@ TEST(AuditLog, ARowOfSevenArmsIsSmall) {
   EXPECT_LT(static_cast<double>(file.text.size()) / static_cast<double>(file.row_count), 1'500);
 }
 
-TEST(AuditLog, WithRandomBytesInItCrashesNobody) {
+TEST(AuditLog, WithRandomBytesCausesNoCrash) {
   RandomStream random(11, RandomPurpose::kChoice, 0, 0);
   const std::string log = LogOf(1, "default", 60).text;
   const std::string_view bytes = "0123456789,:; \"\n\r-.einf\\=\x80";
@@ -301,7 +301,7 @@ TEST(AuditLog, WithRandomBytesInItCrashesNobody) {
   }
 }
 
-TEST(AuditLog, WithAbsurdInputsCrashesNobody) {
+TEST(AuditLog, WithAbsurdInputsCausesNoCrash) {
   RandomStream random(12, RandomPurpose::kChoice, 0, 0);
   const Rows rows = RowsOf(LogOf(2, "default", 60).text);
   const std::string_view values[] = {"0",
@@ -319,7 +319,7 @@ TEST(AuditLog, WithAbsurdInputsCrashesNobody) {
     auto& row = edited[1 + random.NextBelow(static_cast<uint32_t>(rows.size() - 1))];
     std::string& cell = row[random.NextBelow(static_cast<uint32_t>(row.size()))];
     const std::string_view value = values[random.NextBelow(std::size(values))];
-    // One of the numbers of a cell that has several.
+    // Replaces one number of a cell that has several.
     size_t begin = cell.empty() ? 0 : random.NextBelow(static_cast<uint32_t>(cell.size()));
     begin = cell.find_last_of(":;= ,", begin) == std::string::npos
                 ? 0
@@ -330,12 +330,12 @@ TEST(AuditLog, WithAbsurdInputsCrashesNobody) {
   }
 }
 
-TEST(AuditCsv, CellsWithCommasQuotesAndLineBreaksComeBack) {
+TEST(AuditCsv, CellsWithCommasQuotesAndLineBreaksAreReadBack) {
   const Rows rows = {{"a,b", "\"quoted\"", "two\nlines", "carriage\rreturn", "", "ä€"}, {"plain"}};
   EXPECT_EQ(RowsOf(TextOf(rows)), rows);
 }
 
-TEST(AuditCsv, AQuoteThatIsNeverClosedIsAProblem) {
+TEST(AuditCsv, AnUnclosedQuoteIsAnError) {
   std::vector<std::string> cells;
   CsvReader reader("a,\"b\nc");
   EXPECT_FALSE(reader.Next(cells));
@@ -350,7 +350,7 @@ FrameSample FrameOf(uint32_t arm, uint32_t epoch, uint64_t frame_time_ns = 0) {
   return frame;
 }
 
-TEST(AuditRuns, ComeBackWithEverythingInThem) {
+TEST(AuditRuns, AreReadBackCompletely) {
   ArmRuns runs(3, ArmRun(1, 4, 0));
   runs.Find(FrameOf(1, 4), 0)->Observe(FrameOf(1, 4, 5), 7);
   runs.Find(FrameOf(1, 4), 0)->Observe(FrameOf(1, 4, 6), 7);
@@ -366,7 +366,7 @@ TEST(AuditRuns, ComeBackWithEverythingInThem) {
   EXPECT_EQ(parsed->later()->arm(), 2u);
 }
 
-TEST(AuditRuns, OfArmsThatAreNotThereAndImpossibleSumsAreRefused) {
+TEST(AuditRuns, WithUnknownArmsOrImpossibleSumsAreRejected) {
   std::string text;
   AppendRuns(text, ArmRuns(2, ArmRun(1, 4, 9)));
   ASSERT_EQ(text, "0 1:4:0:0:0:9:0:0:0:0:0:0:0:0:0:0:0:0:0");

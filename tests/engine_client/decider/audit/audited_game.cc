@@ -84,7 +84,7 @@ void AuditedGame::Observe(uint32_t frame_count) {
   }
 }
 
-// Frames of the new epoch come before the report, or long before it.
+// Frames of the new epoch come shortly or long before the report.
 void AuditedGame::Answer() {
   SwitchCost cost{.rebuild_time_ns = random_.NextBelow(100'000),
                   .settling_cost_ns = random_.NextBelow(1'000'000)};

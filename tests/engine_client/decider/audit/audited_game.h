@@ -1,6 +1,6 @@
-// A session with an audit log, and a game that does everything a client can do to it, at random
-// from a seed: frames of any epoch, switches executed, refused, local or reported late, modes,
-// bail-outs, shadow samples, descriptors.
+// A session with an audit log, and a game that sends it every kind of input, at random from a seed:
+// frames of any epoch, mode changes, bail-outs, shadow samples and descriptors. Its switches are
+// executed, refused, local, or reported late.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace sweepstake::decision {
 
-// Rows as lines of a file.
+// Collects the rows as lines of a file.
 class AuditFile final : public AuditSink {
  public:
   void OnAuditRow(std::string_view row) override {
@@ -27,12 +27,12 @@ class AuditFile final : public AuditSink {
   uint64_t row_count = 0;
 };
 
-// Seven arms whose names need quotes and escapes, the paper's options.
+// Returns a setup of seven arms whose names need quotes and escapes, with the paper's options.
 SessionSetup AuditedSetup(uint64_t seed, std::string_view policy);
 
 class AuditedGame {
  public:
-  // Without a file there is no log.
+  // A null `file` means no log.
   AuditedGame(const SessionSetup& setup, AuditFile* file, uint32_t segment = 1);
 
   void Run(int steps);

@@ -1,5 +1,5 @@
-// The policy of "AI Decides" in whole sessions of a scripted game, with the shadow lane and
-// without.
+// The policy of "AI Decides" in complete sessions of a scripted game, with and without the shadow
+// lane.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,8 @@ SessionSetup AdaptiveSetup(uint32_t arm_count) {
   return setup;
 }
 
-// Beta priors of reward version 3 with these costs, as a store sums them up.
+// Returns Beta priors of reward version 3 with these costs and much evidence, such as the sums of a
+// store.
 std::vector<BetaPosterior> PriorsOf(const std::vector<double>& cost_us) {
   std::vector<BetaPosterior> priors;
   for (const double cost : cost_us) {
@@ -33,7 +34,7 @@ std::vector<BetaPosterior> PriorsOf(const std::vector<double>& cost_us) {
 
 SceneDescriptor MovingAt(double speed) { return {{}, {}, {}, speed, {}, {}, {}}; }
 
-// A game all of whose frame time is detection, unless it is given other work.
+// A game whose frame time is all detection.
 class Game {
  public:
   explicit Game(std::vector<double> costs_us, bool lane = true)
@@ -49,7 +50,7 @@ class Game {
   void RunTicks(int count) {
     for (int i = 0; i < count; ++i) RunToTick();
   }
-  // The active arm takes six seconds for a frame.
+  // Sends a bail-out: the active arm took six seconds for a frame.
   Decision BailOut() {
     const FrameSample stall{.frame_time_ns = 6'000'000'000,
                             .detection_time_ns = 6'000'000'000,
@@ -58,7 +59,7 @@ class Game {
                             .switch_epoch = client.epoch};
     return client.session.ObserveBailOut(stall, client.now_ns);
   }
-  // Ticks of the next `count` after which this arm is active.
+  // Runs `count` ticks and returns after how many of them this arm is active.
   int TicksOn(uint32_t arm, int count) {
     int ticks = 0;
     for (int i = 0; i < count; ++i) {
@@ -71,11 +72,12 @@ class Game {
   ScriptedClient client;
   std::vector<double> cost_us;
   bool lane_on;
-  std::vector<double> lane_ratio = std::vector<double>(cost_us.size(), 1.1);  // lane ÷ frame thread
-  double frame_load = 1;  // time of a frame ÷ that of one without other work on its core
+  std::vector<double> lane_ratio =
+      std::vector<double>(cost_us.size(), 1.1);  // cost in the lane ÷ cost on the frame thread
+  double frame_load = 1;  // factor by which other work on the core slows the frames
 
  private:
-  // 100 frames per interval, each a little different.
+  // Sets the cost of the frames until the next tick, with 1 % noise.
   void SetFrame() {
     const double cost = frame_load * cost_us[client.arm] * std::exp(0.01 * DrawNormal(random_));
     client.frame.detection_time_ns = static_cast<uint64_t>(cost * 1e3);
@@ -99,12 +101,12 @@ class Game {
   uint64_t sweep_ = 0;
 };
 
-TEST(AdaptivePolicy, IsOnTheCheapestArmAfterTheFirstSweepHoweverShortTheCooldown) {
+TEST(AdaptivePolicy, IsOnTheCheapestArmAfterTheFirstSweepWithAnyCooldown) {
   SessionSetup setup = AdaptiveSetup(4);
   for (const int64_t cooldown_ns : {40 * kSecond, 1 * kSecond, 0 * kSecond}) {
     setup.options.cooldown_ns = cooldown_ns;
     Game game(setup, {90'000, 12'000, 10'000, 20'000});
-    game.RunTicks(2);  // the first one has settling frames only
+    game.RunTicks(2);  // the first window has only settling frames
     EXPECT_EQ(game.client.arm, 2u) << cooldown_ns;
     EXPECT_GE(game.TicksOn(2, 100), 90) << cooldown_ns;
   }
@@ -118,7 +120,7 @@ TEST(AdaptivePolicy, NeverRunsAnArmThatTheLaneShowsToBeFarWorse) {
 
 TEST(AdaptivePolicy, TriesAnArmThatTheLaneMayMisjudge) {
   Game game({10'000, 11'000, 30'000});
-  game.lane_ratio = {1.1, 0.9, 1};  // it finds the second arm cheaper by a tenth
+  game.lane_ratio = {1.1, 0.9, 1};  // the lane underestimates the second arm by a tenth
   game.RunTicks(20);
   EXPECT_EQ(game.client.arm, 0u);
   EXPECT_GE(game.TicksOn(0, 100), 99);
@@ -128,8 +130,9 @@ double CostUs(const Increment& increment) {
   return std::exp(LogCostOfReward(increment.alpha / (increment.alpha + increment.beta)));
 }
 
-// The lane takes 1.1 times the frame thread's time, but for the last arm, which is never live.
-TEST(AdaptivePolicy, StoresVisitsAsWhatTheArmsWouldCostLive) {
+// The lane takes 1.1 times as long as the frame thread, except for the last arm, which never runs
+// live.
+TEST(AdaptivePolicy, StoresVisitsConvertedToLiveCosts) {
   Game game({10'000, 30'000, 60'000});
   game.lane_ratio[2] = 1.3;
   game.RunTicks(100);
@@ -139,14 +142,14 @@ TEST(AdaptivePolicy, StoresVisitsAsWhatTheArmsWouldCostLive) {
   EXPECT_NEAR(CostUs(visits[2]) / 60'000, 1.3 / 1.1, 0.1);
 }
 
-TEST(AdaptivePolicy, AFloodOfVisitsIsNoMoreEvidenceThanALaneCanMeasure) {
+TEST(AdaptivePolicy, AFloodOfVisitsCountsOnlyAsMuchAsALaneCanMeasure) {
   Game game({10'000, 30'000}, /*lane=*/false);
   const std::vector<ShadowSample> visits(200, {.detection_time_ns = 5'000, .arm = 1});
   game.client.session.ObserveShadow(visits);
   EXPECT_EQ(game.RunToTick().lane_increments.size(), 8u);
 }
 
-TEST(AdaptivePolicy, VisitsInManualModeAreNoEvidence) {
+TEST(AdaptivePolicy, VisitsInManualModeAreNotEvidence) {
   Game game({10'000, 30'000});
   game.client.session.SetMode(Mode::kManual, 0, game.client.now_ns);
   EXPECT_TRUE(game.RunToTick().lane_increments.empty());
@@ -154,8 +157,8 @@ TEST(AdaptivePolicy, VisitsInManualModeAreNoEvidence) {
   EXPECT_EQ(game.RunToTick().lane_increments.size(), 2u);
 }
 
-// The second visit shows that the priors are wrong.
-TEST(AdaptivePolicy, KeepsWhatEarlierTicksHaveSeenWhereItDropsThePriors) {
+// The second visit contradicts the priors.
+TEST(AdaptivePolicy, KeepsEarlierMeasurementsWhenItDropsThePriors) {
   SessionSetup setup = AdaptiveSetup(2);
   setup.priors = PriorsOf({1'000, 100'000});
   Game game(setup, {50'000, 10'000}, /*lane=*/false);
@@ -169,8 +172,8 @@ TEST(AdaptivePolicy, KeepsWhatEarlierTicksHaveSeenWhereItDropsThePriors) {
   EXPECT_GT(beliefs[1].mean(), beliefs[0].mean() + 0.05);
 }
 
-// Half an hour, in which each of them is the cheaper one in turns.
-TEST(AdaptivePolicy, StaysWhereAnotherArmCostsAlmostTheSame) {
+// For half an hour, the two arms take turns at being the cheaper one.
+TEST(AdaptivePolicy, StaysIfAnotherArmCostsAlmostTheSame) {
   Game game({10'000, 10'050, 30'000});
   game.RunTicks(60);
   const size_t switch_count = game.client.commands.size();
@@ -181,7 +184,7 @@ TEST(AdaptivePolicy, StaysWhereAnotherArmCostsAlmostTheSame) {
   EXPECT_LE(game.client.commands.size() - switch_count, 6u);
 }
 
-// Other work comes to the frame thread's core for 10 s, again and again.
+// Other work repeatedly uses the frame thread's core for 10 s.
 TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
   Game game({10'000, 14'000, 18'200});
   game.RunTicks(60);
@@ -198,7 +201,7 @@ TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
   EXPECT_EQ(game.client.commands.size(), switch_count);
 }
 
-// So that a game which has gone manual knows when it is worth its while to be decided for again.
+// A game in manual mode can then see from the verdict when mode ai would be worthwhile.
 TEST(AdaptivePolicy, LearnsFromTheLaneInManualModeAndCommandsNothing) {
   SessionSetup setup = AdaptiveSetup(3);
   setup.mode = Mode::kManual;
@@ -211,7 +214,7 @@ TEST(AdaptivePolicy, LearnsFromTheLaneInManualModeAndCommandsNothing) {
   EXPECT_EQ(game.client.arm, 2U);
 }
 
-TEST(AdaptivePolicy, ACappedVisitSaysThatAnArmCostsAtLeastSoMuch) {
+TEST(AdaptivePolicy, ACappedVisitIsALowerBoundOfTheCost) {
   const auto cost_us = [](uint64_t capped_us) {
     Game game({10'000, 40'000});
     game.RunTicks(20);
@@ -242,9 +245,9 @@ TEST(AdaptivePolicy, FollowsASceneThatMakesAnotherArmCheaper) {
   EXPECT_EQ(game.client.arm, 1u);
 }
 
-// A scene that moves where the first arm is the best, and rests where the second one is; the lane
-// reports in the first two minutes alone, so that only beliefs can tell.
-TEST(AdaptivePolicy, ARegimeThatReturnsBringsItsBeliefs) {
+// The first arm is the best while the scene moves, the second one while it rests. The lane reports
+// only in the first two minutes, so afterwards only stored beliefs identify the best arm.
+TEST(AdaptivePolicy, AReturningRegimeRestoresItsBeliefs) {
   Game game({10'000, 14'000});
   const auto run_regime = [&](bool rests) {
     game.cost_us = rests ? std::vector<double>{15'000, 9'000} : std::vector<double>{10'000, 14'000};
@@ -261,7 +264,7 @@ TEST(AdaptivePolicy, ARegimeThatReturnsBringsItsBeliefs) {
   for (const bool rests : {false, true, false, true}) run_regime(rests);
 }
 
-TEST(AdaptivePolicy, SaysHowSureItIs) {
+TEST(AdaptivePolicy, TheDiagnosisStatesItsCertainty) {
   Game game({20'000, 12'000, 10'000});
   game.RunTicks(100);
   const Diagnosis& sure = game.client.session.diagnosis();
@@ -282,7 +285,7 @@ TEST(AdaptivePolicy, WithoutALaneTriesEachArmLiveAndEndsOnTheCheapest) {
   EXPECT_GE(game.TicksOn(2, 100), 90);
 }
 
-TEST(AdaptivePolicy, TakesUpALaneThatAppearsLate) {
+TEST(AdaptivePolicy, UsesALaneThatStartsLate) {
   Game game({20'000, 12'000, 10'000, 30'000}, /*lane=*/false);
   game.RunTicks(8);
   EXPECT_FALSE(game.client.commands.empty());
@@ -295,12 +298,12 @@ TEST(AdaptivePolicy, AnArmThatMayStallTheGameIsNotTriedLive) {
   Game game({3'500'000, 10'000});
   game.client.Execute(1, SwitchReason::kManual);
   game.RunTicks(10);
-  game.cost_us[1] = 4'500'000;  // now the other one would be better
+  game.cost_us[1] = 4'500'000;  // now the other arm would be better
   game.RunTicks(20);
   EXPECT_TRUE(game.client.commands.empty());
 }
 
-TEST(AdaptivePolicy, LeavesAnArmThatBailsOutAtOnceForAnotherOne) {
+TEST(AdaptivePolicy, LeavesAnArmAtOnceAfterABailOut) {
   Game game({10'000, 12'000, 30'000});
   game.RunTicks(10);
   ASSERT_EQ(game.client.arm, 0u);
@@ -310,7 +313,7 @@ TEST(AdaptivePolicy, LeavesAnArmThatBailsOutAtOnceForAnotherOne) {
   EXPECT_EQ(decision.increment->bail_out_count, 1u);
 }
 
-TEST(AdaptivePolicy, ABailOutWeighsAsTenWindowsInWhatIsStored) {
+TEST(AdaptivePolicy, ABailOutIsStoredWithTheWeightOfTenWindows) {
   Game game({10'000, 12'000});
   game.RunTicks(10);
   const auto window = game.RunToTick().increment;
@@ -321,14 +324,14 @@ TEST(AdaptivePolicy, ABailOutWeighsAsTenWindowsInWhatIsStored) {
   EXPECT_NEAR(decision.increment->beta / (window->alpha + window->beta), 10, 0.5);
 }
 
-TEST(AdaptivePolicy, ABailOutLeavesForAnArmThatIsNotSafeEither) {
+TEST(AdaptivePolicy, ABailOutSwitchesEvenToAnArmThatIsUnsafe) {
   Game game({4'000'000, 4'500'000});
   game.RunTicks(10);
   ASSERT_EQ(game.client.arm, 0u);
   EXPECT_TRUE(game.BailOut().command);
 }
 
-TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlow) {
+TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlowItIs) {
   for (const double slow_us : {3e5, 6e5, 9e5, 1.2e6, 2e6, 4e6}) {
     Game game({slow_us, 1e4, 2e4}, false);
     game.RunTicks(100);
@@ -336,8 +339,8 @@ TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlow) {
   }
 }
 
-// The arm was not to blame.
-TEST(AdaptivePolicy, WithoutALaneOneBailOutKeepsAnArmOutForSomeMinutesOnly) {
+// The arm did not cause the bail-out.
+TEST(AdaptivePolicy, WithoutALaneOneBailOutExcludesAnArmOnlyForMinutes) {
   Game game({10'000, 12'000}, /*lane=*/false);
   game.RunTicks(20);
   ASSERT_EQ(game.client.arm, 0u);
@@ -345,18 +348,18 @@ TEST(AdaptivePolicy, WithoutALaneOneBailOutKeepsAnArmOutForSomeMinutesOnly) {
   EXPECT_EQ(game.TicksOn(0, 150), 0) << "five minutes";
   EXPECT_GT(game.TicksOn(0, 100), 40);
   game.client.Execute(game.BailOut().command->arm, SwitchReason::kBailOut);
-  EXPECT_EQ(game.TicksOn(0, 600), 0) << "a second one counts four times as much";
+  EXPECT_EQ(game.TicksOn(0, 600), 0) << "a second bail-out counts four times as much";
 }
 
 TEST(AdaptivePolicy, APriorOfThisMachineDecidesBeforeTheFirstFrame) {
   SessionSetup setup = AdaptiveSetup(4);
-  setup.priors = PriorsOf({9'000, 1'200, 1'000, 3'000});  // of a faster machine
+  setup.priors = PriorsOf({9'000, 1'200, 1'000, 3'000});  // measured on a faster machine
   Game game(setup, {90'000, 12'000, 10'000, 30'000});
   EXPECT_EQ(game.client.session.Tick(game.client.now_ns).command->arm, 2u);
 }
 
-// What is unknown of an arm is not worth five frames of a tenth of a second each.
-TEST(AdaptivePolicy, WithoutALaneAnArmThatItsPriorFindsAHundredTimesDearerIsNotTried) {
+// The possible gain is not worth a trial of five frames of 0.1 s each.
+TEST(AdaptivePolicy, WithoutALaneAnArmWithAHundredfoldPriorCostIsNotTried) {
   SessionSetup setup = AdaptiveSetup(2);
   setup.priors = PriorsOf({1'000, 100'000});
   Game game(setup, {1'000, 100'000}, /*lane=*/false);
@@ -385,13 +388,13 @@ TEST(AdaptivePolicy, AWrongPriorIsDroppedWhenTheFirstSweepTakesSeveralTicks) {
     game.client.session.ObserveShadow({&sample, 1});
     game.RunToTick();
   }
-  // A prior that is held says nine tenths, with a deviation of a sixth.
+  // With the prior, the mean of arm 0 would remain the highest.
   EXPECT_LT(game.client.session.posteriors()[0].mean(), game.client.session.posteriors()[2].mean());
   game.RunTicks(2);
   EXPECT_NE(game.client.arm, 0u);
 }
 
-TEST(AdaptivePolicy, AWrongPriorIsFoundOutWithoutALaneToo) {
+TEST(AdaptivePolicy, AWrongPriorIsCorrectedWithoutALaneToo) {
   SessionSetup setup = AdaptiveSetup(3);
   setup.priors = PriorsOf({1'000, 2'000, 4'000});
   Game game(setup, {30'000, 20'000, 10'000}, /*lane=*/false);
@@ -415,7 +418,7 @@ TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
 TEST(AdaptivePolicy, TheCooldownGrowsWithWhatSwitchesCost) {
   const auto cooldown_s = [](uint64_t cost_ns) {
     Game game({20'000, 10'000, 10'500}, /*lane=*/false);
-    game.RunTicks(40);  // no arm is left to be tried, which has a budget
+    game.RunTicks(40);  // all trials are over, which have their own budget
     const SwitchCost cost{.rebuild_time_ns = cost_ns};
     for (int i = 0; i < 20; ++i) {
       game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
@@ -425,9 +428,9 @@ TEST(AdaptivePolicy, TheCooldownGrowsWithWhatSwitchesCost) {
     game.RunToTick();
     return game.RunToTick().record.gate->cooldown_s;
   };
-  EXPECT_EQ(cooldown_s(1'000'000), 4);            // settling and a window
-  EXPECT_NEAR(cooldown_s(500'000'000), 10, 0.1);  // twenty times what they cost
-  EXPECT_EQ(cooldown_s(kSecond * 100), 40);       // never longer than the paper's
+  EXPECT_EQ(cooldown_s(1'000'000), 4);            // settling and one window
+  EXPECT_NEAR(cooldown_s(500'000'000), 10, 0.1);  // twenty times the cost of a switch
+  EXPECT_EQ(cooldown_s(kSecond * 100), 40);       // never longer than in the paper
 }
 
 TEST(AdaptivePolicy, CountsARebuildAmongTheSettlingFramesOnce) {
@@ -445,14 +448,14 @@ TEST(AdaptivePolicy, CountsARebuildAmongTheSettlingFramesOnce) {
   EXPECT_LT(cost_s({.rebuild_time_ns = 0, .settling_cost_ns = 0}), settled);
 }
 
-TEST(AdaptivePolicy, TheSpreadOfTheShownBeliefsNarrowsWithEvidence) {
+TEST(AdaptivePolicy, ThePublishedBeliefsNarrowWithEvidence) {
   Game game({10'000, 12'000});
   const double early = game.client.session.posteriors()[1].evidence();
   game.RunTicks(50);
   EXPECT_GT(game.client.session.posteriors()[1].evidence(), 2 * early);
 }
 
-TEST(AdaptivePolicy, StoresWhatALiveWindowSaysAsABetaOfItsWidth) {
+TEST(AdaptivePolicy, StoresALiveWindowAsABetaOfItsPrecision) {
   Game game({10'000, 12'000}, /*lane=*/false);
   game.RunTicks(4);
   const Decision decision = game.RunToTick();
@@ -464,15 +467,15 @@ TEST(AdaptivePolicy, StoresWhatALiveWindowSaysAsABetaOfItsWidth) {
 }
 
 // Arm 0 runs, arm 1 is cheaper by a quarter, arm 2 costs twice as much.
-TEST(Standings, TellLiveWindowsFromVisitsAndHowMuchBothAreWorth) {
+TEST(Standings, CountLiveWindowsAndVisitsAndWeighBoth) {
   Game game({400, 300, 800});
   game.client.obedient = false;
   game.RunTicks(20);
   const auto standings = game.client.session.standings();
-  EXPECT_EQ(standings[0].live_window_count, 19u) << "of the first, all frames settle";
+  EXPECT_EQ(standings[0].live_window_count, 19u) << "the first window has only settling frames";
   EXPECT_EQ(standings[1].live_window_count, 0u);
   for (const ArmStanding& standing : standings) EXPECT_GE(standing.lane_visit_count, 20u);
-  // The lane's bias is unknown: many visits of an arm tell no more than a window or so.
+  // The lane's bias is unknown, so many visits of an arm have the information of about one window.
   EXPECT_GT(standings[2].effective_window_count, 0.001);
   EXPECT_LT(standings[2].effective_window_count, 2);
   ASSERT_EQ(game.client.session.diagnosis().leader, 1u);
@@ -484,8 +487,8 @@ TEST(Standings, TellLiveWindowsFromVisitsAndHowMuchBothAreWorth) {
   EXPECT_GT(ratio.low, 1);
 }
 
-// Evidence of ten thousand windows does not stay: costs drift.
-TEST(Standings, LiveWindowsAreWorthFewerThanThereWere) {
+// Old windows lose weight, because costs drift.
+TEST(Standings, TheEffectiveWindowCountIsBelowTheCount) {
   Game game({300, 400}, /*lane=*/false);
   game.client.obedient = false;
   game.RunTicks(400);

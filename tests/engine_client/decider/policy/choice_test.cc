@@ -36,7 +36,7 @@ TEST(TimeToChoose, IsTheFirstTickAndEachWholeCooldownAfterTheStartUntilASwitch) 
   EXPECT_EQ(times, (std::vector<int64_t>{2, 40, 80}));
 }
 
-TEST(TimeToChoose, IsOneWhenALateTickHasPassedSeveralCooldowns) {
+TEST(TimeToChoose, IsOnlyOnceAfterALateTickThatSpansSeveralCooldowns) {
   ChoiceInput late = TickAt(200 * kSecond, 0);
   late.last_tick_ns = 30 * kSecond;
   EXPECT_TRUE(IsTimeToChoose(late, kCooldown));
@@ -51,7 +51,7 @@ TEST(TimeToChoose, IsEveryBailOutAndEveryTickWithoutCooldown) {
   EXPECT_TRUE(IsTimeToChoose(input, kCooldown));
 }
 
-TEST(TimeToChoose, TakesTimesAsFarApartAsTheyGet) {
+TEST(TimeToChoose, AcceptsTheLargestTimeDifferences) {
   ChoiceInput input = TickAt(std::numeric_limits<int64_t>::max(), std::nullopt);
   input.last_switch_ns = std::numeric_limits<int64_t>::min();
   input.last_tick_ns = 0;

@@ -20,8 +20,9 @@ double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// P(reward 0 > reward 1) for whole α of the first: Σ B(αb + i, βa + βb) ÷ ((βa + i) B(1 + i, βa)
-// B(αb, βb)) (E. Miller, "Formulas for Bayesian A/B testing", 2015), by the C library's gamma.
+// Returns P(reward 0 > reward 1) if α of the first is an integer: Σ B(αb + i, βa + βb) ÷ ((βa + i)
+// B(1 + i, βa) B(αb, βb)) (E. Miller, "Formulas for Bayesian A/B testing", 2015), computed with the
+// C library's gamma function.
 double ExactFirstWins(const BetaPosterior& first, const BetaPosterior& second) {
   const auto log_beta = [](double a, double b) {
     return std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b);
@@ -37,7 +38,7 @@ double ExactFirstWins(const BetaPosterior& first, const BetaPosterior& second) {
 
 double NormalDistribution(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
 
-// Posteriors of every width, from a seed.
+// Returns random posteriors of all widths, from a seed.
 Posteriors AnyPosteriors(uint64_t seed, double widest_exponent) {
   RandomStream random(seed, RandomPurpose::kChoice, 0, 0);
   Posteriors posteriors(2 + random.NextBelow(31));
@@ -48,7 +49,7 @@ Posteriors AnyPosteriors(uint64_t seed, double widest_exponent) {
   return posteriors;
 }
 
-TEST(Diagnosis, OfTwoArmsIsTheClosedFormula) {
+TEST(Diagnosis, OfTwoArmsAgreesWithTheClosedFormula) {
   const std::vector<Posteriors> pairs = {{{5, 4}, {2, 3}},          {{1, 1}, {2, 1}},
                                          {{40, 3}, {31.5, 1.8}},    {{300, 700}, {29, 71}},
                                          {{2000, 100}, {1e4, 480}}, {{1, 1000}, {0.5, 500}}};
@@ -58,9 +59,9 @@ TEST(Diagnosis, OfTwoArmsIsTheClosedFormula) {
   }
 }
 
-TEST(Diagnosis, OfThreeUniformLikeArmsIsTheHandComputedOne) {
-  // Densities 1, 1 and 2x: the third wins with ∫ 2x³ = 1/2; E[max] = ∫ x · 4x³ = 4/5; the third's
-  // mean is 2/3.
+TEST(Diagnosis, OfThreeArmsAgreesWithAComputationByHand) {
+  // The densities are 1, 1 and 2x. The third arm wins with probability ∫ 2x³ = 1/2; E[max] = ∫ x ·
+  // 4x³ = 4/5; the third's mean is 2/3.
   const Diagnosis diagnosis = Diagnose(Posteriors{{1, 1}, {1, 1}, {2, 1}});
   EXPECT_NEAR(diagnosis.best_probability[2], 0.5, 1e-6);
   EXPECT_NEAR(diagnosis.best_probability[0], 0.25, 1e-6);
@@ -71,7 +72,7 @@ TEST(Diagnosis, OfThreeUniformLikeArmsIsTheHandComputedOne) {
   EXPECT_EQ(diagnosis.verdict, Verdict::kAmbiguous);
 }
 
-TEST(Diagnosis, OfSevenArmsIsWhatDrawsGive) {
+TEST(Diagnosis, OfSevenArmsAgreesWithSampling) {
   const Posteriors posteriors = {{30, 20}, {3, 2},   {200, 120}, {0.6, 0.4},
                                  {9, 1.5}, {31, 33}, {1, 5}};
   constexpr int kDraws = 200'000;
@@ -94,7 +95,7 @@ TEST(Diagnosis, OfSevenArmsIsWhatDrawsGive) {
   EXPECT_NEAR(diagnosis.expected_loss_ratio, (best_sum - reward) / best_sum, 0.002);
 }
 
-TEST(Diagnosis, OfAnyPosteriorsSumsToOneAndHasNoNan) {
+TEST(Diagnosis, ProbabilitiesSumToOneWithoutNanForAnyPosteriors) {
   for (const double widest_exponent : {0.5, 2.0, 6.0, 15.0}) {
     for (uint64_t seed = 1; seed <= 100; ++seed) {
       const Diagnosis diagnosis = Diagnose(AnyPosteriors(seed, widest_exponent));
@@ -132,7 +133,7 @@ TEST(Diagnosis, OfEqualArmsIsEqual) {
   }
 }
 
-TEST(Diagnosis, OfAnArmGrowsWithItsMean) {
+TEST(Diagnosis, TheProbabilityOfAnArmGrowsWithItsMean) {
   double before = 0;
   for (int step = 0; step <= 40; ++step) {
     const double alpha = 30 + step;
@@ -143,35 +144,35 @@ TEST(Diagnosis, OfAnArmGrowsWithItsMean) {
   }
 }
 
-TEST(Diagnosis, SeesWhatANarrowArmIsAmongWideOnes) {
-  // The narrow one is at ½ as good as surely: it is the best where the uniform one is below.
+TEST(Diagnosis, HandlesANarrowArmAmongWideOnes) {
+  // The narrow arm is almost exactly ½, so it is the best if the uniform arm is below ½.
   const Diagnosis diagnosis = Diagnose(Posteriors{{1, 1}, {1e14, 1e14}});
   EXPECT_NEAR(diagnosis.best_probability[1], 0.5, 1e-5);
   EXPECT_NEAR(diagnosis.expected_loss_ratio, 0.125 / 0.625, 1e-5);
 }
 
 TEST(Diagnosis, ValueRemainingIsTheLossOfTheArmWithTheHighestMean) {
-  // The narrow arm is at 0.52; the wide one, at 0.5 on average, is above it with probability
-  // almost a half only: leader and highest mean are the same.
+  // The narrow arm is at 0.52. The wide arm has mean 0.5 and is above 0.52 with a probability of
+  // almost a half. So the leader has the highest mean.
   const Diagnosis same = Diagnose(Posteriors{{52e10, 48e10}, {1, 1}});
   EXPECT_EQ(same.leader, 0u);
   EXPECT_EQ(same.value_remaining_ratio, same.expected_loss_ratio);
-  // Beta(0.2, 0.3) is above 0.38 with probability below a half, and has the mean 0.4.
+  // Beta(0.2, 0.3) is above 0.38 with a probability below a half, but its mean is 0.4.
   const Diagnosis other = Diagnose(Posteriors{{38e10, 62e10}, {0.2, 0.3}});
   EXPECT_EQ(other.leader, 0u);
   const double best = 0.38 / (1 - other.expected_loss_ratio);
   EXPECT_NEAR(other.value_remaining_ratio, (best - 0.4) / best, 1e-9);
 }
 
-TEST(Diagnosis, OfFewDigitsApartIsTheNormalOne) {
-  // Standard deviation of the difference: √(2 · ¼ / 2e14).
+TEST(Diagnosis, OfAlmostEqualArmsAgreesWithTheNormalDistribution) {
+  // The standard deviation of the difference is √(2 · ¼ / 2e14).
   const double sigma = std::sqrt(0.5 / 2e14);
   const double p =
       Diagnose(Posteriors{{1e14 + 2e14 * sigma, 1e14}, {1e14, 1e14}}).best_probability[0];
   EXPECT_NEAR(p, NormalDistribution(0.5), 1e-5);
 }
 
-TEST(Diagnosis, KnowsNothingWhereNothingWasLearnt) {
+TEST(Diagnosis, IsUnknownIfNothingWasLearnt) {
   EXPECT_TRUE(Diagnose(Posteriors{}).best_probability.empty());
   const Diagnosis diagnosis = Diagnose(Posteriors(7));
   EXPECT_TRUE(diagnosis.best_probability.empty());
@@ -194,19 +195,19 @@ TEST(Diagnosis, VerdictFollowsProbabilityAndLoss) {
   EXPECT_EQ(Diagnose(Posteriors{{9, 1}, {8, 2}}).verdict, Verdict::kAmbiguous);
 }
 
-TEST(LogCostDiagnosis, OfTwoArmsIsTheNormalDistribution) {
+TEST(LogCostDiagnosis, OfTwoArmsAgreesWithTheNormalDistribution) {
   const std::vector<double> means = {1.0, 1.2};
   const std::vector<double> variances = {0.01, 0.03};
   const Diagnosis diagnosis = DiagnoseLogCosts(means, variances);
   EXPECT_NEAR(diagnosis.best_probability[0], NormalDistribution(1), 1e-6);
-  // E[(y0 − y1)⁺] = s φ(z) − d Φ(−z), of d = 0.2, s = 0.2.
+  // E[(y0 − y1)⁺] = s φ(z) − d Φ(−z) with d = 0.2 and s = 0.2.
   const double loss =
       0.2 * (std::exp(-0.5) / std::sqrt(2 * std::numbers::pi) - NormalDistribution(-1));
   EXPECT_NEAR(diagnosis.expected_loss_ratio, std::expm1(loss), 1e-6);
   EXPECT_NEAR(diagnosis.value_remaining_ratio, diagnosis.expected_loss_ratio, 1e-12);
 }
 
-TEST(LogCostDiagnosis, OfWhatAllShareIsTheIndependentOne) {
+TEST(LogCostDiagnosis, IgnoresACovarianceThatAllArmsShare) {
   const std::vector<double> means = {0.3, 0.31, 0.33, 0.5, 0.2};
   const std::vector<double> variances = {0.01, 0.02, 0.001, 0.3, 0.02};
   std::vector<double> covariance(25, 0.7);
@@ -219,14 +220,14 @@ TEST(LogCostDiagnosis, OfWhatAllShareIsTheIndependentOne) {
   EXPECT_NEAR(correlated.expected_loss_ratio, independent.expected_loss_ratio, 1e-4);
 }
 
-TEST(LogCostDiagnosis, OfTwoCorrelatedArmsHasTheVarianceOfTheirDifference) {
+TEST(LogCostDiagnosis, OfTwoCorrelatedArmsUsesTheVarianceOfTheirDifference) {
   const std::vector<double> means = {0, 0.1, 9};
   const std::vector<double> covariance = {0.05, 0.048, 0, 0.048, 0.056, 0.01, 0, 0.01, 0.02};
   const Diagnosis diagnosis = DiagnoseCorrelatedLogCosts(means, covariance);
   EXPECT_NEAR(diagnosis.best_probability[0], NormalDistribution(1), 1e-6);
 }
 
-TEST(LogCostDiagnosis, OfAnyCostsSumsToOneAndHasNoNan) {
+TEST(LogCostDiagnosis, ProbabilitiesSumToOneWithoutNanForAnyCosts) {
   for (uint64_t seed = 1; seed <= 200; ++seed) {
     RandomStream random(seed, RandomPurpose::kChoice, 0, 0);
     std::vector<double> means(1 + random.NextBelow(32));
@@ -246,7 +247,7 @@ TEST(LogCostDiagnosis, OfKnownCostsIsCertain) {
   EXPECT_NEAR(diagnosis.expected_loss_ratio, 0, 1e-7);
 }
 
-// The bits themselves: the same on every platform.
+// Compares the bits, which are the same on every platform.
 TEST(Diagnosis, BitsAreTheOnesRecorded) {
   const auto bits = [](double value) { return std::bit_cast<uint64_t>(value); };
   const Diagnosis rewards = Diagnose(Posteriors{{30.25, 20}, {3, 2}, {200, 120.5}, {0.6, 0.4}});

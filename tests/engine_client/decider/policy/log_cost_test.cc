@@ -8,7 +8,7 @@
 namespace sweepstake::decision {
 namespace {
 
-TEST(LogCost, ANanosecondIsAllOfTheRewardAndAStallOfFiveSecondsNoneOfIt) {
+TEST(LogCost, ANanosecondGivesRewardOneAndAStallOfFiveSecondsZero) {
   EXPECT_NEAR(RewardOf(LogCostOf(1e-3)), 1, 1e-12);
   EXPECT_NEAR(RewardOf(LogCostOf(1e-3 * std::sqrt(5e9))), 0.5, 1e-12);
   EXPECT_NEAR(RewardOf(LogCostOf(5e6)), 0, 1e-12);
@@ -23,14 +23,14 @@ TEST(LogCost, EqualRatiosOfCostAreEqualDifferencesOfReward) {
               RewardOf(LogCostOf(10)) - RewardOf(LogCostOf(11)), 1e-12);
 }
 
-TEST(LogCost, ABeliefSurvivesBeingShownAsABetaDistribution) {
+TEST(LogCost, ABeliefSurvivesTheConversionToABetaDistribution) {
   const NormalBelief belief{.mean = 6.2, .variance = 0.0004};
   const NormalBelief back = BeliefOf(BetaOf(belief));
   EXPECT_NEAR(back.mean, belief.mean, 1e-9);
   EXPECT_NEAR(back.variance, belief.variance, 1e-8);
 }
 
-TEST(LogCost, AWindowCountsAsMuchAsItsNoiseWarrants) {
+TEST(LogCost, AWindowCountsInverselyToItsNoiseVariance) {
   const double reward = 0.6;
   const Increment sharp = LogCostIncrement(2, reward, 0.01 * 0.01);
   const Increment blurred = LogCostIncrement(2, reward, 0.1 * 0.1);

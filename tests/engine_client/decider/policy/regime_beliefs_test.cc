@@ -14,7 +14,7 @@ SceneDescriptor DescriptorOf(double speed) {
   return descriptor;
 }
 
-// At rest the first arm costs 10 µs and the second one 20, in motion 60 and 20.
+// The first arm costs 10 µs at rest and 60 µs in motion, the second one always 20 µs.
 void Learn(RegimeBeliefs& beliefs, bool rests) {
   beliefs.filter().ObserveLive(0, std::log(rests ? 10.0 : 60.0));
   beliefs.filter().ObserveLive(1, std::log(20.0));
@@ -44,7 +44,7 @@ TEST(RegimeBeliefs, AreThoseOfThePresentRegime) {
   EXPECT_GT(beliefs.Difference(0, 1).mean, 0.5);
 }
 
-TEST(RegimeBeliefs, KnowASceneThatChangesFromOneThatDoesNot) {
+TEST(RegimeBeliefs, DistinguishAChangingSceneFromAConstantOne) {
   RegimeBeliefs beliefs{RelativeCostFilter(2)};
   for (int tick = 0; tick < 20; ++tick) ObserveTick(beliefs, true);
   EXPECT_FALSE(beliefs.scene_changes());
@@ -54,8 +54,8 @@ TEST(RegimeBeliefs, KnowASceneThatChangesFromOneThatDoesNot) {
   EXPECT_TRUE(beliefs.scene_changes());
 }
 
-// A choice that is made in one regime takes effect in the next one.
-TEST(RegimeBeliefs, AreOfAMixtureOfRegimesThatChangeFasterThanChoices) {
+// A choice that is made in one regime takes effect only in the next one.
+TEST(RegimeBeliefs, AreAMixtureIfRegimesChangeFasterThanChoices) {
   RegimeBeliefs beliefs = AfterRegimesOf(2);
   for (const bool rests : {true, false, true, false}) {
     EXPECT_TRUE(ObserveTick(beliefs, rests));
@@ -67,9 +67,9 @@ TEST(RegimeBeliefs, AreOfAMixtureOfRegimesThatChangeFasterThanChoices) {
   }
 }
 
-TEST(RegimeBeliefs, FollowRegimesAgainOnceTheyLast) {
+TEST(RegimeBeliefs, FollowRegimesAgainOnceTheyLastLonger) {
   RegimeBeliefs beliefs = AfterRegimesOf(2);
-  EXPECT_GT(beliefs.Difference(0, 1).mean, 0.1) << "a mixture";
+  EXPECT_GT(beliefs.Difference(0, 1).mean, 0.1) << "the beliefs are a mixture";
   for (int tick = 0; tick < 20; ++tick) ObserveTick(beliefs, true);
   EXPECT_LT(beliefs.Difference(0, 1).mean, -0.5);
 }

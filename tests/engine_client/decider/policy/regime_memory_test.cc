@@ -13,7 +13,7 @@ SceneDescriptor Moving(double speed, double object_count = 1'000, double static_
   return descriptor;
 }
 
-TEST(RegimeMemory, RecognisesARegimeThatReturns) {
+TEST(RegimeMemory, RecognisesAReturningRegime) {
   RegimeMemory memory;
   const uint32_t rest = memory.Observe(Moving(0.001)).regime;
   memory.Observe(Moving(0.0011));
@@ -26,7 +26,7 @@ TEST(RegimeMemory, RecognisesARegimeThatReturns) {
   EXPECT_EQ(back.regime, rest);
 }
 
-TEST(RegimeMemory, TellsRegimesByCountAndStaticShareToo) {
+TEST(RegimeMemory, DistinguishesRegimesByCountAndStaticShareToo) {
   RegimeMemory memory;
   memory.Observe(Moving(0.1));
   memory.Observe(Moving(0.1));
@@ -35,7 +35,7 @@ TEST(RegimeMemory, TellsRegimesByCountAndStaticShareToo) {
   EXPECT_TRUE(memory.Observe(Moving(0.1, 3'000, 0.5)).is_new);
 }
 
-TEST(RegimeMemory, WhatASampleIsUncertainOfIsNoRegime) {
+TEST(RegimeMemory, SamplingNoiseOfADescriptorMakesNoNewRegime) {
   RegimeMemory memory;
   memory.Observe(Moving(3.2, 1'000, 0.66));
   memory.Observe(Moving(3.2, 1'000, 0.66));
@@ -44,7 +44,7 @@ TEST(RegimeMemory, WhatASampleIsUncertainOfIsNoRegime) {
   }
 }
 
-TEST(RegimeMemory, WhatIsNotMeasuredIsLikeItselfAlone) {
+TEST(RegimeMemory, AnUnmeasuredPropertyMatchesOnlyItself) {
   RegimeMemory memory;
   memory.Observe(Moving(0.1));
   memory.Observe(Moving(0.1));
@@ -55,7 +55,7 @@ TEST(RegimeMemory, WhatIsNotMeasuredIsLikeItselfAlone) {
   EXPECT_FALSE(memory.Observe(Moving(0.1)).is_new);
 }
 
-// Otherwise mixtures would take the places of regimes.
+// Otherwise mixtures would displace regimes from the memory.
 TEST(RegimeMemory, ForgetsMixtures) {
   RegimeMemory memory;
   const uint32_t rest = memory.Observe(Moving(0.001)).regime;
@@ -83,7 +83,7 @@ TEST(RegimeMemory, AMixtureBecomesTheRegimeThatFollowsIt) {
   EXPECT_EQ(motion.regime, mixture.regime);
 }
 
-TEST(RegimeMemory, ForgetsTheRegimeThatWasLeftTheLongestAgo) {
+TEST(RegimeMemory, ForgetsTheLeastRecentRegime) {
   RegimeMemory memory;
   double speed = 0.001;
   for (uint32_t i = 0; i < RegimeMemory::kMaxRegimes; ++i, speed *= 10) {

@@ -12,14 +12,16 @@
 namespace sweepstake::decision {
 namespace {
 
-// Arms of known costs, seen through a lane with biases, in a scene whose load moves all of them.
+// Arms of known log-costs. The lane measures them with a bias per arm, and the load of the scene
+// moves all of them.
 class FilterTest : public testing::Test {
  protected:
   static constexpr uint32_t kArms = 4;
 
   double Noise(double deviation) { return deviation * DrawNormal(random_); }
 
-  // One decision interval: load, a sweep, a live window of the active arm.
+  // Simulates one decision interval: the load moves, the lane sweeps, and the active arm has a live
+  // window.
   void RunInterval(RelativeCostFilter& filter, uint32_t active) {
     load_ += Noise(load_step_);
     filter.Advance(1);
@@ -46,7 +48,7 @@ class FilterTest : public testing::Test {
   std::vector<double> cost_ = {5, 5.1, 5.4, 8.5};
   std::vector<double> bias_ = std::vector<double>(kArms, 0.0);
   double load_ = 0;
-  double core_load_ = 0;  // what else runs on the frame thread's core
+  double core_load_ = 0;  // log of the slowdown by other work on the frame thread's core
   double load_step_ = 0.05;
   bool with_lane_ = true;
   uint64_t sweep_ = 0;
@@ -58,7 +60,7 @@ TEST_F(FilterTest, KnowsNothingAtFirst) {
   EXPECT_GT(Deviation(filter.Difference(0, 3)), 1);
 }
 
-TEST_F(FilterTest, SweepsTellTheDifferencesWithinTheirOwnWidth) {
+TEST_F(FilterTest, SweepsGiveTheDifferencesWithinTheirDeviation) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
   for (uint32_t arm = 1; arm < kArms; ++arm) {
@@ -68,7 +70,7 @@ TEST_F(FilterTest, SweepsTellTheDifferencesWithinTheirOwnWidth) {
   }
 }
 
-TEST_F(FilterTest, ASwingingLoadLeavesTheDifferencesAlone) {
+TEST_F(FilterTest, AChangingLoadDoesNotChangeTheDifferences) {
   RelativeCostFilter filter(kArms);
   load_step_ = 0.3;
   for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
@@ -77,9 +79,9 @@ TEST_F(FilterTest, ASwingingLoadLeavesTheDifferencesAlone) {
   EXPECT_NEAR(filter.LogCost(0).mean, cost_[0] + load_, 0.1);
 }
 
-TEST_F(FilterTest, RunningAnArmLiveRevealsWhatTheLaneGetsWrong) {
+TEST_F(FilterTest, RunningAnArmLiveRevealsTheBiasOfTheLane) {
   RelativeCostFilter filter(kArms);
-  bias_[1] = -0.2;  // the lane shows arm 1 ahead of arm 0, which it is not
+  bias_[1] = -0.2;  // the lane wrongly finds arm 1 cheaper than arm 0
   for (int i = 0; i < 10; ++i) RunInterval(filter, 0);
   EXPECT_LT(filter.Difference(1, 0).mean, 0);
   EXPECT_GT(Deviation(filter.Difference(1, 0)), 0.05);
@@ -89,7 +91,7 @@ TEST_F(FilterTest, RunningAnArmLiveRevealsWhatTheLaneGetsWrong) {
   EXPECT_LT(Deviation(filter.Difference(1, 0)), 0.05);
 }
 
-TEST_F(FilterTest, OneOutlierMovesLittleAndAChangeIsFollowedAtItsSecondSight) {
+TEST_F(FilterTest, OneOutlierMovesLittleAndASecondOneIsFollowed) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
   const double before = filter.Difference(1, 0).mean;
@@ -100,7 +102,7 @@ TEST_F(FilterTest, OneOutlierMovesLittleAndAChangeIsFollowedAtItsSecondSight) {
   EXPECT_NEAR(filter.Difference(1, 0).mean, before + 1, 0.2);
 }
 
-TEST_F(FilterTest, ASweepUnlikeTheOthersLeavesTheLevelAlone) {
+TEST_F(FilterTest, AnOutlyingSweepDoesNotChangeTheLevel) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
   const double before = filter.LogCost(0).mean;
@@ -112,8 +114,8 @@ TEST_F(FilterTest, ASweepUnlikeTheOthersLeavesTheLevelAlone) {
   EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1);
 }
 
-// The load falls while the game is on its way from arm 0 to arm 1.
-TEST_F(FilterTest, AChangeOfLoadAtASwitchLeavesTheDifferencesAlone) {
+// The load falls during the switch from arm 0 to arm 1.
+TEST_F(FilterTest, AChangeOfLoadAtASwitchDoesNotChangeTheDifferences) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
   load_ -= 0.5;
@@ -121,9 +123,9 @@ TEST_F(FilterTest, AChangeOfLoadAtASwitchLeavesTheDifferencesAlone) {
   EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.2);
 }
 
-// Other work comes to the core of the frame thread and goes, the second time while the game is on
-// its way from arm 0 to arm 1.
-TEST_F(FilterTest, OtherWorkOnTheFrameThreadsCoreIsNoArms) {
+// Other work uses the core of the frame thread twice. It ends the second time during the switch
+// from arm 0 to arm 1.
+TEST_F(FilterTest, OtherWorkOnTheFrameThreadsCoreIsNotBlamedOnAnArm) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
   for (const uint32_t next : {0U, 1U}) {
@@ -138,7 +140,7 @@ TEST_F(FilterTest, OtherWorkOnTheFrameThreadsCoreIsNoArms) {
   }
 }
 
-TEST_F(FilterTest, WhereTheLaneWouldShowItAChangeIsNoArmsAlone) {
+TEST_F(FilterTest, AChangeThatTheLaneDoesNotShowIsNotBlamedOnTheArm) {
   for (const bool lane_would_show : {false, true}) {
     RelativeCostFilter filter(kArms);
     for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
@@ -152,7 +154,7 @@ TEST_F(FilterTest, WhereTheLaneWouldShowItAChangeIsNoArmsAlone) {
   }
 }
 
-TEST_F(FilterTest, AStallOfAFewWindowsIsForgottenOnceTheLaneHasSeenTheArmAgain) {
+TEST_F(FilterTest, AStallOfAFewWindowsIsForgottenAfterNewVisits) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
   for (int i = 0; i < 3; ++i) {
@@ -163,7 +165,7 @@ TEST_F(FilterTest, AStallOfAFewWindowsIsForgottenOnceTheLaneHasSeenTheArmAgain) 
   EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.3);
 }
 
-TEST_F(FilterTest, WithoutALaneLiveWindowsOfEachArmTellTheDifference) {
+TEST_F(FilterTest, WithoutALaneLiveWindowsGiveTheDifference) {
   RelativeCostFilter filter(kArms);
   with_lane_ = false;
   load_step_ = 0;
@@ -172,17 +174,17 @@ TEST_F(FilterTest, WithoutALaneLiveWindowsOfEachArmTellTheDifference) {
   }
   EXPECT_NEAR(filter.Difference(3, 0).mean, 3.5, 0.3);
   EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.1);
-  EXPECT_GT(Deviation(filter.Difference(2, 0)), 0.5);  // never seen
+  EXPECT_GT(Deviation(filter.Difference(2, 0)), 0.5);  // never measured
 }
 
-TEST_F(FilterTest, ALaneThatComesLateHasDriftedAsMuchAsOneThatWasThere) {
+TEST_F(FilterTest, ALateLaneHasTheSameDriftAsAnEarlyOne) {
   RelativeCostFilter early(kArms), late(kArms);
   late.Advance(400);
   for (RelativeCostFilter* filter : {&early, &late}) {
     filter->ObserveShadow(0, 1, 5);
     filter->ObserveShadow(1, 1, 5.1);
   }
-  // Both arms' biases, and the noise of both visits.
+  // The deviations are of both arms' biases and of the noise of both visits.
   EXPECT_NEAR(Deviation(early.Difference(0, 1)), std::hypot(0.15, 0.15, std::hypot(0.05, 0.05)),
               0.01);
   EXPECT_NEAR(Deviation(late.Difference(0, 1)),
@@ -190,7 +192,7 @@ TEST_F(FilterTest, ALaneThatComesLateHasDriftedAsMuchAsOneThatWasThere) {
               0.01);
 }
 
-TEST_F(FilterTest, ThePriorIsAboutDifferencesNotAboutTheLevel) {
+TEST_F(FilterTest, ThePriorSetsTheDifferencesButNotTheLevel) {
   RelativeCostFilter filter(kArms);
   filter.SetPrior(0, {.mean = 2, .variance = 0.02});
   filter.SetPrior(1, {.mean = 3, .variance = 0.02});
@@ -199,7 +201,7 @@ TEST_F(FilterTest, ThePriorIsAboutDifferencesNotAboutTheLevel) {
   EXPECT_NEAR(filter.LogCost(1).mean, 6, 0.1);
 }
 
-TEST_F(FilterTest, AnAssumedCostStandsUntilTheArmIsSeenAgain) {
+TEST_F(FilterTest, AnAssumedCostReplacesTheBeliefAboutOneArm) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
   filter.Assume(0, 15);
@@ -207,7 +209,7 @@ TEST_F(FilterTest, AnAssumedCostStandsUntilTheArmIsSeenAgain) {
   EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.2);
 }
 
-TEST_F(FilterTest, ABoundIsTheLanesBiasSoThatItsVisitsDoNotTakeItBack) {
+TEST_F(FilterTest, ABoundAdjustsTheBiasOfTheLaneSoThatVisitsKeepIt) {
   bias_[1] = -1;  // the lane finds the second arm the cheapest
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
@@ -219,10 +221,11 @@ TEST_F(FilterTest, ABoundIsTheLanesBiasSoThatItsVisitsDoNotTakeItBack) {
   for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
   EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1);
   filter.ObserveBound(1, cost_[1] + load_ - 2);
-  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1) << "it is known to cost more";
+  EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.1)
+      << "the bound is below the known cost";
 }
 
-TEST_F(FilterTest, WithoutALaneABoundStandsToo) {
+TEST_F(FilterTest, WithoutALaneABoundHoldsToo) {
   RelativeCostFilter filter(kArms);
   with_lane_ = false;
   for (int i = 0; i < 10; ++i) RunInterval(filter, 0);
@@ -230,8 +233,8 @@ TEST_F(FilterTest, WithoutALaneABoundStandsToo) {
   EXPECT_NEAR(filter.Difference(1, 0).mean, 8 - cost_[0], 0.2);
 }
 
-// What two arms cost says little of a third one: it may cost less than either.
-TEST_F(FilterTest, ABoundBelowAVagueBeliefTakesWhatIsBelowIt) {
+// The costs of two arms say little about a third one, which may cost less than both.
+TEST_F(FilterTest, ABoundTruncatesAVagueBelief) {
   RelativeCostFilter filter(3);
   for (int i = 0; i < 3; ++i) filter.ObserveLive(0, 5);
   for (int i = 0; i < 3; ++i) filter.ObserveLive(2, 7);
@@ -244,9 +247,9 @@ TEST_F(FilterTest, ABoundBelowAVagueBeliefTakesWhatIsBelowIt) {
   EXPECT_NEAR(filter.LogCost(0).mean, 5, 0.1);
 }
 
-// A sweep sees eight frames, of a scene whose frames differ tenfold. Of two arms it could not say
-// what they cost.
-TEST_F(FilterTest, TheFirstLiveWindowTellsTheLevelOfAllArms) {
+// A sweep measures only eight frames of a scene whose frames differ tenfold. It has no result for
+// two of the arms.
+TEST_F(FilterTest, TheFirstLiveWindowSetsTheLevelOfAllArms) {
   RelativeCostFilter filter(kArms);
   filter.ObserveShadow(0, 1, cost_[0] - 2.3);
   filter.ObserveShadow(1, 1, cost_[1] - 2.3);
@@ -256,7 +259,7 @@ TEST_F(FilterTest, TheFirstLiveWindowTellsTheLevelOfAllArms) {
   EXPECT_NEAR(filter.Difference(2, 0).mean, 0, 0.5);
 }
 
-TEST_F(FilterTest, ABoundOfTheLaneTakesWhatIsBelowItAndNoMore) {
+TEST_F(FilterTest, ABoundOfTheLaneOnlyTruncatesTheBelief) {
   RelativeCostFilter filter(kArms);
   for (uint64_t sweep = 1; sweep <= 5; ++sweep) {
     filter.ObserveShadow(0, sweep, 5);
@@ -268,14 +271,16 @@ TEST_F(FilterTest, ABoundOfTheLaneTakesWhatIsBelowItAndNoMore) {
   EXPECT_GT(Deviation(difference), 0.3) << "it may cost many times as much";
   filter.ObserveShadow(0, 6, 5);
   filter.ObserveShadowBound(1, 6, 1);
-  EXPECT_NEAR(filter.Difference(1, 0).mean, difference.mean, 0.01) << "nothing is below that";
+  EXPECT_NEAR(filter.Difference(1, 0).mean, difference.mean, 0.01)
+      << "the belief has no mass below that bound";
   filter.ObserveShadow(0, 7, 5);
   filter.ObserveShadowBound(1, 7, 15);
-  EXPECT_GT(filter.Difference(1, 0).mean, 5) << "as a cost";
+  EXPECT_GT(filter.Difference(1, 0).mean, 5) << "a bound above the belief counts like a cost";
 }
 
-// As a sweep's first visit: what the other arms' differ by afterwards is their own.
-TEST_F(FilterTest, ABoundIsASweepsReference) {
+// A bound as the first visit of a sweep is its reference: the noise is estimated from the other
+// arms' differences to it.
+TEST_F(FilterTest, ABoundCanBeTheReferenceOfASweep) {
   RelativeCostFilter filter(kArms);
   filter.ObserveLive(0, 5);
   const double before = filter.shadow_noise();
@@ -286,7 +291,7 @@ TEST_F(FilterTest, ABoundIsASweepsReference) {
   EXPECT_NE(filter.shadow_noise(), before);
 }
 
-TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
+TEST_F(FilterTest, AbsurdCostsAreClampedAndVariancesStayFinite) {
   RelativeCostFilter filter(kArms);
   const double infinity = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 2'000; ++i) {

@@ -45,7 +45,7 @@ TEST(FpsScore, IsRelativeToTheRecentRange) {
 }
 
 TEST(FpsScore, JudgesASlowRunAgainstThirtyFramesPerSecond) {
-  // hi = 30, lo = min(10, 15): a run that knows only 10 FPS is not content with it.
+  // hi = 30, lo = min(10, 15). A run with only 10 FPS does not get the full score.
   const FpsReference reference = ReferenceOf({10, 10, 10});
   EXPECT_DOUBLE_EQ(reference.Score(10), 0);
   EXPECT_DOUBLE_EQ(reference.Score(20), 0.5);
@@ -112,7 +112,7 @@ TEST(Weights, FpsCountsEightyFivePercentAtZeroFps) {
   EXPECT_NEAR(Sum(stalled), 1, 1e-15);
 }
 
-TEST(Weights, NeverFallWhereTheConfiguredFpsWeightIsHigherAlready) {
+TEST(Weights, NeverFallIfTheConfiguredFpsWeightIsHigher) {
   const RewardWeights only_fps{.fps = 1, .detection = 0, .memory = 0, .checks = 0};
   EXPECT_EQ(WeightsAt(only_fps, 3).fps, 1);
   EXPECT_EQ(WeightsAt(only_fps, 3).detection, 0);
@@ -135,7 +135,7 @@ TEST(Reward, StaysInTheUnitIntervalAtBothEnds) {
             0);
 }
 
-TEST(Reward, IsAbsentWhereAMetricIsNotFinite) {
+TEST(Reward, IsAbsentIfAMetricIsNotFinite) {
   const FpsReference reference = ReferenceOf({100});
   const double nan = std::nan("");
   EXPECT_FALSE(Reward({.fps = kInfinity}, reference, {}));

@@ -21,15 +21,16 @@ TEST(SceneDiagnosis, ComparesRewardsWithDiagnose) {
   EXPECT_EQ(scene.value_remaining_ratio, expected.value_remaining_ratio);
   for (size_t i = 0; i < arms.size(); ++i) {
     EXPECT_EQ(scene.arms[i].best_probability, expected.best_probability[i]);
-    EXPECT_FALSE(scene.arms[i].cost_ratio) << "these rewards do not tell costs";
+    EXPECT_FALSE(scene.arms[i].cost_ratio) << "these rewards do not measure costs";
   }
   // The 2.5 % and 97.5 % quantiles of Beta(30, 10).
   EXPECT_NEAR(scene.arms[0].reward_95.low, 0.607, 5e-4);
   EXPECT_NEAR(scene.arms[0].reward_95.high, 0.870, 5e-4);
 }
 
-// Rewards of version 3 are logarithms of costs: the range from 0 to 1 is ln(5e9), some 22.3.
-TEST(SceneDiagnosis, TellsCostsWhereTheRewardsDo) {
+// Rewards of version 3 are logarithms of costs. The range from 0 to 1 corresponds to ln(5e9), about
+// 22.3.
+TEST(SceneDiagnosis, GivesCostRatiosIfTheRewardsMeasureCosts) {
   const std::vector<SceneArm> arms = {{"SAP", 1, {60'000, 40'000}}, {"Grid", 1, {58'000, 42'000}}};
   const SceneDiagnosis scene = DiagnoseScene(arms, kLogCostRewardVersion);
   EXPECT_EQ(scene.arms[0].cost_ratio, CostRatio{});
@@ -55,12 +56,12 @@ TEST(SceneDiagnosis, ComparesTheNewestVersionOfEachArm) {
   EXPECT_EQ(scene.leader, 2u);
   EXPECT_TRUE(scene.arms[0].is_outdated);
   EXPECT_FALSE(scene.arms[0].best_probability);
-  EXPECT_LT(scene.arms[0].reward_95.high, 1) << "its interval is known";
+  EXPECT_LT(scene.arms[0].reward_95.high, 1) << "it has an interval";
   EXPECT_FALSE(scene.arms[1].is_outdated);
   EXPECT_NEAR(*scene.arms[1].best_probability + *scene.arms[2].best_probability, 1, 1e-9);
 }
 
-TEST(SceneDiagnosis, IsUnknownWithoutEvidenceOrWithOneContender) {
+TEST(SceneDiagnosis, IsUnknownWithoutEvidenceOrWithOnlyOneArm) {
   for (const uint32_t version : {1u, kLogCostRewardVersion}) {
     const std::vector<SceneArm> flat = {{"SAP", 1, {}}, {"Grid", 1, {}}};
     EXPECT_EQ(DiagnoseScene(flat, version).verdict, Verdict::kUnknown);

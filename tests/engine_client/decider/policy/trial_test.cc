@@ -1,5 +1,5 @@
-// The trials of "AI Decides": a game whose lane misjudges an arm, and that ends trials by itself as
-// clients do.
+// The trials of "AI Decides", in a game whose lane misjudges an arm. As all clients, the game
+// itself ends trials that are too slow.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,10 +18,11 @@
 namespace sweepstake::decision {
 namespace {
 
-// A trial lasts for two settling times, of which the policy reckons with what clients grant.
+// The policy assumes the same trial budget as the clients' guard. A trial lasts two settling times.
 static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 1);
 
-// Of a trial, however long they take: those not judged, and two over the limit.
+// The minimum number of frames of a trial, however long they take: frames that are not judged, and
+// two over the limit.
 constexpr uint32_t kLeastFrames = 1 + kShadowWarmUpFrames + 2;
 
 SessionSetup TrialSetup(uint32_t arm_count) {
@@ -30,7 +31,8 @@ SessionSetup TrialSetup(uint32_t arm_count) {
   return setup;
 }
 
-// All of a frame is detection. What an arm costs, and what the lane says of it, may differ.
+// A game whose frame time is all detection. The cost of an arm and the lane's measurement of it may
+// differ.
 class TrialGame {
  public:
   TrialGame(std::vector<double> costs_us, std::vector<double> lane_costs_us)
@@ -60,9 +62,9 @@ class TrialGame {
   std::vector<uint32_t> lane_flags = std::vector<uint32_t>(lane_cost_us.size());
   bool lane_reports = true;
   bool ends_trials = true;
-  std::optional<GateTerms> gate;  // of the latest decision
+  std::optional<GateTerms> gate;  // gate of the latest decision
   DecisionOutcome outcome = DecisionOutcome::kKept;
-  int disturbed_trial_count = 0;  // trials of which two frames take five times as long
+  int disturbed_trial_count = 0;  // number of trials in which two frames take five times as long
   int ended_trial_count = 0;
   std::vector<uint32_t> frame_counts = std::vector<uint32_t>(cost_us.size());
 
@@ -140,16 +142,16 @@ TEST(Trial, AnArmHasALimitUntilItsFirstWindow) {
   game.cost_us = game.lane_cost_us = {30'000, 10'000};
   game.RunTicks(20);
   ASSERT_EQ(game.client.commands.size(), 3u);
-  EXPECT_EQ(game.client.commands[1].trial_limit_percent, 0u) << "it was live at the start";
+  EXPECT_EQ(game.client.commands[1].trial_limit_percent, 0u) << "the arm was live at the start";
   EXPECT_EQ(game.client.commands[2].trial_limit_percent, 0u);
 }
 
-TEST(Trial, WhileLearningAnArmThatIsTooExpensiveHasFiveFrames) {
+TEST(Trial, AnArmThatIsTooExpensiveRunsForFiveFrames) {
   const std::vector<double> costs_us = {10'000, 40'000, 30'000, 9'000};
   const std::vector<double> lane_costs_us = {11'000, 8'000, 9'000, 10'000};
   TrialGame game(costs_us, lane_costs_us);
   game.RunTicks(300);
-  EXPECT_EQ(game.ended_trial_count, 4) << "an arm is tried twice, not over and over";
+  EXPECT_EQ(game.ended_trial_count, 4) << "an arm is tried only twice";
   EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], 4 * kLeastFrames);
   EXPECT_EQ(game.client.arm, 3u);
   TrialGame patient(costs_us, lane_costs_us);
@@ -158,20 +160,20 @@ TEST(Trial, WhileLearningAnArmThatIsTooExpensiveHasFiveFrames) {
   EXPECT_GT(patient.frame_counts[1] + patient.frame_counts[2], 100u);
 }
 
-TEST(Trial, AnArmThatTheLaneFindsTwoFifthsDearerIsWorthItsBudget) {
+TEST(Trial, AnArmThatTheLaneFindsFortyPercentDearerIsTried) {
   TrialGame game({10'000, 7'000}, {10'000, 14'000});
   game.RunTicks(30);
   EXPECT_EQ(game.client.arm, 1u);
 }
 
-TEST(Trial, AnArmThatTheLaneFindsTwiceAsDearIsNotWorthIt) {
+TEST(Trial, AnArmThatTheLaneFindsTwiceAsDearIsNotTried) {
   TrialGame game({10'000, 7'000}, {10'000, 20'000});
   game.RunTicks(100);
   EXPECT_EQ(game.frame_counts[1], 0u);
 }
 
-// Of the second arm the lane can tell only that it takes 11 ms or more: it may take seconds.
-TEST(Trial, AnArmThatTheLaneCouldTellTooLittleOfIsNotTried) {
+// The lane's visits of the second arm are capped at 11 ms: the arm may take seconds.
+TEST(Trial, AnArmWithOnlyCappedVisitsIsNotTried) {
   const std::vector<double> costs_us = {10'000, 500'000};
   const std::vector<double> lane_costs_us = {10'000, 11'000};
   TrialGame game(costs_us, lane_costs_us);
@@ -183,8 +185,8 @@ TEST(Trial, AnArmThatTheLaneCouldTellTooLittleOfIsNotTried) {
   EXPECT_GT(measured.frame_counts[1], 0u);
 }
 
-// Five cooldowns of 40 s are 100 ticks. After that it is as if there were no lane.
-TEST(Trial, ALaneThatVisitsSeldomStillReports) {
+// The lane counts as present for five cooldowns of 40 s, which are 100 ticks.
+TEST(Trial, ALaneWithRareVisitsCountsAsPresent) {
   TrialGame game({10'000, 500'000}, {10'000, 9'000});
   game.lane_flags[1] = kShadowCapped;
   game.RunTicks(3);
@@ -195,7 +197,7 @@ TEST(Trial, ALaneThatVisitsSeldomStillReports) {
   EXPECT_GT(game.frame_counts[1], 0u);
 }
 
-TEST(Trial, WhatACapHasEndedContradictsNoPriors) {
+TEST(Trial, ACappedVisitDoesNotContradictPriors) {
   SessionSetup setup = TrialSetup(2);
   setup.priors = {BetaOf({LogCostOf(10'000), 0.01}), BetaOf({LogCostOf(20'000), 0.01})};
   ScriptedClient client(setup);
@@ -210,9 +212,8 @@ TEST(Trial, WhatACapHasEndedContradictsNoPriors) {
   EXPECT_TRUE(client.commands.empty());
 }
 
-// What is lost by an arm that stays because it is within the budget goes on until the cooldown
-// ends.
-TEST(Trial, TheGateReckonsWithTheBudgetForAllOfTheCooldown) {
+// An arm that stays because it is within the budget causes its loss until the cooldown ends.
+TEST(Trial, TheGateAssumesTheLossOfTheBudgetForTheWholeCooldown) {
   TrialGame game({10'000, 13'000}, {10'000, 14'000});
   const SwitchCost cost{.rebuild_time_ns = 100 * kSecond};
   for (int i = 0; i < 20; ++i) {
@@ -225,7 +226,7 @@ TEST(Trial, TheGateReckonsWithTheBudgetForAllOfTheCooldown) {
   EXPECT_NEAR(game.gate->loss, AdaptivePolicy::kTrialBudget, 1e-4);
 }
 
-TEST(Trial, WhatInterruptsOneKeepsNoGameFromTheBestArm) {
+TEST(Trial, AnInterruptedTrialDoesNotPreventTheBestArm) {
   TrialGame game({20'000, 10'000}, {22'000, 11'000});
   game.disturbed_trial_count = 1;
   game.RunTicks(20);
@@ -233,17 +234,17 @@ TEST(Trial, WhatInterruptsOneKeepsNoGameFromTheBestArm) {
   EXPECT_EQ(game.client.arm, 1u);
 }
 
-TEST(Trial, ThatHasEndedIsNotRepeatedForWhatMayBeALittle) {
+TEST(Trial, AnEndedTrialIsNotRepeatedForASmallGain) {
   TrialGame game({10'000, 13'000}, {10'000, 13'000});
   game.RunTicks(300);
   EXPECT_EQ(game.ended_trial_count, 1);
   EXPECT_EQ(game.outcome, DecisionOutcome::kHeldTie);
   ASSERT_TRUE(game.gate);
-  EXPECT_GT(game.gate->gain, 0.005) << "of a first trial it would be enough";
+  EXPECT_GT(game.gate->gain, 0.005) << "the gain would be enough for a first trial";
 }
 
-// The third arm saves less than the second might.
-TEST(Trial, ThatIsNotRepeatedKeepsNoGameFromAnotherArm) {
+// The third arm saves less than the second arm possibly could.
+TEST(Trial, AnEndedTrialDoesNotPreventATrialOfAnotherArm) {
   TrialGame game({10'000, 13'000, 10'200}, {10'000, 11'000, 10'200});
   game.RunTicks(100);
   game.cost_us[2] = game.lane_cost_us[2] = 9'750;
@@ -251,8 +252,9 @@ TEST(Trial, ThatIsNotRepeatedKeepsNoGameFromAnotherArm) {
   EXPECT_EQ(game.client.arm, 2u);
 }
 
-// While the lane is at work, what comes to an arm's live windows alone is other work.
-TEST(Trial, OnceTheLaneHasEndedAnArmThatComesToCostMoreIsLeft) {
+// While the lane works, a slowdown of live windows that the lane does not show is attributed to
+// other work.
+TEST(Trial, WithoutTheLaneAnArmWhoseCostRisesIsLeft) {
   TrialGame game({20'000, 10'000}, {22'000, 11'000});
   game.RunTicks(20);
   ASSERT_EQ(game.client.arm, 1u);
@@ -263,9 +265,8 @@ TEST(Trial, OnceTheLaneHasEndedAnArmThatComesToCostMoreIsLeft) {
   EXPECT_EQ(game.client.arm, 0u);
 }
 
-// In a scene of several regimes an arm's live windows may tell of the next one before the lane
-// does.
-TEST(Trial, WhatComesToAnArmsWindowsIsInPartItsOwnInASceneThatChanges) {
+// In a scene with several regimes, live windows may show a new regime before the lane does.
+TEST(Trial, ASlowdownIsPartlyAttributedToTheArmInAChangingScene) {
   const auto sure_after_a_rise = [](bool scene_changes) {
     TrialGame game({12'000, 10'000}, {13'200, 11'000});
     for (int tick = 0; tick < 60; ++tick) {
@@ -285,7 +286,7 @@ TEST(Trial, WhatComesToAnArmsWindowsIsInPartItsOwnInASceneThatChanges) {
   EXPECT_LT(sure_after_a_rise(true), 0.8);
 }
 
-TEST(Trial, AnEndIsALowerBoundAndNoBan) {
+TEST(Trial, AnEndedTrialIsALowerBoundAndNotABan) {
   TrialGame game({10'000, 40'000}, {11'000, 8'000});
   game.RunTicks(20);
   EXPECT_GE(game.ended_trial_count, 1);
@@ -293,7 +294,7 @@ TEST(Trial, AnEndIsALowerBoundAndNoBan) {
                                               game.client.session.posteriors().end());
   EXPECT_LT(posteriors[1].mean(), posteriors[0].mean());
   EXPECT_EQ(game.client.session.counts().charged_bail_out_count, 0u);
-  // Of what was true before nothing is left, and the lane shows it.
+  // Now all costs have changed, and the lane shows it.
   game.cost_us = {10'000, 3'000};
   game.lane_cost_us = {11'000, 600};
   game.RunTicks(60);
@@ -301,7 +302,7 @@ TEST(Trial, AnEndIsALowerBoundAndNoBan) {
   EXPECT_GT(game.frame_counts[1], 100u);
 }
 
-TEST(Trial, AnEndIsLearntInManualModeByNobody) {
+TEST(Trial, AnEndedTrialTeachesNothingInManualMode) {
   TrialGame game({10'000, 12'000}, {11'000, 13'000});
   game.RunTicks(5);
   game.client.session.SetMode(Mode::kManual, 0, game.client.now_ns);

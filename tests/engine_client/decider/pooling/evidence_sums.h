@@ -1,4 +1,4 @@
-// Evidence to test priors with, by the costs that it says.
+// Makes evidence from costs, and costs from evidence, for tests of priors.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace sweepstake::decision {
 
-// So many windows or visits that each measured this cost, with a noise of 2 %.
+// Returns the evidence of `count` windows or visits that measured `cost_us` with a noise of 2 %.
 inline EvidenceSum SumOf(double cost_us, double count) {
   const Increment one = LogCostIncrement(0, RewardOf(std::log(cost_us)), 0.02 * 0.02);
   return {.alpha = count * one.alpha, .beta = count * one.beta};
@@ -18,7 +18,7 @@ inline double CostUs(const EvidenceSum& sum) {
   return std::exp(LogCostOfReward(sum.alpha / sum.evidence()));
 }
 
-// The standard deviation of the log-cost.
+// Returns the standard deviation of the log-cost.
 inline double DeviationOf(const EvidenceSum& sum) {
   return std::sqrt(BeliefOf({sum.alpha, sum.beta}).variance);
 }

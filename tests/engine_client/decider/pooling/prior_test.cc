@@ -27,7 +27,7 @@ PriorKey ComparingSession() {
   return key;
 }
 
-// A record of SAP that belongs to the session's scene.
+// Returns a record of SAP that belongs to the session's scene.
 ArmRecord RecordOf(std::string_view source, double alpha) {
   return {.project = "game",
           .scene = "harbour",
@@ -40,7 +40,7 @@ ArmRecord RecordOf(std::string_view source, double alpha) {
           .evidence = {.live = {.alpha = alpha}}};
 }
 
-// What the lane measured of an arm.
+// Returns a record of the lane's visits of an arm.
 ArmRecord VisitsOf(std::string_view source, std::string_view arm, double reward) {
   ArmRecord record = RecordOf(source, 0);
   record.arm = arm;
@@ -49,7 +49,7 @@ ArmRecord VisitsOf(std::string_view source, std::string_view arm, double reward)
   return record;
 }
 
-TEST(PriorFor, NothingIsUnknown) {
+TEST(PriorFor, WithoutEvidenceIsUnknown) {
   const Prior prior = PriorFor({}, ComparingSession());
   EXPECT_EQ(prior.source_count, 0u);
   EXPECT_TRUE(prior.posteriors().empty());
@@ -133,7 +133,7 @@ TEST(PriorFor, CountsASumOfManySourcesAsThatMany) {
   EXPECT_EQ(PriorFor(records, Session()).source_count, 7u);
 }
 
-// A machine of the studio that is twice as fast as the player's knows DBVT as well.
+// A machine of the studio, twice as fast as the player's, also measured DBVT.
 TEST(PriorFor, WeighsSourcesByBuildMachineClassAndVersion) {
   std::vector<ArmRecord> records = {VisitsOf("studio", "SAP", 0.50),
                                     VisitsOf("studio", "DBVT", 0.53),

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNoise = 0.02 * 0.02;
 
-TEST(ScenePrior, IsWhatTheWindowsSayWhereTheLaneWasOff) {
+TEST(ScenePrior, EqualsTheWindowsIfTheLaneWasOff) {
   const ArmEvidence arms[] = {{.live = {7, 3}}, {.live = {2, 8}, .bail_out_count = 1}, {}};
   const auto pooled = PoolEvidence(arms);
   EXPECT_EQ(pooled[0].alpha, 7);
@@ -20,7 +20,7 @@ TEST(ScenePrior, IsWhatTheWindowsSayWhereTheLaneWasOff) {
   EXPECT_EQ(pooled[2].evidence(), 0);
 }
 
-TEST(ScenePrior, KnowsArmsThatWereNeverLive) {
+TEST(ScenePrior, IncludesArmsThatWereNeverLive) {
   const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(100, 10)},
                               {.lane = SumOf(150, 10)},
                               {.lane = SumOf(80, 10)}};
@@ -30,7 +30,8 @@ TEST(ScenePrior, KnowsArmsThatWereNeverLive) {
   EXPECT_NEAR(CostUs(pooled[2]), 80, 0.1);
 }
 
-// The first arm was live where the scene is empty, the second one where it is full, and costs half.
+// The first arm was live while the scene was empty, the second one while it was full. The second
+// one costs half as much.
 TEST(ScenePrior, ComparesWindowsOfDifferentTimesByTheVisits) {
   const ArmEvidence arms[] = {{.live = SumOf(20, 50), .lane = SumOf(200, 10)},
                               {.live = SumOf(500, 50), .lane = SumOf(100, 10)}};
@@ -41,32 +42,32 @@ TEST(ScenePrior, ComparesWindowsOfDifferentTimesByTheVisits) {
 TEST(ScenePrior, MovesVisitsToTheLevelOfTheWindows) {
   const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(130, 10)},
                               {.lane = SumOf(260, 10)},
-                              {.live = SumOf(70, 5)}};  // the lane has no memory for it
+                              {.live = SumOf(70, 5)}};  // the lane had too little memory for it
   const auto pooled = PoolEvidence(arms);
   EXPECT_NEAR(CostUs(pooled[0]), 100, 0.1);
   EXPECT_NEAR(CostUs(pooled[1]), 200, 0.3);
   EXPECT_NEAR(CostUs(pooled[2]), 70, 0.1);
 }
 
-TEST(ScenePrior, IsNoSurerOfVisitsThanTheLaneIs) {
+TEST(ScenePrior, LimitsThePrecisionOfVisitsByTheLanesBias) {
   const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(100, 1e6)},
                               {.lane = SumOf(100, 1)},
                               {.lane = SumOf(100, 1e6)},
                               {.live = SumOf(100, 1), .lane = SumOf(100, 1e6)}};
   const auto pooled = PoolEvidence(arms);
-  EXPECT_LT(DeviationOf(pooled[0]), 0.004) << "its windows alone";
+  EXPECT_LT(DeviationOf(pooled[0]), 0.004) << "from its windows alone";
   EXPECT_NEAR(DeviationOf(pooled[1]), std::sqrt(kLaneBiasVariance + kNoise), 0.001);
   EXPECT_NEAR(DeviationOf(pooled[2]), std::sqrt(kLaneBiasVariance), 0.001);
-  EXPECT_GT(DeviationOf(pooled[3]), 0.015) << "one window does not make the visits sure";
+  EXPECT_GT(DeviationOf(pooled[3]), 0.015) << "one window does not make the visits precise";
 }
 
-TEST(ScenePrior, RemembersABailOutThatTheLaneDoesNotSee) {
+TEST(ScenePrior, IncludesABailOutThatTheLaneDoesNotShow) {
   EvidenceSum stalled = SumOf(100, 5);
   stalled.beta += stalled.evidence() * 2;
   const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(100, 10)},
                               {.live = stalled, .lane = SumOf(90, 10), .bail_out_count = 1}};
   const auto pooled = PoolEvidence(arms);
-  EXPECT_NEAR(CostUs(pooled[0]), 100, 0.1) << "its level has nothing of the stall";
+  EXPECT_NEAR(CostUs(pooled[0]), 100, 0.1) << "the stall does not change its level";
   EXPECT_GT(CostUs(pooled[1]), 1e4);
 }
 
@@ -76,26 +77,26 @@ std::vector<EvidenceSum> SceneOf(std::initializer_list<double> costs_us) {
   return scene;
 }
 
-// The prior of a scene of which nothing is known itself.
+// Returns the prior of a scene without its own evidence.
 std::vector<EvidenceSum> PriorOfNewScene(std::span<const std::vector<EvidenceSum>> others) {
   return WithOtherScenes(std::vector<EvidenceSum>(others.front().size()), others);
 }
 
-TEST(PriorOfNewScene, IsTheArmsMeanCostRelativeToTheOthers) {
+TEST(PriorOfNewScene, IsTheMeanCostRelativeToTheOtherArms) {
   const std::vector<EvidenceSum> scenes[] = {SceneOf({100, 200, 400}), SceneOf({1000, 2000, 4000})};
   const auto prior = PriorOfNewScene(scenes);
   EXPECT_NEAR(CostUs(prior[1]) / CostUs(prior[0]), 2, 0.01);
   EXPECT_NEAR(CostUs(prior[2]) / CostUs(prior[0]), 4, 0.02);
-  EXPECT_NEAR(DeviationOf(prior[0]), 0.3 * std::sqrt(1.5), 0.01) << "of two scenes";
+  EXPECT_NEAR(DeviationOf(prior[0]), 0.3 * std::sqrt(1.5), 0.01) << "the deviation of two scenes";
 }
 
-TEST(PriorOfNewScene, IsAsUnsureAsTheScenesDiffer) {
+TEST(PriorOfNewScene, IsWiderIfTheScenesDiffer) {
   const std::vector<EvidenceSum> alike[] = {SceneOf({100, 200}), SceneOf({100, 210})};
   const std::vector<EvidenceSum> unlike[] = {SceneOf({100, 200}), SceneOf({100, 20})};
   EXPECT_GT(DeviationOf(PriorOfNewScene(unlike)[1]), 2 * DeviationOf(PriorOfNewScene(alike)[1]));
 }
 
-TEST(WithOtherScenes, FillsInWhatTheSceneDoesNotKnowAtItsOwnLevel) {
+TEST(WithOtherScenes, FillsInMissingArmsAtTheScenesOwnLevel) {
   const std::vector<EvidenceSum> others[] = {SceneOf({100, 200, 400}), SceneOf({1000, 2000, 4000})};
   const auto filled = WithOtherScenes(SceneOf({0, 50, 0}), others);
   EXPECT_NEAR(CostUs(filled[0]), 25, 0.5);
@@ -105,10 +106,10 @@ TEST(WithOtherScenes, FillsInWhatTheSceneDoesNotKnowAtItsOwnLevel) {
   EXPECT_EQ(WithOtherScenes(SceneOf({0, 50, 0}), {})[0].evidence(), 0);
 }
 
-TEST(PriorOfNewScene, LeavesOutWhatCannotBeCompared) {
+TEST(PriorOfNewScene, OmitsArmsThatCannotBeCompared) {
   const std::vector<EvidenceSum> scenes[] = {SceneOf({100, 200, 0}), SceneOf({0, 9, 0})};
   const auto prior = PriorOfNewScene(scenes);
-  EXPECT_NEAR(CostUs(prior[1]) / CostUs(prior[0]), 2, 0.01) << "the second has one arm";
+  EXPECT_NEAR(CostUs(prior[1]) / CostUs(prior[0]), 2, 0.01) << "the second scene has only one arm";
   EXPECT_EQ(prior[2].evidence(), 0);
 }
 

@@ -11,7 +11,7 @@
 namespace sweepstake::decision {
 namespace {
 
-// Costs of 0 are not known.
+// Makes a source with these costs per arm; 0 means unknown.
 SourceEvidence SourceOf(std::initializer_list<double> costs_us, double windows = 100,
                         double weight = 1) {
   SourceEvidence source;
@@ -20,28 +20,28 @@ SourceEvidence SourceOf(std::initializer_list<double> costs_us, double windows =
   return source;
 }
 
-// Of a session that has learnt nothing yet.
+// Returns the prior of a session without its own evidence.
 std::vector<EvidenceSum> PriorOf(std::span<const SourceEvidence> sources, size_t arm_count) {
   return CombineSources(sources, std::vector<EvidenceSum>(arm_count));
 }
 
-TEST(CombineSources, OfNoneIsEmpty) {
+TEST(CombineSources, OfNoSourcesIsEmpty) {
   const auto prior = PriorOf({}, 2);
   ASSERT_EQ(prior.size(), 2u);
   EXPECT_EQ(prior[0].evidence(), 0);
 }
 
-TEST(CombineSources, OfOneIsWhatItMeasuredAndLessSure) {
+TEST(CombineSources, OfOneSourceHasItsCostsWithLessPrecision) {
   const SourceEvidence sources[] = {SourceOf({100, 0, 300}, 1e6)};
   const auto prior = PriorOf(sources, 3);
   EXPECT_NEAR(CostUs(prior[0]), 100, 0.1);
   EXPECT_EQ(prior[1].evidence(), 0);
   EXPECT_NEAR(CostUs(prior[2]), 300, 0.3);
   EXPECT_NEAR(DeviationOf(prior[0]), 0.1 * std::sqrt(2), 0.01)
-      << "a million windows of one session say nothing of the next one";
+      << "a million windows of one session do not make the next session certain";
 }
 
-TEST(CombineSources, OfMachinesOfDifferentSpeedIsNoConflict) {
+TEST(CombineSources, AcceptsMachinesOfDifferentSpeed) {
   const SourceEvidence sources[] = {SourceOf({100, 200}), SourceOf({300, 600}), SourceOf({50, 100}),
                                     SourceOf({100, 200}), SourceOf({10, 20})};
   const auto prior = PriorOf(sources, 2);
@@ -50,7 +50,7 @@ TEST(CombineSources, OfMachinesOfDifferentSpeedIsNoConflict) {
   EXPECT_LT(DeviationOf(prior[1]), 0.09);
 }
 
-TEST(CombineSources, ComparesArmsOfSourcesThatKnowDifferentOnes) {
+TEST(CombineSources, ComparesArmsOfSourcesWithDifferentArms) {
   const SourceEvidence sources[] = {SourceOf({100, 200, 0}), SourceOf({0, 1000, 2000}),
                                     SourceOf({100, 0, 400})};
   const auto prior = PriorOf(sources, 3);
@@ -58,7 +58,7 @@ TEST(CombineSources, ComparesArmsOfSourcesThatKnowDifferentOnes) {
   EXPECT_NEAR(CostUs(prior[2]) / CostUs(prior[0]), 4, 0.2);
 }
 
-TEST(CombineSources, IsAsUnsureAsTheyDisagreeHoweverManyThereAre) {
+TEST(CombineSources, IsAsWideAsTheSourcesDisagreeHoweverManyThereAre) {
   std::vector<SourceEvidence> alike;
   std::vector<SourceEvidence> unlike;
   for (int i = 0; i < 200; ++i) {
@@ -69,13 +69,13 @@ TEST(CombineSources, IsAsUnsureAsTheyDisagreeHoweverManyThereAre) {
   EXPECT_GT(DeviationOf(PriorOf(unlike, 3)[1]), 0.4);
 }
 
-TEST(CombineSources, BelievesHeavierSourcesMore) {
+TEST(CombineSources, FollowsSourcesWithMoreWeight) {
   const SourceEvidence sources[] = {SourceOf({100, 200}, 100, 0.5), SourceOf({100, 300}, 100, 0.1),
                                     SourceOf({100, 300}, 100, 0.1)};
   EXPECT_NEAR(CostUs(PriorOf(sources, 2)[1]) / CostUs(PriorOf(sources, 2)[0]), 2, 0.1);
 }
 
-// A session that comes back on a machine of half the speed, with two arms of its own.
+// A session that resumes on a machine of half the speed, with its own evidence of two arms.
 TEST(CombineSources, AddsToTheOwnEvidenceAtItsLevel) {
   const SourceEvidence sources[] = {SourceOf({100, 200, 400}), SourceOf({100, 200, 400})};
   const std::vector<EvidenceSum> own = {SourceOf({200})[0].sum, SourceOf({400})[0].sum, {}};
@@ -93,8 +93,9 @@ double SecondIsBetter(const std::vector<EvidenceSum>& prior) {
          std::erfc(-(first.mean - second.mean) / std::sqrt(2 * (first.variance + second.variance)));
 }
 
-// A tenth of the clients says that the worst arm takes 1 ns and the best one 5 s, a million times.
-TEST(CombineSources, IsHardlyMovedByATenthOfHostileSources) {
+// A tenth of the clients claims, a million times each, that the worst arm takes 1 ns and the best
+// one 5 s.
+TEST(CombineSources, HardlyChangesWithATenthOfHostileSources) {
   RandomStream random(7, RandomPurpose::kChoice, 0, 0);
   std::vector<SourceEvidence> sources;
   for (int i = 0; i < 90; ++i) {
@@ -109,7 +110,7 @@ TEST(CombineSources, IsHardlyMovedByATenthOfHostileSources) {
   EXPECT_NEAR(CostUs(attacked[0]), CostUs(honest[0]), 5);
 }
 
-// A few visits of the lane each, of machines that differ somewhat.
+// Returns sources with the evidence of a few visits each, from machines that differ slightly.
 std::vector<SourceEvidence> UnsureSources(int count) {
   RandomStream random(7, RandomPurpose::kChoice, 0, 0);
   std::vector<SourceEvidence> sources;
@@ -120,7 +121,7 @@ std::vector<SourceEvidence> UnsureSources(int count) {
   return sources;
 }
 
-TEST(CombineSources, HearsNoSourceLouderForTheCertaintyThatItClaims) {
+TEST(CombineSources, GivesNoMoreWeightToASourceThatClaimsMoreCertainty) {
   std::vector<SourceEvidence> sources = UnsureSources(24);
   std::vector<SourceEvidence> sure = sources;
   for (int i = 0; i < 8; ++i) {
@@ -130,7 +131,7 @@ TEST(CombineSources, HearsNoSourceLouderForTheCertaintyThatItClaims) {
   EXPECT_NEAR(CostUs(PriorOf(sure, 3)[1]), CostUs(PriorOf(sources, 3)[1]), 0.1);
 }
 
-TEST(CombineSources, LeavesOutWhatIsFarFromTheRest) {
+TEST(CombineSources, OmitsOutliers) {
   std::vector<SourceEvidence> sources = UnsureSources(24);
   const auto honest = PriorOf(sources, 3);
   for (int i = 0; i < 8; ++i) sources.push_back(SourceOf({5e6, 0.001, 0.001}, 1e6));

@@ -1,4 +1,5 @@
-// A frame over five seconds: ten observations of zero reward, and a new draw at once.
+// A frame over five seconds counts as ten observations of zero reward, and causes a new draw at
+// once.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -53,7 +54,7 @@ TEST(BailOut, ResamplesAtOnceWithoutTheCooldown) {
   EXPECT_EQ(decision.record.draws.size(), 2u);
 }
 
-TEST(BailOut, StaysWhereTheDrawFallsOnTheSameArm) {
+TEST(BailOut, StaysIfTheDrawSelectsTheSameArm) {
   SessionSetup setup = SetupThatWantsArmOne();
   setup.active_arm = 1;
   ScriptedClient client(setup);
@@ -63,7 +64,8 @@ TEST(BailOut, StaysWhereTheDrawFallsOnTheSameArm) {
   EXPECT_FALSE(decision.command);
 }
 
-// Long frames that no detection explains.
+// Makes long frames that detection does not explain: one with a short detection, one paused, one
+// loading.
 std::vector<FrameSample> ExcusableFrames(const ScriptedClient& client) {
   std::vector<FrameSample> frames(3, LongFrame(client));
   frames[0].detection_time_ns = frames[0].frame_time_ns / 2 - 1;
@@ -72,7 +74,7 @@ std::vector<FrameSample> ExcusableFrames(const ScriptedClient& client) {
   return frames;
 }
 
-TEST(BailOut, IsOneForPolicyPaperWhateverItsCause) {
+TEST(BailOut, CountsForPolicyPaperWhateverItsCause) {
   ScriptedClient client(SetupThatWantsArmOne());
   for (const FrameSample& frame : ExcusableFrames(client)) {
     const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
@@ -85,14 +87,14 @@ TEST(BailOut, IsOneForPolicyPaperWhateverItsCause) {
   EXPECT_EQ(client.session.counts().charged_bail_out_count, 3u);
 }
 
-TEST(BailOut, WithinTheLimitIsNoneForPolicyPaperEither) {
+TEST(BailOut, WithinTheLimitDoesNotCountForPolicyPaper) {
   ScriptedClient client(PlainSetup(2));
   FrameSample frame = LongFrame(client);
   frame.frame_time_ns = 5'000'000'000;
   EXPECT_FALSE(client.session.ObserveBailOut(frame, client.now_ns).increment);
 }
 
-TEST(BailOut, IsExcusedByAllOtherPoliciesWhereDetectionDoesNotExplainIt) {
+TEST(BailOut, DoesNotCountForOtherPoliciesIfDetectionDoesNotExplainIt) {
   for (const PolicyEntry& policy : ComparedPolicies()) {
     if (policy.kind.name == "paper") continue;
     SessionSetup setup = PlainSetup(2);
@@ -102,7 +104,7 @@ TEST(BailOut, IsExcusedByAllOtherPoliciesWhereDetectionDoesNotExplainIt) {
       const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
       EXPECT_FALSE(decision.increment) << policy.kind.name;
       EXPECT_FALSE(decision.command) << policy.kind.name;
-      EXPECT_GT(decision.record.decision_id, 0u) << "logged all the same";
+      EXPECT_GT(decision.record.decision_id, 0u) << "it is logged nevertheless";
     }
     EXPECT_EQ(client.session.counts().excused_bail_out_count, 3u) << policy.kind.name;
   }
@@ -120,7 +122,7 @@ TEST(BailOut, IsJudgedByTheLimitOrTheClientsFlag) {
   EXPECT_TRUE(BlamesArm({.frame_time_ns = 101, .detection_time_ns = huge}, 100));
 }
 
-TEST(BailOut, BeyondWhatAGameCanHaveIsAnsweredAndIsNoEvidence) {
+TEST(BailOut, OverTheBudgetOfAGameIsAnsweredButIsNotEvidence) {
   ScriptedClient client(SetupThatWantsArmOne());
   const int64_t limit_ns = client.session.setup().options.bail_out_ns;
   for (int64_t i = 0; i < BailOutBudget::kBurst; ++i) {
@@ -130,7 +132,8 @@ TEST(BailOut, BeyondWhatAGameCanHaveIsAnsweredAndIsNoEvidence) {
   const Decision surplus = client.session.ObserveBailOut(LongFrame(client), client.now_ns);
   EXPECT_FALSE(surplus.increment);
   EXPECT_EQ(surplus.command->arm, 1u);
-  EXPECT_EQ(client.session.posteriors()[0].beta, before.beta + 10) << "its own game leaves the arm";
+  EXPECT_EQ(client.session.posteriors()[0].beta, before.beta + 10)
+      << "its own session learns from it and leaves the arm";
   EXPECT_EQ(client.session.counts().surplus_bail_out_count, 1u);
   const int64_t later_ns = client.now_ns + limit_ns;
   EXPECT_FALSE(client.session.ObserveBailOut(LongFrame(client), later_ns - 1).increment);
@@ -138,7 +141,7 @@ TEST(BailOut, BeyondWhatAGameCanHaveIsAnsweredAndIsNoEvidence) {
   EXPECT_FALSE(client.session.ObserveBailOut(LongFrame(client), later_ns).increment);
 }
 
-TEST(BailOut, ThatTheCallerDoesNotBelieveIsAnsweredAndSpendsNothing) {
+TEST(BailOut, MarkedAsNoEvidenceIsAnsweredAndSpendsNoBudget) {
   ScriptedClient client(SetupThatWantsArmOne());
   FrameSample frame = LongFrame(client);
   frame.flags |= kFrameNoEvidence;
@@ -153,7 +156,7 @@ TEST(BailOut, ThatTheCallerDoesNotBelieveIsAnsweredAndSpendsNothing) {
   EXPECT_EQ(client.session.counts().surplus_bail_out_count, 20u);
 }
 
-TEST(BailOut, OfAGameThatHasOneAfterTheOtherIsAlwaysEvidence) {
+TEST(BailOut, AtThePossibleMaximumRateIsAlwaysEvidence) {
   BailOutBudget budget(5, -100);
   for (int64_t now_ns = 0; now_ns < 5'000; now_ns += 5) EXPECT_TRUE(budget.Spend(now_ns));
 }
@@ -166,7 +169,7 @@ TEST(BailOut, BudgetHoldsAtTheEndsOfTheClock) {
   }
 }
 
-TEST(BailOut, KeepsItsFrameOutOfTheWindow) {
+TEST(BailOut, ExcludesItsFrameFromTheWindow) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
   const FrameSample frame = LongFrame(client);
@@ -199,7 +202,7 @@ TEST(BailOut, EndsTheSlotOfItsArmInTheExploration) {
   EXPECT_EQ(decision.command->reason, SwitchReason::kBailOut);
 }
 
-TEST(BailOut, InTheLastSlotStartsTheObservationWindowWithADraw) {
+TEST(BailOut, InTheLastSlotOfTheExplorationIsFollowedByADraw) {
   SessionSetup setup = PlainSetup(2);
   setup.options.explore = true;
   const std::vector<uint32_t> order = ExplorationOrder(setup.seed, 2);
@@ -215,12 +218,12 @@ TEST(BailOut, InTheLastSlotStartsTheObservationWindowWithADraw) {
   EXPECT_EQ(client.session.observation(3 * kSecond).start_ns, 3 * kSecond);
 }
 
-TEST(BailOut, OfAnEarlierEpochIsChargedToItsArmAndCommandsNothing) {
+TEST(BailOut, OfAnEarlierEpochCountsForItsArmWithoutACommand) {
   SessionSetup setup = SetupThatWantsArmOne();
   setup.active_arm = 1;
   ScriptedClient client(setup);
   const FrameSample late = LongFrame(client);
-  client.Execute(0, SwitchReason::kBailOut);  // a draw would fall on arm 1 again
+  client.Execute(0, SwitchReason::kBailOut);  // a draw would select arm 1 again
   const Decision decision = client.session.ObserveBailOut(late, client.now_ns);
   ASSERT_TRUE(decision.increment);
   EXPECT_EQ(decision.increment->arm, 1u);
@@ -228,7 +231,7 @@ TEST(BailOut, OfAnEarlierEpochIsChargedToItsArmAndCommandsNothing) {
   EXPECT_FALSE(decision.command);
 }
 
-TEST(BailOut, OfALaterEpochShowsThatTheSwitchWasExecuted) {
+TEST(BailOut, OfALaterEpochImpliesThatTheSwitchWasExecuted) {
   ScriptedClient client(PlainSetup(2));
   FrameSample frame = LongFrame(client);
   frame.arm = 1;

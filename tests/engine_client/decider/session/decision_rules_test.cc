@@ -1,6 +1,6 @@
-// The rows of the selector's table on a scripted clock: window, update, choice, cooldown, settling,
-// modes. Exploration and bail-outs have files of their own; scores and weights are in
-// reward_test.cc.
+// The rules of a decision on a scripted clock: window, update, choice, cooldown, settling, modes.
+// exploration_test.cc and bail_out_test.cc test exploration and bail-outs, reward_test.cc scores
+// and weights.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,14 +16,14 @@
 namespace sweepstake::decision {
 namespace {
 
-// Arm 1 is as good as certain to have the highest draw.
+// Arm 1 almost certainly has the highest draw.
 TEST(Arms, AreTheNamesTheClientAnnounced) {
   SessionSetup setup = PlainSetup(3);
   setup.arms = {"KDTree", "a game's own arm", "SAP"};
   EXPECT_EQ(DecisionSession(setup, ShippedPolicies()).arms(), setup.arms);
 }
 
-TEST(Priors, AreBetaOneOneUnlessGiven) {
+TEST(Priors, AreBetaOneOneByDefault) {
   DecisionSession fresh(PlainSetup(2), ShippedPolicies());
   EXPECT_EQ(fresh.posteriors()[1], (BetaPosterior{1, 1}));
   EXPECT_EQ(fresh.posteriors()[1].evidence(), 2);  // n includes the prior
@@ -35,15 +35,15 @@ TEST(Window, HoldsAllFramesSinceTheLastTick) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
   client.RunToTick();
-  // hi = 100, lo = 50; the next window has 150 frames in 2 s, whatever came before it.
+  // hi = 100, lo = 50. The next window has 150 frames in 2 s, independent of earlier frames.
   for (int i = 0; i < 100; ++i) client.RunFrame();
   client.frame.frame_time_ns = 20'000'000;
   const Decision decision = client.RunToTick();
   EXPECT_NEAR(*decision.record.reward, 0.55 * 0.5 + 0.25 * 0.9 + 0.12 * 0.75 + 0.08 * 0.9, 0.01);
 }
 
-// Arm 1 alone would be its own reference, and score 1 on its 50 FPS.
-TEST(Window, AfterASwitchIsJudgedByTheFrameRatesBeforeItToo) {
+// With only its own frame rates as reference, arm 1 would score 1 at 50 FPS.
+TEST(Window, AfterASwitchIsScoredAgainstEarlierFrameRatesToo) {
   ScriptedClient client(PlainSetup(2));
   client.obedient = false;
   client.Settle();
@@ -56,7 +56,7 @@ TEST(Window, AfterASwitchIsJudgedByTheFrameRatesBeforeItToo) {
   EXPECT_NEAR(*client.RunToTick().record.reward, without_fps, 0.01);
   client.RunTicks(FpsReference::kWindowCount);
   EXPECT_NEAR(*client.RunToTick().record.reward, 0.55 + without_fps, 0.01)
-      << "the range has forgotten arm 0";
+      << "the range no longer contains windows of arm 0";
 }
 
 TEST(Window, WithoutFramesTeachesNothing) {
@@ -71,7 +71,7 @@ TEST(Window, WithoutFramesTeachesNothing) {
   EXPECT_EQ(client.session.posteriors()[client.arm], before);
 }
 
-TEST(Window, LeavesOutPausedAndLoadingFrames) {
+TEST(Window, OmitsPausedAndLoadingFrames) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
   for (const uint32_t flag : {kFramePaused, kFrameLoading}) {
@@ -81,7 +81,7 @@ TEST(Window, LeavesOutPausedAndLoadingFrames) {
   EXPECT_EQ(client.session.counts().suspended_frame_count, 400u);
 }
 
-// A menu in which the game searches nothing, of which it tells nobody.
+// The game shows a menu without searches, and does not mark its frames as paused.
 TEST(Window, WithoutASearchTeachesNothing) {
   SessionSetup setup = PlainSetup(1);
   setup.options.policy = "adaptive";
@@ -94,7 +94,7 @@ TEST(Window, WithoutASearchTeachesNothing) {
   EXPECT_EQ(client.session.posteriors()[0], before);
 }
 
-TEST(Window, LeavesOutFramesOfAnEarlierEpoch) {
+TEST(Window, OmitsFramesOfAnEarlierEpoch) {
   ScriptedClient client(PlainSetup(2));
   client.obedient = false;
   client.Settle();
@@ -131,7 +131,7 @@ TEST(Update, AddsTheRewardToAlphaAndItsComplementToBetaOfTheActiveArmOnly) {
   EXPECT_EQ(decision.increment->bail_out_count, 0u);
 }
 
-TEST(Standings, OfThePaperCountWindowsAndTellNoCosts) {
+TEST(Standings, OfThePaperCountWindowsAndHaveNoCosts) {
   ScriptedClient client(PlainSetup(2));
   client.obedient = false;
   EXPECT_EQ(client.session.standings()[0].effective_window_count, 0);
@@ -147,7 +147,7 @@ TEST(Standings, OfThePaperCountWindowsAndTellNoCosts) {
   EXPECT_FALSE(active.cost_ratio);
   const ArmStanding& other = decision.record.standings[1];
   EXPECT_EQ(other.live_window_count, 0u);
-  EXPECT_EQ(other.lane_visit_count, 0u) << "it does not learn from them";
+  EXPECT_EQ(other.lane_visit_count, 0u) << "the policy does not learn from visits";
   EXPECT_EQ(other.effective_window_count, 0);
 }
 
@@ -200,7 +200,7 @@ TEST(Choice, DrawsOncePerArmAtEveryTickAndTheHighestIsTheCandidate) {
   }
 }
 
-TEST(Choice, DependsOnTheSeedAlone) {
+TEST(Choice, DependsOnlyOnTheSeed) {
   const auto candidates = [](uint64_t seed) {
     SessionSetup setup = PlainSetup(7);
     setup.seed = seed;
@@ -220,7 +220,7 @@ TEST(OrderAtATick, IsUpdateThenSampleThenGate) {
   for (const Decision& decision : client.log) {
     const DecisionRecord& record = decision.record;
     for (uint32_t arm = 0; arm < 3; ++arm) {
-      // The draw is from the posterior that this tick's window has updated already.
+      // The draw is from the posterior that already contains this tick's window.
       RandomStream stream(1, RandomPurpose::kChoice, record.decision_id, arm);
       EXPECT_EQ(record.draws[arm], DrawBeta(record.posteriors[arm], stream));
     }
@@ -231,13 +231,12 @@ TEST(OrderAtATick, IsUpdateThenSampleThenGate) {
   EXPECT_FALSE(client.commands.empty());
 }
 
-TEST(Cooldown, HoldsACandidateBackForFortySecondsAfterAnExecutedSwitch) {
+TEST(Cooldown, DelaysACandidateForFortySecondsAfterAnExecutedSwitch) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.Settle();
   client.Execute(0, SwitchReason::kManual);
   const int64_t switched_ns = client.now_ns;
-  while (client.commands.size() <
-         2) {  // the first one was at start, where there was nothing to wait for
+  while (client.commands.size() < 2) {  // the first switch was at the start, without a cooldown
     const Decision decision = client.RunToTick();
     ASSERT_LE(client.now_ns - switched_ns, 41 * kSecond);
     if (decision.command) {
@@ -248,8 +247,8 @@ TEST(Cooldown, HoldsACandidateBackForFortySecondsAfterAnExecutedSwitch) {
   }
 }
 
-TEST(Cooldown, LogsAHeldBackCandidateAndDoesNotQueueIt) {
-  // Arm 1 is the candidate for some ticks; by the end of the cooldown arm 0 has proved better.
+TEST(Cooldown, LogsADelayedCandidateAndDoesNotQueueIt) {
+  // Arm 1 is the candidate for some ticks, but at the end of the cooldown arm 0 is better.
   SessionSetup setup = PlainSetup(2);
   setup.priors = {{1, 20}, {200, 200}};
   setup.options.cooldown_ns = 2'000 * kSecond;
@@ -263,12 +262,12 @@ TEST(Cooldown, LogsAHeldBackCandidateAndDoesNotQueueIt) {
   EXPECT_TRUE(client.commands.empty());
 }
 
-TEST(Cooldown, DoesNotHoldTheFirstSwitchOfAFreshSessionBack) {
+TEST(Cooldown, DoesNotDelayTheFirstSwitchOfANewSession) {
   ScriptedClient client(SetupThatWantsArmOne());
   EXPECT_EQ(client.RunTicks(2).record.outcome, DecisionOutcome::kSwitched);
 }
 
-TEST(Cooldown, CountsFromTheStartWhereASessionGoesOnAfterARestart) {
+TEST(Cooldown, CountsFromTheStartIfASessionContinuesAfterARestart) {
   SessionSetup setup = SetupThatWantsArmOne();
   setup.decision_count = 17;
   ScriptedClient client(setup);
@@ -280,13 +279,13 @@ TEST(Cooldown, CountsFromTheStartWhereASessionGoesOnAfterARestart) {
   EXPECT_EQ(client.log[0].record.decision_id, 18u);
 }
 
-TEST(Settling, LeavesOutTwoSecondsOfFrameTimeAfterTheFirstFrame) {
+TEST(Settling, OmitsTwoSecondsOfFrameTimeAfterTheFirstFrame) {
   ScriptedClient client(PlainSetup(1));
   EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
   EXPECT_FALSE(client.log.back().increment);
   EXPECT_TRUE(client.RunToTick().increment);
   EXPECT_EQ(client.session.counts().settling_frame_count,
-            201u);  // the first, and two seconds of others
+            201u);  // the first frame, and two seconds of further frames
 }
 
 TEST(Settling, RestartsTheWindowAtASwitch) {
@@ -309,14 +308,14 @@ TEST(Settling, RunsOnFrameTimeNotOnTheTicksClock) {
   EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
 }
 
-TEST(Ticks, ComeEveryTwoSeconds) {
+TEST(Ticks, HappenEveryTwoSeconds) {
   SessionSetup setup = PlainSetup(1);
   setup.start_ns = -5 * kSecond;
   DecisionSession session(setup, ShippedPolicies());
   EXPECT_EQ(session.next_tick_ns(), -3 * kSecond);
   session.Tick(-3 * kSecond);
   EXPECT_EQ(session.next_tick_ns(), -1 * kSecond);
-  session.Tick(-1 * kSecond + 7);  // a little late: the rhythm stays
+  session.Tick(-1 * kSecond + 7);  // a little late, but the rhythm stays
   EXPECT_EQ(session.next_tick_ns(), kSecond);
 }
 
@@ -369,13 +368,13 @@ TEST(ManualMode, LeavesNoFramesForTheModeThatFollows) {
             DecisionOutcome::kNoFrames);
 }
 
-TEST(ModeChange, TakesOverTheArmThatIsActiveThen) {
+TEST(ModeChange, SetsTheArmThatIsActiveThen) {
   ScriptedClient client(PlainSetup(3));
   client.session.SetMode(Mode::kManual, 2, client.now_ns);
   EXPECT_EQ(client.session.active_arm(), 2u);
 }
 
-TEST(Decisions, AreNumberedConsecutivelyWhateverBecomesOfThem) {
+TEST(Decisions, AreNumberedConsecutivelyWhateverTheirOutcome) {
   ScriptedClient client(PlainSetup(2));
   client.RunTicks(5);
   client.session.ObserveBailOut(client.frame, client.now_ns);

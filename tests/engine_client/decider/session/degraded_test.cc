@@ -1,4 +1,4 @@
-// The verdict that takes the frame rate: the leader runs and misses the floor.
+// The verdict `degraded`: even the leading arm misses the floor of the frame rate.
 #include <gtest/gtest.h>
 
 #include "engine_client/decider/session/safeguards.h"
@@ -7,12 +7,12 @@
 namespace sweepstake::decision {
 namespace {
 
-// Windows of arm 0, which leads unless it is said otherwise.
+// Observes `count` windows of arm 0, which is the leader by default.
 void Observe(FrameRateFloor& floor, double fps, int count, uint32_t leader = 0) {
   for (int i = 0; i < count; ++i) floor.Observe(0, fps, leader);
 }
 
-TEST(FrameRateFloor, TakesThreeWindowsInARowToSaySo) {
+TEST(FrameRateFloor, IsDegradedAfterThreeSlowWindowsInARow) {
   FrameRateFloor floor(30, 2);
   Observe(floor, 29, 2);
   Observe(floor, 31, 1);
@@ -22,7 +22,7 @@ TEST(FrameRateFloor, TakesThreeWindowsInARowToSaySo) {
   EXPECT_TRUE(floor.degraded());
 }
 
-TEST(FrameRateFloor, TakesThreeWindowsInARowToTakeItBack) {
+TEST(FrameRateFloor, IsNotDegradedAfterThreeFastWindowsInARow) {
   FrameRateFloor floor(30, 2);
   Observe(floor, 10, 3);
   Observe(floor, 60, 2);
@@ -33,7 +33,7 @@ TEST(FrameRateFloor, TakesThreeWindowsInARowToTakeItBack) {
   EXPECT_FALSE(floor.degraded());
 }
 
-TEST(FrameRateFloor, LearnsNothingFromASlowArmWhileTheLeaderWasFastOrNeverRan) {
+TEST(FrameRateFloor, IgnoresASlowArmIfTheLeaderWasFastOrNeverRan) {
   FrameRateFloor floor(30, 2);
   Observe(floor, 10, 9, 1);
   EXPECT_FALSE(floor.degraded());
@@ -42,7 +42,7 @@ TEST(FrameRateFloor, LearnsNothingFromASlowArmWhileTheLeaderWasFastOrNeverRan) {
   EXPECT_FALSE(floor.degraded());
 }
 
-TEST(FrameRateFloor, CountsSlowWindowsOfAnyArmWhereTheLeaderWasSlowToo) {
+TEST(FrameRateFloor, CountsSlowWindowsOfAnyArmIfTheLeaderWasSlowToo) {
   FrameRateFloor floor(30, 2);
   floor.Observe(1, 10, 1);
   Observe(floor, 10, 2, 1);
@@ -64,15 +64,15 @@ TEST(SteadyVerdict, ChangesAfterThreeTicksInARow) {
     return steady.Observe(verdict);
   };
   EXPECT_EQ(observe(Verdict::kUnknown, 5), Verdict::kUnknown);
-  EXPECT_EQ(observe(Verdict::kTie, 1), Verdict::kTie) << "the first is taken at once";
+  EXPECT_EQ(observe(Verdict::kTie, 1), Verdict::kTie) << "the first verdict is published at once";
   EXPECT_EQ(observe(Verdict::kStable, 2), Verdict::kTie);
   EXPECT_EQ(observe(Verdict::kTie, 1), Verdict::kTie);
-  EXPECT_EQ(observe(Verdict::kStable, 2), Verdict::kTie) << "not in a row";
+  EXPECT_EQ(observe(Verdict::kStable, 2), Verdict::kTie) << "the ticks were not in a row";
   EXPECT_EQ(observe(Verdict::kStable, 1), Verdict::kStable);
   EXPECT_EQ(observe(Verdict::kUnknown, 1), Verdict::kUnknown);
 }
 
-TEST(Verdict, IsUnknownUntilAWindowTaughtSomething) {
+TEST(Verdict, IsUnknownUntilAWindowWasLearnt) {
   ScriptedClient client(PlainSetup(2));
   EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kUnknown);
   client.Settle();
@@ -92,8 +92,8 @@ TEST(Verdict, IsDegradedWhileTheOnlyArmMissesTheFloor) {
   EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kStable);
 }
 
-// Nothing of what a menu shows is the arms'.
-TEST(Verdict, TakesNoFrameRateFromFramesThatDoNotSearch) {
+// Frames of a menu do not depend on the arms.
+TEST(Verdict, IgnoresFramesWithoutASearch) {
   SessionSetup setup = PlainSetup(1);
   setup.options.policy = "adaptive";
   ScriptedClient client(setup);
@@ -104,7 +104,7 @@ TEST(Verdict, TakesNoFrameRateFromFramesThatDoNotSearch) {
   EXPECT_EQ(client.RunTicks(5).record.diagnosis.verdict, Verdict::kStable);
 }
 
-TEST(Verdict, IsDegradedByBailOutsThatLeaveNoWindow) {
+TEST(Verdict, IsDegradedByBailOutsWithoutAWindow) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
   client.RunTicks(2);

@@ -1,5 +1,5 @@
-// The initial exploration: every arm once in a seeded order, warm-up and measuring, nothing but
-// frame time.
+// The initial exploration runs every arm once in a seeded order: a warm-up, then the measurement.
+// Both are counted in frame time.
 #include "engine_client/decider/session/run_phases.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ TEST(Exploration, VisitsEveryArmOnceInTheSeededOrder) {
   }
 }
 
-TEST(Exploration, SwitchesWithoutCooldownForItsOwnReason) {
+TEST(Exploration, SwitchesWithoutCooldownAndWithItsOwnReason) {
   ScriptedClient client(ExploringSetup(7));
   Explore(client);
   EXPECT_LT(client.now_ns, 7 * 10 * kSecond);
@@ -70,11 +70,11 @@ TEST(Exploration, SwitchesWithoutCooldownForItsOwnReason) {
   for (size_t i = 0; i < 6; ++i) EXPECT_EQ(client.commands[i].reason, SwitchReason::kExploration);
 }
 
-TEST(Exploration, LeavesOutTheWarmUpAndMeasuresFourSecondsOfEachArm) {
+TEST(Exploration, OmitsTheWarmUpAndMeasuresFourSecondsOfEachArm) {
   ScriptedClient client(ExploringSetup(7));
   Explore(client);
   for (uint32_t arm = 0; arm < 7; ++arm) {
-    // Measured 4 s at least, in ticks of 2 s: two or three windows of reward 0.937.
+    // At least 4 s are measured in ticks of 2 s: two or three windows of reward 0.937.
     const double evidence = client.session.posteriors()[arm].evidence();
     EXPECT_GE(evidence, 4 - 1e-9);
     EXPECT_LE(evidence, 5 + 1e-9);
@@ -98,7 +98,7 @@ TEST(Exploration, WarmUpReplacesSettling) {
   EXPECT_EQ(unsettled.session.counts().settling_frame_count, 201u);
 }
 
-TEST(Exploration, TicksSayThatItIsUnderWayAndDrawNothing) {
+TEST(Exploration, TicksHaveTheOutcomeExploringAndNoDraws) {
   ScriptedClient client(ExploringSetup(3));
   Explore(client);
   for (size_t i = 0; i + 1 < client.log.size(); ++i) {
@@ -107,7 +107,7 @@ TEST(Exploration, TicksSayThatItIsUnderWayAndDrawNothing) {
   }
 }
 
-TEST(Exploration, DoesNotEndASlotForWantOfFrames) {
+TEST(Exploration, DoesNotEndASlotWithoutFrames) {
   ScriptedClient client(ExploringSetup(3));
   client.RunTicks(2);
   const uint32_t explored = client.session.explored_arm_count();
@@ -122,7 +122,7 @@ TEST(Exploration, EndsWithAnOrdinaryTickAndTheCooldownOfTheLastSwitch) {
   SessionSetup setup = ExploringSetup(2);
   const uint32_t last = ExplorationOrder(setup.seed, 2)[1];
   setup.priors.assign(2, {1e6, 1});
-  setup.priors[last] = {1, 1e6};  // so the candidate is always the other one
+  setup.priors[last] = {1, 1e6};  // so the other arm is always the candidate
   ScriptedClient client(setup);
   Explore(client);
   const Decision& ending = client.log.back();
@@ -141,7 +141,7 @@ TEST(Exploration, EndsWithAnOrdinaryTickAndTheCooldownOfTheLastSwitch) {
   EXPECT_EQ(client.now_ns - last_switch_ns, 40 * kSecond);
 }
 
-TEST(Exploration, GoesOnWhereARestartInterruptedIt) {
+TEST(Exploration, ContinuesAfterARestart) {
   SessionSetup setup = ExploringSetup(5);
   const std::vector<uint32_t> order = ExplorationOrder(setup.seed, 5);
   setup.explored_arm_count = 3;
@@ -153,7 +153,7 @@ TEST(Exploration, GoesOnWhereARestartInterruptedIt) {
   EXPECT_EQ(client.commands[0].arm, order[4]);
 }
 
-TEST(Exploration, NeedsNoCommandForAnArmThatIsActiveAlready) {
+TEST(Exploration, NeedsNoCommandForTheActiveArm) {
   SessionSetup setup = ExploringSetup(1);
   ScriptedClient client(setup);
   Explore(client);
@@ -161,7 +161,7 @@ TEST(Exploration, NeedsNoCommandForAnArmThatIsActiveAlready) {
   EXPECT_EQ(client.session.explored_arm_count(), 1u);
 }
 
-TEST(Exploration, PassesAnArmOverAfterThreeCommandsInVain) {
+TEST(Exploration, SkipsAnArmAfterThreeUnansweredCommands) {
   ScriptedClient client(ExploringSetup(3));
   client.obedient = false;
   client.arm = client.session.active_arm();
@@ -187,7 +187,7 @@ TEST(Exploration, IsSuspendedInManualMode) {
   EXPECT_EQ(client.session.explored_arm_count(), 3u);
 }
 
-TEST(Exploration, IsLeftOutWhereTheOptionsSaySo) {
+TEST(Exploration, IsSkippedIfTheOptionsSaySo) {
   ScriptedClient client(PlainSetup(3));
   EXPECT_FALSE(client.session.exploring());
   EXPECT_EQ(client.session.observation(0).start_ns, 0);

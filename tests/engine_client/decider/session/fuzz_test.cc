@@ -1,5 +1,5 @@
-// Random sequences of calls with absurd values, from seeds: whatever comes, and whatever the
-// policy, the invariants hold.
+// Makes random sequences of calls with absurd values from seeds, and checks that the invariants
+// hold for every policy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -108,7 +108,7 @@ class Fuzzer {
         .native_bytes = AnyNumber(),
         .object_count = OneIn(4) ? Below(3) : static_cast<uint32_t>(random_.NextBits())};
     frame.arm = OneIn(10) ? static_cast<uint32_t>(random_.NextBits()) : session_.active_arm();
-    frame.switch_epoch = OneIn(50) ? epoch_ + Below(6) - 3 : epoch_;  // the reports catch up
+    frame.switch_epoch = OneIn(50) ? epoch_ + Below(6) - 3 : epoch_;  // reports may lag behind
     frame.flags = OneIn(3) ? Below(16) : 0;
     return frame;
   }
@@ -162,7 +162,7 @@ class Fuzzer {
     }
   }
 
-  // A switch that shows now was executed after the event before.
+  // A switch that appears now was executed after the previous event.
   void NoteSwitch() {
     if (session_.active_arm() != active_arm_) last_switch_ns_ = last_event_ns_;
     active_arm_ = session_.active_arm();
@@ -242,7 +242,7 @@ class Fuzzer {
     pending_ = decision.command->arm;
   }
 
-  // Whether the policy asks for another cooldown than the options'.
+  // Whether the policy uses another cooldown than that of the options.
   bool OwnCooldown() const {
     PolicySetup setup{.options = setup_.options, .arms = setup_.arms, .priors = {}};
     setup.priors.resize(setup.arms.size());

@@ -1,11 +1,11 @@
-// A whole run, replayed bit for bit: the exploration and 16 minutes of seven arms with scripted
-// costs, with bail-outs, a stall that detection does not explain, a changed object count, a pause
-// and an excursion to manual mode.
+// Replays a whole run bit for bit: the exploration and 16 minutes of seven arms with scripted
+// costs. The run includes bail-outs, a stall that detection does not explain, a changed object
+// count, a pause, and a period in manual mode.
 //
-// golden/whole_run.log holds one line per decision of the policy `paper`, numbers as hexadecimal
-// floats; golden/baselines.log one line per run of each baseline. To write them anew
-// after a change that is meant to change decisions, run this program once with
-// SWEEPSTAKE_UPDATE_GOLDEN=1 in the environment.
+// golden/whole_run.log has one line per decision of the policy `paper`, with numbers as hexadecimal
+// floats. golden/baselines.log has one line per baseline. After a change that is meant to change
+// decisions, run this program once with SWEEPSTAKE_UPDATE_GOLDEN=1 in the environment to update
+// them.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -39,7 +39,7 @@ std::string Hex(double value) {
 
 uint64_t HashOf(std::string_view bytes) { return math::Fnv1a(math::kFnv1aStart, bytes); }
 
-// Of the draws' bits, little-endian.
+// Returns a hash of the draws' bits, little-endian.
 uint64_t HashOf(const std::vector<double>& draws) {
   std::string bytes;
   for (const double draw : draws) {
@@ -70,8 +70,7 @@ std::string LineOf(const Decision& decision) {
   return line.str();
 }
 
-// A game whose costs follow a script, and which reports a switch when it has settled, as clients
-// do.
+// A game with scripted costs. As clients do, it reports a switch after the arm has settled.
 class ScriptedGame {
  public:
   explicit ScriptedGame(std::string_view policy = "paper")
@@ -156,7 +155,7 @@ class ScriptedGame {
     frame.frame_time_ns = 9'000'000 + frame.detection_time_ns;
     if (!stalled_ && now_ns_ > 400 * kSecond) {
       stalled_ = true;
-      frame.frame_time_ns = 6'000'000'000;  // a disk, say
+      frame.frame_time_ns = 6'000'000'000;  // for example because of a disk access
     }
     return frame;
   }
@@ -194,7 +193,7 @@ class ScriptedGame {
   std::optional<SwitchCommand> command_;
 };
 
-// The first line in which they differ, for people.
+// Returns the first line in which they differ, as text.
 std::string FirstDifference(const std::string& expected, const std::string& actual) {
   std::istringstream a(expected);
   std::istringstream b(actual);
@@ -223,7 +222,8 @@ TEST(GoldenLog, OfAWholeRunReplaysBitForBit) {
   ExpectGolden("whole_run.log", ScriptedGame().Run());
 }
 
-// One line per policy: how many decisions the same run had, and the hash of their lines.
+// The log has one line per policy: the number of decisions of the same run, and the hash of their
+// lines.
 TEST(GoldenLog, OfEveryBaselineReplaysBitForBit) {
   std::ostringstream lines;
   for (const char* policy : {"paper-one-draw", "random", "thresholds", "ucb1", "epsilon-greedy",

@@ -1,4 +1,4 @@
-// How switches are reported, lost and counted, and what a changed object count does.
+// How switches are reported, lost and counted, and the effect of a changed object count.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -9,13 +9,14 @@
 namespace sweepstake::decision {
 namespace {
 
-// Runs on the new arm in the next epoch without a report, as clients do until the arm has settled.
+// Runs frames on the new arm in the next epoch without a report, as clients do until the arm has
+// settled.
 void ExecuteSilently(ScriptedClient& client, uint32_t arm) {
   client.arm = arm;
   ++client.epoch;
 }
 
-TEST(Switch, IsSeenInTheFramesBeforeItIsReported) {
+TEST(Switch, IsDetectedInTheFramesBeforeItIsReported) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.obedient = false;
   client.Settle();
@@ -51,7 +52,7 @@ TEST(Switch, ReportedTwiceCountsOnce) {
   EXPECT_EQ(client.session.observation(client.now_ns).switch_count(SwitchReason::kManual), 1u);
 }
 
-TEST(Switch, ReportedAfterTheNextOneDoesNotTurnTheSessionBack) {
+TEST(Switch, ReportedAfterTheNextOneDoesNotChangeTheActiveArm) {
   ScriptedClient client(PlainSetup(3));
   ExecuteSilently(client, 1);
   client.RunFrame();
@@ -74,17 +75,17 @@ TEST(Switch, TakesItsReasonFromTheReport) {
   EXPECT_EQ(summary.switch_count(SwitchReason::kManual), 1u);
 }
 
-TEST(Command, IsNotRepeatedWhileASwitchMayBeUnderWay) {
+TEST(Command, IsNotRepeatedWhileASwitchMayBeInProgress) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.obedient = false;
   client.Settle();
   ASSERT_EQ(client.commands.size(), 1u);
   const Decision decision = client.RunToTick();
   EXPECT_EQ(decision.record.outcome, DecisionOutcome::kHeldSettling);
-  EXPECT_TRUE(decision.increment);  // the old arm's frames still teach
+  EXPECT_TRUE(decision.increment);  // frames of the old arm are still learnt from
 }
 
-TEST(Command, ThatIsNeverAnsweredIsIssuedAgainUnderANewNumber) {
+TEST(Command, WithoutAnAnswerIsRepeatedWithANewNumber) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.obedient = false;
   client.RunTicks(6);
@@ -94,7 +95,7 @@ TEST(Command, ThatIsNeverAnsweredIsIssuedAgainUnderANewNumber) {
   EXPECT_EQ(client.commands[1].arm, 1u);
 }
 
-TEST(Command, HasItsFullWayToGoWhateverTheTimeScale) {
+TEST(Command, HasTheSameTimeoutWithAnyTimeScale) {
   SessionSetup setup = SetupThatWantsArmOne();
   setup.options = setup.options.Scaled(100);  // a tick every 20 ms
   ScriptedClient client(setup);
@@ -105,18 +106,18 @@ TEST(Command, HasItsFullWayToGoWhateverTheTimeScale) {
   EXPECT_GE(client.now_ns - commanded_ns, 4 * kSecond);
 }
 
-TEST(Command, ThatIsRefusedIsOverAtOnce) {
+TEST(Command, ThatIsRefusedEndsAtOnce) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.obedient = false;
   client.Settle();
   ASSERT_EQ(client.commands.size(), 1u);
-  client.session.ObserveRefusal(client.commands[0].command_id + 1);  // of no command
+  client.session.ObserveRefusal(client.commands[0].command_id + 1);  // the id of another command
   EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
   client.session.ObserveRefusal(client.commands[0].command_id);
   EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kSwitched);
 }
 
-TEST(Command, IsNotRepeatedWhileNoFramesCome) {
+TEST(Command, IsNotRepeatedWithoutFrames) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.obedient = false;
   client.Settle();
@@ -136,7 +137,7 @@ TEST(ActiveTime, IsWallTimeBetweenActivationsSettlingAndStallsIncluded) {
             (std::vector<uint64_t>{7'000'000'000, 1'000'000'000, 23'000'000'000}));
 }
 
-TEST(PostExplorationSwitches, AreCountedByReasonAndOnlyOnceTheExplorationIsOver) {
+TEST(PostExplorationSwitches, AreCountedByReasonAfterTheExploration) {
   SessionSetup setup = PlainSetup(4);
   setup.options.explore = true;
   ScriptedClient client(setup);
@@ -180,7 +181,7 @@ TEST(ObjectCountChange, SettlesAgainAndKeepsThePosteriors) {
   EXPECT_EQ(client.session.counts().rebuild_detection_time_ns, 1'667'000u);
 }
 
-TEST(ObjectCountChange, InEveryFrameCostsAtMostHalfOfTheLearning) {
+TEST(ObjectCountChange, InEveryFramePreventsAtMostHalfOfTheLearning) {
   ScriptedClient client(PlainSetup(1));
   client.frame.flags = kFrameRebuild;
   client.RunTicks(101);
@@ -190,9 +191,9 @@ TEST(ObjectCountChange, InEveryFrameCostsAtMostHalfOfTheLearning) {
             client.session.counts().settling_frame_count);
 }
 
-TEST(ObjectCountChange, DoesNotKeepTheCandidateFromBeingExecuted) {
+TEST(ObjectCountChange, DoesNotPreventTheCandidatesExecution) {
   SessionSetup setup = SetupThatWantsArmOne();
-  setup.options.settling_ns = kSecond;  // in step with the ticks
+  setup.options.settling_ns = kSecond;  // half of the interval between ticks
   ScriptedClient client(setup);
   client.frame.flags = kFrameRebuild;
   client.RunTicks(4);
@@ -204,7 +205,7 @@ TEST(ObjectCountChange, DoesNotSettleAgainWithinAnExplorationSlot) {
   setup.options.explore = true;
   ScriptedClient client(setup);
   client.RunTicks(2);
-  for (int i = 0; i < 50; ++i) client.RunFrame();  // measured for longer than settling takes
+  for (int i = 0; i < 50; ++i) client.RunFrame();  // measures for longer than settling takes
   const uint64_t settled = client.session.counts().settling_frame_count;
   client.frame.flags = kFrameRebuild;
   client.RunFrame();

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the logs in this folder anew, each from a real game with a real daemon, and checks that they are derived again.
-# To be run after a change that is meant to change decisions, or the log. Games begin with an arm that they are to leave.
+# Makes new logs in this folder, each from a real game with a real daemon, and checks that they replay. Run it after a
+# change that is meant to change decisions or the log. Games begin with an arm that they should leave.
 #
 #   tests/engine_client/decider/audit/logs/make.sh build/release/bin [POLICY...]     (default: paper adaptive)
 set -euo pipefail
