@@ -91,7 +91,7 @@ Status ValidateDaemonAddress(std::string_view address) {
   }
   return {StatusCode::kInvalidArgument,
           "'" + std::string(address.substr(0, 300)) +
-              "' is not an address; write HOST:PORT, as 127.0.0.1:7433"};
+              "' is not an address; write HOST:PORT, such as 127.0.0.1:7433"};
 }
 
 Status ValidateTlsOptions(const TlsOptions& options, const TlsNames& names) {

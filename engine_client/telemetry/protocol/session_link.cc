@@ -240,7 +240,8 @@ std::string SessionLink::Take(uint64_t now_ns) {
 
 Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
   if (!stream_) {
-    return {StatusCode::kFailedPrecondition, "there is no connection that a message could be from"};
+    return {StatusCode::kFailedPrecondition,
+            "a message needs a connection; report the connection first"};
   }
   if (stream_->IsBeingCancelled()) return {};
   const std::optional<protocol::Response> response = protocol::DecodeResponse(bytes);
@@ -270,7 +271,7 @@ void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
   stream_->mismatch = VersionMismatch(welcome);
   if (!stream_->mismatch.empty()) return;
   if (welcome.session_id.empty()) {
-    stream_->fault = "welcomes a session without naming it";
+    stream_->fault = "sent a welcome without a session id";
     return;
   }
   state_.OnWelcome(welcome);
@@ -332,7 +333,7 @@ void SessionLink::OnOrder(const OperatorOrder& order) {
 // the answers.
 void SessionLink::Answer(std::string message) {
   if (state_.full()) {
-    stream_->fault = "sends more that is refused than it acknowledges";
+    stream_->fault = "does not acknowledge the answers to refused orders and commands";
     return;
   }
   state_.Append({std::move(message)});

@@ -296,7 +296,7 @@ TEST_F(SessionLinkTest, HasNoSessionThatTheDaemonDoesNotName) {
   ASSERT_TRUE(Receive(WelcomeTo("")).ok());
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
   link_.Disconnected(EndWith(1, "cancelled"), now_ns_);
-  EXPECT_THAT(link_.stats().last_error, HasSubstr("without naming it"));
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("a welcome without a session id"));
   EXPECT_EQ(link_.stats().connection_count, 0U);
 }
 
@@ -439,7 +439,8 @@ TEST_F(SessionLinkTest, BoundsTheAnswersThatADaemonDoesNotAcknowledge) {
   for (int i = 0; i < 10'000; ++i) ASSERT_TRUE(Receive(order).ok());
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
   EXPECT_TRUE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));
-  EXPECT_THAT(link_.stats().last_error, HasSubstr("more that is refused than it acknowledges"));
+  EXPECT_THAT(link_.stats().last_error,
+              HasSubstr("does not acknowledge the answers to refused orders and commands"));
   Connect();
   ASSERT_TRUE(Receive(WelcomeTo("a", true, 0)).ok());
   EXPECT_EQ(TakeAll().size(), Options().unacknowledged_messages);
