@@ -96,9 +96,9 @@ LANGUAGE_EXCEPTIONS = {
 }
 # Folders whose language has not been rewritten yet.
 LANGUAGE_PENDING = (
-    "server/dashboard", "server/rpc/services",
+    "server/dashboard/src/live/audit", "server/dashboard/src/live/numbers/priors_diff",
+    "server/dashboard/src/live/views/priors", "server/dashboard/src/live/views/scene/taught", "server/rpc/services",
     "server/watch", "server/web",
-    "tests/server/dashboard",
     "tests/server/watch", "tests/server/web",)
 
 

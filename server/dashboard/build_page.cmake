@@ -1,11 +1,11 @@
-# Builds a page and turns it into a source file. Where that is not possible the source holds no page and the reason, and the
-# programs are built all the same.
+# Builds a page and turns it into a source file. If that fails, the source file contains the reason instead of the page, and
+# the build of the programs continues.
 #
 #   cmake -D PAGE=report|dashboard -D STEM=name -D SOURCE=folder -D BUILD=folder -D NODE=program -D NPM=program -D PROTOC=program
 #         -P build_page.cmake
 #
-# SOURCE is the folder of the page's package. Writes BUILD/STEM.cc from SOURCE/STEM.cc.in. Writes BUILD/PAGE.stamp too, except after a
-# failure that may not occur again in the next build.
+# SOURCE is the folder of the page's package. Writes BUILD/STEM.cc from SOURCE/STEM.cc.in. Also writes BUILD/PAGE.stamp, except
+# after a failure that the next build may not have; the next build then tries again.
 
 cmake_path(RELATIVE_PATH SOURCE BASE_DIRECTORY ${CMAKE_CURRENT_LIST_DIR}/../.. OUTPUT_VARIABLE folder)
 set(modules ${SOURCE}/node_modules)
@@ -18,10 +18,10 @@ if(PAGE STREQUAL dashboard)
   set(without "this program was built without the dashboard")
 endif()
 
-# npm writes its own record into node_modules last, so that an installation which was interrupted has none.
+# npm writes this file last, so it is missing after an interrupted installation.
 set(installed ${modules}/.package-lock.json)
 
-# node_modules stays as it is while it is newer than the lock file.
+# Installs the packages unless node_modules is newer than the lock file.
 function(install_modules)
   if(EXISTS ${installed} AND ${installed} IS_NEWER_THAN ${SOURCE}/package-lock.json)
     return()
@@ -31,20 +31,20 @@ function(install_modules)
     WORKING_DIRECTORY ${SOURCE} OUTPUT_QUIET)
 endfunction()
 
-# Runs a script of Node in SOURCE unless an earlier one failed.
+# Runs a Node script in SOURCE, unless an earlier step failed.
 macro(run_node what)
   if(NOT PROBLEM)
     execute_process(COMMAND ${NODE} ${ARGN} WORKING_DIRECTORY ${SOURCE} RESULT_VARIABLE result)
     if(NOT result EQUAL 0)
       set(is_final FALSE)
-      set(PROBLEM "${without}, because `${what}` failed in ${folder}: see what it says there, and build again")
+      set(PROBLEM "${without}, because `${what}` failed in ${folder}: run it there, fix the error that it prints, and build again")
     endif()
   endif()
 endmacro()
 
 file(LOCK ${SOURCE} DIRECTORY RESULT_VARIABLE ignored)  # several build trees share node_modules and src/gen
 if(NOT NODE OR NOT NPM)
-  set(PROBLEM "${without}, for want of Node.js 18 or newer with npm: install them (Debian: apt-get install nodejs npm) and build again")
+  set(PROBLEM "${without}, because Node.js 18 or newer with npm is missing: install both (Debian: apt-get install nodejs npm) and build again")
 else()
   install_modules()
   if(NOT EXISTS ${installed})

@@ -1,5 +1,5 @@
-// The files of the dashboard, built from this folder and embedded in the program. Safe from any
-// thread.
+// The files of the dashboard, built from this folder and embedded in the program. The functions may
+// be called from any thread.
 #pragma once
 
 #include <span>
@@ -12,14 +12,15 @@ struct DashboardAsset {
   std::string_view content_type;  // "text/html; charset=utf-8"
   std::string_view gzip_bytes;    // one gzip member whose header has no optional fields
   std::string_view etag;          // of the content, with its quotation marks
-  bool is_immutable = false;      // another content would have another path
+  bool is_immutable = false;      // the path contains a hash of the content
 };
 
-// Returns the files, ordered by path; one of them is /index.html. Empty where the program was built
-// without them.
+// Returns the files, ordered by path; one of them is /index.html. Empty if the program was built
+// without the dashboard.
 std::span<const DashboardAsset> DashboardAssets();
 
-// Why they are missing and how to get them, as a sentence. Empty where they are there.
+// Returns a sentence that says why the files are missing and how to build them. Empty if the
+// program contains them.
 std::string_view DashboardProblem();
 
 }  // namespace sweepstake

@@ -20,7 +20,7 @@ function* filesIn(path) {
   }
 }
 
-// Three octal digits each, so that no character takes part in the escape before it.
+// Each byte has three octal digits, so that a C++ compiler does not add the next character to the escape.
 const quoted = (bytes) => `"${[...bytes].map((byte) => `\\${byte.toString(8).padStart(3, '0')}`).join('')}"`;
 
 function literalOf(bytes) {
@@ -32,7 +32,7 @@ function literalOf(bytes) {
 function row(path) {
   const content = readFileSync(join(folder, path));
   const type = TYPES[extname(path)];
-  if (!type) throw new Error(`${path}: embed.mjs does not know the type of such a file`);
+  if (!type) throw new Error(`${path}: embed.mjs has no content type for this kind of file; add it to TYPES`);
   const etag = createHash('sha256').update(content).digest('hex').slice(0, 16);
   return `    {"${path}"sv, "${type}"sv,\n     ${literalOf(gzipSync(content, { level: 9 }))},\n     "\\"${etag}\\""sv, ${path.startsWith('/assets/')}},\n`;
 }

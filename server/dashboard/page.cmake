@@ -1,10 +1,10 @@
-# Builds a front end with Vite and embeds its page in a library. Without Node, or without a registry for its packages, the library
-# is built without the page and states why.
+# Builds a page with Vite and embeds it in a library. Without Node or a package registry, the library is built without the page
+# and contains the reason.
 find_program(SWEEPSTAKE_NODE NAMES node nodejs)
 find_program(SWEEPSTAKE_NPM NAMES npm)
 
-# sweepstake_page(report report_page FILES...): builds the page `report` of the package in the current folder, from its `FILES`, into
-# report_page.cc, and that into the library sweepstake_report_page.
+# sweepstake_page(report report_page FILES...): builds the page `report` of the package in the current folder from its `FILES`.
+# Writes the page into report_page.cc, and compiles that into the library sweepstake_report_page.
 function(sweepstake_page page stem)
   set(node_program ${SWEEPSTAKE_NODE})
   if(SWEEPSTAKE_NODE)

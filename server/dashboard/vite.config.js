@@ -1,8 +1,9 @@
-// Builds index.html and its assets, whose names contain a hash of their content. The daemon sends the content security policy, which
-// allows scripts from the daemon only.
+// Builds index.html and its assets. The names of assets contain a hash of their content. The daemon sends a content security
+// policy that allows scripts from the daemon only.
 import { defineConfig } from 'vite';
 
-// The development server asks the daemon at DAEMON, which lets in what comes from its own page only.
+// The development server forwards requests to the daemon at DAEMON. The daemon refuses requests from pages of another origin, so
+// the Origin header is removed.
 function daemonProxy() {
   const toDaemon = {
     target: process.env.DAEMON ?? 'http://127.0.0.1:7434',

@@ -19,12 +19,12 @@ describe('numbers', () => {
     expect([512, 11_240, 3_400_000].map(bytes)).toEqual(['512 B', '11.2 kB', '3.40 MB']);
   });
 
-  it('of ratios have a sign unless they round to nothing', () => {
+  it('of ratios have a sign unless they round to zero', () => {
     expect([0.0123, -0.0123, 0.5, 12, 0.00001, -0.00001].map(percent)).toEqual(['+1.23 %', '−1.23 %', '+50.0 %', '+1,200 %', '0 %', '0 %']);
     expect(share(0.99996)).toBe('100 %');
   });
 
-  it('have no deviation when they are single', () => {
+  it('have no deviation if there is one value only', () => {
     expect(spread(12.25, 2, 1, 1)).toBe('12.3');
     expect(spread(12.2, 2.81, 5, 1)).toBe('12.2±2.8');
   });

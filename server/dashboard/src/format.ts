@@ -1,6 +1,6 @@
-// Numbers as people read them.
+// Formats numbers for display.
 const NONE = '–';
-const SMALLEST = -9;  // exponent of ten of what is written without one
+const SMALLEST = -9;  // smaller powers of ten are written with an exponent
 
 const isNumber = (value: number | null | undefined): value is number => typeof value === 'number' && Number.isFinite(value);
 
@@ -49,7 +49,7 @@ export function share(ratio: number): string {
   return `${grouped(percent)} %`;
 }
 
-// With a sign, unless it rounds to nothing.
+// With a sign, unless it rounds to zero.
 export function percent(ratio: number | null): string {
   if (!isNumber(ratio)) return NONE;
   const size = share(Math.abs(ratio));
@@ -66,6 +66,6 @@ export function mean(values: number[]): number {
   return values.reduce((sum, value) => sum + value, 0) / values.length;
 }
 
-// "12.2±2.8" with that many decimals; of one value only "12.2".
+// Returns "12.2±2.8", both with `decimals` decimals; for a single value only "12.2".
 export const spread = (value: number, deviation: number, count: number, decimals: number) =>
   (isNumber(value) ? value.toFixed(decimals) + (count > 1 && isNumber(deviation) ? `±${deviation.toFixed(decimals)}` : '') : NONE);

@@ -1,4 +1,4 @@
-// The reader's choice of the theme, which is kept.
+// The theme that the user chose, kept in the browser's local storage.
 export const THEMES = ['auto', 'light', 'dark'] as const;
 export type Theme = (typeof THEMES)[number];
 
@@ -7,7 +7,7 @@ function show(theme: Theme): void {
   else document.documentElement.dataset.theme = theme;
 }
 
-// A browser may refuse storage to a page from a file; the switch works all the same.
+// Returns null if the browser refuses storage, as for a page from a file; the theme button still works.
 function kept(): string | null {
   try {
     return localStorage.getItem('theme');
@@ -20,7 +20,7 @@ export function chooseTheme(theme: Theme): void {
   show(theme);
   try {
     localStorage.setItem('theme', theme);
-  } catch { /* see kept */ }
+  } catch { /* no storage: see kept */ }
 }
 
 // Shows the theme that was chosen last, and returns it.

@@ -1,4 +1,4 @@
-// Chromium, and what may not happen in a page of the dashboard.
+// Starts Chromium, opens pages of the dashboard and checks them for errors.
 import assert from 'node:assert/strict';
 import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -14,10 +14,10 @@ export async function launch() {
     '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'] });
 }
 
-// Runs `check(browser, folder)`, which returns why it cannot be done, if so, with a folder that goes afterwards.
+// Runs `check(browser, folder)` with a temporary folder. `check` returns the reason if it must be skipped.
 export async function runInBrowser(name, check) {
   const folder = mkdtempSync(join(tmpdir(), `sweepstake_${name}_`));
-  let missing = `there is no ${chromiumPath}; deploy/install_packages.sh chromium installs it`;
+  let missing = `${chromiumPath} is missing; deploy/install_packages.sh chromium installs it`;
   if (existsSync(chromiumPath)) {
     const browser = await launch();
     try {
@@ -32,7 +32,7 @@ export async function runInBrowser(name, check) {
   process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
 }
 
-// The cells of a table, by the titles of its columns.
+// Returns the rows of a table; each maps the titles of columns to cells.
 export async function rowsOf(page, caption) {
   const table = page.getByRole('region', { name: caption, exact: true });
   const titles = (await table.locator('thead th').allInnerTexts()).map((title) => title.replace(/ [▲▼]$/, '').trim());
@@ -40,15 +40,15 @@ export async function rowsOf(page, caption) {
   return rows.map((cells) => Object.fromEntries(titles.map((title, i) => [title, cells[i]])));
 }
 
-// Opens a page that writes down whatever goes wrong in it: errors, breaches of its content security policy, requests to elsewhere.
+// Opens a page and records its troubles: errors, violations of the content security policy, and requests to other servers.
 export async function openPage(context, origin, path = '/') {
   const page = await context.newPage();
-  page.setDefaultTimeout(90_000);  // a machine may have much else to do
+  page.setDefaultTimeout(90_000);  // long enough for a busy machine
   page.troubles = [];
   page.on('console', (message) => message.type() === 'error' && page.troubles.push(`${message.text()} ${message.location().url}`));
   page.on('pageerror', (error) => page.troubles.push(`${error.message}\n${error.stack}`));
-  page.on('dialog', (dialog) => page.troubles.push(`a dialog says ${dialog.message()}`));
-  page.on('request', (request) => /^(blob|data):/.test(request.url()) || request.url().startsWith(`${origin}/`) || page.troubles.push(`asked for ${request.url()}`));
+  page.on('dialog', (dialog) => page.troubles.push(`a dialog opened: ${dialog.message()}`));
+  page.on('request', (request) => /^(blob|data):/.test(request.url()) || request.url().startsWith(`${origin}/`) || page.troubles.push(`a request to another server: ${request.url()}`));
   await page.addInitScript(() => {
     document.addEventListener('securitypolicyviolation', (event) => console.error(`policy: ${event.violatedDirective} ${event.blockedURI}`));
   });
@@ -56,11 +56,11 @@ export async function openPage(context, origin, path = '/') {
   return page;
 }
 
-// What the browser itself writes down where the daemon refuses, or is away.
+// Errors that the browser logs itself if the daemon refuses a request or is not running.
 export const refused = (...statuses) => new RegExp(`^Failed to load resource: the server responded with a status of (${statuses.join('|')}) `);
 export const AWAY = /^Failed to load resource: net::ERR_/;
 
-// Does what lets `expected` troubles occur; elsewhere, and before and after, they count.
+// Calls `act` and ignores troubles during it that match `expected`.
 export async function expecting(page, expected, act) {
   const before = page.troubles.length;
   const result = await act();
@@ -68,12 +68,12 @@ export async function expecting(page, expected, act) {
   return result;
 }
 
-// The status with which the daemon refuses what the page does not offer.
+// Returns the HTTP status of a call that the page does not offer.
 export const refusalOf = (page, method, request, headers = { 'X-Sweepstake': '1' }) => expecting(page, refused(403), () =>
   page.evaluate(async ([name, body, more]) => (await fetch(`/api/sweepstake.v1.${name}`,
     { method: 'POST', headers: { 'Content-Type': 'application/json', ...more }, body: JSON.stringify(body) })).status, [method, request, headers]));
 
-// Times are measured always, and judged where the machine has nothing else to do: where JUDGE_TIMES is set.
+// Prints a time in milliseconds. Fails above `limit` if JUDGE_TIMES is set, which needs an idle machine.
 export function judge(what, ms, limit) {
   console.log(`${what}: ${ms.toFixed(0)} ms`);
   if (process.env.JUDGE_TIMES) assert.ok(ms <= limit, `${what}: ${ms} ms, more than ${limit}`);
@@ -85,7 +85,7 @@ export function assertNoTrouble(page, what) {
 
 const axeSource = () => readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 
-// What is shown has no serious barrier to those who do not see it, or use no mouse.
+// Fails if axe finds a serious accessibility problem on the page.
 export async function assertAccessible(page, what) {
   await page.evaluate(axeSource());
   const violations = await page.evaluate(async () => (await globalThis.axe.run(document, { resultTypes: ['violations'] })).violations

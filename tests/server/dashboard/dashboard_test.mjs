@@ -1,8 +1,8 @@
-// The dashboard as its readers see it: a real daemon, real games, Chromium.
+// Tests the dashboard with a real daemon and real games in Chromium.
 //
 //   node dashboard_test.mjs SWEEPSTAKED SWEEPSTAKE PICTURES
 //
-// writes pictures of all views into the folder PICTURES.
+// Writes pictures of all views into the folder PICTURES.
 import assert from 'node:assert/strict';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -14,7 +14,7 @@ import { Game, RealDaemon, until, watched } from './real_daemon.mjs';
 const [sweepstaked, sweepstake, pictures] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'sweepstake_dashboard_'));
 const MAX_FIRST_LOAD = 150_000;
-const HOSTILE = '<img src=x onerror=alert(1)>\u202Egnp'.padEnd(126, 'W');  // of 128 bytes, the most that a name has
+const HOSTILE = '<img src=x onerror=alert(1)>\u202Egnp'.padEnd(126, 'W');  // 128 bytes, the longest allowed name
 const SHOWN_HOSTILE = HOSTILE.replace('\u202E', '⟨U+202E⟩');
 assert.equal(Buffer.byteLength(HOSTILE), 128);
 
@@ -34,9 +34,9 @@ const cellsOf = async (page, scene) => {
   return Object.fromEntries(titles.map((title, i) => [title.replace(/ [▲▼]$/, '').trim(), (cells[i] ?? '').trim()]));
 };
 
-// ---- Each check gets a page of its own, on which nothing may go wrong.
+// ---- The checks. Each ends with an assertion that nothing went wrong on its page.
 
-// The first view needs few bytes.
+// The first view is smaller than MAX_FIRST_LOAD.
 async function checkSize(context, daemon) {
   const page = await context.newPage();
   const sizes = [];
@@ -52,7 +52,7 @@ async function checkSize(context, daemon) {
   await page.close();
 }
 
-// How long a browser that has never been here takes to its first chart.
+// Measures how long a browser without a cache takes to its first chart.
 async function checkFirstChart(browser, daemon) {
   const context = await browser.newContext();
   await context.addInitScript(() => {
@@ -60,18 +60,18 @@ async function checkFirstChart(browser, daemon) {
     new MutationObserver(() => requestAnimationFrame(look)).observe(document, { subtree: true, childList: true });
   });
   const page = await openPage(context, daemon.origin, '/scenes/arcade/arena?class=test&reward=3');
-  judge('the first chart, nothing cached', await until('there is a chart', () => page.evaluate(() => globalThis.firstChartMs)), 1000);
+  judge('the first chart without a cache', await until('there is a chart', () => page.evaluate(() => globalThis.firstChartMs)), 1000);
   assertNoTrouble(page, 'the first chart');
   await context.close();
 }
 
-// The numbers are those that the command line computes from the same posteriors.
+// The overview shows the numbers that the command line computes from the same posteriors.
 async function checkNumbers(page, daemon) {
   const scenes = watched(sweepstake, daemon);
   assert.ok(scenes.length >= 2);
   for (const scene of scenes) {
     const name = scene.scene === HOSTILE ? SHOWN_HOSTILE : scene.scene;
-    const cells = await until(`${name} is as the daemon has it`, async () => {
+    const cells = await until(`the page has the daemon's numbers of ${name}`, async () => {
       const shown = await cellsOf(page, name);
       const evidence = scene.arms.reduce((sum, { windows, lane_visits: visits }) => sum + windows + visits, 0);
       return shown.Evidence?.replaceAll(',', '') === String(evidence) && shown.Sessions === String(scene.active_sessions) && shown;
@@ -87,7 +87,7 @@ async function checkNumbers(page, daemon) {
   }
 }
 
-// What a chat shows of a link says which scene it leads to, and no name becomes markup of it.
+// The preview of a link in a chat program names the scene, and names are escaped.
 async function checkUnfurls(daemon) {
   const titleOf = async (path) => /<meta property="og:title" content="([^"]*)">/.exec(await (await fetch(`${daemon.origin}${path}`)).text())[1];
   assert.equal(await titleOf('/scenes/arcade/arena?class=test&reward=3'), 'arcade / arena · Sweepstake');
@@ -109,7 +109,7 @@ async function checkHostileNames(page) {
 
 const SHOWS_ALL = ['--allow-orders', '--allow-box-view'];
 
-// What a game sends is on the page within a second of the API having it.
+// A scene is on the page within a second after the API has it.
 async function checkLive(page, daemon) {
   const game = new Game(sweepstake, daemon, 'arcade', 'late', { more: SHOWS_ALL });
   const find = async () => (await daemon.call('PosteriorsService/ListPosteriors')).scenes?.find(({ scene, activeSessionCount }) => scene === 'late' && activeSessionCount === 1);
@@ -123,7 +123,7 @@ async function checkLive(page, daemon) {
 const SAMPLES = 20;
 const numberIn = (text) => Number(text?.replaceAll(',', '') ?? NaN);
 
-// How long what gRPC tells of a posterior that changes takes to be on the page, at worst; in the end the page has the same figures.
+// Measures the longest time from a change of a posterior in the API to the page. In the end the page has the same figures as the API.
 async function checkUpdates(context, daemon) {
   const game = new Game(sweepstake, daemon, 'arcade', 'changing');
   const armsOf = () => watched(sweepstake, daemon).find(({ scene }) => scene === 'changing')?.arms ?? [];
@@ -155,9 +155,9 @@ async function checkUpdates(context, daemon) {
 
 const FIGURES = { 'Streams of games': 'sweepstake_open_streams', 'Sessions in memory': 'sweepstake_sessions', Watchers: 'sweepstake_open_watchers',
   'Refused switches': 'sweepstake_refused_switches_total', 'Frames that games dropped': 'sweepstake_dropped_frames_total',
-  'Resumed sessions': 'sweepstake_resumed_sessions_total', 'Updates that wait': 'sweepstake_store_queued_commits' };
+  'Resumed sessions': 'sweepstake_resumed_sessions_total', 'Queued updates': 'sweepstake_store_queued_commits' };
 
-// The figures of the daemon's health are those that it exports.
+// The health view shows the figures of /metrics.
 async function checkHealth(page, daemon) {
   await page.goto(`${daemon.origin}/health`);
   const metrics = async () => new Map((await (await fetch(`${daemon.origin}/metrics`)).text()).split('\n').map((line) => line.split(' ')));
@@ -184,38 +184,38 @@ async function checkRowsStay(page, daemon) {
   assert.deepEqual((await names()).slice(0, before.length), before, 'rows moved under the pointer');
   await page.keyboard.press('/');
   await page.keyboard.type('a new one');
-  await until('a filter leaves what it names, under the pointer too', async () => (await names()).length === 1);
+  await until('the filter applies, under the pointer too', async () => (await names()).length === 1);
   await page.mouse.move(0, 0);
   await page.getByRole('searchbox').fill('');
   await game.quit();
 }
 
-// A daemon that goes and comes back, and one that stands still.
+// The daemon is restarted, then suspended.
 async function checkReconnect(page, daemon) {
   await page.evaluate(() => { globalThis.marker = 'the same page'; });
   await isBadge(page, 'live');
   await expecting(page, AWAY, async () => {
     await daemon.stop();
     await isBadge(page, 'offline');
-    assert.ok(await rowOf(page, 'arena').count(), 'what was known is still there');
+    assert.ok(await rowOf(page, 'arena').count(), 'the last known rows are still shown');
     await daemon.start();
     await isBadge(page, 'live');
   });
   await checkNumbers(page, daemon);
   daemon.freeze();
   await isBadge(page, 'stale');
-  assert.equal(await page.locator('main.old').count(), 1, 'what is old looks old');
+  assert.equal(await page.locator('main.old').count(), 1, 'stale data is not marked');
   daemon.thaw();
   await isBadge(page, 'live');
-  assert.equal(await page.evaluate(() => globalThis.marker), 'the same page', 'the page was loaded anew');
+  assert.equal(await page.evaluate(() => globalThis.marker), 'the same page', 'the page was reloaded');
 }
 
-// The address holds what is shown, and leads back to it.
+// The URL contains filter and view, and opening it restores them.
 async function checkAddress(page, daemon) {
   await page.goto(`${daemon.origin}/?q=aren`);
   await rowOf(page, 'arena').waitFor();
   assert.equal(await page.getByRole('searchbox').inputValue(), 'aren');
-  assert.equal(await rowOf(page, SHOWN_HOSTILE).count(), 0, 'the filter filters');
+  assert.equal(await rowOf(page, SHOWN_HOSTILE).count(), 0, 'the filter leaves out other scenes');
   await page.getByLabel('Sessions').selectOption('online');
   assert.match(page.url(), /online=yes/);
   await page.goBack();
@@ -259,15 +259,15 @@ async function checkDownload(page, daemon) {
   const lines = readFileSync(await download.path(), 'utf8').split('\r\n');
   assert.match(lines[0], /^Scene,Verdict,Leader,P\(best\)/);
   assert.ok(lines.some((line) => line.startsWith('arena,')));
-  assert.ok(lines.some((line) => line.startsWith(HOSTILE)), 'a file has names as they are');
-  assert.ok(lines.some((line) => line.startsWith("'=1+2")), 'a name is no formula');
+  assert.ok(lines.some((line) => line.startsWith(HOSTILE)), 'the CSV file has names unchanged');
+  assert.ok(lines.some((line) => line.startsWith("'=1+2")), 'the CSV file has no formulas');
 }
 
-// ---- All views: whole, empty, in error, in both themes, from 320 px to 4K.
+// ---- All views: with data, empty, and with errors; in both themes, from 320 px to 4K.
 
 const SIZES = { wide: { width: 1440, height: 900 }, narrow: { width: 390, height: 844 }, small: { width: 320, height: 640 }, huge: { width: 3840, height: 2160 } };
 
-// What each view has once it shows something.
+// A selector for each view that matches when the view shows data.
 const ROWS = 'main tbody tr[data-key]';
 const CURVE = 'main td.curve svg'; // figures of a rate need two readings
 const FRAMES = 'figure[data-chart=frame-time] .u-over';
@@ -284,7 +284,7 @@ async function viewsOf(daemon) {
     row: `/decisions?session=${session}&row=${session}.1.3`, priors: '/priors', health: '/health' };
 }
 
-// All of a page, with the charts that are not on the screen as they are now: paper shows them all.
+// Takes a picture of the whole page. The event for printing makes charts outside the screen redraw.
 async function drawWhole(page, path) {
   await page.evaluate(() => new Promise((resolve) => {
     dispatchEvent(new Event('beforeprint'));
@@ -299,7 +299,7 @@ async function checkViews(browser, daemon) {
     for (const [name, path] of Object.entries(await viewsOf(daemon))) {
       const page = await openPage(context, daemon.origin);
       await page.goto(`${daemon.origin}${path}`);
-      // Of a long log the page has only the newest decisions.
+      // The page has only the newest decisions of a long log, so the decision of the URL may be missing.
       if (name === 'why') await page.getByRole('button', { name: 'Why this arm?' }).click();
       await page.locator(SHOWN[name]).first().waitFor();
       for (const theme of ['light', 'dark']) {
@@ -340,12 +340,12 @@ async function checkEmptyViews(context) {
 
 const REFUSAL = { status: 503, contentType: 'application/json', body: '{"error":{"code":"UNAVAILABLE","reason":"STORE_BUSY","message":"the store has too much to do"}}' };
 
-// The daemon refuses whatever the view asks for: it says so.
+// The daemon refuses every request of a view, and the view shows the error.
 async function checkErrors(context, daemon) {
   const page = await openPage(context, daemon.origin);
   for (const pattern of ['**/api/sweepstake*/**', '**/events/**', '**/metrics', '**/readyz*']) await page.route(pattern, (route) => route.fulfill(REFUSAL));
   const views = Object.entries(await viewsOf(daemon));
-  // The page asks again and again, between the views too.
+  // The page repeats its requests, between the views too.
   await expecting(page, refused(REFUSAL.status), async () => {
     for (const [name, path] of views) {
       await page.goto(`${daemon.origin}${path}`);
@@ -359,7 +359,7 @@ async function checkErrors(context, daemon) {
   assertNoTrouble(page, 'views in error');
 }
 
-// ---- Who may look.
+// ---- Login and roles.
 
 async function checkLogin(context) {
   const daemon = daemonIn('tokens', ['--require-tokens']);
@@ -381,10 +381,10 @@ async function checkLogin(context) {
   };
   await logIn(token);
   const kept = await page.evaluate(() => JSON.stringify([document.cookie, { ...localStorage }, { ...sessionStorage }]));
-  assert.ok(!kept.includes(token), 'scripts can read the token');
+  assert.ok(!kept.includes(token), 'scripts can read the token in cookies or storage');
   assert.equal(await page.evaluate(() => document.cookie), '', 'scripts can read the cookie');
   const order = ['SessionsService/OrderSession', { sessionId: 'any', mode: 'MODE_AI' }];
-  assert.equal(await refusalOf(page, ...order), 403, 'a token that may watch orders');
+  assert.equal(await refusalOf(page, ...order), 403, 'a token with the role watch may give orders');
   await page.evaluate(() => { globalThis.marker = 'the same page'; });
   await expecting(page, new RegExp(`${AWAY.source}|${refused(401).source}`), async () => {
     await daemon.stop();
@@ -401,8 +401,8 @@ async function checkLogin(context) {
   };
   await logOut('reader');
   await logIn(boss);
-  assert.equal(await expecting(page, refused(404), () => refusalOf(page, ...order)), 404, 'there is no such session, and whom it would obey');
-  assert.equal(await refusalOf(page, ...order, {}), 403, 'the header that other sites cannot set is missing');
+  assert.equal(await expecting(page, refused(404), () => refusalOf(page, ...order)), 404, 'the operator may order, but the session does not exist');
+  assert.equal(await refusalOf(page, ...order, {}), 403, 'a request without the header that other sites cannot set is accepted');
   await logOut('boss');
   assertNoTrouble(page, 'login');
   await page.close();
@@ -452,7 +452,7 @@ async function checkAll(browser) {
 if (!existsSync(chromiumPath)) skip(`there is no ${chromiumPath}; deploy/install_packages.sh chromium installs it`);
 mkdirSync(pictures, { recursive: true });
 const browser = await launch();
-// What was on the pages when a check failed.
+// Takes pictures of the open pages after a failed check.
 async function drawFailure(error) {
   const pages = browser.contexts().flatMap((context) => context.pages());
   for (const [i, page] of pages.entries()) {

@@ -1,5 +1,5 @@
-// The pictures of the dashboard in the READMEs: the demo of deploy/quickstart.sh plays for a while, then its overview and its first scene
-// are drawn.
+// Takes the pictures of the dashboard for the READMEs: runs the demo of deploy/quickstart.sh for PLAY_MS, then saves the overview and the
+// first scene.
 //
 //   node picture.mjs BIN FOLDER    writes FOLDER/overview.png and FOLDER/scene.png
 import { spawn } from 'node:child_process';
@@ -22,7 +22,7 @@ async function originOf(demo) {
     const found = /http:\/\/127\.0\.0\.1:\d+/.exec(line);
     if (found) return found[0];
   }
-  throw new Error('the demo has not begun');
+  throw new Error('deploy/quickstart.sh ended before it printed an address');
 }
 
 async function draw(page, name) {

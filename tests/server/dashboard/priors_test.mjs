@@ -1,4 +1,4 @@
-// The view of the priors, as an operator uses it: a real daemon, real games of two builds, Chromium.
+// Tests the view of the priors as an operator uses it, with a real daemon and real games of two builds in Chromium.
 //
 //   node priors_test.mjs SWEEPSTAKED SWEEPSTAKE
 import assert from 'node:assert/strict';
@@ -21,7 +21,7 @@ const dialog = (page) => page.getByRole('dialog');
 const button = (place, name) => place.getByRole('button', { name, exact: true });
 const revokeOf = (page, name) => button(page, `Revoke ${name}`);
 
-// The command line, of which the page shows the same numbers.
+// Runs `sweepstake priors`, whose numbers the page must show.
 class Commands {
   constructor(daemon, folder) {
     this.daemon = daemon;
@@ -37,7 +37,7 @@ class Commands {
     return { file, records: JSON.parse(readFileSync(file, 'utf8')).records };
   }
 
-  // The records of one source as if another daemon had learnt them.
+  // Imports the records of one source as records of another daemon.
   importOne() {
     const { records } = this.exported();
     const theirs = records.filter(({ source_id: id }) => id === records[0].source_id).map((record) => ({ ...record, source_id: IMPORTED, build: '0.9' }));
@@ -57,8 +57,7 @@ function localTime(unixS) {
   return new Date(date.getTime() - 60_000 * date.getTimezoneOffset()).toISOString().slice(0, 19).replace('T', ' ');
 }
 
-// What was imported stands on top and counts nowhere; it does when the preview was read and confirmed, and not when the reader thinks
-// better of it.
+// Imported records are listed at the top, and no prior uses them. Promoting them needs a confirmed preview; cancelling changes nothing.
 async function checkPromote(page, daemon, commands) {
   await page.goto(`${daemon.origin}/priors`);
   await page.getByRole('region', { name: 'Quarantine' }).waitFor();
@@ -82,7 +81,7 @@ async function checkPromote(page, daemon, commands) {
   await ask();
   await assertAccessible(page, 'the dialog of a promotion');
   await button(dialog(page), 'Cancel').click();
-  assert.deepEqual(commands.exported().records, before, 'what was previewed waits');
+  assert.deepEqual(commands.exported().records, before, 'a cancelled promotion changes nothing');
   await ask();
   await button(dialog(page), 'Promote').click();
   const toast = await page.locator('.toast', { hasText: 'Promoted' }).innerText();
@@ -95,7 +94,7 @@ async function checkPromote(page, daemon, commands) {
   await page.getByText(/ promoted [0-9]/).first().waitFor();
 }
 
-// The most that each source's records count in a new session, as the API tells it.
+// Returns the highest weight of each source's records in a new session, from the API.
 async function weightsOf(daemon) {
   const response = await fetch(`${daemon.origin}/api/sweepstake.v1.PriorsService/ExportPriors`, { method: 'POST', body: '{"withWeights":true}',
     headers: { 'Content-Type': 'application/json', 'X-Sweepstake': '1' } });
@@ -106,7 +105,7 @@ async function weightsOf(daemon) {
   return weights;
 }
 
-// Builds and sources are those of an export.
+// The tables show the builds and sources of an export.
 async function checkTables(page, daemon, commands) {
   await page.goto(`${daemon.origin}/priors`);
   await page.getByRole('region', { name: 'Sources' }).waitFor();
@@ -132,7 +131,7 @@ async function checkTables(page, daemon, commands) {
   await assertAccessible(page, 'priors');
 }
 
-// What two builds say differently is what the command line says of an export, and the comparison is in the address.
+// The differences of two builds are those that the command line computes from an export. The comparison is in the URL.
 async function checkChanges(page, daemon, commands) {
   await page.getByLabel('From build').selectOption('1.1');
   await page.getByLabel('to build').selectOption('1.2');
@@ -165,7 +164,7 @@ async function valuesOf(figure) {
   return rows.map((cells) => Object.fromEntries(header.map((title, i) => [title, cells[i]])));
 }
 
-// What a build added to what the others had taught is the sum of the records of each; the build is in the address.
+// The chart of a build shows its evidence on top of the evidence of other builds, as sums of the exported records. The build is in the URL.
 async function checkPriorOfBuild(page, daemon, commands) {
   const records = commands.exported().records.filter(({ scene, reward_version: version }) => scene === 'arena' && version === 3);
   await page.goto(`${daemon.origin}/scenes/arcade/arena?class=${encodeURIComponent(records[0].machine_class)}&reward=3`);
@@ -177,7 +176,7 @@ async function checkPriorOfBuild(page, daemon, commands) {
   await button(figure, 'Table').click();
   const rows = await valuesOf(figure);
   assert.deepEqual(rows.map(({ arm }) => arm), [...new Set(records.map(({ arm }) => arm))].sort());
-  assert.ok(records.every(({ measured_by: by }) => !by), 'visits and windows together would be no sum');
+  assert.ok(records.every(({ measured_by: by }) => !by), 'the arena has lane visits, so its figures are not sums');
   for (const row of rows) {
     const own = records.filter(({ arm }) => arm === row.arm);
     const others = own.filter(({ build }) => build !== '1.2');
@@ -207,7 +206,7 @@ async function previewIs(page, result, end = /would go\./) {
   if (leaders.length === 0) await dialog(page).getByText('The same arm would lead in every scene').waitFor();
 }
 
-// A build goes: not before it was said what would go, not when the reader thinks better of it, then all of it and nothing else.
+// Revoking a build shows a preview first, changes nothing if cancelled, and removes exactly this build if confirmed.
 async function checkRevokeBuild(page, daemon, commands) {
   await page.goto(`${daemon.origin}/priors`);
   await revokeOf(page, 'build 1.2').click();
@@ -217,7 +216,7 @@ async function checkRevokeBuild(page, daemon, commands) {
   await assertAccessible(page, 'the dialog');
   const before = commands.exported().records;
   await button(dialog(page), 'Cancel').click();
-  assert.deepEqual(commands.exported().records, before, 'what was previewed is there');
+  assert.deepEqual(commands.exported().records, before, 'a cancelled revocation changes nothing');
   await revokeOf(page, 'build 1.2').click();
   await previewIs(page, preview);
   await button(dialog(page), 'Revoke').click();
@@ -240,7 +239,7 @@ async function checkRevokeSource(page, daemon, commands) {
   assert.ok(!isThere());
 }
 
-// The reader says which sources; a change of that needs another preview.
+// The form selects sources; each change of the form needs a new preview.
 async function checkRevokeForm(page, daemon, commands) {
   await page.goto(`${daemon.origin}/priors?project=arcade`);
   await button(page, 'Revoke …').click();
@@ -310,11 +309,11 @@ async function checkAll(browser, folder) {
     return front;
   }
   const played = [['arena', '1.1'], ['arena', '1.2'], ['cave', '1.2'], ['arena', HOSTILE]];
-  // The arena without a lane, so that its figures are sums of what is exported.
+  // The arena has no shadow lane, so that its figures are sums of the exported records.
   const lane = (scene) => ['--shadow', scene === 'arena' ? 'off' : 'auto'];
   await Promise.all(played.map(([scene, build]) => new Game(sweepstake, daemon, 'arcade', scene, { duration: '5s', more: ['--build', build, ...lane(scene)] }).ended()));
   const commands = new Commands(daemon, folder);
-  await until('all have taught something', () => new Set(commands.exported().records.map(({ source_id: id }) => id)).size === played.length);
+  await until('all games have added evidence', () => new Set(commands.exported().records.map(({ source_id: id }) => id)).size === played.length);
   const file = commands.importOne();
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
   const page = await openPage(context, daemon.origin, '/priors');

@@ -1,17 +1,17 @@
-// A real daemon and real games, as processes of this test.
+// Runs a real daemon and real games as child processes.
 import { execFileSync, spawn } from 'node:child_process';
 import { existsSync, mkdirSync, openSync, readFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
 
 export const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
-// Waits until `condition` gives something; `what` names it where it never does.
+// Waits until `condition` returns a truthy value, and returns that. After `patienceMs` throws an error that names `what`.
 export async function until(what, condition, patienceMs = 90_000) {
   for (const end = Date.now() + patienceMs; Date.now() < end; await pause(50)) {
     const found = await condition();
     if (found) return found;
   }
-  throw new Error(`never: ${what}`);
+  throw new Error(`timed out: ${what}`);
 }
 
 const children = new Set();
@@ -38,7 +38,7 @@ export class RealDaemon {
     mkdirSync(folder, { recursive: true });
   }
 
-  // Listens where it listened before, if it has.
+  // Listens on the same ports at each start.
   async start() {
     const portFile = join(this.folder, 'ports');
     rmSync(portFile, { force: true });
@@ -47,7 +47,7 @@ export class RealDaemon {
       '--http', `127.0.0.1:${this.ports[1]}`, '--port-file', portFile, '--max-time-scale', '1000', ...this.flags],
     { stdio: ['ignore', log, log] });
     await until('the daemon listens', () => {
-      if (this.child.exitCode !== null) throw new Error(`the daemon ended at once:\n${readFileSync(join(this.folder, 'log'), 'utf8')}`);
+      if (this.child.exitCode !== null) throw new Error(`the daemon did not start:\n${readFileSync(join(this.folder, 'log'), 'utf8')}`);
       return existsSync(portFile);
     });
     this.ports = readFileSync(portFile, 'utf8').trim().split(/\s+/).map(Number);
@@ -75,7 +75,7 @@ export class RealDaemon {
     return text.split('\n').filter(Boolean).map((line) => JSON.parse(line));
   }
 
-  // The same of one that gives one response.
+  // Calls an RPC that returns one response.
   async call(method, request = {}) {
     return (await this.responses(method, request))[0];
   }
@@ -87,8 +87,8 @@ export class RealDaemon {
   }
 }
 
-// A game that plays a scene of a hundred objects at 60 frames a second, until it quits or `duration` is over; its decisions come a
-// hundred times as fast, which is one a frame.
+// A game that plays a scene of a hundred objects at 60 frames per second until quit() or for `duration`. Its clock runs a hundred times
+// as fast (--time-scale), so that it has one decision per frame.
 export class Game {
   constructor(program, daemon, project, scene, { duration = '1h', mode = 'ai', scale = 100, more = [] } = {}) {
     this.child = begin(program, ['run', '--scene', 'hurricane', '--objects', '100', '--daemon', daemon.address, '--mode', mode,
@@ -103,13 +103,13 @@ export class Game {
     if (this.child.exitCode) throw new Error(`a game failed:\n${this.errors}`);
   }
 
-  // As a player does who closes the window.
+  // Ends the game as if a player had closed its window.
   async quit() {
     this.child.kill('SIGINT');
     await ended(this.child);
   }
 }
 
-// What `sweepstake watch` says of the scenes.
+// Returns the scenes that `sweepstake watch` prints.
 export const watched = (program, daemon) =>
   JSON.parse(execFileSync(program, ['watch', '--daemon', daemon.address, '--json'], { encoding: 'utf8' })).scenes;

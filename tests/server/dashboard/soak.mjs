@@ -1,11 +1,11 @@
-// How the dashboard bears being left open: 1,000 scenes and 50 sessions, whose games play a hundred times as fast. The page, which is
-// never loaded anew, shows the overview for half of each minute, then a scene, then a session.
+// Tests a dashboard that stays open for long, with 1,000 scenes and 50 sessions at 100 times the normal speed. Without a reload, the page
+// shows the overview for half of each minute, then a scene, then a session.
 //
 //   node soak.mjs FOLDER [MINUTES [SPEED]]
 //
-// FOLDER is a built page (`npx vite build --mode dashboard`). A simulated week takes MINUTES = 101 at SPEED = 100. Prints three lines a
-// minute, and ends with 1 if a view drew less than 30 frames in a second or has more memory in the last tenth, its median, than 5 % over its
-// most in the first tenth, if a row moved under the pointer, if a chart stood still or if anything went wrong.
+// FOLDER is a built page (`npx vite build`). A simulated week takes MINUTES = 101 at SPEED = 100. Prints three lines a minute. Exits with
+// 1 if a view drew fewer than MIN_FRAMES frames per second, a row moved under the pointer, a chart did not change, or the page had an
+// error. Also exits with 1 if memory grew: if the median of the last tenth exceeds the maximum of the first tenth by more than 5 %.
 import { launch, openPage } from './browser.mjs';
 import { pause, until } from './real_daemon.mjs';
 import { SyntheticDaemon } from './synthetic_daemon.mjs';
@@ -17,8 +17,8 @@ const MAX_GROWTH = 1.05;
 const daemon = await new SyntheticDaemon({ sceneCount: 1000, sessionCount: 50, speed: Number(speed), folder }).listen();
 const browser = await launch();
 
-// The page's memory after everything that can be freed is freed: the least of some moments, since at any one the page has messages and
-// pictures in hand, which at a hundred times the speed are a tenth of all.
+// Returns the page's memory after garbage collection: the minimum of HEAP_MOMENTS measurements. A single one may contain messages and
+// pictures in progress, which at this speed are a tenth of all memory.
 const HEAP_MOMENTS = 8;
 async function heapOf(session) {
   const sizes = [];
@@ -41,15 +41,15 @@ const framesPerSecond = (page, ms) => page.evaluate((duration) => new Promise((r
   requestAnimationFrame(frame);
 }), ms);
 
-// Where each view is, with the scenes that are played on top, how long it is shown in a minute, and what of it is another one whenever a
-// game has decided.
+// For each view: its path (with the played scenes on top), how long it is shown per minute, and a selector for a part that changes
+// with each decision.
 const VIEWS = {
   overview: { path: '/?sort=-sessions', ms: 30_000, live: '.scroll' },
   scene: { path: '/scenes/project-0/scene-0?class=desktop&reward=3', ms: 15_000, live: 'figure[data-chart=best] .legend' },
   session: { path: `/sessions/${daemon.sessions[0].sessionId}`, ms: 15_000, live: 'figure[data-chart=timeline] svg' },
 };
 
-// As a link in the page does.
+// Changes the view as a link in the page does.
 const follow = (page, path) => page.evaluate((href) => {
   history.pushState(null, '', href);
   dispatchEvent(new PopStateEvent('popstate'));
@@ -82,7 +82,7 @@ async function soak() {
   for (const end = Date.now() + 60_000 * Number(minutes); Date.now() < end;) for (const view of Object.keys(VIEWS)) await visit(view);
   const stays = (sizes) => {
     const tenth = Math.ceil(sizes.length / 10);
-    const last = sizes.slice(-tenth).sort((a, b) => a - b); // a single one may have a few more messages in hand
+    const last = sizes.slice(-tenth).sort((a, b) => a - b); // the median, because a single value may include messages in progress
     return last[Math.floor(tenth / 2)] <= MAX_GROWTH * Math.max(...sizes.slice(0, tenth));
   };
   return {

@@ -1,5 +1,5 @@
-// Speaks to the dashboard like a daemon with many scenes and sessions, whose games play as fast as one likes: what no real games could
-// do on one machine. For soak.mjs, and to draw pages by.
+// An HTTP server that behaves like a daemon with many scenes and sessions at any speed, which real games on one machine cannot reach. For
+// soak.mjs.
 import { readdirSync, readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { extname, join } from 'node:path';
@@ -8,14 +8,14 @@ const ARMS = ['BruteForce', 'Grid', 'SAP', 'AxisSweep', 'DBVT', 'Tracy', 'KDTree
 const OUTCOMES = ['KEPT', 'KEPT', 'KEPT', 'HELD_COOLDOWN', 'HELD_GATE', 'HELD_TIE', 'SWITCHED', 'HELD_SETTLING'];
 const TICK_MS = 250;
 const WINDOW_MS = 2000;
-// A log that the daemon wrote: its header, the row of a setup, and one of a decision, as cells.
+// The log of a real daemon. From it come the header, a setup row, and a decision row as cells.
 const LOG = readFileSync(new URL('../audit/logs/adaptive.csv', import.meta.url), 'utf8').split('\n');
 const COLUMNS = Object.fromEntries(LOG[0].split(',').map((name, i) => [name, i]));
 const TICK = LOG.map((line) => line.split(',')).find((cells) => cells[COLUMNS.kind] === 'tick');
-const MAX_LOG_ROWS = 6000; // as a daemon's bounds leave of a session that plays without end
+const MAX_LOG_ROWS = 6000; // the number of rows that a daemon keeps of an endless session
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 
-// A generator of numbers from 0 to 1, the same ones for a seed.
+// Returns a deterministic generator of numbers from 0 to 1.
 export function randomOf(seed) {
   let state = seed >>> 0;
   return () => {
@@ -27,7 +27,7 @@ export function randomOf(seed) {
 const histogramOf = (random, from) => ({ bucketSteps: [from, 1, 1, 2], counts: [3, 60 + Math.floor(random() * 40), 20, 2] });
 
 export class SyntheticDaemon {
-  // `speed`: how often a session decides, in decisions per WINDOW_MS.
+  // `speed` is the number of decisions of a session per WINDOW_MS.
   constructor({ sceneCount, sessionCount, speed, folder, seed = 1 }) {
     this.random = randomOf(seed);
     this.speed = speed;
@@ -99,7 +99,7 @@ export class SyntheticDaemon {
     return decision;
   }
 
-  // What happens in a tick: each session's decisions, and its scene's posterior.
+  // One tick: publishes new decisions of each session and the posterior of its scene.
   tick() {
     for (const [i, session] of this.sessions.entries()) {
       const scene = this.scenes[i % this.scenes.length];
@@ -148,7 +148,7 @@ export class SyntheticDaemon {
     log.droppedCount += MAX_LOG_ROWS;
   }
 
-  // The rows of a session's log behind one; the first row is that of the setup, a decision's is the next one's.
+  // Returns the rows of a session's log after `afterRow`. Row 1 is the setup; each decision is one row.
   log({ sessionId, afterRow = '0' }) {
     const { unixStartMs } = this.sessions.find((each) => each.sessionId === sessionId);
     const { decisions, droppedCount } = this.logs.get(sessionId) ?? { decisions: [], droppedCount: 0 };

@@ -1,4 +1,4 @@
-// Checks the types of a front end and runs its unit tests, both at once.
+// Runs the type check and the unit tests of a front end in parallel.
 //
 //   node units_test.mjs FOLDER
 import { spawn } from 'node:child_process';
@@ -9,7 +9,7 @@ import { resolve } from 'node:path';
 const folder = resolve(process.argv[2]);
 const missing = (name) => !existsSync(resolve(folder, name));
 if (missing('node_modules/vitest/vitest.mjs') || (!missing('proto.mjs') && missing('src/gen'))) {
-  console.log(`skipped: \`npm ci\`, and \`npm run proto\` where there is one, make what these tests need in ${folder}`);
+  console.log(`skipped: run \`npm ci\`, and \`npm run proto\` if package.json has it, in ${folder} first`);
   process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
 }
 const run = async (program, ...words) => {

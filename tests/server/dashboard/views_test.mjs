@@ -1,4 +1,4 @@
-// The views of a scene, of a session and of the decisions, as somebody uses them: a real daemon, real games, Chromium.
+// Tests the views of a scene, a session and the decisions, with a real daemon and real games in Chromium.
 //
 //   node views_test.mjs SWEEPSTAKED SWEEPSTAKE
 import assert from 'node:assert/strict';
@@ -11,7 +11,7 @@ import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 const [sweepstaked, sweepstake] = process.argv.slice(2);
 const SCENE = '/scenes/arcade/arena?class=test&reward=3';
 
-const ALPHA = 31; // the column of the audit log; the cells of ticks have no commas
+const ALPHA = 31; // index of the column alpha of the audit log; rows of ticks have no quoted commas
 
 const chart = (page, id) => page.locator(`figure[data-chart=${id}]`);
 const timeIn = (figure) => figure.locator('.legend time').innerText();
@@ -23,7 +23,7 @@ const isSession = (daemon, id, what, test) => until(what, async () => (await ses
 
 // ---- A scene.
 
-// The numbers are those that the command line computes from the same posteriors. No game plays meanwhile.
+// The view shows the numbers that the command line computes from the same posteriors. No game runs meanwhile.
 async function checkNumbers(page, daemon) {
   await page.goto(`${daemon.origin}${SCENE}`);
   const scene = watched(sweepstake, daemon).find((each) => each.scene === 'arena');
@@ -36,7 +36,7 @@ async function checkNumbers(page, daemon) {
     assert.equal(row['P(best)'], arm.best_probability.toFixed(3), arm.arm);
     assert.equal(row.Windows, String(arm.windows), arm.arm);
     assert.equal(row['Lane visits'], String(arm.lane_visits), arm.arm);
-    const worth = row['Worth windows'];
+    const worth = row['Equivalent windows'];
     assert.ok(arm.n > 0 ? Math.abs(Number(worth) / arm.n - 1) < 0.006 : worth === '–', `${arm.arm}: ${worth} instead of ${arm.n}`);
     assert.equal(row.Measured, arm.windows + arm.bail_outs > 0 ? 'live' : arm.lane_visits > 0 ? 'lane only' : 'never', arm.arm);
     const [ratio] = row['Cost ÷ leader’s'].split(' ');
@@ -45,7 +45,7 @@ async function checkNumbers(page, daemon) {
   assert.equal(await chart(page, 'beliefs').locator('svg.picture title').count(), scene.arms.length, 'a ridge for each arm');
 }
 
-// An arm that never ran does not look as if it had.
+// An arm that never ran in a game is marked.
 async function checkNeverRan(page) {
   const arms = await rowsOf(page, 'Arms');
   const unseen = arms.filter(({ Measured }) => Measured !== 'live');
@@ -70,17 +70,17 @@ async function checkFiles(page) {
   assert.equal(picture.subarray(1, 4).toString(), 'PNG');
   assert.ok(picture.length > 5000, `${picture.length} bytes`);
   await figure.getByRole('button', { name: 'Table' }).click();
-  assert.ok(await figure.locator('tbody tr').count() > 1, 'the values are there as a table');
+  assert.ok(await figure.locator('tbody tr').count() > 1, 'the table has no values');
 }
 
-// While a game plays: charts grow, a drag zooms, a pause holds, an arm can be hidden; all of it is in the address.
+// While a game runs, charts grow, dragging zooms, pausing keeps the figures, and arms can be hidden. The URL contains all of this.
 async function checkTime(page, daemon) {
   await page.goto(`${daemon.origin}${SCENE}`);
   const arms = async () => JSON.stringify((await daemon.call('PosteriorsService/ListPosteriors')).scenes.find(({ scene }) => scene === 'arena').arms);
   const before = await arms();
-  await until('the game has taught something', async () => await arms() !== before, 120_000);
+  await until('the game has added evidence', async () => await arms() !== before, 120_000);
   await chart(page, 'best').scrollIntoViewIfNeeded();
-  // A chart that is drawn anew, as when a first arm is measured, has no place for a moment, and ends a drag.
+  // A redrawn chart, as after the first measurement of an arm, has no position for a moment and ends a drag. Therefore this is repeated.
   await until('the range is in the address', async () => {
     const { x, y, width, height } = await until('the chart is drawn', () => chart(page, 'best').locator('.u-over').boundingBox());
     await page.mouse.move(x + width * 0.3, y + height / 2);
@@ -95,7 +95,7 @@ async function checkTime(page, daemon) {
   assert.ok(!query(page).has('from'));
   await chart(page, 'best').locator('.plot').focus();
   await page.keyboard.press('ArrowLeft');
-  await until('the values at the crosshair are said', async () => /\d\.\d{3}/.test(await chart(page, 'best').locator('[role=status]').innerText()), 3000);
+  await until('the status has the values at the crosshair', async () => /\d\.\d{3}/.test(await chart(page, 'best').locator('[role=status]').innerText()), 3000);
   const crosshair = await timeIn(chart(page, 'best'));
   assert.match(crosshair, /\d/);
   await until('the other chart has the crosshair', async () => await timeIn(chart(page, 'bands')) === crosshair, 3000);
@@ -110,10 +110,10 @@ async function checkTime(page, daemon) {
   const held = await alphas();
   for (let i = 0; i < 5; ++i) {
     const learnt = await arms();
-    await until('the game teaches on', async () => await arms() !== learnt);
+    await until('the game adds evidence', async () => await arms() !== learnt);
   }
   assert.equal(await alphas(), held, 'figures change during a pause');
-  await page.getByRole('button', { name: 'Go on' }).click();
+  await page.getByRole('button', { name: 'Resume' }).click();
   await until('figures change again', async () => await alphas() !== held);
 }
 
@@ -129,7 +129,7 @@ async function checkWhy(page, daemon, { sessionId }) {
   await panel.waitFor();
   assert.match(await panel.innerText(), /is the best arm with a probability of (over )?\d/);
   assert.ok(Number(query(page).get('decision')) > 0);
-  await panel.getByText('Its audit row').click(); // the page reads it by itself a moment after the decision
+  await panel.getByText('Audit row', { exact: true }).click(); // the page reads it automatically, a moment after the decision
   assert.equal(await panel.locator('dt', { hasText: /^decision_id$/ }).locator('+ dd').innerText(), query(page).get('decision'));
   await page.reload();
   await panel.waitFor();
@@ -141,7 +141,7 @@ async function checkWhy(page, daemon, { sessionId }) {
 
 const numberIn = (text) => Number.parseInt(text.replaceAll(',', ''), 10);
 
-// The page has each row of the log a moment after the daemon has it, and never fewer.
+// The page has each row of the log a moment after the daemon.
 async function checkLog(page, daemon, { sessionId }) {
   const stored = async () => (await daemon.responses('AuditService/ListAuditSegments', { sessionId })).flatMap(({ segments }) => segments).reduce((sum, { rowCount }) => sum + Number(rowCount), 0);
   const shown = async () => numberIn(await page.locator('.row-count').innerText());
@@ -158,23 +158,23 @@ async function checkLog(page, daemon, { sessionId }) {
   judge('a row of the log is on the page of its session', worst, 1000);
 }
 
-// One read of the log that fails moves nothing under the hand: what was read stays, and the log is asked again.
+// A failed read of the log does not move the charts. The rows read before stay, and the page tries again.
 async function checkLogAway(page) {
   const rows = async () => numberIn(await page.locator('.row-count').innerText());
   const place = async () => (await page.locator('figure[data-chart=detection]').boundingBox()).y + await page.evaluate(() => scrollY);
   const before = { y: await place(), rows: await rows() };
   await expecting(page, /ExportDecisions|Failed to load resource/, async () => {
     await page.route('**/ExportDecisions', (route) => route.abort());
-    await page.getByText('the daemon cannot be reached, and is asked again').waitFor();
+    await page.getByText('the daemon cannot be reached; the page tries again').waitFor();
     assert.ok(Math.abs(await place() - before.y) < 1, 'a chart was moved');
     assert.equal(await page.getByText('cannot be shown').count(), 0);
     await page.unroute('**/ExportDecisions');
   });
-  await until('the log goes on', async () => await rows() > before.rows);
-  assert.equal(await page.getByText('is asked again').count(), 0);
+  await until('new rows are read', async () => await rows() > before.rows);
+  assert.equal(await page.getByText('the page tries again').count(), 0);
 }
 
-// Percentiles are there as soon as a decision is told, with the budgets of 60 and 30 frames per second.
+// Percentiles appear with the first live decision, and the log adds checks and objects.
 async function checkCosts(page) {
   await until('percentiles of frames', async () => /p99\s*\d/.test(await chart(page, 'frame-time').locator('.legend').innerText()));
   assert.match(await chart(page, 'memory').locator('.legend').innerText(), /[kM]?B/);
@@ -187,7 +187,7 @@ const hover = async (figure, share) => {
   const { width, height } = await until('the chart is drawn', () => figure.locator('.u-over').boundingBox());
   await figure.locator('.u-over').hover({ position: { x: width * share, y: height / 2 } });
 };
-// A phone's width is enough, too.
+// The page fits the width of a phone.
 async function isNarrow(page, what) {
   const size = page.viewportSize();
   await page.setViewportSize({ width: 320, height: 640 });
@@ -196,7 +196,7 @@ async function isNarrow(page, what) {
   await page.setViewportSize(size);
 }
 
-// Two live sessions beside one another: the second one, which began later, is drawn as if it had begun with the first one.
+// Compares two live sessions. The second one began later, and is drawn from the start of the first.
 async function checkCompare(page, daemon, { sessionId }) {
   const hasDecidedMuch = async (id) => {
     await page.goto(`${daemon.origin}/sessions/${id}`);
@@ -207,21 +207,21 @@ async function checkCompare(page, daemon, { sessionId }) {
   const { sessionId: other } = await until('another session is connected', async () => (await sessionsOf(daemon)).find((each) => each.sessionId !== sessionId));
   await hasDecidedMuch(other);
   await page.goto(`${daemon.origin}/sessions/${sessionId}?from=1&to=2`);
-  await page.getByLabel('Beside').selectOption(other);
-  await page.getByRole('heading', { name: 'Beside one another' }).waitFor();
+  await page.getByLabel('Compare with').selectOption(other);
+  await page.getByRole('heading', { name: 'Comparison', exact: true }).waitFor();
   assert.deepEqual([query(page).get('with'), query(page).get('from')], [other, null]);
   for (const [i, id] of [sessionId, other].entries()) {
     assert.equal(await page.getByRole('heading', { level: 2 }).nth(i).innerText(), `Session ${id}`);
     await chart(page, 'timeline').nth(i).locator('path.span[d^=M]').first().waitFor();
   }
-  await page.getByRole('button', { name: 'Pause' }).click(); // so that times stay where they are
+  await page.getByRole('button', { name: 'Pause' }).click(); // so that the charts do not move
   const [first, second] = [0, 1].map((i) => chart(page, 'frame-time').nth(i));
   const hasMean = async (figure) => /window mean\s*\d/.test(await figure.locator('.legend').innerText());
   const hasBoth = async (pointed, seen, share) => {
     await hover(pointed, share);
     return await hasMean(pointed) && await hasMean(seen) && await timeIn(seen) === await timeIn(pointed) && share;
   };
-  // Not every window has a mean; the second session has none at all where its times are its own.
+  // Not every window has a mean, so several positions are tried. Without the shift, the second session would have no values there.
   const share = await until('both have the values at one crosshair', async () =>
     await hasBoth(first, second, 0.02) || await hasBoth(first, second, 0.05) || hasBoth(first, second, 0.1));
   const at = await timeIn(first);
@@ -230,45 +230,45 @@ async function checkCompare(page, daemon, { sessionId }) {
   const [file] = await Promise.all([page.waitForEvent('download'), second.getByRole('button', { name: /CSV/ }).click()]);
   const firstMs = Date.parse(readFileSync(await file.path(), 'utf8').split('\r\n')[1].split(',')[0]);
   const { unixStartMs } = (await sessionsOf(daemon)).find((each) => each.sessionId === other);
-  assert.ok(firstMs >= Number(unixStartMs) - 1000, 'a file has the times as they were');
+  assert.ok(firstMs >= Number(unixStartMs) - 1000, 'the CSV file has shifted times');
   await isNarrow(page, 'two sessions');
   await page.reload();
   await chart(page, 'timeline').nth(1).locator('path.span[d^=M]').first().waitFor();
   const theirs = chart(page, 'timeline').nth(1);
-  await until('the first decision is said', async () => {
+  await until('the status describes the first decision', async () => {
     await theirs.locator('svg.picture').focus();
     await page.keyboard.press('Home');
     return /\d/.test(await theirs.getByRole('status').innerText());
   });
   await page.keyboard.press('Enter');
   await page.locator('.why').waitFor();
-  assert.equal(new URL(page.url()).pathname, `/sessions/${other}`, 'a decision of the second session is explained in its own page');
+  assert.equal(new URL(page.url()).pathname, `/sessions/${other}`, 'a decision of the second session is not explained on the page of that session');
   await page.goBack();
-  await page.getByRole('button', { name: 'Only the first' }).click();
+  await page.getByRole('button', { name: 'Show only the first' }).click();
   await page.getByRole('heading', { name: `Session ${sessionId}` }).waitFor();
   await rival.quit();
 }
 
-// Whom nobody knows has nothing to show beside one that is there, and its name is text.
+// Comparing with an unknown session or scene shows nothing for it, and its name is escaped.
 async function checkUnknown(page, daemon, { sessionId }) {
   const nobody = '<img src=x>\u202Egnp';
   await page.goto(`${daemon.origin}/sessions/${sessionId}?with=${encodeURIComponent(nobody)}`);
   await chart(page, 'timeline').first().locator('path.span[d^=M]').first().waitFor();
-  await chart(page, 'timeline').nth(1).getByText('Its log has nothing.').waitFor();
+  await chart(page, 'timeline').nth(1).getByText('The log of this session is empty.').waitFor();
   await page.getByRole('heading', { name: 'Session <img src=x>⟨U+202E⟩gnp' }).waitFor();
   assert.equal(await page.locator('main img').count(), 0, 'a name became markup');
   await isNarrow(page, 'an unknown session');
   await page.goto(`${daemon.origin}${SCENE}&with=${encodeURIComponent(nobody)}`);
-  await page.getByText('The daemon knows nothing of the other scene').waitFor();
-  await page.getByRole('button', { name: 'Only the first' }).click();
+  await page.getByText('The daemon does not know the other scene').waitFor();
+  await page.getByRole('button', { name: 'Show only the first' }).click();
   await page.getByRole('region', { name: 'Arms' }).waitFor();
 }
 
-// A picture of the canvas, as a number that is another one for another picture; 0 where nothing is drawn.
+// Returns a hash of the canvas; 0 if nothing is drawn.
 const pictureOf = (page) => page.locator('.boxes canvas').evaluate((canvas) => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data
   .reduce((sum, value, i) => (value ? (31 * sum + value + i) % 1_000_003 : sum), 0));
 
-// Nothing is asked of the game unless somebody looks; then its objects are drawn, and the camera turns.
+// Boxes are requested only while they are shown. Then the objects are drawn, and keys turn the camera.
 async function checkBoxes(page, daemon, { sessionId }) {
   const asked = [];
   page.on('request', (request) => request.url().includes('WatchBoxes') && asked.push(request.url()));
@@ -285,7 +285,7 @@ async function checkBoxes(page, daemon, { sessionId }) {
   const before = await frame();
   await until('the next ones come', async () => await frame() !== before);
   await page.getByRole('button', { name: 'Pause' }).click();
-  await until('they stand still', async () => { const at = await frame(); const picture = await pictureOf(page); await pause(600); return await frame() === at && await pictureOf(page) === picture; });
+  await until('the boxes are paused', async () => { const at = await frame(); const picture = await pictureOf(page); await pause(600); return await frame() === at && await pictureOf(page) === picture; });
   const still = await pictureOf(page);
   await page.locator('.boxes canvas').focus();
   await page.keyboard.press('ArrowLeft');
@@ -293,7 +293,7 @@ async function checkBoxes(page, daemon, { sessionId }) {
   await page.keyboard.press('0');
   await until('and back', async () => await pictureOf(page) === still);
   await assertAccessible(page, 'boxes');
-  await page.getByRole('button', { name: 'Go on' }).click();
+  await page.getByRole('button', { name: 'Resume' }).click();
   await show.click();
   assert.ok(!query(page).has('boxes'));
   assert.equal(await page.locator('.boxes').count(), 0);
@@ -308,26 +308,26 @@ async function checkOrders(page, daemon, { sessionId }) {
   await page.getByLabel('Keep').selectOption('SAP');
   await order(page, 'Pin this arm', 'Keep this arm');
   await isSession(daemon, sessionId, 'the game keeps to SAP', ({ mode, activeArm }) => mode === 'MODE_MANUAL' && activeArm === 'SAP');
-  // A message stays for some seconds, in which a busy machine has not moved the pointer there.
-  await page.locator('.toast', { hasText: 'Obeyed' }).getByRole('button', { name: 'Undo' }).dispatchEvent('click');
+  // Not click(): on a busy machine the message disappears before the pointer has reached it.
+  await page.locator('.toast', { hasText: 'Done: ' }).getByRole('button', { name: 'Undo' }).dispatchEvent('click');
   await isSession(daemon, sessionId, 'the daemon decides again', ({ mode }) => mode === 'MODE_AI');
   await order(page, 'Pin this arm', 'Keep this arm');
   await isSession(daemon, sessionId, 'the game keeps to an arm again', ({ mode }) => mode === 'MODE_MANUAL');
   await order(page, 'AI decides', 'Let the daemon decide');
   await isSession(daemon, sessionId, 'the daemon decides', ({ mode }) => mode === 'MODE_AI');
-  await until('there is nothing to order', () => page.getByRole('button', { name: 'AI decides' }).isDisabled());
+  await until('the order is disabled, because the daemon decides already', () => page.getByRole('button', { name: 'AI decides' }).isDisabled());
   await page.getByRole('button', { name: 'Pin this arm', exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: 'Cancel' }).click();
-  assert.ok((await sessionsOf(daemon)).some((session) => session.sessionId === sessionId && session.mode === 'MODE_AI'), 'what was not confirmed is not done');
+  assert.ok((await sessionsOf(daemon)).some((session) => session.sessionId === sessionId && session.mode === 'MODE_AI'), 'a cancelled order was executed');
 }
 
-// The game comes back, and its session goes on.
+// After "Reconnect" the game connects again, and its session continues.
 async function checkReconnect(page, daemon, { sessionId }) {
   const resumed = async () => Number(/^sweepstake_resumed_sessions_total (\d+)$/m.exec(await (await fetch(`${daemon.origin}/metrics`)).text())[1]);
   const before = await resumed();
   await order(page, 'Reconnect', 'Reconnect');
   await page.locator('.toast', { hasText: 'The connection was ended.' }).waitFor();
-  await until('a session goes on', async () => await resumed() === before + 1);
+  await until('a session was resumed', async () => await resumed() === before + 1);
   await isSession(daemon, sessionId, 'it is this one', ({ state }) => state === 'SESSION_STATE_CONNECTED');
   await page.locator('.facts .chip', { hasText: 'connected' }).waitFor();
 }
@@ -336,7 +336,7 @@ async function checkKick(page, daemon, { sessionId }) {
   await order(page, 'End session', 'End session');
   await until('the session has ended', async () => (await sessionsOf(daemon)).every((session) => session.sessionId !== sessionId));
   await page.locator('.chip', { hasText: 'kicked' }).waitFor();
-  // What is believed after its last decision is what its log says.
+  // The posteriors after its last decision are those of its log.
   const lines = (await daemon.responses('AuditService/ExportDecisions', { sessionId })).flatMap(({ rows = [] }) => rows.map((row) => row.split(',')));
   const [alpha, beta] = [ALPHA, ALPHA + 1].map((column) => lines.filter((cells) => cells[3] === 'tick' && cells[column]).at(-1)[column].split(' ').map(Number));
   await page.getByRole('button', { name: 'Read again' }).click();
@@ -345,7 +345,7 @@ async function checkKick(page, daemon, { sessionId }) {
     return readFileSync(await file.path(), 'utf8').trim().split('\r\n').slice(1).map((line) => line.split(','));
   };
   await until('the figures are those of the log', async () => JSON.stringify((await figures()).map((cells) => [Number(cells[2]), Number(cells[3])])) === JSON.stringify(alpha.map((each, i) => [each, beta[i]])), 20_000);
-  assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0, 'what is over takes no orders');
+  assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0, 'an ended session has buttons for orders');
 }
 
 // ---- The decisions.
@@ -384,7 +384,7 @@ async function checkRoles(context, folder) {
   await page.getByRole('region', { name: 'Sessions' }).locator('tbody a').first().click();
   await page.getByText('Orders need the role operator; yours is watch.').waitFor();
   assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0);
-  await page.getByText('To look at boxes needs the role operator; yours is watch.').waitFor();
+  await page.getByText('Viewing boxes needs the role operator; yours is watch.').waitFor();
   assert.ok(await page.getByRole('button', { name: 'Show boxes' }).isDisabled());
   const sessionId = new URL(page.url()).pathname.split('/').at(-1);
   for (const [method, request] of [['OrderSession', { mode: 'MODE_AI' }], ['KickSession', { mayReturn: true }], ['KickSession', {}], ['WatchBoxes', {}]]) {

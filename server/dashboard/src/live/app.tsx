@@ -1,4 +1,4 @@
-// The frame around the views: where the reader can go, how the connection is, and what works everywhere.
+// The frame around the views: navigation, state of the connection, login, theme and keyboard shortcuts.
 import { effect, signal } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { useEffect, useErrorBoundary, useState } from 'preact/hooks';
@@ -19,7 +19,7 @@ import { Overview } from './views/overview';
 
 type Loader = () => Promise<ComponentType>;
 
-// What is not seen at first comes when it is asked for.
+// Views that are loaded on first use.
 const LATER: Readonly<Partial<Record<RouteName, Loader>>> = {
   scene: async () => (await import('./views/scene')).SceneView,
   session: async () => (await import('./views/session')).SessionView,
@@ -37,7 +37,7 @@ const PLACES: readonly { name: RouteName; href: string; title: string; key: stri
 
 const loaded = new Map<RouteName, ComponentType>();
 
-// A newer daemon has other files: then the page has to be loaded anew.
+// Loads a view on first use. This fails after an update of the daemon, whose files have other names: then "Try again" reloads the page.
 function Later({ name }: { name: RouteName }) {
   const [error, setError] = useState<ApiError | undefined>(undefined);
   const [, setReady] = useState(false);
@@ -49,7 +49,7 @@ function Later({ name }: { name: RouteName }) {
   return error ? <Failure what="This view" error={error} onRetry={() => location.reload()} /> : <Loading what="the view" />;
 }
 
-// A view that fails takes neither the frame nor the other views with it.
+// Catches an exception of a view, so that the frame and the other views still work.
 function Guarded() {
   const [broken] = useErrorBoundary((error: unknown) => console.error(error));
   if (!broken) return <View />;
@@ -63,7 +63,7 @@ function View() {
   if (!account.value && accountError.value) return <Failure what="The dashboard" error={accountError.value} onRetry={() => void learnAccount()} />;
   if (name === 'overview') return <Overview />;
   if (LATER[name]) return <Later key={name} name={name} />;
-  return <Empty title="There is no such page"><p><Name text={path} /> leads nowhere. <a href="/">The overview</a> has all scenes.</p></Empty>;
+  return <Empty title="This page does not exist"><p>The dashboard has no page <Name text={path} />. <a href="/">The overview</a> lists all scenes.</p></Empty>;
 }
 
 const theme = signal<Theme>(keptTheme());
@@ -78,7 +78,7 @@ function ThemeSwitch() {
 }
 
 async function leave(): Promise<void> {
-  if (!await confirmed({ title: 'Log out?', body: <p>This browser forgets the token. What runs goes on.</p>, action: 'Log out' })) return;
+  if (!await confirmed({ title: 'Log out?', body: <p>You need the token to log in again. Games and sessions continue.</p>, action: 'Log out' })) return;
   await logout().catch((error: unknown) => toast(`Still logged in: ${asApiError(error).message}`, { isBad: true }));
 }
 
@@ -91,7 +91,7 @@ function Reader() {
 function Header() {
   return (
     <header class="top">
-      <a class="skip" href="#main">To the content</a>
+      <a class="skip" href="#main">Skip to the content</a>
       <a class="brand" href="/">Sweepstake</a>
       <nav aria-label="Views">
         {PLACES.map(({ name, href, title }) => <a key={name} href={href} aria-current={route.value.name === name ? 'page' : undefined}>{title}</a>)}
@@ -106,7 +106,7 @@ function Header() {
   );
 }
 
-// What the page last knew is still worth reading, but must not look fresh.
+// Without a connection the page still shows the last data that it received, in grey.
 const isOld = () => !['live', 'connecting'].includes(connection.value.status);
 
 export function App() {

@@ -62,7 +62,7 @@ describe('the rows of a log', () => {
     const [from, to] = [row.text('active_arm'), row.text('candidate')];
     expect(from).not.toBe(to);
     expect(toldOfRow(row, setup)).toMatchObject({ activeArm: from, candidate: to, outcome: DecisionOutcome.SWITCHED, leader: row.text('leader') });
-    expect(explainedRow(row, setup)[0]).toBe(`The game was told to change from ${from} to ${to}. It cost the least in this draw from what is believed of each arm.`);
+    expect(explainedRow(row, setup)[0]).toBe(`The game was told to change from ${from} to ${to}. The arm had the lowest cost in this random draw from the posteriors.`);
   });
 
   it('name the operator of an order', () => {

@@ -1,5 +1,5 @@
-// What tells arms apart without colour: a dash of lines and a hatch of areas. Arms that the page knows have the same in every chart;
-// others take those that are left.
+// A dash for lines and a hatch for areas, so that arms differ without colour. Built-in arms have the same style in every chart;
+// custom arms take the remaining styles in their order.
 import { colourOf, FAMILIES, familyRank } from '../../palette';
 
 const DASHES: readonly (readonly number[])[] = [
@@ -7,7 +7,7 @@ const DASHES: readonly (readonly number[])[] = [
 ];
 const UNKNOWN_DASHES: readonly (readonly number[])[] = [[4, 4], [14, 4], [2, 6], [8, 2, 1, 2], [3, 1, 1, 1], [6, 6]];
 
-// They have one colour; those beyond the list take its dashes again with more dots behind them.
+// Custom arms share one colour. Arms beyond the list repeat its dashes, each time with one more dot at the end.
 const unknownDash = (place: number) =>
   [...UNKNOWN_DASHES[place % UNKNOWN_DASHES.length]!, ...Array.from({ length: Math.floor(place / UNKNOWN_DASHES.length) }, () => [1, 3]).flat()];
 

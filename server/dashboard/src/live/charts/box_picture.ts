@@ -1,10 +1,10 @@
-// Draws boxes as wire frames: those that overlap in another colour and in front of the others, and of each pair a line from middle to
-// middle, so that one sees which overlap which.
+// Draws boxes as wire frames. Overlapping boxes have another colour and are in front. A line connects the centres of each
+// overlapping pair.
 import type { Boxes, Camera } from '../numbers/boxes';
 import { projection } from '../numbers/boxes';
 import { resolved } from './colours';
 
-// Corners by their bits (x, y, z); each edge changes one of them.
+// A corner is numbered by three bits (x, y, z); the two ends of an edge differ in one bit.
 const EDGES = Array.from({ length: 8 }, (_, from) => [1, 2, 4].filter((bit) => (from & bit) === 0).map((bit) => [from, from | bit] as const)).flat();
 
 interface Size { readonly width: number; readonly height: number } // in CSS pixels

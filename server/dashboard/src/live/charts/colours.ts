@@ -1,8 +1,8 @@
-// Colours for canvases, which know no CSS variables. A chart that reads `theme` is drawn again when the theme changes.
+// Colours for canvases, which cannot use CSS variables. A chart that reads `theme` is redrawn when the theme changes.
 import { signal, type ReadonlySignal } from '@preact/signals';
 
 const version = signal(0);
-/** Another number whenever colours have changed. */
+/** Changes its value whenever the colours change. */
 export const theme: ReadonlySignal<number> = version;
 
 const known = new Map<string, string>();
@@ -24,7 +24,7 @@ function begin(): HTMLElement {
   return element;
 }
 
-/** Returns a colour such as var(--arm-3) as rgb(…), in the theme of now. */
+/** Returns a colour such as var(--arm-3) as rgb(…), in the current theme. */
 export function resolved(colour: string): string {
   const before = known.get(colour);
   if (before) return before;
@@ -39,7 +39,7 @@ export function resolved(colour: string): string {
 export const translucent = (colour: string, opacity: number) =>
   resolved(colour).replace(/^rgb\(([^)]*)\)$/, (_, channels: string) => `rgba(${channels.replaceAll(' ', ', ').replaceAll(',,', ',')}, ${opacity})`);
 
-// Eight hatches that differ without colour, as segments in a box of 8 × 8.
+// Eight hatches that differ without colour, as line segments in a square of 8 × 8 pixels.
 const HATCHES: readonly (readonly [number, number, number, number])[][] = [
   [], [[0, 8, 8, 0]], [[0, 0, 8, 8]], [[0, 4, 8, 4]], [[4, 0, 4, 8]], [[0, 8, 8, 0], [0, 0, 8, 8]], [[0, 2, 8, 2], [0, 6, 8, 6]],
   [[2, 0, 2, 8], [6, 0, 6, 8]],
@@ -68,7 +68,7 @@ function tileOf(colour: string, hatch: number, scale: number): HTMLCanvasElement
   return tile;
 }
 
-/** Returns a fill of this colour with the hatch of that number, for areas that lie side by side. */
+/** Returns a fill of this colour with hatch number `hatch`, for adjacent areas. */
 export function hatched(context: CanvasRenderingContext2D, colour: string, hatch: number): CanvasPattern | string {
   const tile = tileOf(colour, hatch, Math.max(1, Math.round(devicePixelRatio)));
   return (tile && context.createPattern(tile, 'repeat')) ?? translucent(colour, 0.6);

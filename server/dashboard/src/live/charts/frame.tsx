@@ -1,4 +1,4 @@
-// What every chart has around it: its title, what it means, its values as a table, and both as files.
+// The frame of a chart: title, note, a table of the values, and buttons that save table and picture as files.
 import type { ComponentChildren } from 'preact';
 import { useRef, useState } from 'preact/hooks';
 import { csvOf, type CsvValue } from '../numbers/csv';
@@ -10,18 +10,18 @@ import { savePng } from './png';
 
 const MAX_TABLE_ROWS = 200;
 
-/** What a chart shows, in words and numbers. */
+/** The values of a chart. */
 export interface ChartTable { header: readonly string[]; rows: readonly (readonly CsvValue[])[] }
 
 interface FrameProps {
   id: string;
   title: string;
   note?: ComponentChildren;
-  /** Of the exported files, before the chart's own. */
+  /** Parts of the names of exported files, before the chart's id. */
   names: readonly string[];
-  /** Called only when somebody wants it. */
+  /** Called when the table is opened or saved. */
   table: () => ChartTable;
-  /** Shown in place of the chart where there is nothing to draw. */
+  /** Shown instead of the chart if there is nothing to draw. */
   empty?: ComponentChildren;
   children: ComponentChildren;
 }
@@ -30,7 +30,7 @@ function ValueTable({ title, table: { header, rows } }: { title: string; table: 
   const shown = rows.slice(-MAX_TABLE_ROWS);
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label={`${title}, as a table`}>
-      {shown.length < rows.length && <p class="soft">The last {shown.length} of {rows.length} rows; the CSV file has all of them.</p>}
+      {shown.length < rows.length && <p class="soft">The last {shown.length} of {rows.length} rows. The CSV file has all rows.</p>}
       <table>
         <caption class="unseen">{title}</caption>
         <thead><tr>{header.map((name) => <th key={name} scope="col"><bdi>{visible(name)}</bdi></th>)}</tr></thead>
@@ -63,7 +63,7 @@ export function ChartFrame({ id, title, note, names, table, empty, children }: F
         {!empty && <span class="tools">
           <button type="button" aria-expanded={open} onClick={() => setOpen(!open)}>Table</button>
           <button type="button" aria-label={`${title} as CSV`} onClick={saveTable}>CSV</button>
-          <button type="button" aria-label={`${title} as PNG`} onClick={() => void savePng(`${file}.png`, figure.current!).catch(() => toast('This browser cannot draw the picture', { isBad: true }))}>PNG</button>
+          <button type="button" aria-label={`${title} as PNG`} onClick={() => void savePng(`${file}.png`, figure.current!).catch(() => toast('This browser cannot save the chart as a picture', { isBad: true }))}>PNG</button>
         </span>}
         {note && <p class="soft">{note}</p>}
       </figcaption>

@@ -1,7 +1,7 @@
 import { expect, it } from 'vitest';
 import { ratioAxis } from './intervals';
 
-it('An axis of ratios shows medians and intervals, and cuts off those that say nearly nothing', () => {
+it('An axis of ratios shows medians and intervals, and cuts off very wide intervals', () => {
   const [low, high] = ratioAxis([{ median: 1, low: 1, high: 1 }, { median: 2, low: 1.5, high: 3 }]);
   expect([low, high]).toEqual([expect.closeTo(1 / 3 ** 0.05, 12), expect.closeTo(3 * 3 ** 0.05, 12)]);
   const wide = ratioAxis([{ median: 1, low: 1, high: 1 }, { median: 2, low: 1e-6, high: 1e6 }]);

@@ -1,4 +1,4 @@
-// What two builds, or two of anything, say of each arm: a row per arm, the first one's interval above the second one's, over an axis of ratios.
+// Compares two builds, or two other sets of evidence: a row per arm, the first interval above the second, over an axis of ratios.
 import { compact, significant } from '../../format';
 import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';
@@ -7,17 +7,17 @@ import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/visible';
 import { useWidth } from './width';
 
-/** Absent: that one knows nothing of the arm. */
+/** `before` or `after` is absent if that build has no evidence of the arm. */
 export interface IntervalRow { arm: string; before?: Ratio; after?: Ratio }
 
 const ROW = 44;
 const TOP = 4;
 const AXIS = 34;
 const SIDE = 12;
-const TICK_SIDE = 26; // the text of a tick is whole
-const REACH = 10; // an interval further than so many times from all medians is cut off
+const TICK_SIDE = 26; // pixels from the edge to the centre of a tick's text, so that the text is not cut off
+const REACH = 10; // intervals are cut off at this multiple of the largest median, and at the smallest median ÷ this
 
-/** Returns an axis of ratios that shows all medians, and their intervals unless little is known. REQUIRES: there is a ratio. */
+/** Returns an axis of ratios that shows all medians, and their intervals up to a factor of REACH. REQUIRES: `ratios` is not empty. */
 export function ratioAxis(ratios: readonly Ratio[]): [low: number, high: number] {
   const medians = ratios.map(({ median }) => median);
   const low = Math.max(Math.min(...ratios.map((each) => each.low)), Math.min(...medians) / REACH);

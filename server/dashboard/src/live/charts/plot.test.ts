@@ -3,24 +3,24 @@ import { axisTime, valueRange } from './plot';
 
 const budget = { value: 16, label: '60 fps' };
 
-it('An axis reaches its levels, but for those that stand aside', () => {
+it('An axis reaches its levels, except those that are marked isAside', () => {
   expect(valueRange({ scale: 'zero', levels: [budget] }, 0, 0.05)[1]).toBeCloseTo(16 * 1.15, 12);
   const aside = { scale: 'zero' as const, levels: [{ ...budget, isAside: true }] };
   expect(valueRange(aside, 0, 0.05)[1]).toBeCloseTo(0.05 * 1.08, 12);
-  expect(valueRange(aside, 0, 15.9)[1], 'is drawn where values come near it').toBeGreaterThan(16);
-  expect(valueRange({ ...aside, values: [0, 20] }, 0, 0.05)[1], 'of charts beside others').toBeCloseTo(20 * 1.08, 12);
+  expect(valueRange(aside, 0, 15.9)[1], 'the level is drawn if values come near it').toBeGreaterThan(16);
+  expect(valueRange({ ...aside, values: [0, 20] }, 0, 0.05)[1], 'a range shared with other charts').toBeCloseTo(20 * 1.08, 12);
   expect(valueRange(aside, null, null)).toEqual([0, 1]);
 });
 
-it('An axis by powers of ten ends at the next round values', () => {
+it('A logarithmic axis ends at the next round values', () => {
   const range = (min: number, max: number) => valueRange({ scale: 'log' }, min, max).map((value) => Number(value!.toPrecision(9)));
   expect(range(78e3, 180e3)).toEqual([50e3, 200e3]);
   expect(range(0.001, 50)).toEqual([0.001, 50]);
-  expect(range(1, 1), 'and does not end where it begins').toEqual([1, 2]);
+  expect(range(1, 1), 'the axis is never empty').toEqual([1, 2]);
   expect(range(0, 0)).toEqual([1, 10]);
 });
 
-it('The times of axes are round, also where they are a little before', () => {
+it('The times on an axis are rounded to whole seconds', () => {
   const noonMs = new Date(2026, 10, 25, 12, 0, 0).getTime();
   expect([noonMs, noonMs - 0.2, noonMs + 0.2].map((ms) => axisTime(ms, 60_000))).toEqual(['12:00', '12:00', '12:00']);
   expect(axisTime(noonMs + 999.9, 1000)).toBe('12:00:01');

@@ -1,31 +1,31 @@
-// How a time chart is drawn with uPlot.
+// Draws a time chart with uPlot.
 import uPlot from 'uplot';
 import { resolved, translucent } from './colours';
 import { crosshairMs, type Range, setRange } from './view_state';
 
-/** A line of values, one per time; null: none. */
+/** A line with one value per time; null if there is no value. */
 export interface Line {
   label: string;
   values: readonly (number | null)[];
-  told?: readonly (number | null)[]; // what the legend says, where that is not what is drawn
+  told?: readonly (number | null)[]; // the values that the legend shows; absent: `values`
   colour: string;
   dash?: readonly number[];
   width?: number; // 0: only the edge of a band
   stepped?: boolean;
-  isAside?: boolean; // it does not say how far the axis goes
-  arm?: string; // hidden with the arm of this name, in all charts
+  isAside?: boolean; // the range of the axis ignores it
+  arm?: string; // hiding this arm hides the line, in all charts
 }
-/** The area between two lines, given by their places. */
+/** The area between two lines, given by their indices. */
 export interface Band { upper: number; lower: number; fill: (context: CanvasRenderingContext2D) => CanvasPattern | string }
-/** A horizontal line that means something. */
+/** A labelled horizontal line. */
 export interface Level {
   value: number;
-  label: string; // beside the chart, where a word has room
-  isAside?: boolean; // it does not say how far the axis goes: it is drawn where values come near it
+  label: string; // drawn to the right of the chart, where one word fits
+  isAside?: boolean; // the range of the axis ignores it: the level is drawn only if values come near it
 }
-/** A moment that means something. */
+/** A vertical line at a time, optionally with a label. */
 export interface Moment { timeMs: number; colour: string; label?: string }
-/** zero: from 0 upwards; unit: 0 to 1; log: by powers of ten, values > 0. */
+/** zero: from 0 upwards; unit: 0 to 1; log: logarithmic, values > 0. */
 export type Scale = 'zero' | 'unit' | 'log';
 
 export interface Picture {
@@ -35,28 +35,28 @@ export interface Picture {
   levels?: readonly Level[];
   moments?: readonly Moment[];
   scale: Scale;
-  values?: readonly [number, number]; // the axis of values shows these at least
+  values?: readonly [number, number]; // the axis of values contains at least this range
   domain: Range;
   format: (value: number) => string;
   hidden: ReadonlySet<string>; // arms
 }
 
-/** All charts of a view have the same margins, so that their times stand above one another. */
+/** Margins in pixels. All charts of a view have the same margins, so that equal times are aligned vertically. */
 export const LEFT = 80;
-export const RIGHT = 50; // for the last time's end, and for what levels mean
-// Words of this height where the page's own have 15 px; very wide windows have larger ones.
+export const RIGHT = 50; // room for half of the last time's text, and for the labels of levels
+// Font of `px` pixels at the page's normal font size of 15 px; scaled with the page in very wide windows.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
-const MOMENT = 4; // pixels from one moment's line to the next: more of them would hide what they mark
-const TICK = 10; // where areas fill the chart, a moment's line is so long: whole ones would cut them into stripes
+const MOMENT = 4; // minimum distance of moments in pixels; denser lines would hide the chart
+const TICK = 10; // length of a moment's line in pixels in a chart of stacked areas, which full lines would cut into stripes
 const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
 const two = (value: number) => String(value).padStart(2, '0');
 
-/** The steps of time axes: round on the clock. */
+/** The steps of time axes in milliseconds: round clock times. */
 export const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800].map((s) => s * SECOND);
 
-/** Returns a time as an axis with steps of this length, whole seconds, says it; where uPlot puts it, it may be off by a part of a millisecond. */
+/** Returns the label of a time on an axis with steps of `stepMs`. Rounds to seconds, since uPlot's positions are off by fractions of a millisecond. */
 export function axisTime(ms: number, stepMs: number): string {
   const date = new Date(Math.round(ms / SECOND) * SECOND);
   if (stepMs >= DAY) return `${two(date.getMonth() + 1)}-${two(date.getDate())}`;
@@ -64,14 +64,14 @@ export function axisTime(ms: number, stepMs: number): string {
   return stepMs >= 60 * SECOND ? minutes : `${minutes}:${two(date.getSeconds())}`;
 }
 
-/** Returns the next of 1, 2 and 5 times a power of ten that is not less or, downwards, not more. */
+/** Rounds to 1, 2 or 5 times a power of ten: up if `isUp`, else down. */
 function roundValue(value: number, isUp: boolean): number {
   const power = 10 ** Math.floor(Math.log10(value) + 1e-9);
   const steps = [1, 2, 5, 10].map((step) => step * power);
   return (isUp ? steps.find((step) => step >= value * (1 - 1e-9)) : steps.filter((step) => step <= value * (1 + 1e-9)).at(-1)) ?? power;
 }
 
-/** Returns from where to where the axis of values goes, of lines from `min` to `max`; null: none has a value. */
+/** Returns the range of the axis of values for lines from `min` to `max`, which are null if no line has a value. */
 export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale' | 'levels' | 'values'>, min: number | null, max: number | null): uPlot.Range.MinMax {
   if (scale === 'unit') return [0, 1];
   const all = [min, max, ...(values ?? [])].filter((value): value is number => typeof value === 'number' && Number.isFinite(value));
@@ -98,7 +98,7 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
     ctx.moveTo(bbox.left, y);
     ctx.lineTo(bbox.left + bbox.width, y);
     ctx.stroke();
-    if (Math.abs(wordsY - y) >= 12 * uPlot.pxRatio) { // others would be written over one another
+    if (Math.abs(wordsY - y) >= 12 * uPlot.pxRatio) { // closer labels would overlap
       ctx.fillStyle = resolved('var(--bad)');
       ctx.font = fontOf(11 * uPlot.pxRatio);
       ctx.textAlign = 'left';
@@ -110,7 +110,8 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
   }
 }
 
-// Beside its line where there is room, and not over the one before it. Returns where it ends.
+// Draws a label beside its line: on the right if it fits, else on the left. Skips the label if it would overlap the one before.
+// Returns the x position at which the next label may begin.
 function drawName({ ctx, bbox }: uPlot, name: string, x: number, freeFrom: number): number {
   const gap = 3 * uPlot.pxRatio;
   const width = ctx.measureText(name).width;
@@ -137,7 +138,7 @@ function drawMoments(plot: uPlot, { moments = [], domain, scale }: Picture): voi
     ctx.beginPath();
     ctx.moveTo(x, bbox.top);
     ctx.lineTo(x, bbox.top + (scale === 'unit' ? TICK * uPlot.pxRatio : bbox.height));
-    ctx.strokeStyle = resolved('var(--card)'); // it would not be seen on an area of its own colour
+    ctx.strokeStyle = resolved('var(--card)'); // an outline, so that the line is visible on an area of the same colour
     ctx.lineWidth = 3 * uPlot.pxRatio;
     ctx.setLineDash([]);
     ctx.stroke();
@@ -176,7 +177,7 @@ function axis(now: () => Picture, isTime: boolean): uPlot.Axis {
   };
 }
 
-// An axis by powers of ten is labelled at 1, 2 and 5, or where those are too many at 1.
+// Labels a logarithmic axis at 1, 2 and 5 times powers of ten, or at powers of ten only if the axis is too short.
 function roundOnly(plot: uPlot, splits: number[]): (number | null)[] {
   const decades = Math.log10((plot.scales.y?.max ?? 10) / (plot.scales.y?.min ?? 1));
   const isShown = decades * 60 > plot.height ? /^1e/ : /^[125]e/;
@@ -225,11 +226,11 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
   };
 }
 
-/** Draws into `host`. What `now` returns is read at each drawing; another set of lines needs another plot. */
+/** Draws into `host`. Calls `now` at each redraw for the current data. A changed set of lines needs a new plot. */
 export const createPlot = (host: HTMLElement, now: () => Picture, width: number, height: number) =>
   new uPlot(options(now, width, height), dataOf(now()), host);
 
-/** Puts the crosshair where the reader points to in another chart. */
+/** Shows the crosshair at the time at which the pointer is in another chart. */
 export function showCrosshair(plot: uPlot, timeMs: number | undefined): void {
   const left = timeMs === undefined ? -10 : plot.valToPos(timeMs, 'x');
   plot.setCursor({ left, top: left < 0 ? -10 : 0 }, false);

@@ -1,14 +1,14 @@
-// A chart as a picture: what is drawn in its figure, and the words around it, on the card's background.
+// Saves a chart as a PNG file: the drawing and the text of its figure, on the card's background.
 import { save } from '../parts/download';
 import { resolved } from './colours';
 
 const SCALE = 2;
 const DRAWN = ['fill', 'fill-opacity', 'stroke', 'stroke-width', 'stroke-opacity', 'stroke-dasharray', 'stroke-linejoin', 'paint-order', 'opacity',
   'font-family', 'font-size', 'font-weight', 'text-anchor', 'display', 'visibility', 'color'];
-// What is no part of the picture: buttons, words for screen readers, the table.
+// Left out of the picture: buttons, text for screen readers, the table.
 const LEFT_OUT = '.tools, .unseen, .scroll';
 
-// A copy that looks the same without the page's style sheet.
+// Returns a copy that looks the same without the page's style sheet.
 function standalone(picture: SVGSVGElement): SVGSVGElement {
   const copy = picture.cloneNode(true) as SVGSVGElement;
   const originals = [picture, ...picture.querySelectorAll<SVGElement>('*')];
@@ -36,7 +36,7 @@ async function imageOf(picture: SVGSVGElement): Promise<HTMLImageElement> {
   }
 }
 
-// Word by word, where the page has broken the lines.
+// Draws the text word by word at its positions on the page, so that line breaks are the same.
 function drawWords(pen: CanvasRenderingContext2D, figure: Element, left: number, top: number): void {
   const walker = document.createTreeWalker(figure, NodeFilter.SHOW_TEXT);
   for (let node = walker.nextNode(); node; node = walker.nextNode()) {

@@ -1,4 +1,4 @@
-// How the posteriors of a scene or session came to be: means with bands, probabilities to be the best, and the loss that remains.
+// The posteriors of a scene or session over time: means with credible bands, probabilities of being the best arm, and expected loss.
 import { useMemo } from 'preact/hooks';
 import { share, significant } from '../../format';
 import type { CsvValue } from '../numbers/csv';
@@ -16,19 +16,19 @@ export interface PosteriorChartsProps {
   arms: readonly string[];
   rows: readonly SeriesRow[];
   rewardVersion: number;
-  names: readonly string[]; // of files
+  names: readonly string[]; // parts of file names
   moments?: readonly Moment[];
-  domain?: Range; // of charts beside others; else all there is
-  values?: readonly [number, number]; // of charts beside others: the axis of values
-  notYet?: string; // why there is nothing to draw
-  assumed?: ReadonlySet<string>; // arms that were never measured: the axis need not show all that they may be
+  domain?: Range; // range of time shared with other charts; absent: all times
+  values?: readonly [number, number]; // range of values shared with other charts
+  notYet?: string; // shown if there is nothing to draw
+  assumed?: ReadonlySet<string>; // arms that were never measured; the range of the axis ignores them
 }
 
-const NOT_YET = 'Nothing has changed since the page was opened. Each change that the daemon tells adds a point.';
+const NOT_YET = 'Nothing has changed since the page was opened. Each change adds a point.';
 const NONE: ReadonlySet<string> = new Set();
 const PARTS = ['mean', 'low50', 'high50', 'low95', 'high95'] as const;
 
-// Costs fall as rewards rise.
+// Costs fall as rewards rise, so the ends of an interval are exchanged.
 const COST_PART: Readonly<Record<keyof Belief, keyof Belief>> = { mean: 'mean', low50: 'high50', high50: 'low50', low95: 'high95', high95: 'low95' };
 
 const isoTime = (ms: number) => new Date(ms).toISOString();
@@ -64,10 +64,10 @@ export function BandsChart({ arms, rows, rewardVersion, names, moments, domain, 
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const { lines, bands } = useMemo(() => bandLines(arms, rows, tellsCosts, assumed), [arms, rows, tellsCosts, assumed]);
-  const title = tellsCosts ? 'Detection time that each arm is believed to take' : 'Reward that each arm is believed to have';
+  const title = tellsCosts ? 'Estimated detection time of each arm' : 'Estimated reward of each arm';
   const cells = (row: SeriesRow, arm: number) => PARTS.map((part) => valueOf(row.beliefs[arm], part, tellsCosts));
   return (
-    <ChartFrame id="bands" title={title} names={names} note="Mean, and the bands where it is with 50 and 95 %." empty={rows.length < 2 && notYet}
+    <ChartFrame id="bands" title={title} names={names} note="Mean, with 50 % and 95 % credible bands." empty={rows.length < 2 && notYet}
       table={() => table(arms, rows, PARTS.map((part) => (tellsCosts ? `${part} ns` : part)), cells)}>
       <TimeChart title={title} timesMs={timesMs} lines={lines} bands={bands} {...(moments && { moments })} {...(values && { values })} scale={tellsCosts ? 'log' : 'unit'}
         domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
@@ -75,7 +75,7 @@ export function BandsChart({ arms, rows, rewardVersion, names, moments, domain, 
   );
 }
 
-/** Returns the lowest and highest value that bands have, for an axis in common. */
+/** Returns the lowest and highest value of the bands, for an axis that several charts share. */
 export function bandRange(rows: readonly SeriesRow[], rewardVersion: number): [number, number] {
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
   const known = rows.flatMap(({ beliefs }) => beliefs).filter((belief) => belief !== undefined);
@@ -85,8 +85,8 @@ export function bandRange(rows: readonly SeriesRow[], rewardVersion: number): [n
   ];
 }
 
-// From the bottom up, the leader of now first, so that its own height is read against the threshold. The others keep their order: another
-// one is another plot.
+// Stacks the arms from the bottom up. The current leader comes first, so that its height can be compared with the threshold. The
+// other arms keep their order, because each order needs a new plot.
 function stackLines(arms: readonly string[], rows: readonly SeriesRow[]): { lines: Line[]; bands: Band[] } {
   const latest = rows.at(-1)?.best ?? [];
   const leader = arms.reduce((best, _, i) => ((latest[i] ?? 0) > (latest[best] ?? 0) ? i : best), 0);
@@ -107,9 +107,9 @@ function stackLines(arms: readonly string[], rows: readonly SeriesRow[]): { line
 export function BestChart({ arms, rows, names, moments, domain, notYet = NOT_YET }: PosteriorChartsProps) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const { lines, bands } = useMemo(() => stackLines(arms, rows), [arms, rows]);
-  const title = 'Probability of each arm to be the best';
+  const title = 'Probability that each arm is the best';
   return (
-    <ChartFrame id="best" title={title} names={names} note={`From ${thresholds.value.stableProbability} on the scene is stable.`} empty={rows.length < 2 && notYet}
+    <ChartFrame id="best" title={title} names={names} note={`The scene is stable if the leader reaches ${thresholds.value.stableProbability}.`} empty={rows.length < 2 && notYet}
       table={() => table(arms, rows, [''], (row, arm) => [row.best[arm] ?? null])}>
       <TimeChart title={title} timesMs={timesMs} lines={lines} bands={bands} {...(moments && { moments })} scale="unit"
         levels={[{ value: thresholds.value.stableProbability, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
@@ -123,9 +123,9 @@ export function LossChart({ rows, names, moments, domain, notYet = NOT_YET }: Po
   const lines = useMemo((): Line[] => [{
     label: 'loss', values: rows.map(({ expectedLossRatio }) => expectedLossRatio ?? null), colour: 'var(--accent)', stepped: true,
   }], [rows]);
-  const title = 'What choosing the leader may still lose';
+  const title = 'Expected loss of choosing the leader';
   return (
-    <ChartFrame id="loss" title={title} names={names} note={`Up to ${share(thresholds.value.tieLossRatio)} it does not matter which arm is chosen.`} empty={rows.length < 2 && notYet}
+    <ChartFrame id="loss" title={title} names={names} note={`Up to ${share(thresholds.value.tieLossRatio)} the scene is a tie: the choice of the arm does not matter.`} empty={rows.length < 2 && notYet}
       table={() => ({ header: ['time', 'expected loss'], rows: rows.map((row) => [isoTime(row.timeMs), row.expectedLossRatio ?? null]) })}>
       <TimeChart title={title} timesMs={timesMs} lines={lines} {...(moments && { moments })} scale="zero" levels={[{ value: thresholds.value.tieLossRatio, label: 'a tie' }]}
         domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />

@@ -1,4 +1,4 @@
-// What is believed of each arm, one row per arm over a shared axis: the density, its mean, and where it is with 50 and 95 %.
+// The posterior of each arm, one row per arm over a shared axis: density, mean, and 50 % and 95 % credible intervals.
 import { useState } from 'preact/hooks';
 import { colourOf } from '../../palette';
 import { type Beta, centralInterval, type Interval, mean } from '../numbers/beta';
@@ -8,21 +8,21 @@ import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/visible';
 import { useWidth } from './width';
 
-/** By what an arm was measured. */
+/** How an arm was measured. */
 export type Measured = 'live' | 'lane' | 'never';
 
 export interface RidgeRow {
   arm: string;
-  label: string; // the arm, and its version where there are several
+  label: string; // the arm, with its backend version if there are several
   posterior: Beta;
-  reward95?: Interval; // as the daemon computed it; else it is computed to draw it
-  before?: Beta; // drawn behind it: a prior
+  reward95?: Interval; // as the daemon computed it; absent: computed here for drawing
+  before?: Beta; // a prior, drawn behind the posterior
   measured: Measured;
-  isPart?: true; // the arm has another row, of what measured it otherwise
+  isPart?: true; // the row has only live or only lane evidence; another row may have the rest
 }
 
 export const MEASURED_WORDS: Readonly<Record<Measured, string>> = {
-  live: '', lane: 'only in the shadow lane, never in the game', never: 'never measured: what is shown is assumed',
+  live: '', lane: 'only in the shadow lane, never in the game', never: 'never measured: the curve shows the assumption without evidence',
 };
 
 const ROW = 62;
@@ -30,13 +30,13 @@ const CREST = 34;
 const TOP = 6;
 const AXIS = 34;
 const SIDE = 12;
-const TICK_SIDE = 26; // the text of a tick is whole
-const ROOM_FOR_INTERVAL = 380; // beside the arm's name
+const TICK_SIDE = 26; // pixels from the edge to the centre of a tick's text, so that the text is not cut off
+const ROOM_FOR_INTERVAL = 380; // minimum width in pixels at which the interval is written beside the arm's name
 
-// Costs rise to the right, as do rewards: a reward that tells costs is mirrored.
+// Costs increase to the right, and so do rewards. An axis of rewards that stand for costs (`tellsCosts`) is therefore mirrored.
 interface Axis { low: number; high: number; x: (reward: number) => number; reward: (x: number) => number; tellsCosts: boolean }
 
-/** Returns the range of rewards that shows what is known of all rows. */
+/** Returns a range of rewards that contains the posteriors of all measured rows. */
 export const ridgeRange = (rows: readonly RidgeRow[]) =>
   ridgeAxis(rows.map(({ posterior, measured }) => ({ posterior, isMeasured: measured !== 'never' })));
 
@@ -114,7 +114,7 @@ interface RidgelineProps {
   title: string;
   rows: readonly RidgeRow[];
   rewardVersion: number;
-  rewards?: readonly [number, number]; // the axis, of charts beside others; else what shows all rows
+  rewards?: readonly [number, number]; // range of an axis shared with other charts; absent: the range of these rows
 }
 
 export function Ridgeline({ title, rows, rewardVersion, rewards = ridgeRange(rows) }: RidgelineProps) {

@@ -1,5 +1,5 @@
-// A chart over time: lines and bands, a legend with the values at the crosshair, all charts of a view in step. Drag to zoom, double
-// click to see all; with the keyboard: arrows move the crosshair, + and − zoom, 0 shows all.
+// A chart over time: lines and bands, and a legend with the values at the crosshair. All charts of a view share crosshair and zoom.
+// Drag to zoom, double-click to show all. Keys: arrows move the crosshair, + and − zoom, 0 shows all.
 import { useSignalEffect } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type uPlot from 'uplot';
@@ -14,7 +14,7 @@ interface TimeChartProps extends Omit<Picture, 'hidden'> { title: string; height
 
 const isTold = ({ label, width }: Line) => label !== '' && width !== 0;
 
-// At the end, where a line may not reach, its last value.
+// Returns the value at an index as text. At the end of the chart (`isEnd`) it is the line's last value, since a line may end earlier.
 function valueText({ told, values }: Line, place: number, isEnd: boolean, format: (value: number) => string): string {
   const all = told ?? values;
   let at = place;
@@ -23,12 +23,12 @@ function valueText({ told, values }: Line, place: number, isEnd: boolean, format
   return value === null || value === undefined ? '–' : format(value);
 }
 
-// What cannot change without a new plot.
+// The properties whose change needs a new plot, as one string.
 const structureOf = ({ lines, bands = [], scale, hidden }: Picture) =>
   JSON.stringify([lines.map(({ label, colour, dash, width }) => [label, colour, dash, width]), bands.map(({ upper, lower }) => [upper, lower]), scale,
     [...hidden]]);
 
-/** Returns what to do for a key, or undefined. */
+/** Returns the action of a key, or undefined. */
 function actionOf(key: string, { timesMs, domain }: Picture): (() => void) | undefined {
   const at = crosshairMs.peek() ?? domain.toMs;
   const step = (by: number) => () => {
@@ -61,7 +61,7 @@ function Entry({ line, value }: { line: Line; value: string }) {
   const { arm } = line;
   if (!arm) return <span class="entry">{content}</span>;
   return (
-    <button type="button" class="entry" aria-pressed={!hiddenArms.value.has(arm)} title="Show or hide its line" onClick={() => toggleArm(arm)}>
+    <button type="button" class="entry" aria-pressed={!hiddenArms.value.has(arm)} title="Show or hide this line" onClick={() => toggleArm(arm)}>
       {content}
     </button>
   );
@@ -84,7 +84,7 @@ export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
   const latest = useRef(picture);
   latest.current = picture;
   const { element: host, width } = useWidth<HTMLDivElement>();
-  const isSeen = useIsSeen(host); // what nobody sees is not drawn anew
+  const isSeen = useIsSeen(host); // a chart outside the screen is not redrawn
   const plot = useRef<uPlot | null>(null);
   const [spoken, setSpoken] = useState('');
   const drawn = useRef('');
@@ -105,7 +105,7 @@ export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
   useEffect(() => { if (width > 0) plot.current?.setSize({ width, height }); }, [width, height]);
   useEffect(() => { if (isSeen) plot.current?.setData(dataOf(picture)); }, [isSeen, picture.timesMs, picture.lines, picture.moments, picture.domain.fromMs, picture.domain.toMs]);
   useEffect(() => {
-    addEventListener('beforeprint', create); // paper shows what nobody has scrolled to
+    addEventListener('beforeprint', create); // a printed page contains charts that are outside the screen
     return () => removeEventListener('beforeprint', create);
   }, [width, height]);
   useSignalEffect(() => {
@@ -133,14 +133,14 @@ export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
   );
 }
 
-/** Pause, and the way back from a zoom: one set for all charts of a view. */
+/** The buttons for pausing and for undoing a zoom, which act on all charts of a view. */
 export function TimeTools() {
   const isPaused = pausedMs.value !== undefined;
   return (
     <div class="time-tools" role="toolbar" aria-label="Time">
-      <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Go on' : '❚❚ Pause'}</button>
+      <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Resume' : '❚❚ Pause'}</button>
       <button type="button" disabled={!range.value} onClick={() => setRange(undefined)}>Show all</button>
-      {isPaused && <span class="soft">Standing still since {new Date(pausedMs.value!).toLocaleTimeString()}.</span>}
+      {isPaused && <span class="soft">Paused at {new Date(pausedMs.value!).toLocaleTimeString()}.</span>}
       <span class="soft hint">Drag in a chart to zoom.</span>
     </div>
   );

@@ -1,5 +1,6 @@
-// A session's switches over time: a lane per arm, the active one filled; cooldown and settling shaded; candidates that were held back
-// hollow. What is pointed to, or reached with the arrow keys, is said in words below; Enter or a click opens its explanation.
+// A session's switches over time, with a row per arm: the active arm is filled, cooldown and settling are shaded, and candidates that
+// were held back are hollow. The mark under the pointer, or reached with the arrow keys, is described below the chart. Enter or a
+// click opens its explanation.
 import type { JSX } from 'preact';
 import { useId, useMemo, useRef, useState } from 'preact/hooks';
 import type { Step } from '../audit/steps';
@@ -14,8 +15,8 @@ import { useWidth } from './width';
 
 const LANE = 26;
 const AXIS = 22;
-const REACH = 14; // pixels from a mark that still answers
-const MARK = 10; // pixels that a mark takes of its lane
+const REACH = 14; // maximum distance in pixels between pointer and mark
+const MARK = 10; // width of a mark in pixels
 
 interface TimelineProps {
   steps: readonly Step[];
@@ -40,7 +41,7 @@ function geometryOf(width: number, arms: readonly string[], domain: Range): Geom
 
 const overlaps = ({ fromMs, toMs }: Range, domain: Range) => toMs >= domain.fromMs && fromMs <= domain.toMs;
 
-/** Returns times on the clock's round steps. */
+/** Returns at most `count` round clock times within the range, and their distance. */
 function timeTicks({ fromMs, toMs }: Range, count: number): { timesMs: number[]; stepMs: number } {
   const stepMs = TIME_STEPS.find((each) => (toMs - fromMs) / each <= count);
   if (!stepMs) return { timesMs: linearTicks(fromMs, toMs, count), stepMs: 86_400_000 };
@@ -71,7 +72,7 @@ function Lanes({ arms, geometry: { width, height, x, domain } }: { arms: readonl
 
 const placed = ({ fromMs, arm }: Mark, { x, y }: Geometry) => `M${x(fromMs).toFixed(1)} ${y(arm)}`;
 
-// The time that a run of decisions took; nothing for a moment.
+// Returns the path of a bar as long as a run of decisions took; '' if it is too short to draw.
 function pill({ fromMs, toMs, arm }: Mark, { x, y }: Geometry): string {
   const width = x(toMs) - x(fromMs);
   if (width <= 3) return '';
@@ -83,7 +84,7 @@ function Sign({ mark, geometry: { x, y } }: { mark: Mark; geometry: Geometry }) 
   return <text class="mark" x={x(mark.fromMs)} y={y(mark.arm) + 5} text-anchor="middle" font-size=".93rem" font-weight="700" fill="var(--text)">{mark.sign}</text>;
 }
 
-// Marks of one lane.
+// The marks of one arm.
 function Marks({ marks, arm, arms, geometry, isOn = false }: { marks: readonly Mark[]; arm: string; arms: readonly string[]; geometry: Geometry; isOn?: boolean }) {
   const { colour } = armStyle(arm, arms);
   const shapes = (isHollow: boolean) => marks.filter((mark) => !mark.sign && mark.isHollow === isHollow).map((mark) => placed(mark, geometry) + shapeOf(arm)).join('');
@@ -97,14 +98,15 @@ function Marks({ marks, arm, arms, geometry, isOn = false }: { marks: readonly M
   );
 }
 
-// One path for all of them: a browser draws that many times as fast as a shape for each.
+// Draws all bars as one path, which is many times as fast as one shape per bar.
 function Bars({ intervals, geometry: { x, ms, domain }, y, height, ...rest }: { intervals: readonly Range[]; geometry: Geometry; y: number; height: number } & JSX.SVGAttributes<SVGPathElement>) {
   const shown = joined(intervals.filter((each) => overlaps(each, domain)), ms(1) - ms(0));
   const d = shown.map(({ fromMs, toMs }) => `M${x(fromMs).toFixed(1)} ${y}h${Math.max(x(toMs) - x(fromMs), 1.5).toFixed(1)}v${height}H${x(fromMs).toFixed(1)}z`);
   return <path d={d.join('')} {...rest} />;
 }
 
-// All that stays as it is while the pointer moves: what the eye can tell apart, however much there is.
+// The part that does not depend on the pointer. Bars and marks closer than a pixel or a mark's width are merged, so that long
+// sessions are drawn fast.
 function Still({ timeline: { shades, spans, marks }, arms, geometry, settling }: { timeline: Timeline; arms: readonly string[]; geometry: Geometry; settling: string }) {
   const { y, ms, height, domain } = geometry;
   const shadesOf = (kind: Shade['kind']) => ({ class: kind, intervals: shades.filter((shade) => shade.kind === kind), geometry, y: 0, height: height - AXIS });
@@ -141,12 +143,12 @@ function nearestMark(marks: readonly Mark[], { x, y, domain }: Geometry, px: num
 }
 
 function spoken(mark: Mark | undefined): string {
-  if (!mark) return 'Point to a mark, or go through them with the arrow keys; Enter explains one.';
+  if (!mark) return 'Point to a mark, or select one with the arrow keys. Enter explains the selected mark.';
   const time = new Date(mark.fromMs).toLocaleTimeString();
   return mark.count > 1 ? `${time} to ${new Date(mark.toMs).toLocaleTimeString()}, ${mark.count} decisions: ${wordsOf(mark)}` : `${time}: ${wordsOf(mark)}`;
 }
 
-// What keys do: arrows go from mark to mark.
+// Returns the actions of keys: arrows go from mark to mark.
 function actionsOf(marks: readonly Mark[], on: Mark | undefined, domain: Range, go: (mark: Mark | undefined) => void, open: (step: Step) => void): Readonly<Record<string, () => void>> {
   const shown = marks.filter((mark) => overlaps(mark, domain));
   const place = on ? shown.indexOf(on) : -1;
@@ -222,7 +224,7 @@ export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
         </svg>
       )}
       <p class="say" role="status"><bdi>{visible(spoken(on))}</bdi></p>
-      <p class="legend soft" aria-hidden="true">filled: the active arm · hollow: a candidate that was held back · grey: cooldown, no switch yet · hatched: settling, nothing learnt</p>
+      <p class="legend soft" aria-hidden="true">filled: the active arm · hollow: a candidate that was held back · grey: cooldown, no switch allowed · hatched: settling, frames are no evidence</p>
     </div>
   );
 }

@@ -34,31 +34,31 @@ describe('a timeline', () => {
     expect(marks.map(({ arm, isHollow, sign }) => [arm, isHollow, sign])).toEqual([
       ['KDTree', false, ''], ['SAP', true, ''], ['SAP', true, ''], ['SAP', true, ''], ['KDTree', false, '!']]));
 
-  it('joins decisions after one another that held the same candidate back for the same reason', () =>
+  it('joins consecutive decisions that held the same candidate back for the same reason', () =>
     expect(marks.map(({ fromMs, toMs, count }) => [fromMs, toMs, count])).toEqual([[200, 200, 1], [400, 500, 2], [600, 600, 1], [680, 680, 1], [690, 690, 1]]));
 
-  it('says each mark in words', () => {
+  it('describes each mark in words', () => {
     expect(wordsOf(marks[1]!)).toBe('held: cooldown. SAP looks better, but KDTree stays: after a switch 400 ms have to pass before the next one.');
     for (const mark of marks) expect(wordsOf(mark)).toMatch(/\.$/);
   });
 
-  it('of two switches ends the first cooldown where the second begins', () => {
+  it('ends the cooldown of the first switch where that of the second begins', () => {
     const more = timelineOf([...steps, decision(695, 'SAP', 'SAP', KEPT)], ARMS, 1000);
     expect(more.shades.map(({ fromMs, toMs }) => [fromMs, toMs])).toEqual([[300, 695], [695, 1095]]);
   });
 
-  it('joins what the eye cannot tell apart, and nothing else', () =>
+  it('joins intervals with a gap below the limit, and no others', () =>
     expect(joined([{ fromMs: 0, toMs: 10 }, { fromMs: 11, toMs: 12 }, { fromMs: 20, toMs: 21 }], 5)).toEqual([{ fromMs: 0, toMs: 12 }, { fromMs: 20, toMs: 21 }]));
 
-  it('leaves out the marks that others of their look cover', () => {
+  it('leaves out marks that overlap an earlier mark of the same look', () => {
     const shown = (gapMs: number) => thinned(marks, gapMs).map(({ fromMs }) => fromMs);
     expect(shown(1)).toEqual([200, 400, 600, 680, 690]);
     expect(shown(100)).toEqual([200, 400, 600, 690]);
     expect(shown(1000)).toEqual([200, 400, 690]);
   });
 
-  it('leaves out the marks of arms that have no lane', () =>
+  it('leaves out the marks of arms that have no row', () =>
     expect(timelineOf(steps, ['KDTree'], 1000).marks.map(({ arm }) => arm)).toEqual(['KDTree', 'KDTree']));
 
-  it('of nothing is empty', () => expect(timelineOf([], ARMS, 5)).toEqual({ spans: [], shades: [], marks: [] }));
+  it('of no steps is empty', () => expect(timelineOf([], ARMS, 5)).toEqual({ spans: [], shades: [], marks: [] }));
 });

@@ -1,4 +1,4 @@
-// What a session's timeline shows: which arm ran when, when a switch was not allowed or nothing was learnt, and what was decided.
+// The data of a session's timeline: which arm ran when, times of cooldown and settling, and the decisions.
 import type { Step } from '../audit/steps';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { explained } from '../audit/explain';
@@ -9,7 +9,7 @@ export interface Span { arm: string; fromMs: number; toMs: number }
 export interface Shade { kind: 'cooldown' | 'settling'; fromMs: number; toMs: number }
 /** One decision or event, or a run of decisions that held the same candidate back. */
 export interface Mark {
-  arm: string; // in whose lane it is
+  arm: string; // the arm in whose row the mark is
   isHollow: boolean;
   sign: string; // '': the arm's own symbol
   fromMs: number;
@@ -25,7 +25,7 @@ function lengthsAt({ told, placed }: Step, before: Lengths): Lengths {
   return { cooldownMs: told?.cooldownMs ?? before.cooldownMs, settlingMs: placed?.setup?.settlingMs ?? before.settlingMs };
 }
 
-// Other steps than decisions that are worth a sign.
+// Kinds of steps other than decisions that have a sign.
 const SIGNED = ['bail-out', 'refusal', 'mode', 'order', 'setup'];
 
 function markOf(step: Step, arm: string): Mark | undefined {
@@ -37,7 +37,7 @@ function markOf(step: Step, arm: string): Mark | undefined {
   return isHeldBack(told.outcome) ? { ...mark, arm: told.candidate, isHollow: true } : undefined;
 }
 
-/** Returns what a mark means. */
+/** Returns a sentence that explains a mark. */
 export function wordsOf({ sign, step: { kind, told } }: Mark): string {
   if (sign || !told) return `${kindWord(kind).name}. ${kindWord(kind).meaning}`;
   return `${outcomeWord(told.outcome).name}. ${explained(told)[0] ?? ''}`;
@@ -46,11 +46,11 @@ export function wordsOf({ sign, step: { kind, told } }: Mark): string {
 const goesOn = (run: Mark, next: Mark) =>
   run.isHollow && next.isHollow && run.arm === next.arm && run.step.told?.outcome === next.step.told?.outcome;
 
-/** REQUIRES: times ascend. `arms`: those that have a lane. `endMs`: until when the last arm is shown. */
+/** REQUIRES: times ascend. `arms` are the arms that have a row. The last arm is shown until `endMs`. */
 export function timelineOf(steps: readonly Step[], arms: readonly string[], endMs: number): Timeline {
   const timeline: Timeline = { spans: [], shades: [], marks: [] };
   let lengths: Lengths = { cooldownMs: 0, settlingMs: 0 };
-  let lastDecision: Mark | undefined; // the mark of the decision just before, if it has one
+  let lastDecision: Mark | undefined; // the mark of the previous decision, if it has one
   for (const step of steps) {
     lengths = lengthsAt(step, lengths);
     addSpan(timeline, step, lengths);
@@ -75,12 +75,12 @@ function addSpan({ spans, shades }: Timeline, { timeMs, activeArm, kind }: Step,
   if (!activeArm || activeArm === last?.arm) return;
   spans.push({ arm: activeArm, fromMs: timeMs, toMs: timeMs });
   if (!last || kind === 'setup') return;
-  for (const before of shades.slice(-2)) if (before.kind === 'cooldown') before.toMs = Math.min(before.toMs, timeMs); // a new one takes its place
+  for (const before of shades.slice(-2)) if (before.kind === 'cooldown') before.toMs = Math.min(before.toMs, timeMs); // the new cooldown replaces it
   if (cooldownMs > 0) shades.push({ kind: 'cooldown', fromMs: timeMs, toMs: timeMs + cooldownMs });
   if (settlingMs > 0) shades.push({ kind: 'settling', fromMs: timeMs, toMs: timeMs + settlingMs });
 }
 
-/** Returns the intervals, those that are less than `gapMs` apart as one. REQUIRES: they are in the order of their beginnings. */
+/** Returns the intervals, joining those less than `gapMs` apart. REQUIRES: they are ordered by their beginnings. */
 export function joined(intervals: readonly Range[], gapMs: number): Range[] {
   const all: Range[] = [];
   for (const { fromMs, toMs } of intervals) {
@@ -91,7 +91,7 @@ export function joined(intervals: readonly Range[], gapMs: number): Range[] {
   return all;
 }
 
-/** Returns the marks without those that would cover one of the same look, less than `gapMs` before them in their lane. */
+/** Returns the marks without those less than `gapMs` after a mark of the same look and arm, which they would cover. */
 export function thinned(marks: readonly Mark[], gapMs: number): Mark[] {
   const shownMs = new Map<string, number>();
   return marks.filter(({ arm, isHollow, sign, fromMs, toMs }) => {

@@ -4,7 +4,7 @@ import { axisTime, TIME_STEPS } from './plot';
 import { domainOf, placeAt, zoomed } from './view_state';
 
 describe('the range of time', () => {
-  it('is the reader’s, or all there is, and never empty', () => {
+  it('is the chosen range or all times, and is never empty', () => {
     expect(domainOf([5000, 9000], { fromMs: 1, toMs: 2 })).toEqual({ fromMs: 1, toMs: 2 });
     expect(domainOf([5000, 9000], undefined)).toEqual({ fromMs: 5000, toMs: 9000 });
     expect(domainOf([5000], undefined)).toEqual({ fromMs: 5000, toMs: 6000 });
@@ -12,21 +12,21 @@ describe('the range of time', () => {
     expect(toMs - fromMs).toBe(1000);
   });
 
-  it('is zoomed about a time, which stays where it is', () => {
+  it('is zoomed about a time, whose position does not change', () => {
     expect(zoomed({ fromMs: 0, toMs: 100 }, 25, 0.5)).toEqual({ fromMs: 12.5, toMs: 62.5 });
     expect(zoomed({ fromMs: 0, toMs: 100 }, 500, 2)).toEqual({ fromMs: -100, toMs: 100 });
   });
 
-  it('has a last time that is not after another', () => expect([-1, 1, 4, 5, 99].map((ms) => placeAt([1, 4, 5], ms))).toEqual([-1, 0, 1, 2, 2]));
+  it('finds the last time that is not after a given time', () => expect([-1, 1, 4, 5, 99].map((ms) => placeAt([1, 4, 5], ms))).toEqual([-1, 0, 1, 2, 2]));
 });
 
-it('Times of an axis are as short as its steps allow', () => {
+it('The labels of a time axis are as short as its steps allow', () => {
   const ms = new Date(2026, 2, 9, 7, 5, 3).getTime();
   expect([1000, 60_000, 86_400_000].map((step) => axisTime(ms, step))).toEqual(['07:05:03', '07:05', '03-09']);
   expect(TIME_STEPS).toEqual([...TIME_STEPS].sort((a, b) => a - b));
 });
 
-it('Arms differ without colour, those that the page does not know too', () => {
+it('Built-in and custom arms differ without colour', () => {
   const arms = ['BruteForce', 'Grid', 'SAP', 'AxisSweep', 'DBVT', 'Tracy', 'KDTree', 'mine', 'yours', 'theirs'];
   const styles = arms.map((arm) => armStyle(arm, arms));
   expect(new Set(styles.map(({ dash }) => dash.join())).size).toBe(arms.length);

@@ -1,4 +1,4 @@
-// What the charts of a view share: the range of time and the pause, which are in the address, the crosshair, and which arms are hidden.
+// The state that the charts of a view share: range of time, pause and hidden arms, which are in the URL, and the crosshair.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { route, setQuery } from '../state/route';
@@ -6,7 +6,7 @@ import { route, setQuery } from '../state/route';
 /** Times in milliseconds since 1970, by the daemon's clock. */
 export interface Range { fromMs: number; toMs: number }
 
-/** Where the reader points to; undefined: nowhere. */
+/** The time under the pointer; undefined if the pointer is not in a chart. */
 export const crosshairMs = signal<number | undefined>(undefined);
 
 const numberOf = (name: string) => {
@@ -14,7 +14,7 @@ const numberOf = (name: string) => {
   return Number.isFinite(value) ? value : undefined;
 };
 
-/** Undefined: all there is. */
+/** The chosen range of time; undefined: all times. */
 export const range: ReadonlySignal<Range | undefined> = computed(() => {
   const fromMs = numberOf('from');
   const toMs = numberOf('to');
@@ -25,7 +25,7 @@ export function setRange(next: Range | undefined): void {
   setQuery({ from: next && String(Math.round(next.fromMs)), to: next && String(Math.round(next.toMs)) }, { step: true });
 }
 
-/** Since when the view stands still; undefined: it does not. */
+/** When the view was paused; undefined if it is not. */
 export const pausedMs: ReadonlySignal<number | undefined> = computed(() => numberOf('pause'));
 export const setPaused = (atMs: number | undefined) => setQuery({ pause: atMs === undefined ? undefined : String(Math.round(atMs)) });
 
@@ -37,14 +37,14 @@ export function toggleArm(arm: string): void {
   setQuery({ hide: [...next].join('\n') });
 }
 
-/** Returns the value, or while the view is paused the one that it had when the pause began, or when it was first `isReady`. */
+/** Returns the value. While the view is paused, returns the value at the beginning of the pause, or the first one that `isReady`. */
 export function useFrozen<Value>(value: Value, isReady: boolean): Value {
   const held = useRef({ value, isReady });
   if (pausedMs.value === undefined || !held.current.isReady) held.current = { value, isReady };
   return held.current.value;
 }
 
-/** Returns the value, or where it changes more often than that, one that it had since: what costs much is not computed of each. */
+/** Returns the value, updated at most once every `everyMs`, so that expensive computations do not run for each change. */
 export function usePaced<Value>(value: Value, everyMs: number): Value {
   const shown = useRef({ value, atMs: Number.NEGATIVE_INFINITY });
   const [, drawAgain] = useState(0);
@@ -59,14 +59,14 @@ export function usePaced<Value>(value: Value, everyMs: number): Value {
   return shown.current.value;
 }
 
-/** Returns what is to be seen of what there is: the reader's range, or all of it. Never empty. */
+/** Returns the range to show: the chosen one, or all times. Never empty. */
 export function domainOf(timesMs: readonly number[], shown: Range | undefined): Range {
   if (shown) return shown;
   const fromMs = timesMs[0] ?? Date.now();
   return { fromMs, toMs: Math.max(timesMs.at(-1) ?? fromMs, fromMs + 1000) };
 }
 
-/** Returns the place of the last time that is not after `timeMs`; −1: none. REQUIRES: times ascend. */
+/** Returns the index of the last time that is not after `timeMs`; −1 if there is none. REQUIRES: times ascend. */
 export function placeAt(timesMs: readonly number[], timeMs: number): number {
   let low = 0;
   let high = timesMs.length;
@@ -78,7 +78,7 @@ export function placeAt(timesMs: readonly number[], timeMs: number): number {
   return low - 1;
 }
 
-/** Zooms about a time; a factor below 1 shows less, but for 10 ms. */
+/** Zooms about a time. A factor below 1 shows less, but at least 10 ms. */
 export function zoomed({ fromMs, toMs }: Range, aboutMs: number, asked: number): Range {
   const factor = asked < 1 ? Math.min(1, Math.max(asked, 10 / (toMs - fromMs))) : asked;
   const about = Math.min(Math.max(aboutMs, fromMs), toMs);

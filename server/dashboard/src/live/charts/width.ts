@@ -1,7 +1,7 @@
-// Where an element is: its width, and whether it is on the screen.
+// Hooks that return an element's width, and whether it is on the screen.
 import { type MutableRef, useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 
-/** Returns a reference to put on the element, and its width in pixels; 0 before it is known. */
+/** Returns a reference to attach to the element, and its width in pixels; 0 before it is known. */
 export function useWidth<Type extends Element>() {
   const element = useRef<Type>(null);
   const [width, setWidth] = useState(0);
@@ -16,7 +16,7 @@ export function useWidth<Type extends Element>() {
   return { element, width };
 }
 
-/** Returns whether a part of the element's figure, or of the element where it is in none, is on the screen. */
+/** Returns whether a part of the element's figure is on the screen; of the element itself if it is not in a figure. */
 export function useIsSeen(element: MutableRef<Element | null>): boolean {
   const [isSeen, setSeen] = useState(true);
   useEffect(() => {

@@ -1,4 +1,4 @@
-// The distribution functions are those of mpmath 1.3.0 with 50 digits: betainc(a, b, 0, x, regularized=True).
+// `below` is the value of the distribution function at x, from mpmath 1.3.0 with 50 digits: betainc(alpha, beta, 0, x, regularized=True).
 import { describe, expect, it } from 'vitest';
 import { centralInterval, logitDeviation, logitMode, mean, quantiles, rewardAt } from './beta';
 
@@ -16,14 +16,14 @@ const VALUES: readonly (readonly [alpha: number, beta: number, x: number, below:
 ];
 const logitOf = (x: number) => Math.log(x) - Math.log1p(-x);
 
-describe('quantiles to draw', () => {
-  it.each(VALUES)('of Beta(%d, %d) are at %d, to a hundredth of a deviation', (alpha, beta, x, below) => {
+describe('quantiles for drawing', () => {
+  it.each(VALUES)('of Beta(%d, %d) are at %d, within a hundredth of a standard deviation', (alpha, beta, x, below) => {
     const posterior = { alpha, beta };
     const [found] = quantiles(posterior, [below]);
     expect(Math.abs(logitOf(found!) - logitOf(x)) / logitDeviation(posterior)).toBeLessThan(0.01);
   });
 
-  it('ascend, and lie about the mean', () => {
+  it('ascend, and lie on both sides of the mean', () => {
     for (const posterior of [{ alpha: 1, beta: 1 }, { alpha: 1, beta: 1e9 }, { alpha: 4e11, beta: 6e11 }, { alpha: 30, beta: 10 }]) {
       const all = quantiles(posterior, [0.001, 0.025, 0.25, 0.75, 0.975, 0.999]);
       expect(all.every((each, i) => each > (all[i - 1] ?? 0) && each < 1)).toBe(true);
@@ -33,7 +33,7 @@ describe('quantiles to draw', () => {
     }
   });
 
-  it('of a flat density are its shares', () => {
+  it('of a flat density equal their probabilities', () => {
     quantiles({ alpha: 1, beta: 1 }, [0.025, 0.5, 0.975]).forEach((each, i) => expect(Math.abs(each - [0.025, 0.5, 0.975][i]!)).toBeLessThan(1e-3));
   });
 });

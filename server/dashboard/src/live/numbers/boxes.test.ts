@@ -7,7 +7,7 @@ const littleEndian = (...numbers: number[]) => new Uint8Array(new Uint16Array(nu
 const VIEW = { frameIndex: 7n, objectCount: 9, stride: 3, bounds: [-1, 0, 2, 1, 10, 4],
   boxes: littleEndian(0, 0, 0, 65535, 65535, 65535, 32768, 0, 65535, 65535, 6554, 65535, 0, 0, 0, 1, 1, 1), pairs: littleEndian(0, 2) };
 
-it('boxes lie within the bounds, and those of a pair overlap', () => {
+it('boxes are decoded within the bounds, and boxes of a pair are marked as overlapping', () => {
   const boxes = boxesOf(create(BoxViewSchema, VIEW));
   expect(boxes).toMatchObject({ count: 3, pairCount: 1, objectCount: 9, stride: 3, frameIndex: 7n });
   expect([...boxes.corners.slice(0, 6)]).toEqual([-1, 0, 2, 1, 10, 4]);
@@ -17,7 +17,7 @@ it('boxes lie within the bounds, and those of a pair overlap', () => {
   expect(boxes.pairs).toEqual([[0, 2]]);
 });
 
-it('what breaks the rules gives no boxes', () => {
+it('a message that breaks the rules has no boxes', () => {
   expect(boxesOf(create(BoxViewSchema, { ...VIEW, bounds: [0, 0, 0] })).count).toBe(0);
   expect(boxesOf(create(BoxViewSchema, { ...VIEW, bounds: [0, 0, 0, Number.NaN, 1, 1] })).count).toBe(0);
   expect(boxesOf(create(BoxViewSchema, { ...VIEW, boxes: littleEndian(1, 2, 3) })).count).toBe(0);
@@ -25,7 +25,7 @@ it('what breaks the rules gives no boxes', () => {
   expect(boxesOf(create(BoxViewSchema, {})).count).toBe(0);
 });
 
-it('the middle is in the middle from everywhere, and all of it is in sight at a zoom of 1', () => {
+it('the centre is projected to the centre from every angle, and all boxes are visible at a zoom of 1', () => {
   const [low, high] = [[-1, 0, 2], [1, 10, 4]] as const;
   for (let i = 0; i < 20; ++i) {
     const project = projection(turned(START, 0.7 * i, 0.3 * i - 3), low, high, 400, 300);
@@ -40,7 +40,7 @@ it('the middle is in the middle from everywhere, and all of it is in sight at a 
   }
 });
 
-it('up is up, seen from the side, and to turn and to zoom have limits', () => {
+it('y points up from the side, and pitch and zoom have limits', () => {
   const at = { x: 0, y: 0 };
   projection({ yaw: 0, pitch: 0, zoom: 1 }, [0, 0, 0], [2, 2, 2], 200, 200)(1, 2, 1, at);
   expect(at.x).toBeCloseTo(100, 9);

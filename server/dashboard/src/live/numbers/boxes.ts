@@ -1,28 +1,28 @@
-// What a game shows of its objects' boxes, and where they are on a screen that a camera on an orbit looks from.
+// Decodes the boxes that a game sends (BoxView), and projects them onto the screen of an orbiting camera.
 import type { BoxView } from '../../gen/sweepstake/v1/telemetry_pb';
 
 const BOX_BYTES = 12;
 const PAIR_BYTES = 4;
-const STEPS = 65_535;
+const STEPS = 65_535; // coordinates are 16-bit fractions of the bounds
 
 export interface Boxes {
   /** Per box the smallest x, y and z, then the largest ones, in world units. */
   readonly corners: Float32Array;
   readonly count: number;
   readonly pairCount: number;
-  /** The places of the two boxes of each pair. */
+  /** The indices of the two boxes of each pair. */
   readonly pairs: readonly (readonly [number, number])[];
-  /** Per box 1 where it overlaps another one that is shown. */
+  /** Per box 1 if it overlaps another box of this view, else 0. */
   readonly overlaps: Uint8Array;
   readonly objectCount: number;
-  /** Of the objects each so-manieth is shown. */
+  /** Every `stride`-th object is shown. */
   readonly stride: number;
   readonly frameIndex: bigint;
   readonly low: readonly [number, number, number];
   readonly high: readonly [number, number, number];
 }
 
-/** A message that breaks its own rules gives no boxes. */
+/** Returns no boxes if the message breaks the rules of BoxView. */
 export function boxesOf(view: BoxView): Boxes {
   const { bounds, objectCount, stride, frameIndex } = view;
   const isWhole = bounds.length === 6 && bounds.every(Number.isFinite) && view.boxes.length % BOX_BYTES === 0;
@@ -43,7 +43,7 @@ export function boxesOf(view: BoxView): Boxes {
   return { corners, count, pairCount: pairs.length, pairs, overlaps, objectCount, stride, frameIndex, low, high };
 }
 
-/** Looks at the middle of what is shown. Angles in radians; a zoom of 1 shows all of it. */
+/** A camera that looks at the centre of the boxes. Angles are in radians; a zoom of 1 shows all boxes. */
 export interface Camera { readonly yaw: number; readonly pitch: number; readonly zoom: number }
 
 export const START: Camera = { yaw: 0.7, pitch: 0.5, zoom: 1 };
@@ -57,7 +57,7 @@ export const turned = ({ yaw, pitch, zoom }: Camera, right: number, up: number):
   ({ yaw: (yaw + right) % (2 * Math.PI), pitch: limited(pitch + up, -MAX_PITCH, MAX_PITCH), zoom });
 export const zoomed = (camera: Camera, factor: number): Camera => ({ ...camera, zoom: limited(camera.zoom * factor, MIN_ZOOM, MAX_ZOOM) });
 
-/** Returns the function that writes the pixel of a point in the world (y is up) into `out`. */
+/** Returns a function that writes the pixel of a point in world coordinates (y is up) into `out`. */
 export function projection({ yaw, pitch, zoom }: Camera, low: readonly number[], high: readonly number[], width: number, height: number) {
   const middle = low.map((value, axis) => (value + high[axis]!) / 2);
   const radius = Math.hypot(...low.map((value, axis) => high[axis]! - value)) / 2 || 1;

@@ -9,7 +9,7 @@ describe('reading CSV', () => {
     ['"a,b","say ""hi""",x', ['a,b', 'say "hi"', 'x']],
     ['"two\r\nlines",1', ['two\r\nlines', '1']],
     ['"",""', ['', '']],
-  ])('takes %j apart', (record, cells) => expect(parseRecord(record)).toEqual(cells));
+  ])('splits %j', (record, cells) => expect(parseRecord(record)).toEqual(cells));
 
   it.each(['"open', 'a"b', '"a"b,c', '"a""'])('refuses %j', (record) => expect(parseRecord(record)).toBeUndefined());
 });
@@ -21,7 +21,7 @@ describe('writing CSV', () => {
     expect(parseRecord(line)).toEqual(cells);
   });
 
-  it('lets no name become a formula, and leaves numbers alone', () => {
+  it('quotes names that a spreadsheet would read as formulas, and no numbers', () => {
     expect(csvOf(['x'], [['=1+1', '@cmd', '+1', '-1', '\tx', '＝1', -1, 2n, null]])).toBe("x\r\n'=1+1,'@cmd,'+1,'-1,'\tx,'＝1,-1,2,\r\n");
   });
 });

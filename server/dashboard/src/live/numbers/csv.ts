@@ -1,4 +1,4 @@
-// CSV by RFC 4180: reading what the daemon exports, and writing what people load into a spreadsheet.
+// CSV by RFC 4180: reads exports of the daemon, and writes files for spreadsheets.
 
 /** Returns the cells of one record, whose quoted cells may hold commas, quotes and line breaks; undefined if its quotes are wrong. */
 export function parseRecord(record: string): string[] | undefined {
@@ -29,10 +29,10 @@ export function parseRecord(record: string): string[] | undefined {
   }
 }
 
-/** A cell to write; nothing is an empty one. */
+/** A cell to write; null and undefined give an empty cell. */
 export type CsvValue = string | number | bigint | boolean | null | undefined;
 
-// A spreadsheet takes a text that begins so for a formula. The apostrophe makes it a text.
+// A spreadsheet reads text with such a first character as a formula. A leading apostrophe prevents that.
 const FORMULA = /^[=+\-@\t\r＝＋－＠]/;
 
 function writtenCell(value: CsvValue): string {
@@ -41,6 +41,6 @@ function writtenCell(value: CsvValue): string {
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
-/** Returns a file with a header and its rows. What people have named cannot become a formula. */
+/** Returns a file with a header and its rows. Text cells cannot become formulas. */
 export const csvOf = (header: readonly string[], rows: Iterable<readonly CsvValue[]>): string =>
   [header, ...rows].map((row) => row.map(writtenCell).join(',') + '\r\n').join('');

@@ -3,11 +3,11 @@ import { keepExtremes, pick } from './downsample';
 
 const count = 100_000;
 const x = Array.from({ length: count }, (_, i) => i * 0.5);
-// Noise by a fixed rule.
+// Deterministic noise.
 const noise = x.map((_, i) => Math.sin(i * 12.9898) * 0.5);
 
 describe('keeping extremes', () => {
-  it('keeps every range’s highest and lowest value, the spikes too', () => {
+  it('keeps the highest and lowest value of every range, including spikes', () => {
     const spiky = noise.map((value, i) => (i === 31_337 ? 50 : i === 70_001 ? -50 : value));
     const kept = keepExtremes(x, [spiky], 400);
     expect(kept.length).toBeLessThanOrEqual(400);
@@ -25,9 +25,9 @@ describe('keeping extremes', () => {
     expect(pick(b, kept)).toContain(-9);
   });
 
-  it('keeps few points as they are, in their order', () => expect(keepExtremes([1, 2, 3], [[3, 1, 2]], 8)).toEqual([0, 1, 2]));
+  it('keeps all points in their order if they are few', () => expect(keepExtremes([1, 2, 3], [[3, 1, 2]], 8)).toEqual([0, 1, 2]));
 
-  it('passes over what is missing, and takes uneven steps of x', () => {
+  it('skips missing values, and accepts uneven steps of x', () => {
     const uneven = [0, 1, 2, 3, 1000, 1001, 1002, 1003, 1004, 1005];
     const kept = keepExtremes(uneven, [[null, 5, Number.NaN, 1, undefined, 7, 2, 3, null, 4]], 6);
     expect(kept).toEqual(expect.arrayContaining([1, 3, 5, 6]));

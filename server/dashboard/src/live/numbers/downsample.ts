@@ -1,7 +1,7 @@
-// Fewer points that look like all of them: of each of equally long ranges of x, the points where a column is lowest and highest stay,
-// so that no spike is lost. Pure functions.
+// Reduces the points of a chart. Divides x into ranges of equal length and keeps the points where a column is lowest or highest, so
+// that no spike is lost. Pure functions.
 
-/** A value, or nothing where there is none. */
+/** The values of a column; null, undefined and NaN are missing values. */
 export type Column = ArrayLike<number | null | undefined>;
 
 function extremesWithin(columns: readonly Column[], from: number, to: number, keep: Set<number>): void {
@@ -19,8 +19,8 @@ function extremesWithin(columns: readonly Column[], from: number, to: number, ke
 }
 
 /**
- * Returns the indices of at most `limit` of the points, ascending: the first, the last, and those where any of the columns is lowest
- * or highest within its range of x. REQUIRES: x ascends; limit >= 2 + 2 × columns, else that many are kept.
+ * Returns the indices of at most `limit` points, ascending: the first, the last, and those where a column is lowest or highest within
+ * its range of x. If `limit` is below 2 + 2 × columns, up to that many points are kept. REQUIRES: x ascends.
  */
 export function keepExtremes(x: ArrayLike<number>, columns: readonly Column[], limit: number): number[] {
   const length = x.length;

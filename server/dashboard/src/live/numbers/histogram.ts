@@ -1,14 +1,14 @@
-// The histograms that the daemon sends (LogHistogram of proto): merged, and as percentiles. A value is at most 4.5 % off.
+// Merges the histograms that the daemon sends (message LogHistogram), and computes percentiles, with an error of at most 4.5 %.
 
-/** The message's fields. */
+/** The fields of the message. */
 export interface LogHistogram { readonly bucketSteps: readonly number[]; readonly counts: readonly number[] }
-/** How many values each bucket holds. */
+/** The number of values in each bucket. */
 export type Buckets = ReadonlyMap<number, number>;
 
-/** The middle of a bucket: bucket 0 holds the zeros, bucket n the numbers from 2^((n − 1)/8) to 2^(n/8). */
+/** The geometric middle of a bucket: bucket 0 contains the zeros, bucket n the numbers from 2^((n − 1)/8) to 2^(n/8). */
 export const middleOf = (bucket: number) => (bucket === 0 ? 0 : 2 ** ((bucket - 0.5) / 8));
 
-/** Returns nothing if the message breaks its rules. */
+/** Returns no buckets if the message breaks its rules. */
 export function bucketsOf({ bucketSteps, counts }: LogHistogram): Buckets {
   const buckets = new Map<number, number>();
   if (bucketSteps.length !== counts.length) return buckets;
@@ -20,7 +20,7 @@ export function bucketsOf({ bucketSteps, counts }: LogHistogram): Buckets {
   return buckets;
 }
 
-/** Returns the values of all of them together, the buckets in ascending order. */
+/** Returns the sum of the histograms, with the buckets in ascending order. */
 export function merged(all: readonly Buckets[]): Buckets {
   const sum = new Map<number, number>();
   for (const buckets of all) for (const [bucket, count] of buckets) sum.set(bucket, (sum.get(bucket) ?? 0) + count);
@@ -29,7 +29,7 @@ export function merged(all: readonly Buckets[]): Buckets {
 
 export const countOf = (buckets: Buckets) => [...buckets.values()].reduce((sum, count) => sum + count, 0);
 
-/** Returns the value that a share of the values, 0 to 1, does not exceed; undefined without values. */
+/** Returns the value that `share` (0 to 1) of the values do not exceed; undefined without values. */
 export function percentile(buckets: Buckets, share: number): number | undefined {
   const total = countOf(buckets);
   if (total === 0) return undefined;

@@ -1,7 +1,7 @@
 import { expect, it } from 'vitest';
 import { beliefOf, costNsOf, costRatioOf, evidenceOf, rewardOfNs } from './log_cost';
 
-it('A reward of 1 is a nanosecond, of 0 five seconds, and back', () => {
+it('A reward of 1 is a nanosecond, a reward of 0 is five seconds', () => {
   expect(costNsOf(1)).toBe(1);
   expect(costNsOf(0)).toBeCloseTo(5e9, -2);
   expect(rewardOfNs(costNsOf(0.61))).toBeCloseTo(0.61, 12);
@@ -22,7 +22,7 @@ it('A cost ratio has its median between its bounds, and is 1 for equal arms', ()
   expect(dearer.low).toBeGreaterThan(1);
 });
 
-it('The evidence of a variance gives that variance back, and is at least one', () => {
+it('evidenceOf inverts the variance of beliefOf, and returns at least one', () => {
   const n = evidenceOf(0.6, 0.15 ** 2);
   expect(beliefOf({ alpha: 0.6 * (n - 1), beta: 0.4 * (n - 1) }).variance).toBeCloseTo(0.15 ** 2, 12);
   expect(evidenceOf(0.6, 1e9)).toBe(1);

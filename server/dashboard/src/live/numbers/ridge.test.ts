@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { mean } from './beta';
 import { linearTicks, logTicks, ridge, ridgeAxis } from './ridge';
 
-describe('a ridge', () => {
+describe('the outline of a density', () => {
   it.each([[1, 1], [1, 40], [3, 9], [1e6, 2e6], [1e12, 5e11]])('of Beta(%d, %d) is finite, between 0 and 1, and ascends', (alpha, beta) => {
     const points = ridge({ alpha, beta }, 0, 1, 100);
     expect(points.every(({ height }) => Number.isFinite(height) && height >= 0 && height <= 1)).toBe(true);
@@ -10,7 +10,7 @@ describe('a ridge', () => {
     expect(Math.max(...points.map(({ height }) => height))).toBeCloseTo(1, 6);
   });
 
-  it('of α = 1e12 has its whole needle, where evenly spaced points would miss it', () => {
+  it('of α = 1e12 resolves the narrow peak, which evenly spaced points would miss', () => {
     const posterior = { alpha: 1e12, beta: 5e11 };
     const needle = ridge(posterior, 0, 1, 100).filter(({ height }) => height > 0.01);
     expect(needle.length).toBeGreaterThan(10);
@@ -22,13 +22,13 @@ describe('a ridge', () => {
   });
 });
 
-describe('the axis of ridges', () => {
-  it('shows what was measured, and not what is only assumed', () => {
+describe('the axis of several densities', () => {
+  it('contains measured posteriors, and ignores those without evidence', () => {
     const [low, high] = ridgeAxis([{ posterior: { alpha: 6e5, beta: 4e5 }, isMeasured: true }, { posterior: { alpha: 1, beta: 1 }, isMeasured: false }]);
     expect(low).toBeGreaterThan(0.59);
     expect(high).toBeLessThan(0.61);
   });
-  it('is all of it while nothing is measured', () => expect(ridgeAxis([{ posterior: { alpha: 1, beta: 1 }, isMeasured: false }])).toEqual([0, 1]));
+  it('is [0, 1] if nothing was measured', () => expect(ridgeAxis([{ posterior: { alpha: 1, beta: 1 }, isMeasured: false }])).toEqual([0, 1]));
 });
 
 describe('ticks', () => {

@@ -1,19 +1,20 @@
-// The outline of a posterior's density along an axis of rewards, from its logarithm, so that one of α = 1e12 draws as the needle it is.
+// The outline of a posterior's density along an axis of rewards. It is computed from the logarithm of the density, so that the narrow
+// peak of a posterior with α = 1e12 is drawn correctly.
 import { type Beta, centralInterval, logitDeviation, logitLogShape, logitMode, mean, rewardAt } from './beta';
 
-/** A share of the highest density, 0 to 1, at a reward. */
+/** The density at a reward ÷ the highest density, from 0 to 1. */
 export interface RidgePoint { reward: number; height: number }
 
-const NEEDLE_POINTS = 48;
-const NEEDLE_DEVIATIONS = 6;
+const NEEDLE_POINTS = 48; // additional points around the peak
+const NEEDLE_DEVIATIONS = 6; // range of these points on each side of the peak, in standard deviations
 
-// The logarithm of the density of rewards, without its norm. REQUIRES: 0 < reward < 1.
+// Returns the logarithm of the density of rewards, not normalized. REQUIRES: 0 < reward < 1.
 function logDensity(posterior: Beta, reward: number): number {
   const [logX, logY] = [Math.log(reward), Math.log1p(-reward)];
   return logitLogShape(posterior, logX - logY - logitMode(posterior)) - logX - logY;
 }
 
-/** Returns points of ascending reward within [low, high]: `count` evenly spaced ones, and more of them about the peak. */
+/** Returns points of ascending reward within [low, high]: `count` evenly spaced ones, and more around the peak. */
 export function ridge(posterior: Beta, low: number, high: number, count: number): RidgePoint[] {
   const deviation = logitDeviation(posterior);
   const peak = logitMode(posterior);
@@ -26,7 +27,7 @@ export function ridge(posterior: Beta, low: number, high: number, count: number)
   return rewards.map((reward, i) => ({ reward, height: Math.exp(logs[i]! - highest) })).filter(({ reward }) => reward >= low && reward <= high);
 }
 
-/** Returns an axis that shows nearly all of each posterior; those that were never measured say nothing about it. */
+/** Returns an axis that contains 99.8 % of each measured posterior. Posteriors that were never measured are ignored. */
 export function ridgeAxis(posteriors: readonly { posterior: Beta; isMeasured: boolean }[]): [low: number, high: number] {
   const measured = posteriors.filter(({ isMeasured }) => isMeasured);
   if (measured.length === 0) return [0, 1];
@@ -38,7 +39,7 @@ export function ridgeAxis(posteriors: readonly { posterior: Beta; isMeasured: bo
   return [Math.max(0, low - pad), Math.min(1, high + pad)];
 }
 
-/** Returns round numbers within [low, high], some `count` of them. */
+/** Returns about `count` round numbers within [low, high]. */
 export function linearTicks(low: number, high: number, count: number): number[] {
   const rough = (high - low) / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -48,7 +49,8 @@ export function linearTicks(low: number, high: number, count: number): number[] 
   return ticks;
 }
 
-/** Returns values of 1, 2 and 5 times powers of ten within [low, high], at most some `count`, of many powers every few; linear ones where they are close. */
+/** Returns ticks of a logarithmic axis: 1, 2 and 5 times powers of ten, or only some powers of ten if there are more than `count`.
+ * Returns linear ticks if high ÷ low is below 5. */
 export function logTicks(low: number, high: number, count: number): number[] {
   if (high / low < 5) return linearTicks(low, high, count);
   const all: number[] = [];

@@ -9,7 +9,7 @@ describe('a series of posteriors', () => {
   ] };
   const rows = seriesOf(history, ['A', 'B']);
 
-  it('has the arms in the order that is asked for, and knows nothing of one before it came', () => {
+  it('has the arms in the requested order, and undefined for an arm before its first evidence', () => {
     expect(rows.map(({ timeMs }) => timeMs)).toEqual([10, 20]);
     expect(rows.map(({ beliefs }) => beliefs.map((belief) => belief?.mean))).toEqual([[undefined, 0.25], [20 / 30, 0.25]]);
   });
@@ -19,7 +19,7 @@ describe('a series of posteriors', () => {
     expect(rows[1]).toMatchObject({ best: [0.875, 0.125], expectedLossRatio: 0.25 });
   });
 
-  it('has the intervals of those posteriors', () => {
+  it('has the credible intervals of the posteriors', () => {
     const { low95, high95 } = rows[1]!.beliefs[0]!;
     expect([low95, high95]).toEqual(centralInterval({ alpha: 20, beta: 10 }, 0.95));
   });

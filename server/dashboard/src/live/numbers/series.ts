@@ -1,18 +1,18 @@
-// How beliefs came to be what they are: for each time the mean and the intervals of each arm, and what the daemon said of them then.
+// Posteriors over time: for each time the mean and the credible intervals of each arm, and the P(best) and loss from the daemon.
 import type { SceneHistory } from '../state/history';
 import { type Beta, mean, quantiles } from './beta';
 
-/** An arm's reward: mean, and where it is with 50 and 95 %. */
+/** An arm's reward: mean, and 50 % and 95 % credible intervals. */
 export interface Belief { mean: number; low50: number; high50: number; low95: number; high95: number }
 
 export interface SeriesRow {
   timeMs: number;
-  beliefs: readonly (Belief | undefined)[]; // in the order of the arms; undefined: not known yet
+  beliefs: readonly (Belief | undefined)[]; // in the order of the arms; undefined before an arm's first evidence
   best: readonly (number | undefined)[];
   expectedLossRatio: number | undefined;
 }
 
-const MAX_BELIEFS = 20_000;
+const MAX_BELIEFS = 20_000; // entries of the cache
 const beliefs = new Map<string, Belief>();
 
 export function beliefOf(posterior: Beta): Belief {

@@ -1,8 +1,8 @@
-// An algorithm's symbol, colour and name, the same everywhere.
+// An arm's symbol, colour and name, the same in all views.
 import { colourOf, symbolOf } from '../../palette';
 import { Name } from './name';
 
-// In a box from −6 to 6 about where the path begins.
+// Paths relative to their first point, within a square from −6 to 6 around it.
 const SHAPES: Readonly<Record<string, string>> = {
   circle: 'm5 0a5 5 0 1 1 -10 0a5 5 0 1 1 10 0z',
   square: 'm-4.4-4.4h8.8v8.8h-8.8z',
@@ -14,10 +14,10 @@ const SHAPES: Readonly<Record<string, string>> = {
   wye: 'm-1.6 0l-3.6-2.6l1.6-2.4l3.6 2.6l3.6-2.6l1.6 2.4l-3.6 2.6v5.6h-3.2z',
 };
 
-/** Returns a path about where it begins: `M10 20` before it puts it there. */
+/** Returns a relative path: prefix it with `M10 20` to draw the symbol around (10, 20). */
 export const shapeOf = (arm: string) => SHAPES[symbolOf(arm)] ?? SHAPES.wye!;
 
-// Hollow: not the live one.
+// `hollow` marks arms other than the active one.
 export function ArmMark({ arm, hollow = false }: { arm: string; hollow?: boolean }) {
   const colour = colourOf(arm);
   return (

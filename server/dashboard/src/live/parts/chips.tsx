@@ -1,4 +1,4 @@
-// Short marks: a verdict, a state. Each has a word and a shape beside its colour.
+// Short coloured labels, such as a verdict or a state. Each has a word and a symbol, so that it does not depend on colour.
 import type { ComponentChildren } from 'preact';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { verdictWord } from '../views/words';

@@ -1,14 +1,14 @@
-// The time, for what says how long ago something was.
+// A clock that updates texts such as "3 min ago", and functions that format times.
 import { signal, type ReadonlySignal } from '@preact/signals';
 
 const clock = signal(Date.now());
-// By the browser's clock; it goes on once a second while the page is visible.
+// The browser's time in milliseconds since 1970, updated once a second while the page is visible.
 export const now: ReadonlySignal<number> = clock;
 setInterval(() => { if (!document.hidden) clock.value = Date.now(); }, 1000);
 
 const UNITS: readonly [string, number][] = [['d', 86_400], ['h', 3600], ['min', 60], ['s', 1]];
 
-// "3 min"; of less than a second "0 s".
+// Returns a text such as "3 min"; "0 s" below a second.
 export function duration(ms: number): string {
   const seconds = Math.max(0, Math.floor(ms / 1000));
   const [unit, size] = UNITS.find(([, each]) => seconds >= each) ?? ['s', 1];
@@ -17,7 +17,7 @@ export function duration(ms: number): string {
 
 export const ago = (sinceMs: number, nowMs: number) => (nowMs - sinceMs < 2000 ? 'now' : `${duration(nowMs - sinceMs)} ago`);
 
-// In the reader's own time zone, "2026-03-01 14:05:09".
+// Returns a time in the browser's time zone, such as "2026-03-01 14:05:09".
 export function timeText(unixMs: number): string {
   const date = new Date(unixMs);
   const two = (value: number) => String(value).padStart(2, '0');

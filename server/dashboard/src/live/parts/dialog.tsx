@@ -1,18 +1,18 @@
-// Questions before something is done, one at a time.
+// Confirmation dialogs, one at a time.
 import { signal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
 
 interface Question {
   title: string;
-  body: ComponentChildren;  // what will happen, and whether it can be undone
-  action: string;  // what the button says: a verb
+  body: ComponentChildren;  // describes the effect, and whether it can be undone
+  action: string;  // the button's label: a verb
   isDangerous?: boolean;
 }
 
 const asked = signal<{ question: Question; answer(yes: boolean): void } | undefined>(undefined);
 
-// Resolves to whether the reader wants it.
+// Resolves to whether the user confirmed. A question that is still open is cancelled.
 export function confirmed(question: Question): Promise<boolean> {
   asked.peek()?.answer(false);
   return new Promise((resolve) => {
@@ -26,7 +26,7 @@ export function confirmed(question: Question): Promise<boolean> {
   });
 }
 
-// A modal window; it closes with Escape, and the focus returns to where it was.
+// A modal dialog. Escape closes it, and the focus returns to the element that had it before.
 export function Modal({ title, onClose, children }: { title: string; onClose(): void; children: ComponentChildren }) {
   const dialog = useRef<HTMLDialogElement>(null);
   useEffect(() => {

@@ -1,4 +1,4 @@
-// Files that the reader takes along.
+// Saves files through the browser's download.
 export function save(name: string, blob: Blob): void {
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);

@@ -1,4 +1,4 @@
-// Whether the pointer or the focus is in an element: then nothing in it may move.
+// A hook that returns whether the pointer or the focus is in an element, whose content must not move then.
 import { useState } from 'preact/hooks';
 
 export function useEntered() {

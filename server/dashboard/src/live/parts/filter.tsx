@@ -1,4 +1,4 @@
-// A search field whose text is in the address. "/" leads there.
+// A search field whose text is in the URL. The key "/" focuses it.
 import { useRef, useState } from 'preact/hooks';
 import { route, setQuery } from '../state/route';
 import { useShortcuts, type Shortcut } from './keys';
@@ -17,13 +17,13 @@ export function Filter({ label, parameter = 'q' }: { label: string; parameter?: 
   );
 }
 
-// Whether each word of the filter is in one of the texts.
+// Returns whether each word of the filter occurs in one of the texts.
 export function matches(filter: string, texts: readonly string[]): boolean {
   const all = texts.join('\n').toLowerCase();
   return filter.toLowerCase().split(/\s+/).every((word) => all.includes(word));
 }
 
-// A choice of one, in the address. The first one is the default, and is not written there.
+// A selection whose value is in the URL. The first option is the default, which the URL omits.
 export function Choice({ label, parameter, options }: { label: string; parameter: string; options: readonly (readonly [value: string, text: string])[] }) {
   const chosen = route.value.query.get(parameter) ?? options[0]?.[0] ?? '';
   return (

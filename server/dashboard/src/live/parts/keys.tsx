@@ -1,26 +1,26 @@
-// Keyboard shortcuts, and the sheet that lists those which work where the reader is.
+// Keyboard shortcuts, and the dialog that lists the shortcuts of the current view.
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { Modal } from './dialog';
 
 export interface Shortcut {
-  keys: string;  // one key, or two after one another with a space between: "g o"
+  keys: string;  // one key, or two in sequence separated by a space: "g o"
   what: string;
   run(): void;
 }
 
 const active = signal<readonly Shortcut[]>([]);
 const isSheetOpen = signal(false);
-const SECOND_KEY_MS = 1500;
+const SECOND_KEY_MS = 1500;  // maximum time between the two keys of a sequence
 let first = { key: '', atMs: 0 };
 
-// Makes the shortcuts work until the returned function is called.
+// Enables the shortcuts until the returned function is called.
 export function addShortcuts(shortcuts: readonly Shortcut[]): () => void {
   active.value = [...active.peek(), ...shortcuts];
   return () => { active.value = active.peek().filter((each) => !shortcuts.includes(each)); };
 }
 
-// Makes them work while the component is shown. The list must stay the same one.
+// Enables the shortcuts while the component is shown. REQUIRES: `shortcuts` is the same array at each call.
 export const useShortcuts = (shortcuts: readonly Shortcut[]) => useEffect(() => addShortcuts(shortcuts), [shortcuts]);
 
 const isTyping = (target: EventTarget | null) =>
@@ -53,11 +53,11 @@ export function KeySheet() {
         {active.value.filter(({ keys }) => keys !== 'Escape').map(({ keys, what }) => (
           <div key={keys}><dt>{keys.split(' ').map((key) => <kbd key={key}>{key}</kbd>)}</dt><dd>{what}</dd></div>
         ))}
-        <div><dt><kbd>↑</kbd><kbd>↓</kbd></dt><dd>From row to row in a table</dd></div>
-        <div><dt><kbd>←</kbd><kbd>→</kbd></dt><dd>In a chart: move the crosshair, or from decision to decision; <kbd>Home</kbd> and <kbd>End</kbd> to the first and the last</dd></div>
+        <div><dt><kbd>↑</kbd><kbd>↓</kbd></dt><dd>In a table: go to the next or previous row</dd></div>
+        <div><dt><kbd>←</kbd><kbd>→</kbd></dt><dd>In a chart: move the crosshair, or select the next or previous decision. <kbd>Home</kbd> and <kbd>End</kbd> go to the first and the last.</dd></div>
         <div><dt><kbd>+</kbd><kbd>−</kbd><kbd>0</kbd></dt><dd>In a chart: zoom in, zoom out, show all</dd></div>
-        <div><dt><kbd>Enter</kbd></dt><dd>Among switches: explain this decision</dd></div>
-        <div><dt><kbd>Esc</kbd></dt><dd>Close this list, a question, or an explanation</dd></div>
+        <div><dt><kbd>Enter</kbd></dt><dd>In the chart of switches: explain the selected decision</dd></div>
+        <div><dt><kbd>Esc</kbd></dt><dd>Close this list, a dialog, or an explanation</dd></div>
       </dl>
       <p class="buttons"><button type="button" onClick={() => { isSheetOpen.value = false; }}>Close</button></p>
     </Modal>

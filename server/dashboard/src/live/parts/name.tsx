@@ -1,4 +1,4 @@
-// A name as the reader may trust it: isolated from the text around, with everything visible that has no shape.
+// A name from a game, shown safely: isolated from the surrounding text direction, with invisible characters replaced by their codes.
 import { visible } from './visible';
 
 export function Name({ text, unknown = 'unknown' }: { text: string; unknown?: string }) {

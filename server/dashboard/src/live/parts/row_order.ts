@@ -1,16 +1,16 @@
-// The order of a table's rows while the reader is in it: an update may change a row, but moves none from under the hand.
+// The order of a table's rows. While the user is in the table, updates may change a row but do not move it.
 export interface PlacedRow<Row> {
   key: string;
   row: Row;
-  isGone: boolean;  // it is not there any more, and keeps its place until the reader leaves
+  isGone: boolean;  // the row was removed; it keeps its place while the order is held
 }
 
 export interface Placement<Row> {
   placed: readonly PlacedRow<Row>[];
-  isOutdated: boolean;  // the rows would be ordered differently
+  isOutdated: boolean;  // the requested order is another one
 }
 
-// A page may be left open with the pointer on a table: of rows that are gone, the latest stay.
+// Maximum number of removed rows that are still shown, because a page may stay open with the pointer on a table.
 export const MAX_GONE = 100;
 
 function withoutOldestGone<Row>(placed: readonly PlacedRow<Row>[]): readonly PlacedRow<Row>[] {
@@ -21,7 +21,7 @@ function withoutOldestGone<Row>(placed: readonly PlacedRow<Row>[]): readonly Pla
 export class RowOrder<Row> {
   private shown: readonly PlacedRow<Row>[] = [];
 
-  // `rows` in the order that they should have; while the order is held they stay where they were shown, and new ones come last.
+  // Returns the rows in the order to show. `rows` is the requested order. If `isHeld`, rows keep their places and new rows come last.
   place(rows: readonly Row[], keyOf: (row: Row) => string, isHeld: boolean): Placement<Row> {
     const wanted = rows.map((row) => ({ key: keyOf(row), row, isGone: false }));
     if (!isHeld || this.shown.length === 0) {
@@ -40,7 +40,7 @@ export class RowOrder<Row> {
 }
 
 export type SortValue = number | string | undefined;
-// What a table is sorted by: a column, "-" before it for descending.
+// The column by which a table is sorted. As text, "-" before the column stands for descending.
 export interface Sorting {
   column: string;
   isDescending: boolean;

@@ -1,12 +1,12 @@
-// A small curve in a line of text. What it shows stands beside it as a number.
+// A small curve in a line of text. A number beside it shows the latest value.
 const WIDTH = 96;
 const HEIGHT = 22;
 
 export interface SparklineProps {
   values: readonly number[];
-  low?: number;  // of the axis; absent: the lowest value
+  low?: number;  // lower end of the axis; absent: the lowest value
   high?: number;
-  mark?: number;  // a value to draw a line at
+  mark?: number;  // a value at which a horizontal line is drawn
 }
 
 export function Sparkline({ values, low, high, mark }: SparklineProps) {

@@ -1,4 +1,4 @@
-// What a view shows in place of what is not there: nothing yet, nothing at all, or why not.
+// Placeholders of a view without data: loading, empty, or failed.
 import type { ComponentChildren } from 'preact';
 import type { ApiError } from '../transport/calls';
 

@@ -1,5 +1,5 @@
-// A table of any number of rows: sorted by the address, drawn only where it is in sight, left in its order while the reader is in it,
-// and as a CSV file.
+// A table of any number of rows. Its sorting is in the URL. It draws only visible rows, keeps their order while the user is in the
+// table, and can be saved as CSV.
 import type { ComponentChildren } from 'preact';
 import { useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { csvOf, type CsvValue } from '../numbers/csv';
@@ -10,28 +10,28 @@ import { useEntered } from './entered';
 import { RowOrder, sortedBy, sortingOf, sortingText, type PlacedRow, type Sorting, type SortValue } from './row_order';
 import { fileName } from './visible';
 
-const ROW_PX = 37;  // style.css has it too
-const ALL_UP_TO = 80;  // rows of which all are drawn
-const OVERSCAN = 10;
+const ROW_PX = 37;  // height of a row; equal to --row in style.css
+const ALL_UP_TO = 80;  // tables up to this number of rows are drawn whole
+const OVERSCAN = 10;  // rows drawn above and below the visible ones
 
 export interface Column<Row> {
   id: string;
   title: string;
   cell(row: Row): ComponentChildren;
-  sort?(row: Row): SortValue;  // absent: the column cannot be sorted by
-  csv?(row: Row): CsvValue;  // absent: as sort
-  isText?: boolean;  // to the left; the first column always is
-  hint?: string;  // what the column shows, in a sentence
-  width?: string;  // at least, where what it shows keeps changing, so that the columns beside it stay
+  sort?(row: Row): SortValue;  // absent: the table cannot be sorted by this column
+  csv?(row: Row): CsvValue;  // the value in a CSV file; absent: the value of `sort`
+  isText?: boolean;  // aligned to the left, as the first column always is
+  hint?: string;  // explains the column
+  width?: string;  // minimum width of a column whose values change often, so that other columns do not move
 }
 
 export interface TableProps<Row> {
-  caption: string;  // what the rows are, as "Scenes"
-  columns: readonly Column<Row>[];  // the first one names the row
+  caption: string;  // names the rows, such as "Scenes"
+  columns: readonly Column<Row>[];  // the first column identifies the row
   rows: readonly Row[];
   keyOf(row: Row): string;
-  sort: string;  // what it is sorted by at first; "-" before the column for descending
-  sortParameter?: string;  // of the query; where a view has several tables
+  sort: string;  // the column that the table is sorted by at first; "-" before it for descending
+  sortParameter?: string;  // name of the sorting in the URL, if a view has several tables
   tools?: ComponentChildren;
 }
 
@@ -58,7 +58,7 @@ function Line<Row>({ placed, columns, index }: { placed: PlacedRow<Row>; columns
   );
 }
 
-// Keeps the place of rows that are not drawn.
+// Takes the place of rows that are not drawn.
 const Gap = ({ rows, columns }: { rows: number; columns: number }) =>
   (rows > 0 ? <tr class="gap" aria-hidden="true"><td colSpan={columns} style={{ height: rows * ROW_PX }} /></tr> : null);
 
@@ -67,7 +67,7 @@ function csvText<Row>(columns: readonly Column<Row>[], rows: readonly Row[]): st
   return csvOf(written.map(({ title }) => title), rows.map((row) => written.map((column) => (column.csv ?? column.sort)!(row))));
 }
 
-// Arrow keys go from row to row, to what can be followed there.
+// Moves the focus with the arrow keys from row to row, to the row's link or button.
 function moveFocus(event: KeyboardEvent, box: HTMLElement, count: number): void {
   const row = (event.target as Element).closest('tbody tr[data-key]');
   if (!row || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -105,14 +105,14 @@ function useView() {
   return { box, view, look };
 }
 
-// The rows to draw, of so many.
+// Returns the range of rows to draw.
 function windowOf({ top, height }: { top: number; height: number }, count: number): [number, number] {
   if (count <= ALL_UP_TO) return [0, count];
   const to = Math.min(count, Math.ceil((top + height) / ROW_PX) + OVERSCAN);
   return [Math.min(Math.max(0, Math.floor(top / ROW_PX) - OVERSCAN), to), to];
 }
 
-// The reader who filters or sorts wants another order: the address says so.
+// A changed filter or sorting changes the URL, and with it the order of the rows.
 function useOrder<Row>() {
   const order = useRef(new RowOrder<Row>());
   const address = useRef('');

@@ -1,4 +1,4 @@
-// Short messages about what was done, with a way back where there is one.
+// Short messages about the result of an action, with a button to undo it if that is possible.
 import { signal } from '@preact/signals';
 
 const SHOWN_MS = 8000;
@@ -16,7 +16,7 @@ let nextId = 0;
 
 const dismiss = (id: number) => { toasts.value = toasts.peek().filter((each) => each.id !== id); };
 
-// The pointer or the focus is there: nothing goes away.
+// Messages stay while the pointer or the focus is on one of them.
 const isReached = () => document.querySelector('.toasts:hover, .toasts:focus-within') !== null;
 
 export function toast(text: string, { undo, isBad = false }: { undo?: () => void; isBad?: boolean } = {}): void {

@@ -1,4 +1,4 @@
-// Who looks at the page, as the daemon has it.
+// The account of the page's user, as the daemon reports it.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { ApiError, asApiError, send } from '../transport/calls';
 
@@ -6,33 +6,33 @@ export type Role = 'ingest' | 'watch' | 'operator' | 'admin';
 const ROLES: readonly Role[] = ['ingest', 'watch', 'operator', 'admin'];
 
 export interface Account {
-  version: string;  // of the daemon
+  version: string;  // version of the daemon
   asksForTokens: boolean;
   loggedIn: boolean;
   name: string;  // of the token, or empty
   role: Role;
-  projects: readonly string[];  // those that the token is for; empty: all
+  projects: readonly string[];  // the projects that the token allows; empty: all
   stableProbability: number;  // a scene is stable when the leader's P(best) is at least this
   tieLossRatio: number;  // a scene that is not stable is a tie when the expected loss is at most this
 }
 
 const held = signal<Account | undefined>(undefined);
-// Undefined until the daemon has said it.
+// Undefined until the daemon has answered.
 export const account: ReadonlySignal<Account | undefined> = held;
 
 const failed = signal<ApiError | undefined>(undefined);
 export const accountError: ReadonlySignal<ApiError | undefined> = failed;
 
-// Whether a role allows what needs `least`. The daemon decides; the page only leaves out what would be refused.
+// Whether the user has at least the role `least`. The daemon checks every call; the page only hides calls that would be refused.
 export const mayDo = (least: Role): ReadonlySignal<boolean> =>
   computed(() => ROLES.indexOf(held.value?.role ?? 'ingest') >= ROLES.indexOf(least));
 export const isOperator = mayDo('operator');
 
-// Whether this page was let in before, and is not any more.
+// Whether this page was logged in before; the login view then explains that the login has ended.
 let wasLoggedIn = false;
 export const hasLostLogin = () => wasLoggedIn;
 
-// The thresholds of verdicts. They are drawn only; the daemon decides.
+// The thresholds of verdicts, which charts draw. The daemon computes the verdicts.
 export const thresholds = computed(() => ({ stableProbability: held.value?.stableProbability ?? Number.NaN, tieLossRatio: held.value?.tieLossRatio ?? Number.NaN }));
 
 export const needsLogin = computed(() => held.value?.asksForTokens === true && !held.value.loggedIn);
@@ -56,5 +56,5 @@ export async function login(token: string): Promise<void> {
 
 export async function logout(): Promise<void> {
   await send('/logout', { method: 'POST' });
-  location.assign('/');  // nothing of what was seen stays in the page
+  location.assign('/');  // a reload removes all data from the page's memory
 }

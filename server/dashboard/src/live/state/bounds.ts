@@ -1,8 +1,8 @@
-// The page is left open for weeks; what it remembers is bounded, however many scenes and sessions there are.
+// Bounds of the page's memory. The page may be open for weeks, with any number of scenes and sessions.
 export const MAX_DECISIONS = 20_000;
 const MIN_SHARE = 20;
 
-// How many decisions each of `count` holders may keep, so that all of them together keep about MAX_DECISIONS.
+// Returns how many decisions each of `count` scenes or sessions may keep (at most `most`), so that all together keep about MAX_DECISIONS.
 export const shareOf = (count: number, most: number) =>
   Math.max(MIN_SHARE, Math.min(most, Math.floor(MAX_DECISIONS / Math.max(count, 1))));
 

@@ -1,18 +1,19 @@
-// Whether what the page shows is what the daemon knows.
+// The state of the connection: whether the page shows the daemon's current data.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import type { ApiError } from '../transport/calls';
 import { isStale } from '../transport/pulse';
 
-// 'stale': connected, but nothing has come for 5 s, not even a sign of life. 'denied': the daemon asks for a token, or for another one.
+// 'stale': connected, but nothing was received for 5 s, not even an answer from /livez. 'denied': the daemon requires a token, or one
+// with more rights.
 export type ConnectionStatus = 'connecting' | 'live' | 'stale' | 'offline' | 'denied';
 
 export interface Connection {
   status: ConnectionStatus;
-  sinceMs: number;  // by the browser's clock, since 1970
-  error?: ApiError;  // why, where the daemon said so
+  sinceMs: number;  // since 1970, by the browser's clock
+  error?: ApiError;  // the reason, if the daemon gave one
 }
 
-// Worst first: the page is as well connected as its worst stream.
+// Worst first: the page's status is that of its worst stream.
 const ORDER: readonly ConnectionStatus[] = ['denied', 'offline', 'connecting', 'stale', 'live'];
 
 const streams = signal<ReadonlyMap<string, Connection>>(new Map());

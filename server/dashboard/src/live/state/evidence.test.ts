@@ -13,7 +13,7 @@ function evidenceOf(...parts: Parameters<typeof create<typeof ExportPriorsRespon
   return evidence;
 }
 
-it('sums what sources taught by scene and arm, and by source', () => {
+it('sums evidence by scene and arm, and by source', () => {
   const evidence = evidenceOf(
     { records: [recordOf('x'), recordOf('y'), recordOf('x', { arm: 'Grid', bailOutCount: 1n, weight: 0.5 })] },
     { records: [recordOf('x', { measuredBy: 'lane', weight: 0.02 })] });
@@ -23,7 +23,7 @@ it('sums what sources taught by scene and arm, and by source', () => {
   expect(evidence).toMatchObject({ recordCount: 4 });
 });
 
-it('keeps builds apart, and says of each and of each source what it has taught, where and when', () => {
+it('keeps builds apart, and sums counts, arms, machines and times of each build and source', () => {
   const evidence = evidenceOf({ records: [
     recordOf('x', { build: '1.1', unixLastSeenS: 50n, machineClass: 'desktop' }), recordOf('y', { build: '1.2', unixLastSeenS: 70n }),
     recordOf('z', { build: '1.1', unixLastSeenS: 60n, arm: 'Grid', isImported: true }), recordOf('x', { build: '1.1', unixLastSeenS: 50n, measuredBy: 'lane' }),
@@ -37,7 +37,7 @@ it('keeps builds apart, and says of each and of each source what it has taught, 
     [['x', '1.1', false, 50], ['y', '1.2', false, 70], ['z', '1.1', true, 60]]);
 });
 
-it('keeps what waits in quarantine apart, but for the file', () => {
+it('keeps quarantined records apart, and writes them into the file', () => {
   const evidence = evidenceOf({ records: [recordOf('x', { build: '1.1' }), recordOf('x', { build: '1.1', isQuarantined: true }),
     recordOf('y', { build: '0.9', isQuarantined: true, unixLastSeenS: 60n }), recordOf('z', { build: '0.9', isQuarantined: true })] });
   expect([...evidence.sums.values()].map(({ alpha }) => alpha)).toEqual([1.5]);
@@ -49,7 +49,7 @@ it('keeps what waits in quarantine apart, but for the file', () => {
   expect(records.map(({ is_quarantined: waits }) => waits)).toEqual([undefined, true, true, true]);
 });
 
-it('is bounded, and says so', () => {
+it('is bounded, and reports that records were left out', () => {
   const many = Array.from({ length: MAX_SOURCES + 1 }, (_, i) => recordOf(`source ${i}`, { build: `build ${i}` }));
   expect(evidenceOf({ records: many.slice(1) }).isCut).toBe(false);
   const evidence = evidenceOf({ records: many });
@@ -57,7 +57,7 @@ it('is bounded, and says so', () => {
   expect([evidence.sources.size, evidence.builds.size, evidence.sums.size]).toEqual([MAX_SOURCES, MAX_SOURCES, MAX_SOURCES + 1]);
 });
 
-it('writes the file that is imported', () => {
+it('writes the file format of `sweepstake priors import`', () => {
   const { records } = evidenceOf({ records: [recordOf('x', { build: '1.1', unixLastSeenS: 1_700_000_000n })] });
   expect(JSON.parse(priorsFile(records))).toEqual({ format: 'sweepstake-priors', version: 1, records: [{
     project: 'p', scene: 's', measured_by: '', arm: 'SAP', backend_version: 1, machine_class: '', reward_version: 3, source_id: 'x',

@@ -1,21 +1,21 @@
-// What the daemon has learnt and from whom, for as long as its view is open. The records of an export are summed as they come, so that
-// many sources take little memory.
+// The daemon's evidence by scene, arm, source and build, while the view of the priors is open. The records of an export are summed as
+// they arrive, so that many sources need little memory.
 import type { ExportPriorsResponse, PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
 
 export const MAX_SOURCES = 20_000;
 const MAX_SUMS = 50_000;
-const MAX_KEPT_RECORDS = 200_000;  // a file of more cannot be imported
+const MAX_KEPT_RECORDS = 200_000;  // the largest file that `sweepstake priors import` accepts
 
 interface Counts {
   windowCount: number;
   bailOutCount: number;
 }
 
-// What all sources of one build taught of one scene, class of machines, version of the reward, arm and backend, on the frame thread or
-// in the lane.
+// The evidence of all sources of one build about one scene, class of machines, version of the reward, arm and backend, measured either
+// on the frame thread or in the shadow lane.
 export interface EvidenceSum extends Counts {
   key: string;
-  example: PriorRecord;  // has the names
+  example: PriorRecord;  // one of the records, for the names
   sourceCount: number;
   alpha: number;
   beta: number;
@@ -30,14 +30,14 @@ interface Teacher extends Counts {
   lastSeenS: number;  // by the daemon's clock; 0: unknown
 }
 
-// What one source taught.
+// The evidence of one source.
 export interface SourceSum extends Teacher {
   sourceId: string;
   isImported: boolean;
   weight: number;  // the highest of its records' weights
 }
 
-// What the sources of one build of a project taught.
+// The evidence of the sources of one build of a project.
 export interface BuildSum extends Teacher {
   key: string;
   sourceIds: Set<string>;
@@ -46,12 +46,12 @@ export interface BuildSum extends Teacher {
 export interface Evidence {
   sums: Map<string, EvidenceSum>;  // up to MAX_SUMS
   sources: Map<string, SourceSum>;  // up to MAX_SOURCES
-  builds: Map<string, BuildSum>;  // of those sources
-  waiting: Map<string, BuildSum>;  // what counts nowhere until it is promoted, by build too; up to MAX_SOURCES
-  waitingCount: number;  // its records, which recordCount is without
+  builds: Map<string, BuildSum>;  // sums over `sources`
+  waiting: Map<string, BuildSum>;  // quarantined evidence by build, which no prior uses; up to MAX_SOURCES
+  waitingCount: number;  // number of quarantined records
   records: PriorRecord[];  // up to MAX_KEPT_RECORDS
-  isCut: boolean;  // there was more than one of those holds
-  recordCount: number;
+  isCut: boolean;  // records were left out because a bound was reached
+  recordCount: number;  // without quarantined records
 }
 
 export const noEvidence = (): Evidence => ({ sums: new Map(), sources: new Map(), builds: new Map(), waiting: new Map(), waitingCount: 0, records: [], isCut: false,
@@ -60,7 +60,7 @@ export const noEvidence = (): Evidence => ({ sums: new Map(), sources: new Map()
 const keyOf = (record: PriorRecord) => [record.project, record.scene, record.machineClass, record.rewardVersion, record.build, record.arm,
   record.backendVersion, record.measuredBy].join('\n');
 
-// Returns what is at the key, which is made where there is room.
+// Returns the value at the key, creating it unless the map has `max` entries already.
 function entry<Value>(map: Map<string, Value>, key: string, max: number, make: () => Value): Value | undefined {
   const known = map.get(key);
   if (known || map.size >= max) return known;
@@ -129,7 +129,7 @@ export function addPart(evidence: Evidence, { records }: ExportPriorsResponse): 
   evidence.waitingCount += waiting.length;
 }
 
-// The file that `sweepstake priors import` and a game read.
+// Returns a file that `sweepstake priors import` and games can read.
 export function priorsFile(records: readonly PriorRecord[]): string {
   const written = records.map((record) => ({
     project: record.project, scene: record.scene, measured_by: record.measuredBy, arm: record.arm, backend_version: record.backendVersion,

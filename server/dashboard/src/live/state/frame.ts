@@ -1,5 +1,5 @@
-// Applies what arrives at most once per animation frame, and in one go: however many messages came since the last frame,
-// every view is drawn once. A hidden page has no animation frames; there a timer takes their place.
+// Applies received changes together, at most once per animation frame, so that each view is drawn once for any number of messages. A
+// hidden page has no animation frames and uses a timer instead.
 import { batch } from '@preact/signals';
 
 const HIDDEN_INTERVAL_MS = 1000;
@@ -15,7 +15,7 @@ function apply(): void {
   batch(() => updates.forEach((update) => update()));
 }
 
-// Calls `update` with the next frame, after those that were asked for earlier.
+// Calls `update` at the next frame, after updates that were passed earlier.
 export function withNextFrame(update: Update): void {
   waiting.push(update);
   if (isScheduled) return;
@@ -24,7 +24,7 @@ export function withNextFrame(update: Update): void {
   else requestAnimationFrame(apply);
 }
 
-// A page that is hidden meanwhile would wait for its frame until it is shown again.
+// Applies pending updates when the page becomes hidden, because its next animation frame comes when it is shown again.
 export function applyWhenHidden(): void {
   document.addEventListener('visibilitychange', () => document.hidden && apply());
 }

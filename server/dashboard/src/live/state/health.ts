@@ -1,12 +1,13 @@
-// Follows the daemon's health while somebody looks: the checks on every view that names them, the figures on the view of its own.
+// Polls the daemon's health while a view shows it: the checks of /readyz for the overview and the health view, the figures of /metrics
+// for the health view.
 import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
 import { asApiError, parseError, type ApiError } from '../transport/calls';
 import { parseChecks, parseMetrics, type Check, type Metrics } from './metrics';
 
 const CHECKS_INTERVAL_MS = 10_000;
 const FIGURES_INTERVAL_MS = 2000;
-const PATIENCE_MS = 5000;
-export const MAX_SAMPLES = 151;  // five minutes
+const PATIENCE_MS = 5000;  // timeout of a request
+export const MAX_SAMPLES = 151;  // five minutes at FIGURES_INTERVAL_MS
 
 export interface Sample {
   atMs: number;
@@ -21,7 +22,7 @@ export const checks: ReadonlySignal<readonly Check[] | undefined> = heldChecks; 
 export const samples: ReadonlySignal<readonly Sample[]> = heldSamples;  // oldest first
 export const healthError: ReadonlySignal<ApiError | undefined> = computed(() => checksError.value ?? figuresError.value);
 
-// Asks for what `parse` finds in the answer's text. An answer in which it finds nothing is an error, whatever its status.
+// Requests `path` and passes the parsed answer to `take`. If `parse` returns undefined, that is an error, whatever the HTTP status.
 async function learn<Found>(path: string, parse: (text: string) => Found | undefined, take: (found: Found) => void, problem: Signal<ApiError | undefined>): Promise<void> {
   try {
     const response = await fetch(path, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) });
@@ -38,7 +39,7 @@ async function learn<Found>(path: string, parse: (text: string) => Found | undef
 const checksIn = (text: string) => { const all = parseChecks(text); return all.length > 0 ? all : undefined; };
 const metricsIn = (text: string) => { const all = parseMetrics(text); return all.size > 0 ? all : undefined; };
 
-// A daemon that is not ready says so with 503, and lists its checks all the same.
+// A daemon that is not ready answers with status 503, and the answer still lists the checks.
 export const learnChecks = () => learn('/readyz?verbose', checksIn, (all) => { heldChecks.value = all; }, checksError);
 
 export const learnFigures = () => learn('/metrics', metricsIn, (metrics) => {
@@ -51,6 +52,6 @@ function repeat(task: () => Promise<void>, intervalMs: number): () => void {
   return () => clearInterval(timer);
 }
 
-// They learn until the returned function is called.
+// These poll until the returned function is called.
 export const followChecks = () => repeat(learnChecks, CHECKS_INTERVAL_MS);
 export const followFigures = () => repeat(learnFigures, FIGURES_INTERVAL_MS);

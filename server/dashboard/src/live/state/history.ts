@@ -1,17 +1,17 @@
-// How posteriors came to be what they are: a bounded series per scene. When it is full its older half is thinned to the points where an
-// arm's mean is extreme, so that no peak is lost and a page that is left open for a week takes no more memory than one of an hour.
+// Posteriors over time: a bounded series per scene. When it is full, its older half is thinned to the points where an arm's mean is
+// extreme. So no peak is lost, and memory does not grow with the time that the page is open.
 import type { ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { type Beta, mean } from '../numbers/beta';
 import { keepExtremes } from '../numbers/downsample';
 
 export const MAX_POINTS = 256;
 
-export interface ArmPoint extends Beta { readonly best?: number } // P(best); absent: not known
+export interface ArmPoint extends Beta { readonly best?: number } // P(best); absent: unknown
 
 export interface HistoryRow {
-  readonly timeMs: number; // by the daemon's clock, since 1970
+  readonly timeMs: number; // since 1970, by the daemon's clock
   readonly expectedLossRatio: number;
-  readonly arms: readonly (ArmPoint | undefined)[]; // in the order of SceneHistory.arms, as far as they were known then
+  readonly arms: readonly (ArmPoint | undefined)[]; // in the order of SceneHistory.arms; shorter if later arms were unknown then
 }
 
 export interface SceneHistory {
@@ -32,7 +32,7 @@ function thinned(rows: readonly HistoryRow[], armCount: number): readonly Histor
   return [...kept.map((i) => older[i]!), ...rows.slice(MAX_POINTS / 2)];
 }
 
-// Adds what the scene's arms are believed to be at `timeMs`, in their newest versions. Where nothing has changed, nothing is added.
+// Adds the posteriors of the scene's arms at `timeMs`, in the newest version of each arm. Adds nothing if nothing has changed.
 export function addToHistory({ arms: known, rows }: SceneHistory, scene: ScenePosterior, timeMs: number): SceneHistory {
   const points = new Map<string, ArmPoint>();
   for (const { arm, posterior, isOutdated, bestProbability: best } of scene.arms) {

@@ -3,7 +3,7 @@ import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { WatchPosteriorsResponseSchema } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionState, WatchSessionsResponseSchema } from '../../gen/sweepstake/v1/sessions_pb';
 
-// The daemon's two streams, whose events a test sends, and the browser's frames.
+// The daemon's two streams, to which a test writes events, and the browser's animation frames.
 const bodies = new Map<string, ReadableStreamDefaultController<Uint8Array>>();
 let frames: (() => void)[] = [];
 let whoami = '{"version":"1","asksForTokens":false,"loggedIn":false,"name":"","role":"admin","projects":[]}';
@@ -24,7 +24,7 @@ beforeEach(() => {
   vi.stubGlobal('document', { ...target, hidden: false });
   vi.stubGlobal('window', target);
   vi.stubGlobal('fetch', fetch);
-  vi.stubGlobal('BroadcastChannel', class { postMessage() { /* nobody else is there */ } });
+  vi.stubGlobal('BroadcastChannel', class { postMessage() { /* no other page */ } });
   vi.stubGlobal('requestAnimationFrame', (frame: () => void) => frames.push(frame));
 });
 afterEach(() => {
@@ -58,7 +58,7 @@ async function started() {
   return { ...live, scenes, sessions, connection, alphas };
 }
 
-it('shows a snapshot whole, and what follows once per frame', async () => {
+it('shows a snapshot when it is complete, and later changes once per frame', async () => {
   const { scenes, alphas, connection, isKnown } = await started();
   expect(connection.value.status).toBe('live');
   await send('WatchPosteriors', BEGIN, posterior('a'));
@@ -78,14 +78,14 @@ it('shows a snapshot whole, and what follows once per frame', async () => {
   expect([...scenes.value.values()][0]!.decisions.map(({ decisionId }) => decisionId)).toEqual([1n, 2n]);
 });
 
-it('takes what comes after a snapshot as newer, in the same frame too', async () => {
+it('applies changes after a snapshot to that snapshot, in the same frame too', async () => {
   const { alphas } = await started();
   await send('WatchPosteriors', posterior('a', 3), BEGIN, posterior('a', 5), posterior('b', 5), END, posterior('b', 6));
   draw();
   expect(alphas()).toEqual({ a: 5, b: 6 });
 });
 
-it('gives decisions to the sessions that took them', async () => {
+it('adds decisions to their sessions', async () => {
   const { sessions } = await started();
   await send('WatchSessions', BEGIN, session('s1'), session('s2'), END);
   await send('WatchPosteriors', BEGIN, END, posterior('a', 3, [1, 2]));
@@ -94,7 +94,7 @@ it('gives decisions to the sessions that took them', async () => {
   expect(sessions.value.get('s2')!.decisions).toHaveLength(0);
 });
 
-it('says that it is offline once a stream is, until it is back', async () => {
+it('is offline while one of its streams is', async () => {
   const { connection } = await started();
   bodies.get('WatchSessions')!.close();
   await settle();
@@ -103,7 +103,7 @@ it('says that it is offline once a stream is, until it is back', async () => {
   expect(connection.value.status).toBe('live');
 });
 
-it('asks for nothing before the reader has logged in', async () => {
+it('opens no stream before the login', async () => {
   whoami = '{"version":"1","asksForTokens":true,"loggedIn":false,"name":"","role":"ingest","projects":[]}';
   await started();
   expect(fetch.mock.calls.map(([url]) => url)).toEqual(['/api/whoami']);

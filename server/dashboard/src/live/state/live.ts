@@ -1,5 +1,5 @@
-// Keeps the state what the daemon knows: follows its streams while the page is open, and puts what they say into scenes.ts and
-// sessions.ts.
+// Keeps the page's state up to date: follows the daemon's streams while the page is open, and writes their messages into scenes.ts
+// and sessions.ts.
 import { effect, signal, type ReadonlySignal } from '@preact/signals';
 import { PosteriorsService, type DecisionEvent, type ScenePosterior, type WatchPosteriorsResponse } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionsService, type SessionInfo, type WatchSessionsResponse } from '../../gen/sweepstake/v1/sessions_pb';
@@ -13,14 +13,14 @@ import * as scenes from './scenes';
 import * as sessions from './sessions';
 
 const known = signal({ scenes: false, sessions: false });
-// Whether the first snapshot of the scenes and of the sessions has come.
+// Whether the first snapshot of the scenes and of the sessions was received.
 export const isKnown: ReadonlySignal<{ scenes: boolean; sessions: boolean }> = known;
 
-const ASK_AGAIN_MS = 3000;
+const ASK_AGAIN_MS = 3000;  // interval of requests for the account until one succeeds
 
 const timeOf = (stamp: EventStamp | undefined) => (stamp ? Number(stamp.unixMs) : Date.now());
 
-// What the two listeners have in common. `took` gets whole snapshots, and what came outside of one since the last frame.
+// Returns a listener of one stream. It calls `took` with each complete snapshot, and once per frame with the changes since.
 function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: readonly Message[], isSnapshot: boolean) => void): Listener<Message> {
   let snapshot: Message[] | undefined;
   let waiting: Message[] | undefined;  // for the next frame
@@ -44,7 +44,7 @@ function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: reado
     snapshotEnded() {
       const whole = snapshot ?? [];
       snapshot = undefined;
-      waiting = undefined;  // what comes from here on is applied after the snapshot
+      waiting = undefined;  // changes from here on are applied after the snapshot
       withNextFrame(() => {
         took(whole, true);
         known.value = { ...known.peek(), [stream]: true };
@@ -86,8 +86,8 @@ function unfollow(): void {
   watches = undefined;
 }
 
-// A browser opens six connections to one host, and each page holds two. A page that nobody sees gives its own up for another one that
-// somebody looks at.
+// A browser opens at most six connections to one host, and each page needs two. A hidden page closes its connections when another
+// page is shown.
 function shareConnections(): void {
   const pages = new BroadcastChannel('sweepstake');
   pages.onmessage = () => document.hidden && unfollow();
@@ -102,7 +102,7 @@ function shareConnections(): void {
   onVisibility();
 }
 
-// Begins once the daemon says that it lets the reader in, and again after a login.
+// Starts the streams when the daemon has granted access, and again after a login.
 export function startLive(): void {
   applyWhenHidden();
   startPulse();

@@ -30,7 +30,7 @@ it('reads figures by their labels', () => {
   expect([...metrics.get('errors_total')!.keys()].map((labels) => labelOf(labels, 'reason'))).toEqual(['STORE_BUSY', 'A \\"b\\"']);
 });
 
-it('reads quantiles of all, and of what came after an earlier reading', () => {
+it('reads quantiles of all observations, and of those after an earlier reading', () => {
   const metrics = parseMetrics(TEXT);
   expect(quantileOf(metrics, undefined, 'commit', 0.5)).toBe(0.001);
   expect(quantileOf(metrics, undefined, 'commit', 0.99)).toBe(0.01);

@@ -1,10 +1,10 @@
-// What the daemon tells its operators: the checks of /readyz and the figures of /metrics.
+// Parsers of the checks of /readyz and the figures of /metrics.
 
 // One check of /readyz?verbose.
 export interface Check {
   name: string;
   isOk: boolean;
-  note: string;  // what is wrong, or worth knowing
+  note: string;  // the problem of a failed check, or a warning
 }
 
 const CHECK = /^\[([+-])\](\S+) (?:ok|failed)(?:: (.*)|, but (.*))?$/;
@@ -14,13 +14,13 @@ export function parseChecks(text: string): Check[] {
     .map(([, sign, name, problem, note]) => ({ name: name!, isOk: sign === '+', note: problem ?? note ?? '' }));
 }
 
-// A family's values by their labels, as `reason="MALFORMED_MESSAGE"`; '' for a value without any.
+// By the name of a metric family: its values by their labels, such as `reason="MALFORMED_MESSAGE"`; '' for a value without labels.
 export type Metrics = ReadonlyMap<string, ReadonlyMap<string, number>>;
 
 const SAMPLE = /^([a-zA-Z_:][\w:]*)(?:\{(.*)\})? (\S+)/;
 const numberOf = (text: string) => (text === '+Inf' ? Infinity : text === '-Inf' ? -Infinity : Number(text));
 
-// Reads Prometheus' text format.
+// Reads the Prometheus text format.
 export function parseMetrics(text: string): Metrics {
   const families = new Map<string, Map<string, number>>();
   for (const line of text.split('\n')) {
@@ -36,16 +36,16 @@ export function parseMetrics(text: string): Metrics {
 export const valueOf = (metrics: Metrics, name: string): number | undefined => metrics.get(name)?.get('');
 export const sumOf = (metrics: Metrics, name: string): number => [...metrics.get(name)?.values() ?? []].reduce((sum, value) => sum + value, 0);
 
-// The value of a label, as 'reason' of `reason="frame_time"`.
+// Returns the value of the label `name`: "frame_time" for the label 'reason' of `reason="frame_time"`.
 export const labelOf = (labels: string, name: string) => new RegExp(`(?:^|,)${name}="((?:[^"\\\\]|\\\\.)*)"`).exec(labels)?.[1] ?? '';
 
-// The counts of a histogram's buckets by their upper bounds, ascending; they are cumulative.
+// Returns the cumulative counts of a histogram's buckets, with ascending upper bounds.
 function bucketsOf(metrics: Metrics, name: string): [bound: number, count: number][] {
   return [...metrics.get(`${name}_bucket`) ?? []].map(([labels, count]): [number, number] => [numberOf(labelOf(labels, 'le')), count])
     .sort(([a], [b]) => a - b);
 }
 
-// The upper bound of the bucket that the quantile lies in, of what was observed after `before`; undefined if nothing was.
+// Returns the upper bound of the bucket that contains the quantile of the observations after `before`; undefined if there are none.
 export function quantileOf(metrics: Metrics, before: Metrics | undefined, name: string, share: number): number | undefined {
   const earlier = new Map(before ? bucketsOf(before, name) : []);
   const buckets = bucketsOf(metrics, name).map(([bound, count]): [number, number] => [bound, count - (earlier.get(bound) ?? 0)]);

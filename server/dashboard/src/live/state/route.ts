@@ -1,5 +1,5 @@
-// Where the reader is: the path and what the query says, so that every view, filter, range and pause has an address, and back and
-// forward lead there. The pages are those that the daemon answers with index.html.
+// The current page: path and query. Every view, filter, range and pause has a URL, so that links and the browser's Back and Forward
+// buttons work. The daemon answers the paths of these pages with index.html.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import type { SceneName } from './scenes';
 
@@ -8,13 +8,13 @@ export type RouteName = 'overview' | 'scene' | 'session' | 'decisions' | 'priors
 export interface Route {
   name: RouteName;
   path: string;
-  parts: readonly string[];  // of the path behind the first one, decoded: project and scene, or the session
-  query: URLSearchParams;  // of the address; not to be changed: see setQuery
+  parts: readonly string[];  // the decoded parts of the path after the first: project and scene, or the session
+  query: URLSearchParams;  // read only; setQuery changes it
 }
 
 const NAMES: Readonly<Record<string, RouteName>> = { decisions: 'decisions', priors: 'priors', health: 'health' };
 
-// A name as a part of a path. One of dots only would lead to another folder.
+// Returns a name as a part of a path. A leading "~" protects names such as "..", which would lead to another folder.
 export const pathPart = (name: string) => encodeURIComponent(/^[.~]/.test(name) ? `~${name}` : name);
 
 function decoded(part: string): string {
@@ -37,7 +37,7 @@ export function routeOf(url: URL): Route {
 const address = signal(typeof location === 'undefined' ? 'http://localhost/' : location.href);
 export const route: ReadonlySignal<Route> = computed(() => routeOf(new URL(address.value)));
 
-// Goes to a page of the dashboard: to its top, which is where the focus is then.
+// Goes to a page of the dashboard, scrolls to its top and focuses its content.
 export function navigate(href: string): void {
   history.pushState(null, '', href);
   address.value = location.href;
@@ -45,8 +45,8 @@ export function navigate(href: string): void {
   document.getElementById('main')?.focus({ preventScroll: true });
 }
 
-// Sets parameters of the query, and removes those that are empty. A `step` of its own can be gone back to; without, the address of
-// this one changes, as while a filter is typed.
+// Sets parameters of the query, and removes empty ones. With `step` the change is a new entry of the browser's history; without it, it
+// replaces the current entry, as while the user types into a filter.
 export function setQuery(changes: Readonly<Record<string, string | undefined>>, { step = false } = {}): void {
   const url = new URL(address.peek());
   for (const [name, value] of Object.entries(changes)) {
@@ -69,12 +69,12 @@ export const sceneHref = ({ project, scene, machineClass, rewardVersion }: Scene
 export const sessionHref = (id: string) => `/sessions/${pathPart(id)}`;
 export const decisionsHref = (filter: Readonly<Record<string, string>>) => `/decisions${tail(filter)}`;
 
-// The scene that a scene's address names.
+// Returns the name of the scene in the URL of a scene's page.
 export function sceneNameOf({ parts, query }: Route): SceneName {
   return { project: parts[0] ?? '', scene: parts[1] ?? '', machineClass: query.get('class') ?? '', rewardVersion: Number(query.get('reward') ?? 3) };
 }
 
-// A link within the dashboard changes the view without loading the page anew, unless the reader asks for another tab.
+// Opens links within the dashboard without reloading the page, unless the user opens another tab.
 function follow(event: MouseEvent): void {
   const link = (event.target as Element | null)?.closest?.('a');
   if (!link || link.target || link.hasAttribute('download') || link.origin !== location.origin) return;

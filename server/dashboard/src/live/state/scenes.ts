@@ -1,4 +1,4 @@
-// The scenes that the daemon knows, as it last told.
+// The scenes of the daemon, as in its last message.
 import { signal, type ReadonlySignal } from '@preact/signals';
 import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { keepLast, shareOf } from './bounds';
@@ -9,13 +9,14 @@ export const MAX_SCENE_DECISIONS = 500;
 export interface SceneState {
   key: string;
   posterior: ScenePosterior;
-  // When the last change came, by the browser's clock, or, before one came, when sessions taught last, by the daemon's; 0: not known.
+  // When the page received the last change, by the browser's clock. Before the first change: when a session last added evidence, by the
+  // daemon's clock. 0: unknown.
   changedMs: number;
   history: SceneHistory;
-  decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SCENE_DECISIONS, fewer where there are many scenes
+  decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SCENE_DECISIONS, fewer if there are many scenes
 }
 
-// What names a scene: it has a posterior for each class of machines and version of the reward.
+// The key of a posterior: a scene has one for each class of machines and version of the reward.
 export interface SceneName {
   project: string;
   scene: string;
@@ -26,25 +27,25 @@ export interface SceneName {
 const held = signal<ReadonlyMap<string, SceneState>>(new Map());
 export const scenes: ReadonlySignal<ReadonlyMap<string, SceneState>> = held;
 
-// The scene that a view shows keeps all of its decisions however many scenes there are; '': none.
+// Key of the scene that a view shows; it keeps MAX_SCENE_DECISIONS decisions for any number of scenes. '': none.
 export const sceneInView = signal('');
 
-// No name holds a control character.
+// Names contain no control characters, so '\n' separates them.
 export const sceneKey = ({ project, scene, machineClass, rewardVersion }: SceneName) =>
   [project, scene, machineClass, rewardVersion].join('\n');
 
-// The policies that learn the logarithm of the cost, whose reward is version 3; all others of the daemon have version 1. See
+// The policies whose reward is the logarithm of the cost, which is version 3. All other policies use version 1. See
 // engine_client/decider/session/policy_registry.cc.
 const LOG_COST_POLICIES = ['adaptive', 'calibrated', 'default'];
 const rewardVersionOf = (policy: string) => (LOG_COST_POLICIES.includes(policy) ? 3 : 1);
 
 export const sceneKeyOf = (event: DecisionEvent) => sceneKey({ ...event, rewardVersion: rewardVersionOf(event.policy) });
 
-/** The leader's probability of being the best arm; 0: nothing is learnt. */
+/** The leader's probability of being the best arm; 0 without evidence. */
 export const leaderProbabilityOf = ({ leaderArm, arms }: ScenePosterior) =>
   arms.find(({ arm, isOutdated }) => arm === leaderArm && !isOutdated)?.bestProbability ?? 0;
 
-/** When a source of the arm taught last, by the daemon's clock; 0: not known. */
+/** When a source last added evidence of the arm, by the daemon's clock; 0: unknown. */
 export const lastSeenMs = ({ unixLastSeenS }: ArmPosterior) => 1000 * Number(unixLastSeenS);
 
 function withPosterior(state: SceneState | undefined, key: string, posterior: ScenePosterior, timeMs: number, isNew: boolean): SceneState {
@@ -57,7 +58,7 @@ function withPosterior(state: SceneState | undefined, key: string, posterior: Sc
   };
 }
 
-// Replaces all scenes by those of a snapshot; one that was known keeps its history.
+// Replaces all scenes by those of a snapshot. Known scenes keep their history.
 export function takeSnapshot(posteriors: readonly ScenePosterior[], timeMs: number): void {
   const before = held.peek();
   held.value = new Map(posteriors.map((posterior) => {
@@ -66,7 +67,7 @@ export function takeSnapshot(posteriors: readonly ScenePosterior[], timeMs: numb
   }));
 }
 
-// Adds what changed. Decisions of scenes that are not known are left out.
+// Adds changed posteriors and new decisions. Decisions of unknown scenes are ignored.
 export function takeChanges(posteriors: readonly ScenePosterior[], decisions: readonly DecisionEvent[], timeMs: number): void {
   const next = new Map(held.peek());
   for (const posterior of posteriors) {

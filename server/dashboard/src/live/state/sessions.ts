@@ -11,22 +11,22 @@ export const MAX_ENDED_SESSIONS = 50;
 
 export interface SessionState {
   info: SessionInfo;
-  ended?: SessionEnded;  // without a reason: it was gone when the connection came back
-  decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SESSION_DECISIONS, fewer where there are many sessions
+  ended?: SessionEnded;  // without a reason: it ended while the page was disconnected
+  decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SESSION_DECISIONS, fewer if there are many sessions
 }
 
 const held = signal<ReadonlyMap<string, SessionState>>(new Map());
 export const sessions: ReadonlySignal<ReadonlyMap<string, SessionState>> = held;
 
-// The session that a view shows keeps all of its decisions; '': none.
+// Id of the session that a view shows; it keeps MAX_SESSION_DECISIONS decisions for any number of sessions. '': none.
 export const sessionInView = signal('');
 
 export const isConnected = ({ info, ended }: SessionState) => !ended && info.state === Link.CONNECTED;
 export const connectedSessions: ReadonlySignal<readonly SessionState[]> = computed(() => [...held.value.values()].filter(isConnected));
 
-// Returns when the daemon last had something of the session's game, as far as the page knows, by the daemon's clock; 0: not known. The
-// session itself is told when something else of it changes; a decision that learns from frames is told at once, as one about a menu's frames
-// is not.
+// Returns when the daemon last received a message from the session's game, as far as the page knows, by the daemon's clock; 0: unknown.
+// `info` may be old, since the daemon sends it only when another field changes. Decisions arrive at once, so the last decision with
+// frames gives a newer time.
 export function lastMessageMs({ info, decisions }: SessionState): number {
   let last = decisions.length - 1;
   while (decisions[last]?.outcome === DecisionOutcome.NO_FRAMES) --last;
@@ -46,7 +46,7 @@ function withInfo(all: Map<string, SessionState>, infos: readonly SessionInfo[])
   return all;
 }
 
-// Replaces all sessions by those of a snapshot. One that is missing ended unseen.
+// Replaces all sessions by those of a snapshot. A known session that is missing has ended while the page was disconnected.
 export function takeSnapshot(infos: readonly SessionInfo[]): void {
   const there = new Set(infos.map(({ sessionId }) => sessionId));
   const gone = [...held.peek()].filter(([id]) => !there.has(id)).map(([id, session]): [string, SessionState] =>
@@ -66,7 +66,7 @@ export function takeChanges(infos: readonly SessionInfo[], ended: readonly Sessi
   held.value = forgetEnded(next);
 }
 
-// Adds decisions to the sessions that took them. Those of unknown sessions are left out.
+// Adds decisions to their sessions. Decisions of unknown sessions are ignored.
 export function takeDecisions(decisions: readonly DecisionEvent[]): void {
   const next = new Map(held.peek());
   const share = shareOf(next.size, MAX_SESSION_DECISIONS);

@@ -24,7 +24,7 @@ describe('scenes', () => {
     scenes.sceneInView.value = '';
   });
 
-  it('are those of the snapshot, and keep what was known of them', () => {
+  it('are those of the snapshot, and keep their history and decisions', () => {
     scenes.takeSnapshot([posteriorOf('a'), posteriorOf('b')], 1);
     scenes.takeChanges([], [decisionOf('a', 1)], 2);
     scenes.takeSnapshot([posteriorOf('a', 9), posteriorOf('c')], 3);
@@ -34,7 +34,7 @@ describe('scenes', () => {
     expect(stateOf('c').changedMs).toBe(0);
   });
 
-  it('have the time at which their sources taught last, until a change comes', () => {
+  it('have the time of their latest evidence, until a change is received', () => {
     const seen = { ...posteriorOf('a'), arms: posteriorOf('a').arms.map((arm) => ({ ...arm, unixLastSeenS: 5n })) };
     scenes.takeSnapshot([seen], 1);
     expect(stateOf('a').changedMs).toBe(5000);
@@ -42,14 +42,14 @@ describe('scenes', () => {
     expect(stateOf('a').changedMs).toBeGreaterThan(5000);
   });
 
-  it('take decisions by the reward that their policy learns, and leave out those of unknown scenes', () => {
+  it('receive decisions of policies with their version of the reward, and ignore those of unknown scenes', () => {
     scenes.takeSnapshot([posteriorOf('a'), posteriorOf('a', 2, 2, 1)], 1);
     scenes.takeChanges([], [decisionOf('a', 1), decisionOf('a', 2, { policy: 'paper' }), decisionOf('x', 3)], 2);
     expect(stateOf('a').decisions.map(({ decisionId }) => decisionId)).toEqual([1n]);
     expect(scenes.scenes.peek().get(keyOf('a', 1))!.decisions.map(({ decisionId }) => decisionId)).toEqual([2n]);
   });
 
-  it('keep the last decisions, of a scene in view more than of one of many', () => {
+  it('keep the last decisions, more of the scene in view than of the others', () => {
     const names = Array.from({ length: 400 }, (_, i) => `s${i}`);
     scenes.takeSnapshot(names.map((name) => posteriorOf(name)), 1);
     scenes.sceneInView.value = keyOf('s0');
@@ -66,7 +66,7 @@ describe('sessions', () => {
   beforeEach(() => sessions.takeSnapshot([]));
   const ids = () => [...sessions.sessions.peek().keys()];
 
-  it('say when something of the game came last, also where only decisions tell of it', () => {
+  it('have the time of the last message of the game, also from decisions with frames', () => {
     const session = { info: create(SessionInfoSchema, { unixLastMessageMs: 50n }), decisions: [] };
     const decided = (unixMs: bigint, outcome: DecisionOutcome) => create(DecisionEventSchema, { unixMs, outcome });
     expect(sessions.lastMessageMs(session)).toBe(50);
@@ -74,7 +74,7 @@ describe('sessions', () => {
     expect(sessions.lastMessageMs({ ...session, decisions: [decided(90n, DecisionOutcome.NO_FRAMES)] })).toBe(50);
   });
 
-  it('end with a reason, or unseen, and a session that comes back goes on', () => {
+  it('end with a reason or without one, and a session that comes back keeps its decisions', () => {
     sessions.takeSnapshot([info('s1'), info('s2')]);
     sessions.takeDecisions([decisionOf('a', 1)]);
     sessions.takeChanges([], [create(SessionEndedSchema, { sessionId: 's2', end: SessionEnd.KICKED })]);
@@ -89,7 +89,7 @@ describe('sessions', () => {
     expect(sessions.connectedSessions.peek()).toHaveLength(1);
   });
 
-  it('forget those that ended first', () => {
+  it('drop the sessions that ended first', () => {
     const many = Array.from({ length: sessions.MAX_ENDED_SESSIONS + 10 }, (_, i) => `e${i}`);
     sessions.takeChanges(many.map((id) => info(id)), []);
     sessions.takeChanges([], many.map((sessionId) => create(SessionEndedSchema, { sessionId, end: SessionEnd.GOODBYE })));
@@ -111,7 +111,7 @@ describe('history', () => {
     expect([...timesMs].sort((a, b) => a - b)).toEqual(timesMs);
   });
 
-  it('has no row where nothing has changed, and one where P(best) alone has', () => {
+  it('has a new row if P(best) has changed, and none if nothing has', () => {
     const scene = posteriorOf('a');
     const history = addToHistory(addToHistory(NO_HISTORY, scene, 1), scene, 2);
     expect(history.rows).toHaveLength(1);
@@ -119,7 +119,7 @@ describe('history', () => {
     expect(addToHistory(history, scene, 3).rows.map(({ arms }) => arms[0]!.best)).toEqual([undefined, 0.5]);
   });
 
-  it('is of the newest version of a backend', () => {
+  it('has the newest version of a backend only', () => {
     const scene = posteriorOf('a');
     scene.arms[1]!.arm = 'SAP';
     scene.arms[0]!.isOutdated = true;
@@ -137,7 +137,7 @@ describe('summaries', () => {
     return { ...scene, verdict, leaderArm: 'SAP' };
   };
 
-  it('sort what is uncertain before what is known, and the degraded before all', () => {
+  it('sort degraded scenes first, then uncertain ones', () => {
     const stable = summaryOf(state(judged(Verdict.STABLE, 0.99)));
     const open = summaryOf(state(judged(Verdict.AMBIGUOUS, 0.5)));
     const says = [decisionOf('a', 1, { verdict: Verdict.DEGRADED })];
@@ -148,10 +148,10 @@ describe('summaries', () => {
     expect(open.uncertainty).toBeGreaterThan(stable.uncertainty);
     expect(degraded.uncertainty).toBeGreaterThan(open.uncertainty);
     sessions.takeSnapshot([]);
-    expect(summaryOf(state(judged(Verdict.STABLE, 0.99), says)).verdict).toBe(Verdict.STABLE); // nobody says it any more
+    expect(summaryOf(state(judged(Verdict.STABLE, 0.99), says)).verdict).toBe(Verdict.STABLE); // the session that reported it has ended
   });
 
-  it('call a scene degraded while a session that is there says so last, whoever spoke since', () => {
+  it('call a scene degraded while the last verdict of a connected session is degraded, whatever other sessions report', () => {
     const is = (...infos: Parameters<typeof create<typeof SessionInfoSchema>>[1][]) => {
       sessions.takeSnapshot(infos.map((info) => create(SessionInfoSchema, info)));
       return (...decisions: DecisionEvent[]) => isDegraded({ decisions }, sessions.sessions.peek());
@@ -166,7 +166,7 @@ describe('summaries', () => {
     expect(is()(bad), 'of a session that ended').toBe(false);
   });
 
-  it('remember how sure the leader was, bounded, and nothing where the posterior is the same', () => {
+  it('keep a bounded curve of P(best) of the leader, with one value per changed posterior', () => {
     let summary = summaryOf(state(judged(Verdict.TIE, 0.6)));
     expect(summaryOf({ ...summary.state }, summary).trend).toHaveLength(1);
     for (let i = 0; i < 1000; ++i) summary = summaryOf(state(judged(Verdict.TIE, i / 1000)), summary);
@@ -178,7 +178,7 @@ describe('summaries', () => {
   });
 });
 
-it('shares what may be remembered', () => {
+it('bounds the decisions of many sessions together', () => {
   expect(shareOf(1, 500)).toBe(500);
   expect(shareOf(1000, 500)).toBe(20);
   expect(keepLast([1, 2, 3], [4], 3)).toEqual([2, 3, 4]);

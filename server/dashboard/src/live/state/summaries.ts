@@ -1,4 +1,4 @@
-// What the overview says of each scene. It follows the scenes with up to half a second between, and computes only those that changed.
+// The rows of the overview, one per scene. They are updated at most every half second, and only for scenes that changed.
 import { effect, signal, type ReadonlySignal } from '@preact/signals';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { leaderProbabilityOf, scenes, type SceneState } from './scenes';
@@ -9,11 +9,11 @@ export const MAX_TREND = 64;
 
 export interface SceneSummary {
   state: SceneState;
-  leaderProbability: number;  // to be the best arm; 0: nothing is learnt
-  verdict: Verdict;  // that of the posterior, or degraded, which only a session knows
-  trend: readonly number[];  // the leader's probability to be the best, oldest first
-  evidence: bigint;  // windows and visits of all arms
-  uncertainty: number;  // to sort by: the least certain and the worst first
+  leaderProbability: number;  // the leader's P(best); 0 without evidence
+  verdict: Verdict;  // the verdict of the posterior, or DEGRADED if a session reports that
+  trend: readonly number[];  // the leader's P(best), oldest first
+  evidence: bigint;  // windows and lane visits of all arms
+  uncertainty: number;  // sort key: degraded scenes are highest, then uncertain ones
 }
 
 const held = signal<readonly SceneSummary[]>([]);
@@ -23,7 +23,7 @@ const RANKS: Readonly<Record<Verdict, number>> = {
   [Verdict.DEGRADED]: 4, [Verdict.AMBIGUOUS]: 3, [Verdict.UNSPECIFIED]: 2, [Verdict.TIE]: 1, [Verdict.STABLE]: 0,
 };
 
-// Of every four values the lowest and the highest stay.
+// Returns the lowest and the highest of every four values.
 export function thinned(values: readonly number[]): number[] {
   const kept: number[] = [];
   for (let first = 0; first < values.length; first += 4) {
@@ -40,7 +40,8 @@ function withValue(trend: readonly number[], value: number): readonly number[] {
   return [...room, value];
 }
 
-// Whether a session that is there said so last: only a session knows, and of one that ended nobody says it any more.
+// Returns whether the last verdict of a connected session is DEGRADED. The posterior has no such verdict, because it depends on the
+// frame rate of a session.
 export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: ReadonlyMap<string, SessionState>): boolean {
   const last = new Map(decisions.map(({ sessionId, verdict }) => [sessionId, verdict]));
   return [...last].some(([id, verdict]) => {

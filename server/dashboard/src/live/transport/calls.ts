@@ -1,12 +1,12 @@
-// Calls of the daemon's RPCs, in the JSON of the protocol's messages. A name in a message is shown as it came: see parts/name.tsx.
+// Calls the daemon's RPCs over HTTP, with messages as JSON. Names in messages are not escaped: parts/name.tsx shows them safely.
 import { create, fromJsonString, toJsonString, type DescMethodServerStreaming, type DescMethodUnary, type DescMessage,
   type MessageInitShape, type MessageShape } from '@bufbuild/protobuf';
 
 const TIMEOUT_MS = 10_000;
 export const HEADERS: Readonly<Record<string, string>> = { 'Content-Type': 'application/json', 'X-Sweepstake': '1' };
 
-// Why a call failed. `code` is gRPC's name of it, or UNREACHABLE where there was no answer; `reason` that of the protocol's
-// ErrorReason, or empty.
+// The error of a call. `code` is the name of gRPC's status code, or UNREACHABLE if there was no answer. `reason` is the name of an
+// ErrorReason of the protocol, or empty.
 export class ApiError extends Error {
   constructor(readonly code: string, readonly reason: string, message: string) {
     super(message);
@@ -16,7 +16,7 @@ export class ApiError extends Error {
     return this.code === 'UNAUTHENTICATED';
   }
 
-  /** Whether the same question may have an answer later. */
+  /** Whether the same call may succeed later. */
   get mayPass(): boolean {
     return !['INVALID_ARGUMENT', 'NOT_FOUND', 'PERMISSION_DENIED', 'UNAUTHENTICATED'].includes(this.code);
   }
@@ -43,14 +43,14 @@ export async function errorOfResponse(response: Response): Promise<ApiError> {
   return parseError(await response.text(), `the daemon answered ${response.status} ${response.statusText}`);
 }
 
-// Everything that is no answer: no connection, a connection that broke, a timeout.
+// Converts any other exception (no connection, a broken connection, a timeout) to an ApiError.
 export function asApiError(error: unknown): ApiError {
   if (error instanceof ApiError) return error;
   const timedOut = error instanceof DOMException && error.name === 'TimeoutError';
-  return new ApiError('UNREACHABLE', '', timedOut ? 'the daemon does not answer' : 'the daemon cannot be reached');
+  return new ApiError('UNREACHABLE', '', timedOut ? 'the daemon does not answer in time' : 'the daemon cannot be reached');
 }
 
-// Sends a request to the daemon. Throws ApiError; cancelling it throws the signal's reason.
+// Sends a request to the daemon. Throws ApiError; if cancelled, throws the signal's reason.
 export async function send(path: string, init: RequestInit = {}): Promise<Response> {
   try {
     const response = await fetch(path, { ...init, headers: { ...HEADERS, ...init.headers } });
@@ -74,7 +74,7 @@ export function messageOf<Output extends DescMessage>(schema: Output, json: stri
   try {
     return fromJsonString(schema, json, { ignoreUnknownFields: true });
   } catch {
-    throw new ApiError('UNKNOWN', '', 'the daemon sent what this page cannot read; load the page anew, in case the daemon is a newer one');
+    throw new ApiError('UNKNOWN', '', 'this page cannot read the answer of the daemon, which may be a newer version; reload the page');
   }
 }
 
@@ -86,7 +86,7 @@ export async function call<Input extends DescMessage, Output extends DescMessage
   return messageOf(method.output, await response.text());
 }
 
-// The lines of a text that comes in pieces.
+// Splits a streamed text into lines.
 export async function* linesOf(body: ReadableStream<Uint8Array>): AsyncGenerator<string> {
   const decoder = new TextDecoder();
   const reader = body.getReader();
@@ -106,7 +106,7 @@ export async function* linesOf(body: ReadableStream<Uint8Array>): AsyncGenerator
   }
 }
 
-// Calls an RPC that answers with a stream which ends. Throws ApiError, after some messages too; the signal's reason if cancelled.
+// Calls an RPC that answers with a finite stream. Throws ApiError, possibly after some messages; if cancelled, the signal's reason.
 export async function* stream<Input extends DescMessage, Output extends DescMessage>(
   method: DescMethodServerStreaming<Input, Output>, request: MessageInitShape<Input>, signal?: AbortSignal,
 ): AsyncGenerator<MessageShape<Output>> {
@@ -114,7 +114,7 @@ export async function* stream<Input extends DescMessage, Output extends DescMess
   const response = await send(`/api/${pathOf(method)}`, init);
   for await (const line of linesOf(response.body!)) {
     if (!line.trim()) continue;
-    if (line.startsWith('{"error":')) throw parseError(line, 'the answer broke off');
+    if (line.startsWith('{"error":')) throw parseError(line, 'the daemon broke off its answer');
     yield messageOf(method.output, line);
   }
 }

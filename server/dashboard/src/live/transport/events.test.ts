@@ -7,7 +7,7 @@ import { delayAfter, eventsOf, Watch, type Listener } from './events';
 const textOf = (scene: string) => toJsonString(WatchPosteriorsResponseSchema, create(WatchPosteriorsResponseSchema, { posterior: { scene } }));
 const event = (name: string, id: string, data: string) => `${name && `event: ${name}\n`}id: ${id}\ndata: ${data}\n\n`;
 
-// A daemon whose answers a test sends piece by piece.
+// A daemon to whose answers a test writes part by part.
 class Daemon {
   readonly requests: { url: string; headers: Record<string, string> }[] = [];
   private body: ReadableStreamDefaultController<Uint8Array> | undefined;
@@ -66,7 +66,7 @@ describe('Watch', () => {
     await vi.advanceTimersByTimeAsync(0);
   };
 
-  it('asks for the method with its request, and hands on the snapshot and what follows', async () => {
+  it('calls the method with its request, and passes on the snapshot and later messages', async () => {
     await begin();
     expect(daemon.requests[0]!.url).toBe('/events/sweepstake.v1.PosteriorsService/WatchPosteriors?request=%7B%22project%22%3A%22a%26b%22%7D');
     await daemon.send(event('snapshot-begin', 'b:1', '{}') + event('', 'b:2', textOf('one')));
@@ -74,7 +74,7 @@ describe('Watch', () => {
     expect(heard.said).toEqual(['(connecting)', '(live)', 'begin', 'one', 'end', 'two']);
   });
 
-  it('comes back by itself after what it has seen', async () => {
+  it('reconnects automatically after the last event that it received', async () => {
     await begin();
     await daemon.send(event('snapshot-begin', 'b:1', '{}') + event('snapshot-end', 'b:3', '{}') + event('', 'b:4', textOf('two')));
     await daemon.breakOff();
@@ -86,7 +86,7 @@ describe('Watch', () => {
     expect(heard.said.at(-1)).toBe('(live)');
   });
 
-  it('begins anew where a snapshot broke off, of which a part is missing', async () => {
+  it('requests a new snapshot if one broke off', async () => {
     await begin();
     await daemon.send(event('snapshot-begin', 'b:1', '{}') + event('', 'b:2', textOf('one')));
     await daemon.breakOff();
@@ -94,7 +94,7 @@ describe('Watch', () => {
     expect(daemon.requests[1]!.headers).not.toHaveProperty('Last-Event-ID');
   });
 
-  it('asks more and more seldom for a snapshot that never ends', async () => {
+  it('waits longer and longer before it requests a snapshot that always breaks off', async () => {
     vi.spyOn(Math, 'random').mockReturnValue(1);
     await begin();
     for (const delayMs of [500, 1000, 2000]) {
@@ -109,7 +109,7 @@ describe('Watch', () => {
     vi.restoreAllMocks();
   });
 
-  it('tells why it is refused, and tries again at once after a login', async () => {
+  it('reports why it is refused, and tries again at once after a login', async () => {
     daemon.refusal = new Response('{"error":{"code":"UNAUTHENTICATED","reason":"TOKEN_MISSING","message":"no token"}}', { status: 401 });
     await begin();
     expect(heard.said.at(-1)).toBe('(denied)');
@@ -120,13 +120,13 @@ describe('Watch', () => {
     expect(heard.said.at(-1)).toBe('(live)');
   });
 
-  it('ends with the error that a stream ends with', async () => {
+  it('reports the error at the end of a stream', async () => {
     await begin();
     await daemon.send(event('error', 'b:9', '{"error":{"code":"RESOURCE_EXHAUSTED","reason":"WATCHER_STALLED","message":"too slow"}}'));
     expect(heard.error).toMatchObject({ reason: 'WATCHER_STALLED', message: 'too slow' });
   });
 
-  it('takes a comment for a sign of life, and silence for a dead connection', async () => {
+  it('counts a comment as a sign of life, and reconnects after long silence', async () => {
     await begin();
     await vi.advanceTimersByTimeAsync(30_000);
     await daemon.send(': still here\n\n');
@@ -137,7 +137,7 @@ describe('Watch', () => {
     expect(daemon.requests).toHaveLength(2);
   });
 
-  it('does not take what it cannot read for the end of the page', async () => {
+  it('reports a message that it cannot read as an error', async () => {
     await begin();
     await daemon.send(event('', 'b:4', '{"posterior": 7}'));
     expect(heard.error!.message).toContain('cannot read');
@@ -151,15 +151,15 @@ describe('eventsOf', () => {
     for await (const each of eventsOf(lines())) found.push(each);
     return found;
   };
-  it('joins lines of data and takes both line ends', async () => {
+  it('joins lines of data, and accepts both kinds of line ends', async () => {
     expect(await all('data: a\r\ndata: b\r\n\r\n')).toEqual([{ name: 'message', id: undefined, data: 'a\nb' }]);
   });
-  it('leaves out what is no event and what is not finished', async () => {
+  it('ignores unknown fields and unfinished events', async () => {
     expect(await all(':\nretry: 3\n\ndata: half')).toEqual([undefined]);
   });
 });
 
-it('waits longer after each failure, up to half a minute, and never the same', () => {
+it('waits longer after each failure, up to half a minute, with a random part', () => {
   expect([0, 1, 2, 20].map((failures) => delayAfter(failures, 1))).toEqual([500, 1000, 2000, 30_000]);
   expect(delayAfter(0, 0)).toBe(250);
 });

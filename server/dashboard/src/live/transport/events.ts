@@ -1,22 +1,21 @@
-// Follows an RPC that does not end, over server-sent events, for as long as the page is open: what was missed while the connection
-// was away comes afterwards, or a new snapshot does. The events are read with fetch and not with EventSource, which neither says why a
-// daemon refused nor lets on that it is alive.
+// Follows an endless RPC over server-sent events while the page is open. After a lost connection it receives the missed events or a
+// new snapshot. It uses fetch instead of EventSource, which reports neither the reason of a refusal nor comments (signs of life).
 import type { DescMessage, DescMethodServerStreaming, MessageInitShape, MessageShape } from '@bufbuild/protobuf';
 import { type ApiError, asApiError, HEADERS, errorOfResponse, jsonOf, linesOf, messageOf, parseError, pathOf } from './calls';
 
 const FIRST_DELAY_MS = 500;
 const MAX_DELAY_MS = 30_000;
-const MAX_SILENCE_MS = 40_000;  // the daemon says something at least every 15 s
+const MAX_SILENCE_MS = 40_000;  // then it reconnects; the daemon sends a comment or an event at least every 15 s
 
 export type LinkStatus = 'connecting' | 'live' | 'offline' | 'denied';
 
 export interface Listener<Message> {
-  // What follows is all there is, up to snapshotEnded; what was known before and is not in it is gone.
+  // The messages until snapshotEnded are the complete state. Anything known before that is not among them no longer exists.
   snapshotBegan(): void;
   message(message: Message): void;
   snapshotEnded(): void;
   status(status: LinkStatus, error?: ApiError): void;
-  // The daemon said something, if only that it is there.
+  // Called for each event and each sign of life.
   heard(): void;
 }
 
@@ -26,7 +25,7 @@ interface ServerEvent {
   data: string;
 }
 
-// The events of a stream; undefined for a comment, which is a sign of life.
+// Returns the events of a stream, and undefined for a comment, which is a sign of life.
 export async function* eventsOf(lines: AsyncIterable<string>): AsyncGenerator<ServerEvent | undefined> {
   let event: ServerEvent = { name: 'message', id: undefined, data: '' };
   for await (const line of lines) {
@@ -46,13 +45,13 @@ export async function* eventsOf(lines: AsyncIterable<string>): AsyncGenerator<Se
   }
 }
 
-// Twice as long after each failure, and by chance, so that a thousand pages do not come back at the same moment.
+// Doubles the delay after each failure. A random part keeps many pages from reconnecting at the same moment.
 export const delayAfter = (failures: number, random: number) =>
   Math.min(MAX_DELAY_MS, FIRST_DELAY_MS * 2 ** Math.min(failures, 10)) * (0.5 + 0.5 * random);
 
 export class Watch<Input extends DescMessage, Output extends DescMessage> {
-  private lastId = '';  // what to go on after; empty: begin with a snapshot
-  private isWhole = false;  // no part of a snapshot is missing
+  private lastId = '';  // id of the last event; empty: request a snapshot
+  private isWhole = false;  // a complete snapshot was received
   private failures = 0;
   private attempt: AbortController | undefined;
   private isClosed = false;
@@ -66,7 +65,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
     void this.run();
   }
 
-  // Connects now if it is waiting to, as after a login.
+  // Connects at once if it waits to reconnect, as after a login.
   retry(): void {
     this.wake();
   }
@@ -98,7 +97,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
     });
   }
 
-  // Returns why it ended.
+  // Connects and reads events until the stream ends; returns the reason.
   private async listen(): Promise<ApiError> {
     const attempt = new AbortController();
     this.attempt = attempt;
@@ -113,7 +112,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
         silence = setTimeout(() => attempt.abort(), MAX_SILENCE_MS);
         this.listener.heard();
         if (event) this.take(event);
-        if (this.isWhole) this.failures = 0;  // not before: a snapshot that never ends is not to be asked for again and again
+        if (this.isWhole) this.failures = 0;  // only now, so that a snapshot that always breaks off is not requested without delay
       }
       return asApiError(undefined);
     } finally {

@@ -22,7 +22,7 @@ async function begin(answer: () => Promise<Response>) {
   return { ...pulse, fetch };
 }
 
-it('asks after some silence, and an answer is a sign of life', async () => {
+it('requests /livez after some silence, and an answer is a sign of life', async () => {
   const { isStale, fetch } = await begin(() => Promise.resolve(new Response('ok')));
   await vi.advanceTimersByTimeAsync(3000);
   expect(fetch).not.toHaveBeenCalled();
@@ -31,7 +31,7 @@ it('asks after some silence, and an answer is a sign of life', async () => {
   expect(isStale.value).toBe(false);
 });
 
-it('is stale after 5 s without a word, and no more at the first one', async () => {
+it('is stale after 5 s of silence, until the next sign of life', async () => {
   const { isStale, heard } = await begin(() => new Promise(() => undefined));
   await vi.advanceTimersByTimeAsync(5000);
   expect(isStale.value).toBe(false);
@@ -41,7 +41,7 @@ it('is stale after 5 s without a word, and no more at the first one', async () =
   expect(isStale.value).toBe(false);
 });
 
-it('does not ask while events come, nor while nobody sees the page', async () => {
+it('sends no request while events arrive or while the page is hidden', async () => {
   const { isStale, heard, fetch } = await begin(() => Promise.reject(new TypeError()));
   for (let i = 0; i < 20; ++i) {
     await vi.advanceTimersByTimeAsync(1000);

@@ -1,11 +1,11 @@
-// Whether the daemon is alive behind a connection that is open. Where nothing changes nothing is sent, so that after some silence the
-// page asks; what gives no answer is stale, whatever the connection says.
+// Detects a daemon that does not respond although the connection is open. The daemon sends nothing while nothing changes, so after
+// some silence the page requests /livez. Without an answer the page's data is stale.
 import { signal, type ReadonlySignal } from '@preact/signals';
 
-const STALE_MS = 5000;
-const ASK_AFTER_MS = 3500;
-const PATIENCE_MS = 2500;
-const BEAT_MS = 500;
+const STALE_MS = 5000;  // silence after which the data is stale
+const ASK_AFTER_MS = 3500;  // silence after which the page requests /livez
+const PATIENCE_MS = 2500;  // timeout of the request
+const BEAT_MS = 500;  // interval of the check
 
 const stale = signal(false);
 export const isStale: ReadonlySignal<boolean> = stale;
@@ -24,7 +24,7 @@ async function ask(): Promise<void> {
     await fetch('/livez', { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) });
     heard();
   } catch {
-    // Its silence goes on.
+    // No answer: the silence continues.
   } finally {
     isAsking = false;
   }
@@ -37,7 +37,7 @@ function beat(): void {
   if (silentMs > ASK_AFTER_MS && !isAsking) void ask();
 }
 
-// Begins to listen. A page that was hidden, whose timers rested, first asks.
+// Starts the check. When a hidden page is shown, the time of silence starts at zero, because its timers did not run.
 export function startPulse(): void {
   setInterval(beat, BEAT_MS);
   document.addEventListener('visibilitychange', () => {

@@ -1,4 +1,4 @@
-// What needs a person, each with the place to look at.
+// The list of problems that need attention, each with links to its scenes or sessions.
 import { useEffect, useRef } from 'preact/hooks';
 import { SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
@@ -15,11 +15,11 @@ interface Concern {
   text: string;
   places: readonly { href: string; name: string }[];
   isBad: boolean;
-  allHref?: string; // where all of them are
+  allHref?: string; // a view that lists all of them
 }
 
-const MAX_PLACES = 3;
-const LATELY_MS = 600_000;
+const MAX_PLACES = 3; // links per problem
+const LATELY_MS = 600_000; // older bail-outs are not listed
 
 const ofScene = ({ state }: SceneSummary) => ({ href: sceneHref(state.posterior), name: state.posterior.scene });
 const ofSession = ({ info }: SessionState) => ({ href: sessionHref(info.sessionId), name: `${info.scene} (${info.sessionId.slice(0, 8)})` });
@@ -41,11 +41,11 @@ function concerns(): Concern[] {
     ...failed.map(({ name, isOk, note }): Concern => ({ text: `${name}: ${note || 'failed'}`, isBad: !isOk, places: [{ href: '/health', name: 'health' }] })),
     concern(all.filter(({ verdict }) => verdict === Verdict.DEGRADED), 'scene misses the frame-rate floor with every arm',
       'scenes miss the frame-rate floor with every arm', true, '/?verdict=degraded'),
-    concern(all.filter(bailsOut), 'scene had a bail-out lately', 'scenes had bail-outs lately', true),
-    concern(lost, 'session has lost its game', 'sessions have lost their games', false),
-    concern(online.filter(({ info }) => info.droppedFrameCount > 0n), 'game drops measurements', 'games drop measurements', false),
-    concern(online.filter(({ info }) => info.mode === Mode.MANUAL), 'session is in manual mode and teaches nothing',
-      'sessions are in manual mode and teach nothing', false),
+    concern(all.filter(bailsOut), 'scene had a bail-out in the last 10 minutes', 'scenes had bail-outs in the last 10 minutes', true),
+    concern(lost, 'session has lost the connection to its game', 'sessions have lost the connection to their games', false),
+    concern(online.filter(({ info }) => info.droppedFrameCount > 0n), 'game has dropped measurements', 'games have dropped measurements', false),
+    concern(online.filter(({ info }) => info.mode === Mode.MANUAL), 'session is in manual mode and adds no evidence',
+      'sessions are in manual mode and add no evidence', false),
   ].filter((each) => each !== undefined);
 }
 
@@ -60,7 +60,7 @@ function Item({ text, places, isBad, allHref }: Concern) {
   );
 }
 
-// It has its size whether there is much to say or nothing, and stays as it is while the reader is in it.
+// The list has a fixed size, and does not change while the pointer or the focus is in it.
 export function Attention() {
   useEffect(followChecks, []);
   const { isEntered, handlers } = useEntered();
@@ -69,7 +69,7 @@ export function Attention() {
   if (!isEntered) shown.current = latest;
   return (
     <section class="attention" aria-labelledby="attention-heading" {...handlers}>
-      <h2 id="attention-heading">Needs a person</h2>
+      <h2 id="attention-heading">Needs attention</h2>
       {shown.current.length === 0 ? <p class="soft">Nothing.</p> : <ul>{shown.current.map((each) => <Item key={each.text} {...each} />)}</ul>}
     </section>
   );

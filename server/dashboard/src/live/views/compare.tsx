@@ -1,4 +1,4 @@
-// Two scenes, classes of machines or sessions beside one another, on the same axes.
+// Compares two scenes, classes of machines or sessions side by side, on the same axes.
 import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { share } from '../../format';
@@ -29,7 +29,7 @@ import { CostCharts, type Ends } from './session/cost_charts';
 import { LogState, toldIn } from './session/log_state';
 import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
 
-const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Only the first</button>;
+const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Show only the first</button>;
 const span = (ranges: readonly (readonly [number, number])[]): [number, number] => [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
 
 interface Side { state: SceneState; ridges: RidgeRow[]; arms: string[]; rows: SeriesRow[] }
@@ -40,7 +40,7 @@ function sideOf(state: SceneState): Side {
   return { state, ridges: ridgeRows(rows), arms, rows: seriesOf(state.history, arms) };
 }
 
-// Rows of the same arm stand side by side.
+// Orders `rows` as `first`, so that rows of the same arm are side by side.
 const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): RidgeRow[] => {
   const places = new Map(first.map(({ label }, i) => [label, i]));
   const place = ({ label }: RidgeRow) => places.get(label) ?? first.length;
@@ -61,8 +61,8 @@ function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, value
     <div>
       <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
       <p><VerdictChip verdict={verdict} /> {leader && <><Arm name={leader} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}, loss {share(expectedLossRatio)}</>}</p>
-      <ChartFrame id="beliefs" title="What is believed of each arm" names={names} table={table} empty={ridges.length === 0 && 'Nothing is learnt yet.'}>
-        <Ridgeline title="What is believed of each arm" rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards} />
+      <ChartFrame id="beliefs" title="Posterior of each arm" names={names} table={table} empty={ridges.length === 0 && 'There is no evidence yet.'}>
+        <Ridgeline title="Posterior of each arm" rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards} />
       </ChartFrame>
       <BandsChart {...common} values={values} />
       <BestChart {...common} />
@@ -74,7 +74,7 @@ export function CompareScenes({ own, other }: { own: SceneState; other: string }
   const beside = useComputed(() => scenes.value.get(other)).value;
   const states = useFrozen([own, ...(beside ? [beside] : [])], beside !== undefined);
   const sides = useMemo(() => states.map(sideOf).map((side, _, all) => ({ ...side, ridges: inOrderOf(all[0]!.ridges, side.ridges) })), [states.map((state) => state.posterior).length, ...states.map(({ posterior }) => posterior)]);
-  if (!beside) return <Empty title="The daemon knows nothing of the other scene"><p><Alone /></p></Empty>;
+  if (!beside) return <Empty title="The daemon does not know the other scene"><p><Alone /></p></Empty>;
   const rewardVersion = own.posterior.rewardVersion;
   const hasOneReward = beside.posterior.rewardVersion === rewardVersion;
   const rewards = (side: Side) => (hasOneReward ? span(sides.map(({ ridges }) => ridgeRange(ridges))) : ridgeRange(side.ridges));
@@ -82,8 +82,8 @@ export function CompareScenes({ own, other }: { own: SceneState; other: string }
   const times = sides.flatMap(({ rows }) => rows.map(({ timeMs }) => timeMs)).sort((a, b) => a - b);
   return (
     <>
-      <header class="title"><h1>Beside one another</h1><span><Alone /><CopyLink /></span></header>
-      {!hasOneReward && <p class="soft">Their rewards are of different versions and do not compare: each has axes of its own.</p>}
+      <header class="title"><h1>Comparison</h1><span><Alone /><CopyLink /></span></header>
+      {!hasOneReward && <p class="soft">The two scenes use different versions of the reward, which cannot be compared. Each has its own axes.</p>}
       <TimeTools />
       <div class="beside">
         {sides.map((side) => <SceneSide key={side.state.key} side={side} rewards={rewards(side)} values={values(side)} domain={domainOf(times, range.value)} />)}
@@ -98,7 +98,7 @@ interface SessionData {
   steps: readonly Step[];
   arms: string[];
   columns: CostColumns;
-  laterMs: number; // by which it is drawn earlier than it was
+  laterMs: number; // difference between real times and drawn times
 }
 
 function useSession(id: string): SessionData {
@@ -115,11 +115,11 @@ function endsOf(columns: readonly (readonly (number | null)[])[]): [number, numb
   return [Math.min(...values), Math.max(0, ...values)];
 }
 
-// When it began: of a long log the page has only the end.
+// Returns when the session began. The page has only the end of a long log; then this is the log's first time.
 const startOf = ({ steps }: SessionData, otherwiseMs: number) =>
   steps.find(({ placed }) => placed?.setup)?.placed?.setup?.unixStartMs || (steps[0]?.timeMs ?? otherwiseMs);
 
-// Sessions of different times are laid over one another: the second one's times are counted from the first one's start.
+// Shifts the second session's times so that it begins when the first one does.
 const laidTo = (startMs: number, data: SessionData): SessionData => {
   const laterMs = startOf(data, startMs) - startMs;
   const steps = data.steps.map((step) => ({ ...step, timeMs: step.timeMs - laterMs }));
@@ -133,7 +133,7 @@ function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain,
     <div>
       <h2>Session <a href={sessionHref(id)}><Name text={id} /></a></h2>
       <LogState log={log} />
-      <ChartFrame id="timeline" title="Switches" names={[id]} empty={steps.length === 0 && 'Its log has nothing.'}
+      <ChartFrame id="timeline" title="Switches" names={[id]} empty={steps.length === 0 && 'The log of this session is empty.'}
         table={() => ({ header: ['time', 'active arm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs + laterMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
         <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openOwn} />
       </ChartFrame>
@@ -142,13 +142,13 @@ function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain,
   );
 }
 
-/** A choice of the other sessions of the same scene. */
+/** A selection of another session of the same scene to compare with. */
 export function CompareWith({ info }: { info: SessionInfo }) {
   const others = [...sessions.value].filter(([id, { info: { project, scene } }]) => id !== info.sessionId && project === info.project && scene === info.scene)
     .map(([id]) => id);
   if (others.length === 0) return null;
   return (
-    <label class="choice"><span>Beside</span>
+    <label class="choice"><span>Compare with</span>
       <select value="" onChange={(event) => setQuery({ with: event.currentTarget.value, from: undefined, to: undefined }, { step: true })}>
         <option value="">no other session</option>
         {others.map((id) => <option key={id} value={id}>{visible(id)}</option>)}
@@ -166,9 +166,9 @@ export function CompareSessions({ ids: [first, second] }: { ids: readonly [strin
   const ends = { frameMs: endsOf(both.flatMap(({ columns }) => columns.frame)), detectionMs: endsOf(both.flatMap(({ columns }) => columns.detection)) };
   return (
     <>
-      <header class="title"><h1>Beside one another</h1><span><Alone /><CopyLink /></span></header>
+      <header class="title"><h1>Comparison</h1><span><Alone /><CopyLink /></span></header>
       <TimeTools />
-      <p class="soft">The second session is drawn as if it had begun when the first one did: times are the first one’s.</p>
+      <p class="soft">Both sessions are drawn from the same start. Times are those of the first session.</p>
       <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} domain={range.value ?? { fromMs: startMs, toMs: startMs + lengthMs }} ends={ends} />)}</div>
     </>
   );

@@ -1,4 +1,4 @@
-// The audit log: which sessions have one, their rows, filtered and page by page, and each row in words under an address of its own.
+// The audit log: the list of sessions with a log, their rows with filters and pages, and an explanation of each row at its own URL.
 import type { AuditSegment } from '../../gen/sweepstake/v1/audit_pb';
 import { grouped } from '../../format';
 import type { PlacedRow } from '../audit/log';
@@ -19,9 +19,9 @@ import { explainedRow } from '../audit/explain';
 import { Why } from './session/why';
 import { KIND_NAMES, kindWord, OUTCOME_NAMES, outcomeOf, outcomeWord } from './words';
 
-/** Rows that are older are read with the command line. */
+/** Number of pages. `sweepstake audit export` reads older rows. */
 const MAX_PAGE = 100;
-const ADMIN = 'admin'; // what administrators do is under this name, which no session has
+const ADMIN = 'admin'; // session id of the rows of administrators; no real session has it
 
 const SEGMENTS: readonly Column<AuditSegment>[] = [
   { id: 'began', title: 'Began', sort: ({ unixStartMs }) => Number(unixStartMs), csv: ({ unixStartMs }) => new Date(Number(unixStartMs)).toISOString(),
@@ -31,9 +31,9 @@ const SEGMENTS: readonly Column<AuditSegment>[] = [
   { id: 'scene', title: 'Scene', isText: true, sort: ({ scene }) => scene,
     cell: ({ project, scene }) => (scene ? <a href={decisionsHref({ project, scene })}><Name text={scene} /></a> : '–') },
   { id: 'project', title: 'Project', isText: true, sort: ({ project }) => project, cell: ({ project }) => <Name text={project} unknown="–" /> },
-  { id: 'part', title: 'Part', hint: 'A session that goes on after a restart of the daemon begins a new part', sort: ({ segment }) => segment, cell: ({ segment }) => String(segment) },
+  { id: 'part', title: 'Part', hint: 'A session that continues after a restart of the daemon begins a new part', sort: ({ segment }) => segment, cell: ({ segment }) => String(segment) },
   { id: 'rows', title: 'Rows', sort: ({ rowCount }) => Number(rowCount), cell: ({ rowCount }) => grouped(Number(rowCount)) },
-  { id: 'removed', title: 'Removed', hint: 'Older rows that were removed, because the log has bounds', sort: ({ firstRow }) => Math.max(0, Number(firstRow) - 1),
+  { id: 'removed', title: 'Removed', hint: 'Older rows that were removed because the size of the log is limited', sort: ({ firstRow }) => Math.max(0, Number(firstRow) - 1),
     cell: ({ firstRow }) => grouped(Math.max(0, Number(firstRow) - 1)) },
   { id: 'lost', title: 'Lost', hint: 'Rows that could not be written', sort: ({ lostRowCount }) => Number(lostRowCount), cell: ({ lostRowCount }) => grouped(Number(lostRowCount)) },
 ];
@@ -42,12 +42,12 @@ function Segments() {
   const { value, error, again } = useSegments();
   if (error) return <Failure what="The list of logs" error={error} onRetry={again} />;
   if (!value) return <Loading what="the list of logs" />;
-  if (value.length === 0) return <Empty title="Nothing was decided yet"><p>Each session of a game has a log here from its first decision on.</p></Empty>;
+  if (value.length === 0) return <Empty title="There are no decisions yet"><p>Each session has a log here after its first decision.</p></Empty>;
   const text = route.value.query.get('q') ?? '';
   const shown = value.filter(({ sessionId, project, scene }) => matches(text, [sessionId, project, scene]));
   return (
     <>
-      <p>Each session has a log with a row for every decision and for everything that decisions depend on. Choose a session, or a scene.</p>
+      <p>The log of a session has a row for every decision and for every event that decisions depend on. Choose a session or a scene.</p>
       <Table caption="Logs" columns={SEGMENTS} rows={shown} keyOf={({ sessionId, segment }) => `${sessionId}\n${segment}`} sort="-began"
         tools={<><Filter label="Search logs" /><button type="button" onClick={again}>Read again</button></>} />
       {shown.length === 0 && <Empty title="No log matches the search" />}
@@ -55,7 +55,7 @@ function Segments() {
   );
 }
 
-/** When it was, by the daemon's wall clock; undefined where the log does not say. */
+/** Returns the time of a row by the daemon's wall clock; undefined if the row has none. */
 function timeOf({ row, setup }: PlacedRow): number | undefined {
   const timeNs = row.number('time_ns');
   if (row.text('kind') === ADMIN) return Number(setupPairs(row.text('setup')).get('unix_ms') ?? Number.NaN) || undefined;
@@ -100,7 +100,7 @@ function OneRow({ session, row }: { session: string; row: string }) {
   if (error) return <Failure what="The row" error={error} onRetry={again} />;
   if (value === undefined) return <Loading what="the row" />;
   const step = value && stepOfRow(value);
-  if (!value) return <Empty title="The log does not have this row"><p>It was removed, because the log has bounds, or never there.</p></Empty>;
+  if (!value) return <Empty title="The log does not have this row"><p>The row was removed because the size of the log is limited, or it never existed.</p></Empty>;
   return step
     ? <Why step={step} sessionId={session} onRead={again} onClose={() => setQuery({ row: undefined })} />
     : <p class="why">{explainedRow(value.row, value.setup).map((sentence) => <bdi key={sentence}>{visible(sentence)}</bdi>)}</p>;
@@ -115,7 +115,7 @@ function Pager({ page, matchCount, order }: { page: number; matchCount: number; 
       <button type="button" disabled={page === 0} onClick={() => go(page - 1)}>Newer</button>
       <span>{matchCount === 0 ? 'none' : `${grouped(first)} to ${grouped(last)} of ${grouped(matchCount)}, ${order}`}</span>
       <button type="button" disabled={last >= matchCount || page + 1 >= MAX_PAGE} onClick={() => go(page + 1)}>Older</button>
-      {page + 1 >= MAX_PAGE && <span class="soft">Older ones: <code>sweepstake audit export</code></span>}
+      {page + 1 >= MAX_PAGE && <span class="soft">Older rows: <code>sweepstake audit export</code></span>}
     </nav>
   );
 }
@@ -139,7 +139,7 @@ function Rows({ session, project, scene, filter, page }: Asked) {
       {!value && !error && <Loading what={rowCount > 0 ? `the log, ${grouped(rowCount)} rows so far` : 'the log'} />}
       {value && <Pager page={page} matchCount={value.matchCount} order={session ? 'newest first' : 'the newest logs first'} />}
       {value && value.rows.length > 0 && <Table caption="Rows" columns={ROWS} rows={value.rows} keyOf={({ row }) => row.id} sort="-time" sortParameter="rows" />}
-      {value && value.rows.length === 0 && <Empty title={value.rowCount === 0 ? 'There is no log of this' : 'No row matches the filter'} />}
+      {value && value.rows.length === 0 && <Empty title={value.rowCount === 0 ? 'There is no log for this selection' : 'No row matches the filter'} />}
     </>
   );
 }

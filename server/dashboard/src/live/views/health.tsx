@@ -1,4 +1,4 @@
-// How the daemon itself does: what it checks, and the figures that tell an operator early.
+// The daemon's health: its checks, and figures that show problems early.
 import { useEffect } from 'preact/hooks';
 import { bytes, grouped, significant } from '../../format';
 import { Chip } from '../parts/chips';
@@ -10,9 +10,9 @@ import { account } from '../state/account';
 import { checks, followChecks, followFigures, healthError, learnChecks, learnFigures, samples, type Sample } from '../state/health';
 import { labelOf, quantileOf, sumOf, valueOf, type Metrics } from '../state/metrics';
 
-const WINDOW = 30;  // samples that rates and quantiles are of: a minute
+const WINDOW = 30;  // number of samples for rates and quantiles: one minute
 
-// What changes from sample to sample, as a figure and as its curve.
+// A figure with its recent values as a curve.
 interface Row {
   name: string;
   value: string;
@@ -24,7 +24,7 @@ interface Row {
 type Reader = (metrics: Metrics) => number | undefined;
 const named = (name: string): Reader => (metrics) => valueOf(metrics, name);
 
-// How much a counter grew in a second, from sample to sample.
+// Returns the growth of a counter per second between consecutive samples.
 function ratesOf(all: readonly Sample[], read: Reader): number[] {
   return all.slice(1).map(({ atMs, metrics }, i) => {
     const before = all[i]!;
@@ -67,10 +67,10 @@ const count = (value: number) => grouped(value);
 
 function loopRows(all: readonly Sample[]): Row[] {
   return [
-    latency('Lateness', all, 'sweepstake_decision_loop_lateness_seconds', 'How late the loop ran its timers: median and 99 % of the last minute'),
+    latency('Lateness', all, 'sweepstake_decision_loop_lateness_seconds', 'How late the loop ran its timers: median and 99th percentile of the last minute'),
     rate('Decisions', all, named('sweepstake_decisions_total')),
     rate('Switch commands', all, named('sweepstake_switch_commands_total')),
-    gauge('Refused switches', all, named('sweepstake_refused_switches_total'), count, { hint: 'Switch commands that a game did not execute, since the start' }),
+    gauge('Refused switches', all, named('sweepstake_refused_switches_total'), count, { hint: 'Switch commands that a game did not execute, since the start of the daemon' }),
   ];
 }
 
@@ -82,7 +82,7 @@ function streamRows(all: readonly Sample[]): Row[] {
     rate('Messages', all, named('sweepstake_applied_messages_total')),
     rate('Frames', all, named('sweepstake_accepted_frames_total')),
     rate('Visits of the shadow lane', all, named('sweepstake_accepted_shadow_samples_total')),
-    gauge('Frames that games dropped', all, named('sweepstake_dropped_frames_total'), count, { hint: 'Since the start; a game’s queue was full' }),
+    gauge('Frames that games dropped', all, named('sweepstake_dropped_frames_total'), count, { hint: 'Since the start of the daemon: frames that did not fit into the queue of a game' }),
     gauge('Resumed sessions', all, named('sweepstake_resumed_sessions_total'), count),
   ];
 }
@@ -99,19 +99,19 @@ function storeRows(all: readonly Sample[]): Row[] {
   const isHealthy = valueOf(metrics, 'sweepstake_store_healthy') !== 0;
   const isDamaged = (valueOf(metrics, 'sweepstake_store_damaged') ?? 0) > 0;
   const lostRows = valueOf(metrics, 'sweepstake_lost_audit_rows_total') ?? 0;
-  const state = !isHealthy ? 'cannot write or read' : isDamaged ? 'has lost evidence' : 'writes and reads';
+  const state = !isHealthy ? 'cannot read or write' : isDamaged ? 'has lost evidence' : 'works';
   return [
     { name: 'State', value: state, isBad: !isHealthy || isDamaged },
     gauge('Space in use', all, named('sweepstake_store_used_size_bytes'), (value) => (most ? `${bytes(value)} of ${bytes(most)}` : bytes(value)),
       { isBad: most > 0 && used > 0.9 * most }),
     gauge('Size of the file', all, named('sweepstake_store_size_bytes'), bytes),
     gauge('Write-ahead log', all, named('sweepstake_store_wal_size_bytes'), bytes),
-    gauge('Updates that wait', all, named('sweepstake_store_queued_commits'), count),
-    gauge('Reads that wait', all, named('sweepstake_store_queued_reads'), count),
-    latency('Commit', all, 'sweepstake_store_commit_duration_seconds', 'How long a group of updates took: median and 99 % of the last minute'),
-    latency('Sync', all, 'sweepstake_store_fsync_duration_seconds', 'How long the disk took: median and 99 % of the last minute'),
-    gauge('Audit log that waits', all, named('sweepstake_waiting_audit_bytes'), bytes),
-    { name: 'Audit rows lost', value: count(lostRows), isBad: lostRows > 0 },
+    gauge('Queued updates', all, named('sweepstake_store_queued_commits'), count),
+    gauge('Queued reads', all, named('sweepstake_store_queued_reads'), count),
+    latency('Commit', all, 'sweepstake_store_commit_duration_seconds', 'How long a group of updates took: median and 99th percentile of the last minute'),
+    latency('Sync', all, 'sweepstake_store_fsync_duration_seconds', 'How long fsync took: median and 99th percentile of the last minute'),
+    gauge('Audit log not yet written', all, named('sweepstake_waiting_audit_bytes'), bytes),
+    { name: 'Lost audit rows', value: count(lostRows), isBad: lostRows > 0 },
     backupRow(metrics),
   ];
 }
@@ -122,35 +122,35 @@ function processRows(all: readonly Sample[]): Row[] {
   const expires = valueOf(metrics, 'sweepstake_tls_certificate_expiry_timestamp_seconds');
   return [
     { name: 'Version', value: account.value?.version || labelOf([...metrics.get('sweepstake_build_info')?.keys() ?? []][0] ?? '', 'version') || '–' },
-    { name: 'Up', value: started ? duration(now.value - started * 1000) : '–' },
+    { name: 'Uptime', value: started ? duration(now.value - started * 1000) : '–' },
     rate('Processor', all, named('process_cpu_seconds_total'), (cores) => `${significant(100 * cores, 2)} % of a core`),
     gauge('Memory', all, named('process_resident_memory_bytes'), bytes),
     gauge('Open files', all, named('process_open_fds'), (value) => `${count(value)} of ${count(valueOf(metrics, 'process_max_fds') ?? NaN)}`),
-    ...(expires ? [{ name: 'Certificate expires', value: timeText(expires * 1000), isBad: expires * 1000 < now.value }] : []),
+    ...(expires ? [{ name: 'TLS certificate expires', value: timeText(expires * 1000), isBad: expires * 1000 < now.value }] : []),
   ];
 }
 
-// What was refused, by its reason; reasons that never occurred are left out.
+// Refused calls, frames and messages, by reason. Reasons that never occurred are left out.
 function refusalRows(all: readonly Sample[]): Row[] {
   const { metrics } = all.at(-1)!;
   const byReason = (family: string, what: string) => [...metrics.get(family) ?? []].filter(([, value]) => value > 0)
     .map(([labels]): Row => gauge(`${what}: ${labelOf(labels, 'reason')}`, all, (each) => each.get(family)?.get(labels), count));
   const total = (name: string, what: string) => (sumOf(metrics, name) > 0 ? [gauge(what, all, named(name), count)] : []);
   return [
-    ...byReason('sweepstake_errors_total', 'Ended'),
+    ...byReason('sweepstake_errors_total', 'Failed calls'),
     ...byReason('sweepstake_rejected_frames_total', 'Frames rejected'),
     ...byReason('sweepstake_rejected_shadow_samples_total', 'Visits rejected'),
     ...total('sweepstake_malformed_messages_total', 'Malformed messages'),
     ...total('sweepstake_invalid_messages_total', 'Invalid messages'),
     ...total('sweepstake_replayed_messages_total', 'Messages sent twice'),
-    ...total('sweepstake_surplus_bail_outs_total', 'Bail-outs too many'),
+    ...total('sweepstake_surplus_bail_outs_total', 'Surplus bail-outs'),
     ...total('sweepstake_flooding_connections_total', 'Flooding connections'),
     ...total('sweepstake_failed_commits_total', 'Failed commits'),
     ...total('sweepstake_degraded_starts_total', 'Starts without evidence'),
   ];
 }
 
-// Lines break between figures, not between a figure and its unit.
+// Replaces the space between a number and its unit, so that no line breaks there.
 const glued = (text: string) => text.replaceAll(/(?<=[\d≤>]) (?=[\dA-Za-z/%])/g, '\u00a0');
 
 function Rows({ heading, rows, empty }: { heading: string; rows: readonly Row[]; empty?: string }) {
@@ -198,7 +198,7 @@ export function Health() {
   return (
     <>
       <header class="title"><h1>Health of the daemon</h1><CopyLink /></header>
-      {error && <Failure what="The newest health" error={error} onRetry={() => { void learnChecks(); void learnFigures(); }} />}
+      {error && <Failure what="The current health" error={error} onRetry={() => { void learnChecks(); void learnFigures(); }} />}
       {(checks.value || !error) && <section class="card"><h2>Ready to serve</h2><Checks /></section>}
       {all.length === 0 ? !error && <Loading what="the figures" /> : (
         <div class="cards">

@@ -1,4 +1,4 @@
-// Lets the reader in with a token. The page does not keep it: the daemon gives a cookie that no script can read.
+// The login with a token. The page does not store the token; the daemon sets a cookie that scripts cannot read.
 import { useState } from 'preact/hooks';
 import { hasLostLogin, login } from '../state/account';
 import { asApiError } from '../transport/calls';
@@ -10,7 +10,7 @@ export function Login() {
     event.preventDefault();
     const form = event.currentTarget as HTMLFormElement;
     const token = String(new FormData(form).get('token')).trim();
-    if (!token) return setProblem('Paste the token that you were given.');
+    if (!token) return setProblem('Enter a token.');
     setBusy(true);
     try {
       await login(token);
@@ -23,14 +23,14 @@ export function Login() {
   return (
     <section class="login" aria-labelledby="login-heading">
       <h1 id="login-heading">Log in</h1>
-      {hasLostLogin() && <p role="status">Your login has ended: its token did, or somebody logged out. Log in again, and the page goes on where it was.</p>}
-      <p>This daemon shows what it knows to those who have a token. Whoever runs it makes one:</p>
+      {hasLostLogin() && <p role="status">Your login has ended: the token has expired or was revoked, or you logged out in another tab. Log in again to continue.</p>}
+      <p>You need a token to use this dashboard. The administrator of the daemon creates one:</p>
       <pre>sweepstaked token create NAME --role watch</pre>
       <form onSubmit={(event) => void submit(event)}>
         <label for="token">Token</label>
         <input id="token" name="token" type="password" autocomplete="current-password" required spellcheck={false}
           aria-invalid={problem !== ''} aria-describedby="login-problem" />
-        <button type="submit" class="primary" disabled={isBusy}>{isBusy ? 'Asking …' : 'Log in'}</button>
+        <button type="submit" class="primary" disabled={isBusy}>{isBusy ? 'Logging in …' : 'Log in'}</button>
         <p id="login-problem" class="problem" role="alert">{problem}</p>
       </form>
     </section>

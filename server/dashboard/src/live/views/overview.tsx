@@ -1,4 +1,4 @@
-// All scenes, the least certain first, and what needs a person.
+// The overview: all scenes, the least certain first, and the problems that need attention.
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { counted, grouped, share, significant } from '../../format';
 import { Arm } from '../parts/arm';
@@ -25,24 +25,24 @@ const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'scene', title: 'Scene', sort: (row) => `${sceneOf(row).project}\n${sceneOf(row).scene}`, csv: (row) => sceneOf(row).scene,
     cell: (row) => <a href={sceneHref(sceneOf(row))}><Name text={sceneOf(row).scene} /></a> },
-  { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Sorted by how uncertain it is which arm is the best', sort: (row) => row.uncertainty,
+  { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Whether the best arm is known. Sorted by uncertainty.', sort: (row) => row.uncertainty,
     csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },
-  { id: 'leader', title: 'Leader', isText: true, width: '8rem', hint: 'The arm that is the best most probably', sort: (row) => sceneOf(row).leaderArm,
+  { id: 'leader', title: 'Leader', isText: true, width: '8rem', hint: 'The arm with the highest probability of being the best', sort: (row) => sceneOf(row).leaderArm,
     cell: (row) => <Arm name={sceneOf(row).leaderArm} /> },
   { id: 'p', title: 'P(best)', hint: 'Probability that the leader is the best arm', sort: (row) => (sceneOf(row).leaderArm ? row.leaderProbability : undefined),
     cell: (row) => (sceneOf(row).leaderArm ? row.leaderProbability.toFixed(3) : '–') },
-  { id: 'trend', title: 'Trend', isText: true, hint: 'The leader’s P(best) since you came, from 0 to 1; the line is where a scene is stable',
+  { id: 'trend', title: 'Trend', isText: true, hint: 'P(best) of the leader since the page was opened, from 0 to 1. The dotted line is the threshold of stable scenes.',
     cell: (row) => <Sparkline values={row.trend} low={0} high={1} mark={thresholds.value.stableProbability} /> },
-  { id: 'loss', title: 'Loss', width: '6rem', hint: 'What choosing the leader may lose against the best arm, on average', sort: (row) => (sceneOf(row).leaderArm ? sceneOf(row).expectedLossRatio : undefined),
+  { id: 'loss', title: 'Loss', width: '6rem', hint: 'Expected extra cost of choosing the leader instead of the best arm', sort: (row) => (sceneOf(row).leaderArm ? sceneOf(row).expectedLossRatio : undefined),
     cell: (row) => (sceneOf(row).leaderArm ? share(sceneOf(row).expectedLossRatio) : '–') },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount, cell: (row) => grouped(sceneOf(row).activeSessionCount) },
-  { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane, of all sessions', sort: (row) => Number(row.evidence),
+  { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: (row) => Number(row.evidence),
     cell: (row) => grouped(Number(row.evidence)) },
-  { id: 'changed', title: 'Changed', width: '7rem', hint: 'When the last change came or, before one came, when a session taught last', sort: (row) => row.state.changedMs || undefined,
+  { id: 'changed', title: 'Changed', width: '7rem', hint: 'Time of the last change since the page was opened, or of the latest evidence before that', sort: (row) => row.state.changedMs || undefined,
     cell: (row) => (row.state.changedMs ? ago(row.state.changedMs, now.value) : '–') },
   { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project, cell: (row) => <Name text={sceneOf(row).project} /> },
   { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass, cell: (row) => <Name text={sceneOf(row).machineClass} /> },
-  { id: 'reward', title: 'Reward', hint: 'Version of the reward; 3 is that of AI Decides', sort: (row) => sceneOf(row).rewardVersion, cell: (row) => sceneOf(row).rewardVersion },
+  { id: 'reward', title: 'Reward', hint: 'Version of the reward; AI Decides uses version 3', sort: (row) => sceneOf(row).rewardVersion, cell: (row) => sceneOf(row).rewardVersion },
 ];
 
 const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verdict.TIE, Verdict.STABLE];
@@ -59,8 +59,8 @@ function Figures() {
     <div class="figures">
       <Figure value={grouped(all.length)} what={all.length === 1 ? 'scene' : 'scenes'} />
       <Figure value={grouped(connectedSessions.value.length)} what={connectedSessions.value.length === 1 ? 'session online' : 'sessions online'} />
-      <Figure value={grouped(unsure)} what="not settled" title="Scenes that are ambiguous or degraded" />
-      <Figure value={lastMs ? ago(lastMs, now.value) : '–'} what="last change" title="When the last change came or, before one came, when a session taught last" />
+      <Figure value={grouped(unsure)} what="not settled" title="Scenes with the verdict ambiguous or degraded" />
+      <Figure value={lastMs ? ago(lastMs, now.value) : '–'} what="last change" title="Time of the last change since the page was opened, or of the latest evidence before that" />
     </div>
   );
 }
@@ -109,12 +109,12 @@ function projectsOf(all: readonly SceneSummary[]): ProjectSum[] {
 
 const PROJECTS: readonly Column<ProjectSum>[] = [
   { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={`/?project=${encodeURIComponent(project)}`}><Name text={project} /></a> },
-  { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'Sorted by how uncertain it is which arm is the best there', sort: ({ worst }) => worst.uncertainty,
+  { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best arm is least certain. Sorted by uncertainty.', sort: ({ worst }) => worst.uncertainty,
     csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
-  { id: 'unsettled', title: 'Not settled', hint: 'Scenes that are ambiguous or degraded', sort: ({ unsettledCount }) => unsettledCount, cell: ({ unsettledCount }) => grouped(unsettledCount) },
+  { id: 'unsettled', title: 'Not settled', hint: 'Scenes with the verdict ambiguous or degraded', sort: ({ unsettledCount }) => unsettledCount, cell: ({ unsettledCount }) => grouped(unsettledCount) },
   { id: 'scenes', title: 'Scenes', sort: ({ sceneCount }) => sceneCount, cell: ({ sceneCount }) => grouped(sceneCount) },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: ({ sessionCount }) => sessionCount, cell: ({ sessionCount }) => grouped(sessionCount) },
-  { id: 'evidence', title: 'Evidence', hint: 'Decision windows and visits of the shadow lane, of all sessions', sort: ({ evidence }) => Number(evidence), cell: ({ evidence }) => grouped(Number(evidence)) },
+  { id: 'evidence', title: 'Evidence', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: ({ evidence }) => Number(evidence), cell: ({ evidence }) => grouped(Number(evidence)) },
 ];
 
 function Projects({ all }: { all: readonly SceneSummary[] }) {
@@ -131,7 +131,7 @@ function Projects({ all }: { all: readonly SceneSummary[] }) {
 function NoScenes() {
   return (
     <Empty title="No scene has reported yet">
-      <p>A scene appears here as soon as a game has played it. Without a game:</p>
+      <p>A scene appears here as soon as a game has played it. To try it without a game:</p>
       <pre>sweepstake run --scene hurricane --objects 3000 --mode ai --daemon HOST:PORT</pre>
     </Empty>
   );
@@ -153,9 +153,9 @@ export function Overview() {
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>
       <Projects all={all} />
-      <p class="soft small">{counted(sessions.value.size, 'session', 'sessions')} known; verdicts are of the evidence of all sessions together, the leader’s P(best) is stable from {significant(thresholds.value.stableProbability, 1)} on.</p>
+      <p class="soft small">{counted(sessions.value.size, 'session', 'sessions')} known. A verdict uses the evidence of all sessions. A scene is stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
       <details class="soft small">
-        <summary>Words of this page</summary>
+        <summary>Terms on this page</summary>
         <dl>{GLOSSARY.map(([name, meaning]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}>{meaning}</dd>])}</dl>
       </details>
     </>
@@ -165,5 +165,5 @@ export function Overview() {
 function NotThere() {
   const { error } = connection.value;
   if (error && error.code !== 'UNREACHABLE') return <Failure what="The scenes" error={error} onRetry={() => location.reload()} />;
-  return <Empty title="The daemon is not there"><p>{error?.message ?? 'The connection was lost'}. The page comes back by itself.</p></Empty>;
+  return <Empty title="No connection to the daemon"><p>Reason: {error?.message ?? 'the connection was lost'}. The page reconnects automatically.</p></Empty>;
 }

@@ -1,4 +1,4 @@
-// A scene: what is believed of each arm, how that came to be, and what it rests on.
+// The view of a scene: the posterior of each arm, its history, and the evidence for it.
 import { useComputed } from '@preact/signals';
 import { useEffect, useMemo, useRef } from 'preact/hooks';
 import { counted, share } from '../../format';
@@ -40,8 +40,8 @@ function Sentence({ state }: { state: SceneState }) {
   return (
     <p>
       <VerdictChip verdict={verdict} /> {isBad && `${verdictWord(verdict).meaning} `}<b><Name text={posterior.leaderArm} /></b> is the best arm with a probability of{' '}
-      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average, and knowing
-      everything would gain <b>{share(posterior.valueRemainingRatio)}</b>.
+      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. Perfect
+      knowledge would gain <b>{share(posterior.valueRemainingRatio)}</b>.
     </p>
   );
 }
@@ -54,23 +54,23 @@ function Facts({ state }: { state: SceneState }) {
       <div><dt>Machines</dt><dd><Name text={posterior.machineClass} /></dd></div>
       <div><dt>Reward</dt><dd>version {posterior.rewardVersion}</dd></div>
       <div><dt>Now</dt><dd>{counted(posterior.activeSessionCount, 'session', 'sessions')}</dd></div>
-      <div><dt>Evidence of</dt><dd>{counted(Number(posterior.sourceCount), 'session', 'sessions')}</dd></div>
-      <div><dt>Last change</dt><dd>{changedMs ? ago(changedMs, now.value) : 'not known'}</dd></div>
+      <div><dt>Evidence from</dt><dd>{counted(Number(posterior.sourceCount), 'session', 'sessions')}</dd></div>
+      <div><dt>Last change</dt><dd>{changedMs ? ago(changedMs, now.value) : 'unknown'}</dd></div>
       {policy && <div><dt>Policy</dt><dd><Name text={policy} /></dd></div>}
     </dl>
   );
 }
 
 function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow[]; state: SceneState; before: ScenePosterior }) {
-  const title = 'What is believed of each arm';
+  const title = 'Posterior of each arm';
   const ridges = useMemo(() => ridgeRows(rows, before), [rows]);
   const table = () => ({
-    header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'worth windows', 'bail-outs'],
+    header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'equivalent windows', 'bail-outs'],
     rows: rows.map(({ arm, backendVersion, measured, posterior: beta, reward95, bestProbability, costRatio, windowCount, visitCount, effectiveWindowCount, bailOutCount }) =>
       [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta), ...reward95, bestProbability, costRatio?.median, windowCount, visitCount, effectiveWindowCount, bailOutCount]),
   });
   return (
-    <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'Nothing is learnt of any arm yet.'}
+    <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'There is no evidence of any arm yet.'}
       note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: what was believed when you opened this view, where that was something else; the prior
         of a build is below, under what taught it; that of a session in its own view.">
       <Ridgeline title={title} rows={ridges} rewardVersion={posterior.rewardVersion} />
@@ -78,7 +78,7 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   );
 }
 
-// When a build of the game was first seen among the sessions that the daemon has in memory.
+// Returns when each build of the game first appeared in a session that the daemon has in memory.
 function useBuilds({ project, scene }: SceneName): readonly Moment[] {
   const own = useComputed(() => buildStarts([...sessions.value.values()].map(({ info }) => info).filter((info) => info.project === project && info.scene === scene))
     .map(({ build, fromMs }) => `${fromMs} ${build}`).join('\n')).value;
@@ -101,8 +101,8 @@ function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] })
   return (
     <>
       <TimeTools />
-      <p class="soft small">Dotted lines: a build of the game was first seen; or, in its colour, an arm was switched to (the latest {MAX_SWITCHES} switches of all sessions). The
-        charts begin when the page was opened; those of a session begin with its log.</p>
+      <p class="soft small">Dotted lines mark the first session of a build, and switches in the colour of the new arm (the latest {MAX_SWITCHES} of all sessions). These
+        charts begin when the page was opened. The charts of a session begin with its log.</p>
       <BandsChart {...props} />
       <div class="beside"><BestChart {...props} /><LossChart {...props} /></div>
     </>
@@ -121,9 +121,9 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
       <Beliefs rows={rows} state={state} before={before} />
       <ArmTable rows={rows} rewardVersion={name.rewardVersion} />
       <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} rows={rows} /></section>
-      <section aria-labelledby="taught-heading"><h2 id="taught-heading">What taught it</h2><Taught name={name} /></section>
-      <section aria-labelledby="classes-heading"><h2 id="classes-heading">Machines compared</h2><Variants name={name} /></section>
-      <section aria-labelledby="builds-heading"><h2 id="builds-heading">Builds compared</h2><Builds name={name} /></section>
+      <section aria-labelledby="taught-heading"><h2 id="taught-heading">Evidence</h2><Taught name={name} /></section>
+      <section aria-labelledby="classes-heading"><h2 id="classes-heading">Comparison of machines</h2><Variants name={name} /></section>
+      <section aria-labelledby="builds-heading"><h2 id="builds-heading">Comparison of builds</h2><Builds name={name} /></section>
       <section aria-labelledby="sessions-heading"><h2 id="sessions-heading">Sessions</h2><Sessions name={name} /></section>
       <section aria-labelledby="latest-heading"><h2 id="latest-heading">Latest decisions</h2><Latest decisions={state.decisions} rewardVersion={name.rewardVersion} />
         <p><a href={decisionsHref({ project: name.project, scene: name.scene })}>All decisions of this scene</a></p></section>
@@ -136,7 +136,7 @@ function NoScene({ name }: { name: SceneName }) {
   const { error } = connection.value;
   if (!isKnown.value.scenes) return error ? <Failure what="The scene" error={error} onRetry={() => location.reload()} /> : <Loading what="the scene" />;
   return (
-    <Empty title="The daemon knows nothing of this scene">
+    <Empty title="The daemon does not know this scene">
       <p><Name text={name.project} /> / <Name text={name.scene} /> on <Name text={name.machineClass} />, reward version {name.rewardVersion}.</p>
       {others.map(({ key, posterior }) => (
         <p key={key}><a href={sceneHref(posterior)}>on <Name text={posterior.machineClass} />, reward version {posterior.rewardVersion}</a></p>
@@ -148,7 +148,7 @@ function NoScene({ name }: { name: SceneName }) {
 
 function Opened({ name, other }: { name: SceneName; other: string | null }) {
   const key = sceneKey(name);
-  const state = useComputed(() => scenes.value.get(key)).value; // other scenes change too
+  const state = useComputed(() => scenes.value.get(key)).value; // redraws only if this scene changes
   useEffect(() => {
     sceneInView.value = key;
     return () => { sceneInView.value = ''; };

@@ -1,4 +1,4 @@
-// A session: what ran when and why, what it cost, and what an operator may do about it.
+// The view of a session: which arm ran when and why, frame costs, posteriors, shadow lane, and an operator's orders.
 import { useComputed } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { useEffect, useMemo, useState } from 'preact/hooks';
@@ -34,7 +34,7 @@ import { Orders } from './session/orders';
 import { Why } from './session/why';
 import { endWord, modeWord, outcomeWord, stateWord } from './words';
 
-/** The version of the reward that a session's policy has. */
+/** Returns the version of the reward of a session's policy. */
 export function rewardVersionOf(steps: readonly Step[], state: SessionState | undefined): number {
   const event = state?.decisions.at(-1);
   if (event) return Number(sceneKeyOf(event).split('\n').at(-1));
@@ -86,16 +86,16 @@ const decisionTable = (steps: readonly Step[]) => ({
 const LANE_COLUMNS: readonly Column<LaneSum>[] = [
   { id: 'arm', title: 'Arm', sort: ({ arm }) => arm, cell: ({ arm }) => <Arm name={arm} hollow /> },
   { id: 'visits', title: 'Visits', sort: ({ visitCount }) => visitCount, cell: ({ visitCount }) => String(visitCount) },
-  { id: 'median', title: 'Median', hint: 'Detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
+  { id: 'median', title: 'Median', hint: 'Median detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
   { id: 'last', title: 'Last', sort: ({ lastNs }) => lastNs, cell: ({ lastNs }) => nsText(lastNs) },
-  { id: 'build', title: 'Build', hint: 'Median time of building its structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
-  { id: 'capped', title: 'Cut short', hint: 'Visits that the lane’s time cap ended', sort: ({ cappedCount }) => cappedCount, cell: ({ cappedCount }) => String(cappedCount) },
+  { id: 'build', title: 'Build', hint: 'Median time to build the arm’s data structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
+  { id: 'capped', title: 'Cut short', hint: 'Visits that reached the time limit of the lane', sort: ({ cappedCount }) => cappedCount, cell: ({ cappedCount }) => String(cappedCount) },
   { id: 'when', title: 'Last visit', sort: ({ lastMs }) => lastMs, cell: ({ lastMs }) => timeText(lastMs) },
 ];
 
 function Lane({ steps }: { steps: readonly Step[] }) {
   const sums = useMemo(() => laneSums(steps), [steps]);
-  if (sums.length === 0) return <p class="soft">The shadow lane has not measured anything in this session, or is off.</p>;
+  if (sums.length === 0) return <p class="soft">The shadow lane has measured nothing in this session, or it is off.</p>;
   return <Table caption="Visits of the shadow lane" columns={LANE_COLUMNS} rows={sums} keyOf={({ arm }) => arm} sort="median" sortParameter="lane" />;
 }
 
@@ -104,8 +104,8 @@ interface ChartsProps { sessionId: string; steps: readonly Step[]; arms: readonl
 function Timeline({ sessionId, steps, arms, domain }: ChartsProps) {
   const switchCount = steps.filter(isSwitch).length;
   return (
-    <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'Nothing was decided yet.'}
-      note={`${counted(switchCount, 'switch', 'switches')} commanded. Dotted lines in the charts below: another arm began.`}>
+    <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'There are no decisions yet.'}
+      note={`${counted(switchCount, 'switch command', 'switch commands')}. Dotted lines in the charts below mark changes of the active arm.`}>
       <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openStep} />
     </ChartFrame>
   );
@@ -117,7 +117,7 @@ function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: Cha
   const title = 'Prior and posterior of this session';
   const known = useMemo(() => rows.filter(({ beliefs }) => beliefs.some(Boolean)), [rows]);
   const assumed = useMemo(() => new Set(ridges.filter(({ measured }) => measured === 'never').map(({ arm }) => arm)), [ridges]);
-  const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain, notYet: 'The log has not two decisions yet.' };
+  const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain, notYet: 'The log has fewer than two decisions.' };
   const table = () => ({
     header: ['arm', 'measured', 'alpha', 'beta', 'prior alpha', 'prior beta'],
     rows: ridges.map(({ arm, measured, posterior, before }) => [arm, measured, posterior.alpha, posterior.beta, before?.alpha ?? 1, before?.beta ?? 1]),
@@ -127,7 +127,7 @@ function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: Cha
       <BestChart {...common} rows={rows} />
       <BandsChart {...common} rows={known} />
       <ChartFrame id="prior" title={title} names={[sessionId]} table={table} empty={ridges.length === 0 && 'The log has no decision yet.'}
-        note="Dashed grey: what the session began with, where it had a prior.">
+        note="Dashed grey: the prior that the session began with, if it had one.">
         <Ridgeline title={title} rows={ridges} rewardVersion={rewardVersion} />
       </ChartFrame>
     </>
@@ -139,7 +139,7 @@ function Costs({ sessionId, steps, moments, domain }: ChartsProps) {
   return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} />;
 }
 
-// What draws the boxes is loaded when somebody asks for them.
+// Loads the code that draws boxes on first use.
 function BoxesLater({ sessionId }: { sessionId: string }) {
   const [View, setView] = useState<ComponentType<{ sessionId: string }> | undefined>(undefined);
   const [error, setError] = useState<ApiError | undefined>(undefined);
@@ -152,13 +152,13 @@ function BoxesLater({ sessionId }: { sessionId: string }) {
 
 function Boxes({ sessionId, isOver }: { sessionId: string; isOver: boolean }) {
   const isShown = route.value.query.has('boxes') && isOperator.value && !isOver;
-  const reason = isOver ? 'The session is over.' : isOperator.value ? '' : `To look at boxes needs the role operator; yours is ${account.value?.role ?? 'not known'}.`;
+  const reason = isOver ? 'The session has ended.' : isOperator.value ? '' : `Viewing boxes needs the role operator; yours is ${account.value?.role ?? 'unknown'}.`;
   return (
     <section aria-labelledby="boxes-heading">
       <h2 id="boxes-heading">Objects</h2>
       <p class="orders">
         <button type="button" disabled={reason !== ''} aria-pressed={isShown} onClick={() => setQuery({ boxes: isShown ? undefined : 'on' })}>Show boxes</button>
-        <span class="soft">{reason || 'The game sends some of its objects’ boxes while you look, at most 64 kB four times a second.'}</span>
+        <span class="soft">{reason || 'While this view is open, the game sends boxes of its objects: at most 64 kB, four times a second.'}</span>
       </p>
       {isShown && <BoxesLater sessionId={sessionId} />}
     </section>
@@ -189,19 +189,19 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       </p>
       <LogState log={log} />
       {chosen && <Why step={chosen} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
-      {!chosen && !log.isReading && asksForStep() && <p class="soft" role="status">The decision of this address is not among the rows that are shown. <a href={decisionsHref({ session: sessionId })}>All rows of its log</a></p>}
+      {!chosen && !log.isReading && asksForStep() && <p class="soft" role="status">The decision in the URL is not among the rows that are shown. <a href={decisionsHref({ session: sessionId })}>All rows of its log</a></p>}
       <TimeTools />
       <Timeline {...props} />
       <Costs {...props} />
       {latest && <Boxes sessionId={sessionId} isOver={latest.ended !== undefined} />}
-      <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Beliefs</h2><Beliefs {...props} /></section>
+      <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Posteriors</h2><Beliefs {...props} /></section>
       <section aria-labelledby="lane-heading"><h2 id="lane-heading">Shadow lane</h2><Lane steps={steps} /></section>
     </>
   );
 }
 
 function Opened({ sessionId }: { sessionId: string }) {
-  const state = useComputed(() => sessions.value.get(sessionId)).value; // other sessions change too
+  const state = useComputed(() => sessions.value.get(sessionId)).value; // redraws only if this session changes
   const log = useSessionLog(sessionId, toldIn(state));
   useEffect(() => {
     sessionInView.value = sessionId;
@@ -210,7 +210,7 @@ function Opened({ sessionId }: { sessionId: string }) {
   if (!state && log.steps.length === 0) {
     if (log.error) return <Failure what="The session" error={log.error} onRetry={log.again} />;
     return log.isReading ? <Loading what="the session" />
-      : <Empty title="The daemon knows nothing of this session"><p><Name text={sessionId} /> is neither in memory nor in the log. <a href="/">The overview</a></p></Empty>;
+      : <Empty title="The daemon does not know this session"><p><Name text={sessionId} /> is neither in memory nor in the audit log. <a href="/">The overview</a></p></Empty>;
   }
   return <Session sessionId={sessionId} state={state} log={log} />;
 }

@@ -11,7 +11,7 @@ const ENUMS: readonly (readonly [string, number[], (value: number) => Word])[] =
 ];
 
 describe('the words of the protocol', () => {
-  it.each(ENUMS)('name and explain all %s, each by a name of its own', (_, all, wordOf) => {
+  it.each(ENUMS)('name and explain all %s, with distinct names', (_, all, wordOf) => {
     expect(all.length).toBeGreaterThan(2);
     for (const value of all) {
       const { name, meaning, mark } = wordOf(value);
@@ -22,9 +22,9 @@ describe('the words of the protocol', () => {
     expect(new Set(all.map((value) => wordOf(value).name)).size).toBe(all.length);
   });
 
-  it.each(ENUMS)('call what is newer than the page unknown: %s', (_, __, wordOf) => expect(wordOf(9999).name).toBe('unknown'));
+  it.each(ENUMS)('name values of a newer protocol "unknown": %s', (_, __, wordOf) => expect(wordOf(9999).name).toBe('unknown'));
 
-  it('call verdicts what `sweepstake watch` calls them', () =>
+  it('use the names of `sweepstake watch` for verdicts', () =>
     expect(values(Verdict).map((value) => verdictWord(value).name)).toEqual(['unknown', 'stable', 'tie', 'ambiguous', 'degraded']));
 });
 
@@ -43,5 +43,5 @@ describe('the words of the audit log', () => {
   });
 });
 
-it('Held back are the candidates that looked better', () =>
+it('The outcomes of held-back candidates are cooldown, gate and tie', () =>
   expect(values(DecisionOutcome).filter(isHeldBack)).toEqual([DecisionOutcome.HELD_COOLDOWN, DecisionOutcome.HELD_GATE, DecisionOutcome.HELD_TIE]));

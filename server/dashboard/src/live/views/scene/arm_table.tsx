@@ -1,4 +1,4 @@
-// The arms of a scene in figures: the table behind the ridgeline.
+// The table of a scene's arms, with the figures of the chart of posteriors.
 import { significant } from '../../../format';
 import { MEASURED_WORDS } from '../../charts/ridgeline';
 import { mean } from '../../numbers/beta';
@@ -19,22 +19,22 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
   return [
     { id: 'arm', title: 'Arm', sort: ({ label }) => label,
       cell: (row) => <><Arm name={row.arm} hollow={row.measured !== 'live'} />{row.label !== row.arm && <span class="soft"> v{row.backendVersion}{row.isOld && ', old'}</span>}</> },
-    { id: 'measured', title: 'Measured', isText: true, hint: 'Whether it ran in a game, or only beside one in the shadow lane', sort: ({ measured }) => measured,
+    { id: 'measured', title: 'Measured', isText: true, hint: 'Whether the arm ran in a game, or only in the shadow lane', sort: ({ measured }) => measured,
       cell: ({ measured }) => (measured === 'live' ? 'live' : <span class="lane-only" title={MEASURED_WORDS[measured]}>{measured === 'lane' ? 'lane only' : 'never'}</span>) },
-    { id: 'best', title: 'P(best)', hint: 'Probability to be the best arm', sort: ({ bestProbability }) => bestProbability, cell: ({ bestProbability }) => bestProbability?.toFixed(3) ?? '–' },
-    { id: 'mean', title: tellsCosts ? 'Detection time' : 'Reward', hint: `Mean of what is believed${unit}`, sort: ({ posterior }) => value(mean(posterior)),
+    { id: 'best', title: 'P(best)', hint: 'Probability that the arm is the best', sort: ({ bestProbability }) => bestProbability, cell: ({ bestProbability }) => bestProbability?.toFixed(3) ?? '–' },
+    { id: 'mean', title: tellsCosts ? 'Detection time' : 'Reward', hint: `Mean of the posterior${unit}`, sort: ({ posterior }) => value(mean(posterior)),
       cell: ({ posterior }) => shown(mean(posterior)) },
     { id: 'low', title: '95 % from', sort: (row) => value(end(row, false)), cell: (row) => shown(end(row, false)) },
     { id: 'high', title: 'to', sort: (row) => value(end(row, true)), cell: (row) => shown(end(row, true)) },
-    ...(!tellsCosts ? [] : [{ id: 'ratio', title: 'Cost ÷ leader’s', hint: 'Median, and where it is with 95 %', sort: ({ costRatio }: ArmRow) => costRatio?.median,
+    ...(!tellsCosts ? [] : [{ id: 'ratio', title: 'Cost ÷ leader’s', hint: 'Cost relative to the leader: median, and 95 % credible interval', sort: ({ costRatio }: ArmRow) => costRatio?.median,
       cell: ({ costRatio: ratio }: ArmRow) => (ratio ? `${significant(ratio.median)} (${significant(ratio.low)} to ${significant(ratio.high)})` : '–') }]),
-    { id: 'windows', title: 'Windows', hint: 'Decision windows in which it ran in games', sort: ({ windowCount }) => windowCount, cell: ({ windowCount }) => count(windowCount) },
-    { id: 'visits', title: 'Lane visits', hint: 'Measurements of the shadow lane', sort: ({ visitCount }) => visitCount, cell: ({ visitCount }) => count(visitCount) },
-    { id: 'n', title: 'Worth windows', hint: 'So many live windows of this scene would tell as much as windows and lane visits together do', sort: ({ effectiveWindowCount }) => effectiveWindowCount,
+    { id: 'windows', title: 'Windows', hint: 'Decision windows in which the arm ran in games', sort: ({ windowCount }) => windowCount, cell: ({ windowCount }) => count(windowCount) },
+    { id: 'visits', title: 'Lane visits', hint: 'Measurements of the arm in the shadow lane', sort: ({ visitCount }) => visitCount, cell: ({ visitCount }) => count(visitCount) },
+    { id: 'n', title: 'Equivalent windows', hint: 'The number of live windows that would be as informative as all windows and lane visits together', sort: ({ effectiveWindowCount }) => effectiveWindowCount,
       cell: ({ effectiveWindowCount }) => (effectiveWindowCount > 0 ? significant(effectiveWindowCount) : '–') },
-    { id: 'age', title: 'Changed', hint: 'When a session that taught something of it taught last', sort: ({ changedMs }) => changedMs,
-      cell: ({ changedMs }) => (changedMs === undefined ? <span class="soft">not known</span> : ago(changedMs, now.value)) },
-    { id: 'bails', title: 'Bail-outs', hint: 'Frames over the bail-out limit that were its fault', sort: ({ bailOutCount }) => bailOutCount, cell: ({ bailOutCount }) => count(bailOutCount) },
+    { id: 'age', title: 'Changed', hint: 'Time of the latest evidence of the arm', sort: ({ changedMs }) => changedMs,
+      cell: ({ changedMs }) => (changedMs === undefined ? <span class="soft">unknown</span> : ago(changedMs, now.value)) },
+    { id: 'bails', title: 'Bail-outs', hint: 'Frames over the bail-out limit that the arm caused', sort: ({ bailOutCount }) => bailOutCount, cell: ({ bailOutCount }) => count(bailOutCount) },
     { id: 'alpha', title: 'α', sort: ({ posterior }) => posterior.alpha, cell: ({ posterior }) => significant(posterior.alpha, 5) },
     { id: 'beta', title: 'β', sort: ({ posterior }) => posterior.beta, cell: ({ posterior }) => significant(posterior.beta, 5) },
   ];

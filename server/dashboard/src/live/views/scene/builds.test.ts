@@ -13,11 +13,11 @@ const session = (build: string, state: Link, bucket: number, unixStartMs: bigint
 const all = [session('b2', Link.CONNECTED, 190, 50n), session('b1', Link.LOST, 180, 40n), session('b1', Link.CONNECTED, 200, 30n), session('', Link.CONNECTED, 1, 1n)];
 
 describe('builds', () => {
-  it('have the percentiles of all frames of their sessions together', () => {
+  it('have the percentiles over the frames of all their sessions', () => {
     const row = buildRows(all).find(({ build }) => build === 'b1')!;
     expect(row).toMatchObject({ sessionCount: 2, onlineCount: 1, droppedCount: 4, frameCount: 40, nativeBytes: undefined, detectionNs: undefined });
     expect(row.frameNs).toEqual([middleOf(180), middleOf(200), middleOf(200)]);
   });
-  it('begin with their first session, those that are known by name', () =>
+  it('with a name begin with their first session', () =>
     expect(buildStarts(all.map(({ info }) => info))).toEqual([{ build: 'b1', fromMs: 30 }, { build: 'b2', fromMs: 50 }]));
 });

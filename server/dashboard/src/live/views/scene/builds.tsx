@@ -1,4 +1,4 @@
-// The builds of a game beside one another: what their frames cost, from what their sessions told since the page was opened.
+// Compares the builds of a game: frame time, detection time and memory, from the decisions received since the page was opened.
 import { useComputed } from '@preact/signals';
 import { bytes, significant } from '../../../format';
 import type { SessionInfo } from '../../../gen/sweepstake/v1/sessions_pb';
@@ -13,7 +13,7 @@ export interface BuildRow {
   sessionCount: number;
   onlineCount: number;
   droppedCount: number;
-  frameCount: number; // that the percentiles are of
+  frameCount: number; // frames in the percentiles
   frameNs: Percentiles | undefined;
   detectionNs: Percentiles | undefined;
   nativeBytes: Percentiles | undefined;
@@ -43,7 +43,7 @@ export function buildRows(all: readonly SessionState[]): BuildRow[] {
   });
 }
 
-/** When the first session of each build began. */
+/** Returns when the first session of each build began. */
 export function buildStarts(all: readonly SessionInfo[]): { build: string; fromMs: number }[] {
   const starts = new Map<string, number>();
   for (const { build, unixStartMs } of all) {
@@ -66,12 +66,12 @@ const COLUMNS: readonly Column<BuildRow>[] = [
   ...three('frame', 'Frame', ({ frameNs }) => frameNs, ms),
   ...three('detection', 'Detection', ({ detectionNs }) => detectionNs, ms),
   ...three('memory', 'Memory', ({ nativeBytes }) => nativeBytes, bytes).slice(1, 2),
-  { id: 'frames', title: 'Frames', hint: 'That the percentiles are of', sort: ({ frameCount }) => frameCount, cell: ({ frameCount }) => frameCount.toLocaleString('en') },
-  { id: 'dropped', title: 'Dropped', hint: 'Frames that games measured and could not send', sort: ({ droppedCount }) => droppedCount, cell: ({ droppedCount }) => String(droppedCount) },
+  { id: 'frames', title: 'Frames', hint: 'Number of frames in the percentiles', sort: ({ frameCount }) => frameCount, cell: ({ frameCount }) => frameCount.toLocaleString('en') },
+  { id: 'dropped', title: 'Dropped', hint: 'Frames that games measured but could not send', sort: ({ droppedCount }) => droppedCount, cell: ({ droppedCount }) => String(droppedCount) },
 ];
 
 export function Builds({ name: { project, scene } }: { name: SceneName }) {
   const own = useComputed(() => [...sessions.value.values()].filter(({ info }) => info.project === project && info.scene === scene)).value;
-  if (own.length === 0) return <p class="soft">No session of any build is in the daemon’s memory.</p>;
+  if (own.length === 0) return <p class="soft">The daemon has no session of this scene in memory.</p>;
   return <Table caption="Builds" columns={COLUMNS} rows={buildRows(own)} keyOf={({ build }) => build} sort="build" sortParameter="builds" />;
 }

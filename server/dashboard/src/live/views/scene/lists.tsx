@@ -1,4 +1,4 @@
-// What belongs to a scene: the same scene on other machines, its sessions, and its latest decisions.
+// Lists in the view of a scene: the same scene on other machines, its sessions, and its latest decisions.
 import { DecisionOutcome, type DecisionEvent } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { share } from '../../../format';
 import { Arm } from '../../parts/arm';
@@ -14,14 +14,14 @@ import { summaries } from '../../state/summaries';
 import { explained, toldOfEvent } from '../../audit/explain';
 import { endWord, modeWord, outcomeWord, stateWord } from '../words';
 
-/** Returns the address of this view with another one beside it. */
+/** Returns the URL that compares the scene of this view with another one. */
 export function besideHref(other: string): string {
   const query = new URLSearchParams(route.value.query);
   query.set('with', other);
   return `${route.value.path}?${query.toString()}`;
 }
 
-/** The same scene on other classes of machines, or by other versions of the reward. */
+/** Returns the posteriors of a scene for all classes of machines and versions of the reward. */
 export function variantsOf({ project, scene }: SceneName): SceneState[] {
   return summaries.value.map(({ state }) => state).filter(({ posterior }) => posterior.project === project && posterior.scene === scene);
 }
@@ -38,14 +38,14 @@ function variantColumns(own: string): readonly Column<SceneState>[] {
     { id: 'p', title: 'P(best)', sort: ({ posterior }) => leaderProbabilityOf(posterior),
       cell: ({ posterior }) => (posterior.leaderArm ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
     { id: 'loss', title: 'Loss', sort: ({ posterior }) => posterior.expectedLossRatio, cell: ({ posterior }) => share(posterior.expectedLossRatio) },
-    { id: 'sources', title: 'Sources', hint: 'Sessions whose evidence it has', sort: ({ posterior }) => Number(posterior.sourceCount), cell: ({ posterior }) => String(posterior.sourceCount) },
-    { id: 'compare', title: 'Beside one another', isText: true, cell: ({ key }) => (key === own ? '' : <a href={besideHref(key)}>Compare</a>) },
+    { id: 'sources', title: 'Sources', hint: 'Sessions that added evidence', sort: ({ posterior }) => Number(posterior.sourceCount), cell: ({ posterior }) => String(posterior.sourceCount) },
+    { id: 'compare', title: 'Comparison', isText: true, cell: ({ key }) => (key === own ? '' : <a href={besideHref(key)}>Compare</a>) },
   ];
 }
 
 export function Variants({ name }: { name: SceneName }) {
   const variants = variantsOf(name);
-  if (variants.length < 2) return <p class="soft">Only one class of machines has reported this scene.</p>;
+  if (variants.length < 2) return <p class="soft">Only one class of machines has played this scene.</p>;
   return <Table caption="Classes of machines" columns={variantColumns(sceneKey(name))} rows={variants} keyOf={({ key }) => key} sort="class" sortParameter="classes" />;
 }
 
@@ -62,7 +62,7 @@ const SESSION_COLUMNS: readonly Column<SessionState>[] = [
   { id: 'start', title: 'Began', sort: ({ info }) => Number(info.unixStartMs), cell: ({ info }) => timeText(Number(info.unixStartMs)) },
   { id: 'last', title: 'Last message', sort: lastMessageMs,
     cell: (session) => (lastMessageMs(session) > 0 ? ago(lastMessageMs(session), now.value) : '–') },
-  { id: 'dropped', title: 'Dropped frames', hint: 'Frames that the game measured and could not send', sort: ({ info }) => Number(info.droppedFrameCount), cell: ({ info }) => String(info.droppedFrameCount) },
+  { id: 'dropped', title: 'Dropped frames', hint: 'Frames that the game measured but could not send', sort: ({ info }) => Number(info.droppedFrameCount), cell: ({ info }) => String(info.droppedFrameCount) },
 ];
 
 export function Sessions({ name }: { name: SceneName }) {
@@ -77,7 +77,7 @@ const QUIET = [DecisionOutcome.KEPT, DecisionOutcome.NO_FRAMES, DecisionOutcome.
 /** The latest decisions that changed something or were held back. */
 export function Latest({ decisions, rewardVersion }: { decisions: readonly DecisionEvent[]; rewardVersion: number }) {
   const shown = decisions.filter(({ outcome }) => !QUIET.includes(outcome)).slice(-SHOWN_DECISIONS).reverse();
-  if (shown.length === 0) return <p class="soft">Since the page was opened every decision kept the active arm.</p>;
+  if (shown.length === 0) return <p class="soft">Every decision since the page was opened kept the active arm.</p>;
   return (
     <ul class="latest">
       {shown.map((event) => (

@@ -19,8 +19,8 @@ const state: SceneState = {
   decisions: [],
 };
 
-describe('what measured an arm', () => {
-  it('is the game, the lane alone, or nothing: an arm that never ran must not look as if it had', () => {
+describe('the origin of measurements', () => {
+  it('is live, lane or never; an arm that never ran in a game is not live', () => {
     expect(measuredBy({ windowCount: 1n, visitCount: 0n, bailOutCount: 0n })).toBe('live');
     expect(measuredBy({ windowCount: 0n, visitCount: 0n, bailOutCount: 1n })).toBe('live');
     expect(measuredBy({ windowCount: 0n, visitCount: 9n, bailOutCount: 0n })).toBe('lane');
@@ -31,22 +31,22 @@ describe('what measured an arm', () => {
 
 describe('the rows of a scene', () => {
   const rows = armRows(state);
-  it('name the version of a backend where there are several', () => expect(rows.map(({ label, isOld }) => [label, isOld])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
-  it('have as many windows as what is known is worth', () => expect(rows.map(({ effectiveWindowCount }) => effectiveWindowCount)).toEqual([5.5, 0, 0]));
-  it('say when the sources of an arm last taught it', () => expect(rows.map(({ changedMs }) => changedMs)).toEqual([undefined, undefined, 7000]));
+  it('name the version of a backend if there are several', () => expect(rows.map(({ label, isOld }) => [label, isOld])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
+  it('have the equivalent number of windows', () => expect(rows.map(({ effectiveWindowCount }) => effectiveWindowCount)).toEqual([5.5, 0, 0]));
+  it('have the time of the latest evidence of each arm', () => expect(rows.map(({ changedMs }) => changedMs)).toEqual([undefined, undefined, 7000]));
   it('have the figures that the daemon sent', () => {
     expect(rows[2]).toMatchObject({ reward95: [0.6, 0.8], bestProbability: 0.75, costRatio: { median: 1 } });
     expect(rows[0]).toMatchObject({ bestProbability: undefined, costRatio: undefined });
   });
   it('are drawn with the most probable arm first and old versions last', () => expect(ridgeRows(rows).map(({ label }) => label)).toEqual(['B', 'A v2', 'A v1']));
-  it('have behind them what was believed before, where that was something else', () => {
+  it('have the earlier posterior behind them if it differs', () => {
     const before = create(ScenePosteriorSchema, { arms: [{ arm: 'A', backendVersion: 2, posterior: { alpha: 5, beta: 4 } }, { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 } }] });
     expect(ridgeRows(rows, before).map(({ before: was }) => was?.alpha)).toEqual([undefined, 5, undefined]);
   });
   it('name each arm once', () => expect(armNames(rows)).toEqual(['A', 'B']));
 });
 
-it('The latest switches are marked in the colour of the arm that they led to, however many there were', () => {
+it('At most MAX_SWITCHES latest switches are marked, in the colour of the new arm', () => {
   const decisions = Array.from({ length: 3 * MAX_SWITCHES }, (_, i) => create(DecisionEventSchema, {
     unixMs: BigInt(i), activeArm: 'Grid', candidateArm: 'SAP', outcome: i % 2 ? DecisionOutcome.SWITCHED : DecisionOutcome.HELD_GATE }));
   const switches = latestSwitches(decisions);

@@ -1,4 +1,4 @@
-// The rows of a scene's view, one per arm, from what the daemon sent.
+// The rows of a scene's view, one per arm and backend version, from the daemon's message.
 import { type ArmPosterior, type DecisionEvent, DecisionOutcome, type ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
 import type { Moment } from '../../charts/plot';
@@ -10,22 +10,22 @@ import { lastSeenMs, type SceneState } from '../../state/scenes';
 export interface ArmRow {
   key: string;
   arm: string;
-  label: string; // with the version of its backend where there are several
+  label: string; // the arm, with its backend version if there are several
   backendVersion: number;
-  isOld: boolean; // there is a newer version, and decisions do not depend on this one
+  isOld: boolean; // there is a newer version; decisions ignore this one
   posterior: Beta;
   measured: Measured;
   reward95: Interval;
-  bestProbability: number | undefined; // undefined: nothing is learnt, or there is a newer version
-  costRatio: Ratio | undefined; // ÷ the leader's cost; undefined as well where rewards do not tell costs
+  bestProbability: number | undefined; // undefined without evidence, and for old versions
+  costRatio: Ratio | undefined; // cost ÷ the leader's cost; also undefined if rewards do not stand for costs
   windowCount: number;
   visitCount: number;
   bailOutCount: number;
-  effectiveWindowCount: number; // so many live windows would tell as much; 0: not known
-  changedMs: number | undefined; // when something was learnt of it last, by the daemon's clock; undefined: not known
+  effectiveWindowCount: number; // number of live windows with the same information as all evidence; 0: unknown
+  changedMs: number | undefined; // time of the latest evidence, by the daemon's clock; undefined: unknown
 }
 
-/** An arm without windows never ran in a game, whatever is believed of it. */
+/** An arm is measured live if it has windows or bail-outs; then it ran in a game. */
 export function measuredBy({ windowCount, visitCount, bailOutCount }: Pick<ArmPosterior, 'windowCount' | 'visitCount' | 'bailOutCount'>): Measured {
   if (windowCount > 0n || bailOutCount > 0n) return 'live';
   return visitCount > 0n ? 'lane' : 'never';
@@ -55,7 +55,7 @@ export function armRows({ posterior: { arms } }: SceneState): ArmRow[] {
   });
 }
 
-/** The most probable arm first, arms of old versions last. What was believed in `before` is drawn behind, where it was something else. */
+/** Orders arms by P(best), highest first, old versions last. A posterior in `before` that differs is drawn behind the current one. */
 export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): RidgeRow[] {
   const rank = ({ isOld, bestProbability }: ArmRow) => (isOld ? -1 : bestProbability ?? 0);
   return [...rows].sort((a, b) => rank(b) - rank(a) || a.key.localeCompare(b.key))
@@ -66,13 +66,13 @@ export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): Rid
     });
 }
 
-/** The scene's arms, each once, in the order of the daemon. */
+/** Returns the names of the scene's arms, each once, in the daemon's order. */
 export const armNames = (rows: readonly ArmRow[]) => rows.filter(({ isOld }) => !isOld).map(({ arm }) => arm);
 
-/** Many games switch in a scene; more lines than these would hide what they mark. */
+/** Maximum number of switches that charts mark; more lines would hide the chart. */
 export const MAX_SWITCHES = 40;
 
-/** Returns the latest switches that its sessions were told to make, as charts mark them, oldest first. */
+/** Returns the latest switch commands of a scene's sessions as marks of charts, oldest first. */
 export const latestSwitches = (decisions: readonly DecisionEvent[]): Moment[] =>
   decisions.filter(({ outcome }) => outcome === DecisionOutcome.SWITCHED).slice(-MAX_SWITCHES)
     .map(({ unixMs, candidateArm }) => ({ timeMs: Number(unixMs), colour: colourOf(candidateArm) }));

@@ -1,5 +1,5 @@
-// A session's objects as its game shows them: boxes in space, looked at from a camera on an orbit. They come while this is in sight, and
-// are kept nowhere.
+// The bounding boxes of a session's objects, drawn for an orbiting camera. The game sends them only while this view is visible, and
+// nothing stores them.
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { SessionsService } from '../../../gen/sweepstake/v1/sessions_pb';
 import { counted, grouped } from '../../../format';
@@ -12,9 +12,9 @@ import { Empty, Failure, Loading } from '../../parts/states';
 import type { ApiError } from '../../transport/calls';
 import { Watch } from '../../transport/events';
 
-const TURN = Math.PI / 24;
-const ZOOM = 1.15;
-// Asking again changes nothing.
+const TURN = Math.PI / 24; // radians per key press
+const ZOOM = 1.15; // factor per key press
+// Errors after which another request would fail too.
 const FINAL = ['NOT_FOUND', 'FAILED_PRECONDITION', 'PERMISSION_DENIED'];
 
 function useIsHidden(): boolean {

@@ -1,4 +1,5 @@
-// What a session's frames cost over time: frame time and detection with the budgets of 60 and 30 frames per second, memory, checks, objects.
+// Charts of a session's costs over time: frame time and detection time with the budgets of 60 and 30 frames per second, memory,
+// AABB checks and objects.
 import { useMemo } from 'preact/hooks';
 import { bytes, compact, significant } from '../../../format';
 import { ChartFrame } from '../../charts/frame';
@@ -9,7 +10,7 @@ import type { CostColumns } from './model';
 
 /** Milliseconds that a frame may take at 60 and at 30 frames per second: 16.7 and 33.3. */
 export const BUDGETS: readonly Level[] = [{ value: 1000 / 60, label: '60 fps' }, { value: 1000 / 30, label: '30 fps' }];
-// A search is a small part of its frame, and would lie on the floor of an axis that reached them.
+// Detection takes a small part of a frame. Its axis therefore ignores the budgets, which are drawn only if values come near them.
 const BUDGETS_ASIDE: readonly Level[] = BUDGETS.map((level) => ({ ...level, isAside: true }));
 
 const PARTS = [
@@ -54,7 +55,7 @@ const percentileLines = (columns: readonly (number | null)[][], first: string): 
 const single = (label: string, values: (number | null)[]): Line[] => [{ label, values, colour: 'var(--accent)' }];
 const ms = (value: number) => `${significant(value)} ms`;
 
-/** The least and the most that charts show. */
+/** Lowest and highest values of the axes. */
 export interface Ends { frameMs: readonly [number, number]; detectionMs: readonly [number, number] }
 
 export interface CostChartsProps {
@@ -62,8 +63,8 @@ export interface CostChartsProps {
   moments: readonly Moment[];
   domain: Range;
   names: readonly string[];
-  ends?: Ends; // of charts beside others: their axes reach so far
-  laterMs?: number; // by which the session is drawn earlier than it was; its tables have the times as they were
+  ends?: Ends; // ranges of axes that two sessions share
+  laterMs?: number; // difference between real times, which tables have, and drawn times
 }
 
 export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 }: CostChartsProps) {
@@ -76,9 +77,9 @@ export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 
   return (
     <>
       <CostChart {...common} id="frame-time" title="Frame time" lines={lines.frame} levels={BUDGETS} format={ms} {...(ends && { values: ends.frameMs })}
-        note="Percentiles are of the frames since the page was opened; the mean of each window is from the audit log. 60 and 30 fps: budgets of 16.7 and 33.3 ms." />
+        note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. 60 and 30 fps: budgets of 16.7 and 33.3 ms." />
       <CostChart {...common} id="detection" title="Detection time" lines={lines.detection} levels={BUDGETS_ASIDE} format={ms} scale="log"
-        {...(ends && { values: ends.detectionMs })} note="What the broad phase takes of a frame, by powers of ten, with a frame’s budgets where it comes near them." />
+        {...(ends && { values: ends.detectionMs })} note="Time of the broad phase per frame, on a logarithmic axis. The budgets of a frame are drawn if values come near them." />
       <div class="beside">
         <CostChart {...common} id="memory" title="Memory" lines={lines.bytes} format={bytes} height={140} />
         <CostChart {...common} id="checks" title="AABB checks per frame" lines={lines.checks} format={compact} height={140} />

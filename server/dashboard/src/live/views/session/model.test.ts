@@ -11,7 +11,7 @@ const steps = rows.map((row) => stepOfRow({ row, setup })).filter((step): step i
 const arms = armsOf(steps);
 
 describe('the steps of a log', () => {
-  it('are one per row, with its decision', () => {
+  it('are one per row, with the row’s decision', () => {
     expect(steps).toHaveLength(rows.length);
     expect(steps[0]).toMatchObject({ kind: 'setup', activeArm: setup.activeArm, decisionId: 0 });
     const ticks = steps.filter(({ kind }) => kind === 'tick');
@@ -21,7 +21,7 @@ describe('the steps of a log', () => {
     expect(arms).toEqual(setup.arms);
   });
 
-  it('go on with what is told live, each decision once', () => {
+  it('continue with decisions received live, each decision once', () => {
     const last = steps.at(-1)!.decisionId;
     const endMs = Math.ceil(steps.at(-1)!.timeMs);
     const events = [endMs, endMs + 250, endMs + 100].map((unixMs, i) =>
@@ -30,12 +30,12 @@ describe('the steps of a log', () => {
     expect(all).toHaveLength(steps.length + 2);
     expect(all[steps.length - 1]!.event).toBe(events[0]);
     expect(all.slice(-2).map(({ decisionId, activeArm }) => [decisionId, activeArm])).toEqual([[last + 1, 'SAP'], [last + 2, 'SAP']]);
-    expect(all.slice(-2).map(({ timeMs }) => timeMs), 'by the daemon’s clock, ascending where that is set back').toEqual([endMs + 250, endMs + 250]);
+    expect(all.slice(-2).map(({ timeMs }) => timeMs), 'times of the daemon’s clock, ascending even if the clock is set back').toEqual([endMs + 250, endMs + 250]);
   });
 });
 
-describe('what frames cost', () => {
-  it('is in columns: window means of the log, percentiles of what is told live', () => {
+describe('costs', () => {
+  it('are in columns: window means from the log, percentiles from live decisions', () => {
     const measurements = { frameTimeNs: { bucketSteps: [190], counts: [100] }, detectionTimeNs: { bucketSteps: [160], counts: [100] }, nativeBytes: { bucketSteps: [100], counts: [100] } };
     const all = mergedSteps(steps, [create(DecisionEventSchema, { decisionId: 10_000n, activeArm: 'SAP', measurements })], 3);
     const columns = costColumns(measuredOf(all));
@@ -48,7 +48,7 @@ describe('what frames cost', () => {
     expect(new Set(columns.frame.map(({ length }) => length))).toEqual(new Set([columns.timesMs.length]));
   });
 
-  it('in the lane is told arm by arm', () => {
+  it('in the shadow lane are summed by arm', () => {
     const sums = laneSums(steps);
     let visitCount = 0;
     forEachVisit(steps, () => ++visitCount);
@@ -59,7 +59,7 @@ describe('what frames cost', () => {
 });
 
 describe('beliefs', () => {
-  it('are those of the log, their probabilities of sum 1', () => {
+  it('are those of the log, with probabilities that sum to 1', () => {
     const beliefs = beliefRows(steps, arms.length);
     expect(beliefs.length).toBeGreaterThan(20);
     for (const { best } of beliefs) expect(best.reduce((sum: number, p) => sum + (p ?? 0), 0)).toBeCloseTo(1, 6);
@@ -69,7 +69,7 @@ describe('beliefs', () => {
     expect(last.filter(({ measured }) => measured === 'lane').length).toBeGreaterThan(2);
   });
 
-  it('end with the last posterior that is known, however much was told since', () => {
+  it('end with the last posterior of the log, after any number of live decisions', () => {
     const logged = steps.at(-1)!;
     const events = Array.from({ length: 2000 }, (_, i) => create(DecisionEventSchema, { decisionId: BigInt(logged.decisionId + 1 + i), activeArm: 'SAP',
       unixMs: BigInt(Math.ceil(logged.timeMs) + 1 + i), bestProbability: arms.map((_, arm) => (i + arm) % 2) }));
@@ -79,15 +79,15 @@ describe('beliefs', () => {
   });
 });
 
-describe('why this arm', () => {
-  it('leads to the switch to it, or to the decision that was asked for', () => {
+describe('"Why this arm?"', () => {
+  it('opens the switch to the active arm, or the decision of the URL', () => {
     expect(stepFor(steps, 2)!.decisionId).toBe(2);
     const last = steps.at(-1)!;
     const event = (later: number, activeArm: string, candidate: string, outcome: DecisionOutcome) => create(DecisionEventSchema,
       { decisionId: BigInt(last.decisionId + later), unixMs: BigInt(Math.ceil(last.timeMs) + later), activeArm, candidateArm: candidate, outcome });
     const toSap = event(1, last.activeArm, 'SAP', DecisionOutcome.SWITCHED);
     expect(stepFor(mergedSteps(steps, [toSap, event(2, 'SAP', 'SAP', DecisionOutcome.KEPT)], 3), undefined)!.event).toBe(toSap);
-    const kept = event(2, 'Grid', 'Grid', DecisionOutcome.KEPT); // no switch to it is known
+    const kept = event(2, 'Grid', 'Grid', DecisionOutcome.KEPT); // there is no switch to Grid
     expect(stepFor(mergedSteps(steps, [toSap, kept], 3), undefined)!.event).toBe(kept);
     expect(stepFor([], undefined)).toBeUndefined();
     expect(stepFor(steps, 123_456)).toBeUndefined();

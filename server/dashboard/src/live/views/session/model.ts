@@ -1,4 +1,4 @@
-// What the view of a session shows, computed from its steps.
+// The data of a session's charts and tables, computed from the steps of its log.
 import type { Measured as MeasuredBy, RidgeRow } from '../../charts/ridgeline';
 import type { Moment } from '../../charts/plot';
 import { armStyle } from '../../charts/arm_style';
@@ -10,7 +10,7 @@ import { beliefOf, type SeriesRow } from '../../numbers/series';
 
 const MAX_POINTS = 600;
 
-/** The posterior of each arm after a step of the log; empty where it does not say. */
+/** Returns the posterior of each arm after a step; empty if the step has none. */
 function posteriorsOf({ placed }: Step): Beta[] {
   if (!placed) return [];
   const beta = placed.row.numbers('beta');
@@ -19,12 +19,12 @@ function posteriorsOf({ placed }: Step): Beta[] {
 
 const bestOf = ({ placed, event }: Step): readonly number[] => event?.bestProbability ?? placed?.row.numbers('best_probability') ?? [];
 
-/** Returns what was believed after decisions, at most MAX_POINTS of them. */
+/** Returns the posteriors after decisions, for at most about MAX_POINTS decisions. */
 export function beliefRows(steps: readonly Step[], armCount: number): SeriesRow[] {
   const told = steps.filter((step) => step.told && bestOf(step).length === armCount);
   const timesMs = told.map(({ timeMs }) => timeMs);
   const columns = Array.from({ length: armCount }, (_, arm) => told.map((step) => bestOf(step)[arm] ?? null));
-  let lastKnown = told.length - 1; // what the bands end with
+  let lastKnown = told.length - 1; // index of the last decision with posteriors, where the bands end
   while (lastKnown >= 0 && posteriorsOf(told[lastKnown]!).length === 0) --lastKnown;
   const kept = new Set(keepExtremes(timesMs, columns, MAX_POINTS));
   if (lastKnown >= 0) kept.add(lastKnown);
@@ -46,7 +46,7 @@ function measuredBy(arm: string, live: ReadonlySet<string>, lane: ReadonlySet<st
   return lane.has(arm) ? 'lane' : 'never';
 }
 
-/** Returns the latest posterior of each arm with what it began with, from the log. */
+/** Returns the latest posterior of each arm and its prior, from the log. */
 export function priorAndPosterior(steps: readonly Step[], arms: readonly string[]): RidgeRow[] {
   const last = steps.filter((step) => posteriorsOf(step).length === arms.length).at(-1);
   if (!last) return [];
@@ -61,7 +61,7 @@ export function priorAndPosterior(steps: readonly Step[], arms: readonly string[
   });
 }
 
-/** Returns the moments at which the active arm changed, as charts mark them. */
+/** Returns the times at which the active arm changed, as marks of charts. */
 export function switchMoments(steps: readonly Step[], arms: readonly string[]): Moment[] {
   const moments: Moment[] = [];
   let before = '';
@@ -73,12 +73,12 @@ export function switchMoments(steps: readonly Step[], arms: readonly string[]): 
   return moments;
 }
 
-/** What a session's frames cost, as columns of charts: extremes stay. */
+/** The costs of a session's frames as columns of charts, thinned to the extremes. */
 export interface CostColumns {
   timesMs: number[];
   frame: (number | null)[][]; // window mean, p50, p95, p99 in ms
   detection: (number | null)[][];
-  bytes: (number | null)[][]; // of the window the peak, then p50, p95, p99
+  bytes: (number | null)[][]; // window peak, p50, p95, p99
   checks: (number | null)[];
   objects: (number | null)[];
 }
@@ -87,7 +87,7 @@ const orNull = (value: number | undefined) => (value === undefined || Number.isN
 const withPercentiles = (own: (number | null)[], all: readonly (Percentiles | undefined)[]) =>
   [own, ...[0, 1, 2].map((place) => all.map((each) => orNull(each?.[place])))];
 
-// What is told now and then counts until it is told again.
+// Forward fill: a sparse value holds until the next one.
 function held(values: (number | null)[]): (number | null)[] {
   let latest: number | null = null;
   return values.map((value) => (latest = value ?? latest));
@@ -108,7 +108,7 @@ export function costColumns(all: readonly Measured[]): CostColumns {
   };
 }
 
-/** What the lane measured of an arm. */
+/** The measurements of one arm in the shadow lane. */
 export interface LaneSum { arm: string; visitCount: number; cappedCount: number; medianNs: number; lastNs: number; buildNs: number; lastMs: number }
 
 const medianOf = (values: readonly number[]) => Float64Array.from(values).sort()[Math.floor((values.length - 1) / 2)] ?? 0;
@@ -128,11 +128,12 @@ export function laneSums(steps: readonly Step[]): LaneSum[] {
   }));
 }
 
-/** Returns what the address of a session's page says of a step. */
+/** Returns the query that names a step in the URL of a session's page. */
 export const stepQuery = ({ decisionId, timeMs }: Pick<Step, 'decisionId' | 'timeMs'>): { decision: string } | { at: string } =>
   (decisionId > 0 ? { decision: String(decisionId) } : { at: String(Math.round(timeMs)) });
 
-/** The decision that the reader asked about, or the one that is asked about by "why this arm?": the latest switch to it, else the latest. */
+/** Returns the decision with this id. Without an id, returns the one that explains the active arm: the latest switch to it, or the last
+ * decision if there is none. */
 export function stepFor(steps: readonly Step[], decisionId: number | undefined): Step | undefined {
   const decisions = steps.filter(({ told }) => told);
   if (decisionId !== undefined) return decisions.find((step) => step.decisionId === decisionId);

@@ -1,5 +1,5 @@
-// What an operator may do with a session: let the daemon decide, keep an arm, end the session. Each is asked about first, has a row in the
-// audit log, and can be taken back where an opposite order does.
+// An operator's orders to a session: let the daemon decide, keep an arm, reconnect, end the session. Each needs a confirmation and adds
+// a row to the audit log. Orders with an opposite can be undone.
 import { useState } from 'preact/hooks';
 import { SessionsService, type SessionInfo } from '../../../gen/sweepstake/v1/sessions_pb';
 import { Mode } from '../../../gen/sweepstake/v1/telemetry_pb';
@@ -13,14 +13,14 @@ import { modeWord } from '../words';
 
 interface Order { mode: Mode; arm: string }
 
-const orderText = ({ mode, arm }: Order) => (mode === Mode.AI ? 'The daemon decides' : `The game keeps to ${visible(arm)}`);
+const orderText = ({ mode, arm }: Order) => (mode === Mode.AI ? 'the daemon decides' : `the game keeps ${visible(arm)}`);
 
 async function give(sessionId: string, order: Order, opposite: Order | undefined): Promise<void> {
   try {
     const { mode, activeArm } = await call(SessionsService.method.orderSession, { sessionId, ...order });
-    toast(`Obeyed: ${orderText({ mode, arm: activeArm })}.`, opposite ? { undo: () => void give(sessionId, opposite, undefined) } : {});
+    toast(`Done: ${orderText({ mode, arm: activeArm })}.`, opposite ? { undo: () => void give(sessionId, opposite, undefined) } : {});
   } catch (error) {
-    toast(`Not obeyed: ${asApiError(error).message}`, { isBad: true });
+    toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
   }
 }
 
@@ -28,8 +28,8 @@ async function ask({ sessionId, mode, activeArm }: SessionInfo, order: Order): P
   const body = (
     <>
       <p>{order.mode === Mode.AI
-        ? 'The daemon chooses the arm again, and learns from what it costs.'
-        : <>The game keeps to <Name text={order.arm} /> until it is told otherwise; nothing becomes evidence meanwhile.</>}</p>
+        ? 'The daemon chooses the arm again, and learns from its cost.'
+        : <>The game keeps <Name text={order.arm} /> until the next order. Meanwhile its frames do not become evidence.</>}</p>
       <p class="soft">The order is in the audit log. You can undo it.</p>
     </>
   );
@@ -40,8 +40,8 @@ async function ask({ sessionId, mode, activeArm }: SessionInfo, order: Order): P
 async function kick({ sessionId, scene }: SessionInfo, mayReturn: boolean): Promise<void> {
   const body = (
     <>
-      <p>{mayReturn ? 'The connection ends; the game connects again, and the session goes on.' : 'The session ends, and the game decides by itself until it begins a new one.'}</p>
-      <p>Scene <Name text={scene} />. What it has measured stays. {!mayReturn && <b>This cannot be undone.</b>}</p>
+      <p>{mayReturn ? 'The connection is closed. The game connects again, and the session continues.' : 'The session ends. The game decides by itself until it begins a new session.'}</p>
+      <p>Scene <Name text={scene} />. Its evidence is kept. {!mayReturn && <b>This cannot be undone.</b>}</p>
     </>
   );
   const action = mayReturn ? 'Reconnect' : 'End session';
@@ -50,7 +50,7 @@ async function kick({ sessionId, scene }: SessionInfo, mayReturn: boolean): Prom
     await call(SessionsService.method.kickSession, { sessionId, mayReturn });
     toast(mayReturn ? 'The connection was ended.' : 'The session was ended.');
   } catch (error) {
-    toast(`Not done: ${asApiError(error).message}`, { isBad: true });
+    toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
   }
 }
 
@@ -58,7 +58,7 @@ export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readon
   const [chosen, setChosen] = useState('');
   const arm = chosen || info.activeArm;
   if (isOver) return null;
-  if (!isOperator.value) return <p class="soft orders">Orders need the role operator; yours is {account.value?.role ?? 'not known'}.</p>;
+  if (!isOperator.value) return <p class="soft orders">Orders need the role operator; yours is {account.value?.role ?? 'unknown'}.</p>;
   return (
     <div class="orders" role="group" aria-label="Orders">
       <button type="button" disabled={info.mode === Mode.AI} onClick={() => void ask(info, { mode: Mode.AI, arm: '' })}>AI decides</button>

@@ -1,4 +1,4 @@
-// "Why this arm?": one decision in words, and all that its audit row says.
+// "Why this arm?": explains one decision in sentences, and shows all fields of its audit row.
 import { useEffect } from 'preact/hooks';
 import { kindWord } from '../words';
 import { explained, explainedRow } from '../../audit/explain';
@@ -22,10 +22,10 @@ export function Why({ step, sessionId, onRead, onClose }: WhyProps) {
         <button type="button" class="quiet" onClick={onClose}>Close</button>
       </header>
       {sentences.map((sentence) => <p key={sentence}><bdi>{visible(sentence)}</bdi></p>)}
-      {!placed && <p class="soft">It was told live. <button type="button" onClick={onRead}>Read its audit row</button></p>}
+      {!placed && <p class="soft">Its audit row was not read yet. <button type="button" onClick={onRead}>Read the audit row</button></p>}
       {placed && (
         <details>
-          <summary>Its audit row</summary>
+          <summary>Audit row</summary>
           <dl>{placed.row.entries().map(([name, text]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}><Name text={text} /></dd>])}</dl>
           <p><a href={decisionsHref({ session: sessionId, row: placed.row.id })}>Link to this row</a></p>
         </details>
