@@ -50,7 +50,7 @@ def condition_words(condition, lane_model):
 
 
 def games_of(row, scenes, regime_frames):
-    """Returns the games of a row: a scene each, with the pass for the replay and the interval of flips that results."""
+    """Returns the games of a row. Each is a scene with its pass for the replay and the resulting interval of flips."""
     games = [scene | {"flip_s": None} for scene in scenes if scene["category"] in row["categories"]]
     for flip_s in row.get("flip_s", []):
         for scene in {each["cell"]: each for each in scenes if each["scene"] in regime_frames}.values():
@@ -78,14 +78,14 @@ def replayed(program, games, traces, policies, words):
 
 
 def milliseconds(frame):
-    """Returns milliseconds per frame: of the best fixed arm, lost to it, saved against the median and the worst arm, and of the lane."""
+    """Returns milliseconds per frame: the best fixed arm's time, the loss to it, savings against the median and worst arm, lane time."""
     saved = {arm: frame[arm] - frame["detection"] for arm in ("median", "worst")}
     return {"ms_best": frame["best"], "ms_lost": frame["regret"], "ms_saved_median": saved["median"], "ms_saved_worst": saved["worst"],
             "ms_lane": frame["lane"], "ms_lane_unpaid": frame["lane"] - saved["median"]}
 
 
 def said(bins, low, high):
-    """Returns the number of decisions with P(best) in this range, and in how many of them the leader was the fastest arm."""
+    """Returns the number of decisions with P(best) in this range, and the number of those whose leader was the fastest arm."""
     decisions, right = 0, 0.0
     for one in bins:
         if low <= one["low"] and one["high"] <= high:

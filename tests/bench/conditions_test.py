@@ -36,7 +36,7 @@ def judged(over, cells, **more):
 
 
 class Goals(unittest.TestCase):
-    def test_take_the_cells_together(self):
+    def test_combine_the_cells(self):
         cells = [cell(x=0.05, w=1, p=1.0), cell(x=0.2, w=3, p=2.0), cell(condition="noise", x=0.0, w=1, p=1.0)]
         for over, more, reached, met in (
                 ("each", {}, 0.2, False), ("mean", {}, 0.25 / 3, True), ("group", {}, 0.125, False),
@@ -47,11 +47,11 @@ class Goals(unittest.TestCase):
             self.assertAlmostEqual(goal["reached"], reached, msg=over)
             self.assertEqual(goal["met"], met, over)
 
-    def test_of_groups_keep_paces_and_categories_apart(self):
+    def test_of_groups_separate_paces_and_categories(self):
         cells = [cell(x=0.0), cell(x=0.1, flip_s=8), cell(x=0.4, flip_s=16), cell(x=0.0, flip_s=16), cell(x=0.15, category="changing")]
         self.assertAlmostEqual(judged("group", cells)["reached"], 0.2)
 
-    def test_at_least_looks_for_the_smallest(self):
+    def test_at_least_judges_the_smallest_value(self):
         goal = choosing.judge({"row": "r", "cells": [cell("a", x=0.3), cell("b", x=0.2)]}, [
             {"goal": "g", "row": "r", "figure": "x", "over": "each", "unit": "percent", "at_least": 0.25}])[0]
         self.assertEqual((goal["reached"], goal["met"], goal["cells"][0]["cell"]), (0.2, False, "b, clean"))
@@ -64,7 +64,7 @@ class Goals(unittest.TestCase):
         with self.assertRaises(InputError):
             choosing.judge({"row": "other", "cells": [cell(x=1)]}, [])
 
-    def test_are_for_conditions_and_flips_that_are_played(self):
+    def test_use_only_conditions_and_flips_of_their_row(self):
         plan, goals = conditions.read_plan(), read_goals(choosing.GOALS)["choosing"]
         for name, row in plan["row"].items():
             own = [goal for goal in goals if goal["row"] == name]
@@ -88,7 +88,7 @@ class Conditions(unittest.TestCase):
     def run_row(self, row, *words):
         return called("conditions.py", row, self.scenes, "--traces", self.folder / "traces", *words)
 
-    def test_play_every_goal_of_the_rows(self):
+    def test_measure_every_goal_of_the_rows(self):
         goals = read_goals(choosing.GOALS)["choosing"]
         for row, plan in conditions.read_plan()["row"].items():
             with self.subTest(row=row):
@@ -108,7 +108,7 @@ class Conditions(unittest.TestCase):
                                        check=False)
                 self.assertEqual((again.returncode, json.loads(again.stdout)["goals"]), (done.returncode, document["goals"]))
 
-    def test_milliseconds_are_saved_against_other_arms_and_policies(self):
+    def test_milliseconds_compare_with_other_arms_and_policies(self):
         frame = {"detection": 2, "best": 1, "median": 5, "worst": 9, "regret": 1, "lane": 4}
         self.assertEqual(conditions.milliseconds(frame), {
             "ms_best": 1, "ms_lost": 1, "ms_saved_median": 3, "ms_saved_worst": 7, "ms_lane": 4, "ms_lane_unpaid": 1})
@@ -117,11 +117,11 @@ class Conditions(unittest.TestCase):
         rows = {"default": own | {"ms_per_frame": frame}, "paper": own | {"ms_per_frame": frame | {"detection": 2.5}}}
         self.assertEqual(conditions.cell_of("clean", cell(), rows, "default", ["paper"], None)["ms_saved_paper"], 0.5)
 
-    def test_what_p_best_said_is_counted_in_its_range(self):
+    def test_decisions_are_counted_by_their_p_best(self):
         bins = [{"low": low, "high": high, "decisions": 10, "best": best} for low, high, best in ((0.7, 0.8, 1), (0.8, 0.9, 0.5))]
         self.assertEqual(conditions.said(bins, 0.8, 0.9), {"p_best_said": 10, "p_best_right": 5})
 
-    def test_a_lane_s_errors_reach_the_replay(self):
+    def test_the_lane_model_changes_the_replay(self):
         regrets = []
         for arm in ("Grid", "AxisSweep"):  # this arm looks cheapest to the trivial policy
             model = self.folder / f"{arm}.toml"
@@ -134,13 +134,13 @@ class Conditions(unittest.TestCase):
                                                     {"lane-noise": 0.15, "lane-ratio": {"SAP": 0.9}}),
                          ["--lane-noise", "0.3", "--lane-ratio", "SAP", "0.9"])
 
-    def test_flips_last_as_long_as_they_should(self):
+    def test_flips_have_the_requested_duration(self):
         row = {"categories": [], "flip_s": [8]}
         games = conditions.games_of(row, [{"cell": "waves-3000-2", "scene": "waves", "frames": 3600, "pass": "1m", "category": "changing"}],
                                     {"waves": 400})
         self.assertEqual([game["pass"] for game in games], ["72000ms"])
 
-    def test_says_what_is_wrong(self):
+    def test_reports_errors(self):
         self.assertIn("invalid choice", called("conditions.py", "nothing").stderr)
         empty = self.folder / "empty.txt"
         empty.write_text("suite-b 60 40 1 1s resonant\n")
@@ -157,10 +157,10 @@ class Sealed(unittest.TestCase):
         self.regime_frames = conditions.read_plan()["regime_frames"]
         sealed.seal(self.list, self.regime_frames, stationary=1, changing=1, objects=[50, 60], frames=80)
 
-    def test_the_committed_list_is_the_one_that_was_sealed(self):
+    def test_the_committed_list_matches_its_hashes(self):
         self.assertGreaterEqual(len(sealed.read_sealed(sealed.LIST, self.regime_frames)), 8)
 
-    def test_another_rule_breaks_the_seal(self):
+    def test_a_changed_rule_is_detected(self):
         self.list.write_text(self.list.read_text().replace("objects = [50, 60]", "objects = [500, 600]"))
         with self.assertRaisesRegex(InputError, "other scenes than those that were sealed"):
             sealed.read_sealed(self.list, self.regime_frames)
@@ -185,7 +185,7 @@ class Sealed(unittest.TestCase):
                 self.assertNotIn(f'"{scene["scene"]}"', text)
                 self.assertNotIn(f" {scene['scene']} ", text)
 
-    def test_a_look_that_fails_is_one(self):
+    def test_a_failed_look_is_logged_too(self):
         done = subprocess.run([HERE / "sealed.py", "--program", "/bin/false", "--list", self.list], capture_output=True, text=True,
                               check=False)
         self.assertEqual(done.returncode, 2)

@@ -37,7 +37,7 @@ class StoredPriors(unittest.TestCase):
             self.assertGreater(document["cells"][0]["half_width_" + kind], 0)
         self.assertEqual(len(document["goals"]), 2)
 
-    def test_are_wrong_with_the_ranking_reversed(self):
+    def test_wrong_priors_reverse_the_ranking(self):
         def record(arm, alpha, beta, count):
             return {"arm": arm, "alpha_increment": alpha, "beta_increment": beta, "window_count": count, "scene": "s"}
         wrong = stored_priors.reversed_ranking([record("Grid", 9, 1, 3), record("SAP", 1, 9, 2), record("DBVT", 5, 5, 1)])
@@ -60,7 +60,7 @@ class Worth(unittest.TestCase):
         possible, gain = (sum(cell[name] for cell in document["cells"]) for name in ("log_worth", "log_gain"))
         self.assertAlmostEqual(document["goals"][0]["reached"] or 0, gain / possible if possible else 0)
 
-    def test_counts_games_at_equal_speed_with_what_the_lane_took(self):
+    def test_compares_games_at_equal_speed_including_the_lane(self):
         decided, always = ([10, 10], [30, 30]), ([30, 30], [60, 60])  # detection and other work: the second game ran at half the speed
         self.assertEqual(worth.mean_detections({"AI Decides": decided, "KDTree": always}, 0.05), {"AI Decides": 12, "KDTree": 15})
         little = ([1000, 3000], [1, 1])
@@ -68,7 +68,7 @@ class Worth(unittest.TestCase):
 
 
 class LaneModel(unittest.TestCase):
-    def test_is_one_that_replays_take(self):
+    def test_is_accepted_by_replays(self):
         done = called("lane_model.py", "--program", PROGRAMS / "sweepstake", "--scenes", "brownian:200", "--arms", "SAP,KDTree",
                       "--seconds", 2, "--time-scale", 60)
         if done.returncode == 2:
@@ -79,7 +79,7 @@ class LaneModel(unittest.TestCase):
         self.assertEqual(words[0:4:2], ["--lane-noise", "--lane-contention"])
         self.assertIn("--lane-ratio", words)
 
-    def test_is_not_measured_where_the_lane_rests(self):
+    def test_is_not_measured_if_the_lane_does_not_run(self):
         for words, reason in ((("--condition", "one-cpu"), "invalid choice: 'one-cpu'"),
                               (("--condition", "quota", "--cpu-quota", "1.5"), "the lane rests")):
             done = called("lane_model.py", "--program", PROGRAMS / "sweepstake", *words)
@@ -91,7 +91,7 @@ class LaneModel(unittest.TestCase):
         self.assertEqual(lane_model.errors_of(visits, frames), [math.log(0.5)])
         self.assertAlmostEqual(lane_model.spread([-1.349, 0, 1.349] * 9), 2, places=5)
 
-    def test_contention_is_of_the_frames_beside_a_sweep(self):
+    def test_contention_compares_frames_during_and_before_a_sweep(self):
         visits = [(10, 10, 130, lane_model.ACTIVE)]  # 200 ns of work
         frames = [40] * 18 + [50] * 4 + [40] * 20
         self.assertEqual(lane_model.contention_of(visits, frames), 1.25)
@@ -104,7 +104,7 @@ class LaneModel(unittest.TestCase):
 
 
 class Mistakes(unittest.TestCase):
-    def test_are_said(self):
+    def test_are_reported(self):
         for words, expected in ((("stored_priors.py", "--programs", "/nowhere"), "no program at /nowhere/sweepstake"),
                                 (("worth.py", "--program", PROGRAMS / "sweepstake", "--seconds", 0), "more than 0 seconds"),
                                 (("worth.py", "--program", PROGRAMS / "sweepstake", "--scenes", "nowhere", "--seconds", 0.1), "nowhere"),

@@ -102,7 +102,7 @@ class BenchGoals(unittest.TestCase):
         ):
             self.assertEqual(self.goal_of(**fields), goal, fields)
 
-    def test_of_the_best_instruction_set_are_those_of_the_best_that_was_measured(self):
+    def test_of_the_best_instruction_set_apply_to_the_best_measured_one(self):
         goals = common.read_goals(judge.DATA / "goals.toml")
         for measured, goal in ((("avx2", "sse4"), 6), (("avx512", "avx2"), None)):
             found = backends.bench_goal(goals, ratio("family", "Grid", "Peer", 1.0, simd="avx2"), bench_document([], simd=measured))
@@ -119,7 +119,7 @@ class BenchGoals(unittest.TestCase):
         ):
             self.assertEqual(self.goal_of(kind="overall", **fields), goal, fields)
 
-    def test_are_others_with_cold_caches(self):
+    def test_differ_with_cold_caches(self):
         for fields, goal in (
             ({"kind": "overall"}, 8),
             ({"kind": "overall", "simd": "avx2"}, 8),
@@ -144,7 +144,7 @@ class BenchGoals(unittest.TestCase):
         for family in ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree"):
             self.assertIsNotNone(self.goal_of(ours=family), family)
 
-    def test_are_met_at_the_limit_and_missed_beside_it(self):
+    def test_are_met_at_the_limit_and_missed_beyond_it(self):
         for kind, ours, value, code in (("family", "Grid", 6.0, 0), ("family", "Grid", 5.99, 1),
                                         ("spike", "KDTree", 2.0, 0), ("spike", "KDTree", 2.01, 1)):
             found, document, _ = judged(bench_document([bench_row(ours)], [ratio(kind, ours, "Peer", value)]))
@@ -159,7 +159,7 @@ class BenchGoals(unittest.TestCase):
         row["bytes_with_pairs"] = 12_000_001
         self.assertEqual(judged(bench_document([row]))[0], 1)
 
-    def test_of_memory_are_for_each_instruction_set(self):
+    def test_of_memory_apply_to_each_instruction_set(self):
         rows = [bench_row("KDTree", objects=100_000, simd=simd, bytes_with_pairs=held)
                 for simd, held in (("avx512", 6_000_000), ("avx2", 13_000_000))]
         code, document, _ = judged(bench_document(rows, simd=("avx512", "avx2")))
@@ -168,7 +168,7 @@ class BenchGoals(unittest.TestCase):
 
 
 class PublishedFigures(unittest.TestCase):
-    def test_are_reached_through_embree(self):
+    def test_are_derived_from_times_of_embree(self):
         _, document, _ = judged(bench_document(
             [bench_row("SAP")], speedups=[speedup("SAP", "Embree", 5), speedup("SAP", "BulletDbvtDeferred", 7)]))
         own = [each for each in document["published"] if each["kind"] == "family"]
@@ -176,17 +176,17 @@ class PublishedFigures(unittest.TestCase):
         self.assertAlmostEqual(own[0]["value"], 5 * 2.39 / 2.50)
         self.assertAlmostEqual(own[0]["value_mean"], 10 * 2.39 / 2.50)
 
-    def test_are_of_warm_caches_and_say_nothing_of_cold_ones(self):
+    def test_apply_to_warm_caches_only(self):
         _, document, _ = judged(bench_document([bench_row("SAP")], speedups=[speedup("SAP", "Embree", 5)], cold=True))
         self.assertEqual(document["published"], [])
 
-    def test_are_reached_through_bullet_without_embree(self):
+    def test_are_derived_from_times_of_bullet_without_embree(self):
         _, document, _ = judged(bench_document([bench_row("SAP")], speedups=[speedup("SAP", "BulletDbvtDeferred", 7)]))
         overall = [each for each in document["published"] if each["kind"] == "overall"]
         self.assertEqual([(each["other"], each["derived_through"]) for each in overall], [("PhysxAbp", "BulletDbvtDeferred")])
         self.assertAlmostEqual(overall[0]["value"], 7 * 1.00 / 5.93)
 
-    def test_are_compared_with_our_fastest_arm_of_one_thread(self):
+    def test_are_compared_with_our_fastest_single_threaded_arm(self):
         rows = [bench_row("Grid", 2.0), bench_row("SAP", 1.0), bench_row("KDTree", 0.5, threads=2)]
         _, document, _ = judged(bench_document(rows, speedups=[speedup(arm, "Embree", 5) for arm in ("Grid", "SAP")]))
         self.assertEqual([each["ours"] for each in document["published"] if each["kind"] == "overall"], ["SAP"])
@@ -203,7 +203,7 @@ class PublishedFigures(unittest.TestCase):
         self.assertEqual(family.keys(), {("SAP", "avx512"), ("SAP", "avx2")})
         self.assertAlmostEqual(family["SAP", "avx2"], 3 * 2.39 / 2.50)
 
-    def test_are_compared_with_a_peer_that_a_goal_names_beside_the_best(self):
+    def test_are_compared_with_the_best_peer_and_with_peers_that_goals_name(self):
         rows = [bench_row("SAP", simd=simd, scene="suite-g", objects=1_000) for simd in ("avx512", "avx2")]
         speedups = [speedup("SAP", "Embree", 20, "suite-g", 1_000, simd) for simd in ("avx512", "avx2")]
         _, document, _ = judged(bench_document(rows, speedups=speedups, simd=("avx512", "avx2")))
@@ -225,7 +225,7 @@ class PublishedFigures(unittest.TestCase):
 
 
 class BenchText(unittest.TestCase):
-    def test_has_every_row_and_says_which_goal_is_missed(self):
+    def test_has_every_row_and_marks_missed_goals(self):
         document = bench_document(
             [bench_row("Grid"), bench_row("Peer", kind="peer", family="Grid", note="stopped by the cap of 2.0 s"),
              bench_row("Wrong", kind="peer", family="Grid", difference="step 1: other pairs")],
@@ -240,7 +240,7 @@ class BenchText(unittest.TestCase):
         self.assertIn(["family", "Grid", "1", "Peer", "2.00", "2.00", "6.0", "NOT", "MET", "-"], lines)
         self.assertNotIn("simd", lines[0])
 
-    def test_names_the_instruction_set_where_several_were_measured(self):
+    def test_names_the_instruction_set_if_several_were_measured(self):
         document = bench_document(
             [bench_row("Grid", simd="avx2"), bench_row("Grid", 2.5, simd="sse4", difference="step 1: other pairs"),
              bench_row("Peer", kind="peer", family="Grid")],
@@ -252,14 +252,14 @@ class BenchText(unittest.TestCase):
         self.assertIn("FAILED Grid with sse4 in suite-b (10000 objects): step 1: other pairs".split(), lines)
         self.assertTrue(any("cold" in line for line in lines))
 
-    def test_has_comparisons_of_the_row_that_they_are_of(self):
+    def test_has_comparisons_beside_their_row(self):
         document = bench_document([bench_row("Grid", simd="avx2"), bench_row("Grid", simd="sse4")],
                                   [ratio("simd", "Grid", "avx2", 1.5, simd="sse4")], simd=("avx2", "sse4"))
         lines = [line.split() for line in run(["bench"], [document])[1].splitlines()]
         self.assertEqual([line for line in lines if line[:1] == ["simd"]],
                          [["simd", "Grid", "sse4", "1", "avx2", "1.50", "1.50", "1.0-2.0", "met", "-"]])
 
-    def test_puts_what_was_measured_elsewhere_behind_what_was_measured_here(self):
+    def test_lists_published_figures_after_measured_ones(self):
         document = bench_document([bench_row("SAP"), bench_row("Grid")],
                                   [ratio("overall", "SAP", "Peer", 9.0), ratio("family", "SAP", "Peer", 8.0),
                                    ratio("family", "Grid", "Peer", 7.0)],
@@ -346,7 +346,7 @@ class DecisionGoals(unittest.TestCase):
         self.assertEqual(Replays().change("stationary", "none", "paper", regret_best_fixed=0.09).missed(),
                          ["stationary regret of paper against it"])
 
-    def test_of_a_decisions_time_excludes_the_limit(self):
+    def test_of_a_decisions_time_are_missed_at_the_limit(self):
         replays = Replays()
         replays.documents[-1]["rows"][1]["p99_ms"] = 1.0
         self.assertEqual(replays.missed(), ["a decision, p99 with 32 arms"])
@@ -354,13 +354,13 @@ class DecisionGoals(unittest.TestCase):
     def test_leave_out_changing_scenes_without_headroom(self):
         self.assertEqual(Replays().change("changing", "none", headroom=0.04, regret_best_fixed=0.02).missed(), [])
 
-    def test_the_worst_cell_speaks_for_a_goal_and_comes_first(self):
+    def test_are_judged_by_the_worst_cell_which_is_listed_first(self):
         goals = json.loads(Replays().change("resonant", "wrong", regret_best_fixed=0.05).judge(["--json"])[1])["goals"]
         goal = next(each for each in goals if each["goal"] == "wrong prior")
         self.assertEqual(goal["reached"], 0.05)
         self.assertEqual([cell["met"] for cell in goal["cells"]], [False, True, True])
 
-    def test_a_policy_without_regret_leaves_nothing_of_papers(self):
+    def test_a_policy_without_regret_is_infinitely_better_than_paper(self):
         code, out, _ = Replays().change("stationary", "none", regret_best_fixed=-0.01).judge()
         self.assertEqual(code, 0)
         self.assertIn("none left", out)
@@ -397,7 +397,7 @@ class DaemonGoals(unittest.TestCase):
             code, out, _ = run(["daemon"], [document])
             self.assertEqual((code, out.count("NOT MET")), (1, 1), goal)
 
-    def test_what_was_not_measured_is_an_error(self):
+    def test_a_missing_figure_is_an_error(self):
         fewer_streams = self.document | {"streams": 100}
         no_load = self.document | {"loads": self.document["loads"][1:]}
         no_figure = copy.deepcopy(self.document)
@@ -428,7 +428,7 @@ class Proxies(unittest.TestCase):
             code, out, _ = run(["proxies"], [self.documents[goal["by"]] | {goal["figure"]: beside(goal, False)}])
             self.assertEqual((code, out.count("NOT MET")), (1, 1), goal)
 
-    def test_what_was_not_measured_is_an_error(self):
+    def test_a_missing_figure_is_an_error(self):
         for document in ({"command": "proxy_steps_bench"}, self.documents["proxy_ratios_bench"] | {"command": "bench"}):
             code, out, err = run(["proxies"], [document])
             self.assertEqual((code, out), (2, ""), err)
@@ -460,7 +460,7 @@ class Incomplete(unittest.TestCase):
         del replays.documents[-1]
         self.check(replays, "time of a decision")
 
-    def test_a_figure_that_nobody_knows(self):
+    def test_an_unknown_figure(self):
         self.check(Replays().change("changing", "none", headroom_captured=None), "waves-3000-2 has no headroom_captured")
 
     def test_a_row_without_a_column(self):
@@ -472,7 +472,7 @@ class Incomplete(unittest.TestCase):
         for document in ("{", "[]", {"command": "trace", "rows": []}, bench_document([])):
             self.assertEqual(run(["bench"], [document])[0], 2, document)
 
-    def test_lists_with_lines_that_are_none(self):
+    def test_lists_with_invalid_lines(self):
         for text in ("brownian 1000 3000 1 15m", "brownian 1000 3000 1 15m calm", "brownian 1000 3000 1 15 stationary", "# none"):
             with tempfile.TemporaryDirectory() as folder:
                 path = pathlib.Path(folder) / "cells.txt"
@@ -484,7 +484,7 @@ class Incomplete(unittest.TestCase):
         with self.assertRaises(common.InputError):
             common.limit_of({"goal": "nothing"})
 
-    def test_goals_with_two_limits_where_one_is_shown(self):
+    def test_goals_with_two_limits_instead_of_one(self):
         with self.assertRaises(common.InputError):
             common.limit_of({"at_least": 1.0, "at_most": 2.0})
 

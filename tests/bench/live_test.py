@@ -33,7 +33,7 @@ def rows(condition, regret, tail=1.0, rounds=5, scenes="abcd", trial=1.0):
 
 
 class Live(unittest.TestCase):
-    def test_plays_and_writes_what_judge_reads(self):
+    def test_writes_a_document_that_judge_reads(self):
         done = live("--scenes", "brownian:100", "--conditions", "one-cpu,bursts", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         document = json.loads(done.stdout)
@@ -54,7 +54,7 @@ class Live(unittest.TestCase):
         done = live("--scenes", "brownian:100", "--conditions", "quiet", "--minutes", "0.0001", "--rounds", "50", "--json")
         self.assertEqual(json.loads(done.stdout)["rows"][0]["rounds"], 1, done.stderr)
 
-    def test_plays_only_the_lane_s_pairs(self):
+    def test_can_play_only_the_games_with_and_without_the_lane(self):
         done = live("--scenes", "brownian:100", "--conditions", "quiet", "--lane-only", "--json")
         one = json.loads(done.stdout)["rows"][0]
         self.assertEqual((one["regret"], len(one["lane_tail_ratios"])), (None, 2))
@@ -74,14 +74,14 @@ echo {}
             game = Game(types.SimpleNamespace(program=program, seconds=0.1), "brownian", 100)
             self.assertEqual(game.fixed("SAP"), [9])
 
-    def test_plays_with_a_quota_where_one_can_be_set(self):
+    def test_plays_with_a_quota_if_the_system_allows_one(self):
         done = live("--scenes", "brownian:100", "--conditions", "quota", "--lane-only", "--cpu-quota", "0.5", "--json")
         if done.returncode == 2:
             self.assertIn("quota", done.stderr)
             return
         self.assertEqual(json.loads(done.stdout)["rows"][0]["condition"], "quota")
 
-    def test_a_slower_machine_is_no_regret(self):
+    def test_a_slower_machine_does_not_count_as_regret(self):
         rest, detection = [100] * 1000, [50] * 1000
         frames = [a + b for a, b in zip(rest, detection)]
         speed = [1 if number < 512 else 2 for number in range(1000)]
@@ -97,7 +97,7 @@ echo {}
         self.assertEqual(choice(["KDTree"] * 4, medians), 0)
         self.assertEqual(choice(["KDTree", "Grid", "KDTree", "KDTree"], medians), 0.5)
 
-    def test_trials_are_of_arms_that_ran_less_than_the_incumbent_and_end_with_the_switch_back(self):
+    def test_a_trial_is_on_an_arm_other_than_the_incumbent_and_ends_with_the_switch_back(self):
         arms = ["Grid", "Grid", *["SAP"] * 9, "Grid", "Tracy", "SAP", "SAP", "Grid"]
         self.assertEqual(list(trials(arms, "SAP")), [(11, 14), (15, 16)])
         self.assertEqual(list(trials(["Grid"] * 30 + ["SAP"] * 5 + ["Grid"] * 15 + ["SAP"] * 90, "SAP")), [], "SAP's own trial")
@@ -112,7 +112,7 @@ echo {}
         games = {"AI Decides": ([9] * 8, [1] * 8), "SAP": ([3] * 7, [1] * 7), "KDTree": ([2] * 8, [1] * 8)}
         Cell.compare_trials(cell, arms, games, "KDTree", ([4] * 9, [1] * 9))
         self.assertEqual((cell.trial_ratios, cell.control_ratios), ([3], [2]))
-        del games["SAP"]  # which was too dear to take part
+        del games["SAP"]  # it was too expensive to take part
         Cell.compare_trials(cell, arms, games, "KDTree", ([4] * 9, [1] * 9))
         self.assertEqual((cell.trial_ratios, cell.control_ratios), ([3, 4.5], [2, 2]))
 
@@ -125,14 +125,14 @@ echo {}
         self.assertAlmostEqual(worst_ratio((2, 6), slow, [200] * 8, incumbent, rest), 240 / 160, msg="the machine was slower")
         self.assertEqual([nine_in_ten(range(count)) for count in (1, 2, 10, 20)], [0, 1, 8, 17])
 
-    def test_says_what_is_wrong(self):
+    def test_reports_errors(self):
         for words, expected in ((("--scenes", "brownian"), "brownian"), (("--conditions", "loud"), "quiet"),
                                 (("--scenes", "nowhere:10"), "nowhere")):
             done = live(*words)
             self.assertEqual(done.returncode, 2)
             self.assertIn(expected, done.stderr)
 
-    def test_goals_are_held_by_condition(self):
+    def test_goals_are_judged_per_condition(self):
         met = {"command": "live", "rows": rows("quiet", 0.02, scenes="ab") + rows("quiet", -0.01, scenes="cd")}
         self.assertEqual(judged(met)[0], 0)
         figures = json.loads(judged(met)[1])["figures"]

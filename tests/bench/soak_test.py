@@ -11,19 +11,19 @@ def samples(rss_kib):
 
 
 class JudgeTest(unittest.TestCase):
-    def test_what_fills_in_the_first_half_and_swings_in_the_second_is_flat(self):
+    def test_a_measure_that_grows_in_the_first_half_and_varies_in_the_second_is_flat(self):
         rows = soak.judge(samples([100 * step for step in range(10)] + [1000, 1010] * 5), 0.05)
         self.assertTrue(rows["rss_kib"]["flat"])
         self.assertTrue(rows["threads"]["flat"])
         self.assertEqual(rows["rss_kib"]["peak"], 1010)
 
-    def test_what_rises_in_the_second_half_is_not(self):
+    def test_a_measure_that_rises_in_the_second_half_is_not_flat(self):
         rows = soak.judge(samples([1000] * 10 + [1000 + 10 * step for step in range(10)]), 0.05)
         self.assertFalse(rows["rss_kib"]["flat"])
         self.assertAlmostEqual(rows["rss_kib"]["growth_ratio"], 90 / 1045)
         self.assertTrue(rows["descriptors"]["flat"])
 
-    def test_what_falls_is_flat(self):
+    def test_a_measure_that_falls_is_flat(self):
         self.assertTrue(soak.judge(samples(range(1000, 900, -5)), 0.05)["rss_kib"]["flat"])
 
     def test_a_run_that_is_too_short_is_not_judged(self):

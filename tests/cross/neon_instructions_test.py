@@ -47,10 +47,10 @@ class Counting(unittest.TestCase):
     def test_counts_each_execution_of_a_block(self):
         self.assertEqual(count(FIRST + SECOND + AGAIN + WRITE), [7])
 
-    def test_begins_anew_behind_each_write(self):
+    def test_starts_again_at_zero_after_each_write(self):
         self.assertEqual(count(FIRST + WRITE + SECOND + WRITE + AGAIN), [3, 1])
 
-    def test_counts_a_block_as_it_was_translated_last(self):
+    def test_counts_the_latest_translation_of_a_block(self):
         other = SECOND.replace(b"0x7f0002", b"0x7f0001")
         self.assertEqual(count(FIRST + WRITE + other + AGAIN + WRITE), [3, 2])
 
@@ -67,7 +67,7 @@ class Goal(unittest.TestCase):
         self.assertEqual(code, 1)
         self.assertIn("NOT MET", out)
 
-    def test_is_no_question_where_the_pairs_differ(self):
+    def test_is_not_judged_if_the_pairs_differ(self):
         with self.assertRaises(neon_instructions.RunError):
             neon_instructions.compare("Grid", ([1], ["end 1 2"]), ([1], ["end 2 2"]))
 

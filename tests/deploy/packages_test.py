@@ -59,7 +59,7 @@ def names(dependencies):
 
 
 class CMakeTest(unittest.TestCase):
-    def test_every_package_that_cmake_asks_for_is_known_here(self):
+    def test_every_package_that_cmake_searches_is_in_the_list(self):
         self.assertEqual(asked_for(), set(PACKAGES))
 
 
@@ -72,7 +72,7 @@ class VcpkgManifestTest(unittest.TestCase):
         self.assertEqual(self.manifest["version"], VERSION)
         self.assertEqual(self.manifest["license"], (SOURCE / "LICENSE").read_text().split()[0])
 
-    def test_it_has_only_the_fields_of_a_manifest(self):
+    def test_it_has_only_valid_fields(self):
         fields = {"name", "version", "description", "license", "supports", "dependencies", "features"}
         self.assertEqual(set(self.manifest), fields)
         for feature in self.manifest["features"].values():
@@ -85,7 +85,7 @@ class VcpkgManifestTest(unittest.TestCase):
             name = entry if isinstance(entry, str) else entry["name"]
             self.assertRegex(name, r"^[a-z0-9]+(-[a-z0-9]+)*$")
 
-    def test_each_feature_depends_on_what_cmake_asks_for(self):
+    def test_each_feature_depends_on_the_packages_that_cmake_searches(self):
         for feature in (None, "telemetry", "daemon"):
             part = self.manifest["features"][feature] if feature else self.manifest
             needed = {name for ports, _, needs in PACKAGES.values() if needs == feature for name in ports}
@@ -123,7 +123,7 @@ class PortfileTest(unittest.TestCase):
         self.assertLessEqual({"BUILD_TESTING", "SWEEPSTAKE_WITH_DAEMON"}, set_here)
         self.assertLessEqual(set_here, known)
 
-    def test_features_switch_what_is_built(self):
+    def test_features_set_the_options_of_cmake(self):
         plain = self.run_port([])[0]
         whole = self.run_port(["telemetry", "daemon"])[0]
         for setting, value in (("SWEEPSTAKE_WITH_DAEMON", "OFF"), ("CMAKE_DISABLE_FIND_PACKAGE_gRPC", "ON")):
@@ -133,7 +133,7 @@ class PortfileTest(unittest.TestCase):
         self.assertNotIn("vcpkg_copy_tools", plain)
         self.assertEqual(whole["vcpkg_copy_tools"], ["TOOL_NAMES", "sweepstake", "sweepstaked", "AUTO_CLEAN"])
 
-    def test_it_installs_its_usage_and_moves_the_config_from_where_cmake_has_it(self):
+    def test_it_installs_the_usage_text_and_moves_the_cmake_config(self):
         calls, files = self.run_port([])
         self.assertIn("package/share/sweepstake/usage", files)
         self.assertFalse([file for file in files if "debug/include" in file])
@@ -161,7 +161,7 @@ class ConanTest(unittest.TestCase):
         recipe = self.made()
         self.assertEqual((recipe.name, recipe.version, recipe.license), ("sweepstake", VERSION, "MIT"))
 
-    def test_each_option_requires_what_cmake_asks_for(self):
+    def test_each_option_requires_the_packages_that_cmake_searches(self):
         for options, features in (({}, {None}), ({"telemetry": True}, {None, "telemetry"}),
                                   ({"daemon": True}, {None, "telemetry", "daemon"})):
             required = {reference.partition("/")[0] for reference in self.made(**options).required}
@@ -182,7 +182,7 @@ class ConanTest(unittest.TestCase):
             components = {name: needs for name, needs in components.items() if name not in ("telemetry", "proto", "tls")}
         self.assertEqual({name: {need for need in needs if "::" not in need} for name, needs in components.items()}, exported)
 
-    def test_the_archive_of_the_c_abi_is_a_component_where_it_was_installed(self):
+    def test_the_archive_of_the_c_abi_is_a_component_if_it_is_installed(self):
         flavours = (SOURCE / "engine_client/c_api/flavours/flavours.cmake").read_text()
         installed, component = re.search(r"OUTPUT_NAME (\w+) EXPORT_NAME (c_\w+)", flavours).groups()
         definition = re.search(r"target_compile_definitions\(sweepstake_c_static INTERFACE (\w+)\)", flavours).group(1)
@@ -196,13 +196,13 @@ class ConanTest(unittest.TestCase):
         known = cmake_options() | {"CMAKE_DISABLE_FIND_PACKAGE_gRPC", "PROTOZERO_INCLUDE_DIR"}
         self.assertLessEqual(set(self.made().cache_variables), known)
 
-    def test_options_switch_what_is_built(self):
+    def test_options_set_the_options_of_cmake(self):
         for options, daemon, without_grpc in (({}, False, True), ({"telemetry": True}, False, False), ({"daemon": True}, True, False)):
             variables = self.made(**options).cache_variables
             self.assertIs(variables["SWEEPSTAKE_WITH_DAEMON"], daemon)
             self.assertIs(variables["CMAKE_DISABLE_FIND_PACKAGE_gRPC"], without_grpc)
 
-    def test_what_it_exports_is_there(self):
+    def test_its_exported_files_exist(self):
         recipe = self.made()
         self.assertLessEqual({"CMakeLists.txt", "engine_client/*", "server/*"}, set(recipe.exported))
         for pattern in recipe.exported:

@@ -56,7 +56,7 @@ std::string ValidDatabase() {
   const fs::path path = Folder() / "priors.db";
   {
     auto store = OpenSqlitePriorStore(path);
-    Require(store.ok(), "a store can be made");
+    Require(store.ok(), "a store can be created");
     Require((*store)->Commit(std::vector{Update("a", 1), Update("b", 1)}).ok(), "committed");
     const PriorRecord imported{Update("", 1).increments[0].key, "c", 1, {1, 1, 1, 0}};
     Require((*store)->Import({&imported, 1}).ok(), "imported");
@@ -90,9 +90,9 @@ std::string Changed(std::string bytes, Input input) {
 // Reads everything in a store. The results are valid, or it reports an error.
 void Read(PriorStore& store) {
   if (const auto records = store.Export({}, {}, kPage); records.ok())
-    Require(CheckRecords(records->records).ok(), "what is read is valid");
+    Require(CheckRecords(records->records).ok(), "evidence that was read is valid");
   if (const auto records = store.ExportQuarantined({}, {}, kPage); records.ok())
-    Require(CheckRecords(records->records).ok(), "what waits is valid");
+    Require(CheckRecords(records->records).ok(), "quarantined evidence is valid");
   if (const auto scenes = store.List({}, std::nullopt, kPage); scenes.ok()) {
     for (const auto& scene : *scenes) {
       (void)store.LoadScene(scene.key);

@@ -27,7 +27,7 @@ using priors::PriorStore;
 constexpr uint32_t kAll = 1'000'000;
 constexpr uint64_t kMaxWaiting = 50;
 
-// One store, and what must hold of it whatever it is given.
+// A store, and the conditions that must hold after every operation.
 class Subject {
  public:
   void Import(const std::vector<PriorRecord>& records, bool waits) {
@@ -41,7 +41,7 @@ class Subject {
     const auto expected = store_->Promote({.id = source_id}, /*preview=*/true);
     const auto promoted = store_->Promote({.id = source_id}, preview);
     Require(expected.ok() && promoted.ok() && *expected == *promoted,
-            "a preview says what a promotion does");
+            "a preview equals the promotion");
   }
   void Commit(const PriorRecord& record) {
     priors::SourceUpdate update;
@@ -53,15 +53,15 @@ class Subject {
   void Revoke(const std::string& source_id) {
     const auto expected = store_->Revoke({.id = source_id}, /*preview=*/true);
     const auto revoked = store_->Revoke({.id = source_id}, /*preview=*/false);
-    Require(expected.ok() == revoked.ok(), "a preview fails where a revocation does");
-    Require(!revoked.ok() || *expected == *revoked, "a preview says what a revocation does");
+    Require(expected.ok() == revoked.ok(), "a preview fails if the revocation fails");
+    Require(!revoked.ok() || *expected == *revoked, "a preview equals the revocation");
   }
   // Compares the sums of the scenes with those of the records.
   void Check() {
     const auto exported = store_->Export({}, {}, kAll);
-    Require(exported.ok() && CheckRecords(exported->records).ok(), "what is stored is valid");
+    Require(exported.ok() && CheckRecords(exported->records).ok(), "stored evidence is valid");
     const auto waiting = store_->ExportQuarantined({}, {}, kAll);
-    Require(waiting.ok() && CheckRecords(waiting->records).ok(), "what waits is valid");
+    Require(waiting.ok() && CheckRecords(waiting->records).ok(), "quarantined evidence is valid");
     std::map<priors::SceneKey, SceneSum> sums;
     for (const PriorRecord& record : exported->records) {
       const priors::EvidenceKey& key = record.key;

@@ -95,7 +95,7 @@ class Owner {
   void Advance() {
     const LinkAction action = link_.Advance(now_ns_);
     Require(!cancelled_ || action == LinkAction::kCancel,
-            "a stream is cancelled until it has ended");
+            "a cancelled stream stays cancelled until it has ended");
     cancelled_ = action == LinkAction::kCancel;
     if (action == LinkAction::kFinish) {
       Require(!finished_, "a stream is finished once");

@@ -22,7 +22,7 @@ if(WITH_TELEMETRY AND NOT commands MATCHES "telemetry/daemon_session\\.cc")
 endif()
 foreach(unwanted "-Werror" "ccache" "_test\\.cc" "server/(daemon|rpc|storage|web)")
   if(commands MATCHES "[^\"\n]*${unwanted}[^\"\n]*")
-    message(FATAL_ERROR "As a folder of another project Sweepstake brings '${unwanted}': ${CMAKE_MATCH_0}")
+    message(FATAL_ERROR "As a folder of another project, Sweepstake added '${unwanted}': ${CMAKE_MATCH_0}")
   endif()
 endforeach()
 # The daemon's libraries must not be searched for.
@@ -32,7 +32,7 @@ if(asked)
 endif()
 file(GLOB_RECURSE test_lists ${WORK}/CTestTestfile.cmake ${WORK}/DartConfiguration.tcl)
 if(test_lists)
-  message(FATAL_ERROR "Sweepstake brings tests to the project that added it: ${test_lists}")
+  message(FATAL_ERROR "Sweepstake added tests to the project that added it: ${test_lists}")
 endif()
 
 # The game compiles, and installs only its own files.

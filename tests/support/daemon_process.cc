@@ -30,7 +30,7 @@ DaemonProcess::DaemonProcess(const std::filesystem::path& data, const std::strin
   // The daemon writes the complete port file when it listens.
   while (!std::filesystem::exists(data / "port")) {
     if (process_.ended()) {
-      std::fprintf(stderr, "The daemon ended at once:\n%s\n", log().c_str());
+      std::fprintf(stderr, "The daemon did not start:\n%s\n", log().c_str());
       std::abort();
     }
     usleep(5'000);

@@ -49,7 +49,7 @@ void HttpSocket::Send(std::string_view bytes) {
 bool HttpSocket::ReadMore() {
   std::array<char, 4096> bytes;
   const ssize_t count = recv(socket_, bytes.data(), bytes.size(), 0);
-  if (count < 0 && errno == EAGAIN) Die("the server says nothing");
+  if (count < 0 && errno == EAGAIN) Die("the server sends nothing");
   if (count > 0) unread_.append(bytes.data(), static_cast<size_t>(count));
   return count > 0;
 }

@@ -45,7 +45,7 @@ std::string PairDifference(std::span<const OverlapPair> found,
                       std::back_inserter(surplus));
   std::string text;
   Describe("missing", missing, text);
-  Describe("surplus, doubled or not a < b", surplus, text);
+  Describe("surplus, duplicate or not a < b", surplus, text);
   return text;
 }
 

@@ -15,7 +15,7 @@ class TemporaryDirectory {
   TemporaryDirectory() {
     std::string name = (std::filesystem::temp_directory_path() / "sweepstake-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) {
-      std::fprintf(stderr, "Cannot make a temporary directory: %s\n", name.c_str());
+      std::fprintf(stderr, "Cannot create a temporary directory: %s\n", name.c_str());
       std::abort();
     }
     path_ = name;

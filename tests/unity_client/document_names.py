@@ -69,10 +69,10 @@ def errors(root, package):
         text = re.sub(r"\s+", " ", CODE_BLOCK.sub("", page.read_text(encoding="utf-8")).replace("**", ""))
         for name in ITALIC.findall(CODE.sub("", text)):
             if not is_shown(name, texts):
-                yield f"{page.name}: nothing is called '{name}'"
+                yield f"{page.name}: '{name}' is not a label of the package"
         for code in CODE.findall(text):
             if FILE_NAME.fullmatch(code):
                 if not is_file(root, package, code):
-                    yield f"{page.name}: there is no file {code}"
+                    yield f"{page.name}: the file {code} does not exist"
             elif API_CODE.fullmatch(code) and not TEST.match(code):
-                yield from (f"{page.name}: the API has no {word}, of {code}" for word in unknown_words(code, files, words))
+                yield from (f"{page.name}: {word} in {code} is not in the API" for word in unknown_words(code, files, words))

@@ -181,8 +181,9 @@ def policies_text(cells, replays):
 def decisions_text(goals, cells, policy, replays):
     return (f"Policy {policy}, {replays.seeds} seeds in each of {len(cells)} cells; regret is frame time against the best "
             f"fixed arm's.\n\n{goals_text(goals)}\n{cells_text(cells, policy, replays)}\n"
-            "floor: the same arm measured twice. headroom: of the best sequence of arms that pays for\n"
-            "its switches; captured: how much of it was reached. right, wrong, class, scenes: with what a\nstore serves after other games (`sweepstake-lab replay --priors`).\n\n"
+            "floor: the same arm measured twice. headroom: what the best sequence of arms would save, including the\n"
+            "cost of its switches. captured: the part of the headroom that the policy saved. right, wrong, class,\n"
+            "scenes: with stored priors from other games (`sweepstake-lab replay --priors`).\n\n"
             + policies_text(cells, replays))
 
 

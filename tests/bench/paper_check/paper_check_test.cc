@@ -24,7 +24,7 @@ const PaperCell& Cell(std::string_view scene, uint32_t object_count) {
   return *FindPaperCell(scene, object_count);
 }
 
-TEST(PaperGame, IsTheSameForTheSameSeedAndAnotherForAnother) {
+TEST(PaperGame, DependsOnTheSeedOnly) {
   const PaperGame one = PlayPaperGame({}, kClear, kAxisSweep, 3);
   const PaperGame two = PlayPaperGame({}, kClear, kAxisSweep, 3);
   EXPECT_EQ(one.evidence, two.evidence);
@@ -32,7 +32,7 @@ TEST(PaperGame, IsTheSameForTheSameSeedAndAnotherForAnother) {
   EXPECT_NE(one.evidence, PlayPaperGame({}, kClear, kAxisSweep, 4).evidence);
 }
 
-TEST(PaperGame, ObservesOnceIn2SecondsOfActiveTimeButForTheSettling) {
+TEST(PaperGame, ObservesOncePer2SecondsOfActiveTimeWithoutSettling) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     const PaperGame game = PlayPaperGame({}, {.detection_ms = 1}, kAxisSweep, seed);
     const double active_s = game.active_percent * 9;
@@ -45,7 +45,7 @@ TEST(PaperGame, ObservesOnceIn2SecondsOfActiveTimeButForTheSettling) {
   }
 }
 
-TEST(PaperGame, WaitsForTheSamplesOfAWindow) {
+TEST(PaperGame, ContinuesAWindowUntilItHasEnoughSamples) {
   // 10 FPS give 20 samples in each interval.
   const PaperCosts slow{.detection_ms = 88, .gap_ms = 40};
   const PaperGame each = PlayPaperGame({}, slow, kAxisSweep, 1);
@@ -65,7 +65,7 @@ TEST(PaperGame, AFrameOverTheLimitIsABailOut) {
   EXPECT_GT(game.active_percent, 90);
 }
 
-TEST(PaperGame, RandomHasNoFavourite) {
+TEST(PaperGame, RandomPrefersNoArm) {
   uint32_t dominated = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     const PaperGame game = PlayPaperGame({.policy = "random"}, kClear, kAxisSweep, seed);
@@ -93,7 +93,7 @@ std::vector<PaperGame> ThreeGames() {
            .evidence = 100}};
 }
 
-TEST(PaperCheck, AggregatesAsTheTablesDo) {
+TEST(PaperCheck, AggregatesRunsLikeThePapersTables) {
   const auto figures = CompareWithPaper(Cell("hurricane", 2000), ThreeGames());
   EXPECT_DOUBLE_EQ(figures[kDominance].ours.mean, 2.0 / 3);
   EXPECT_DOUBLE_EQ(figures[kDominance].paper.mean, 1);
@@ -105,7 +105,7 @@ TEST(PaperCheck, AggregatesAsTheTablesDo) {
   EXPECT_FALSE(figures[kSwitches].is_fitted || figures[kEvidence].is_fitted);
 }
 
-TEST(PaperCheck, MeasuresByTheStandardErrorOfAsManyRunsAsThePapersMeanIsOver) {
+TEST(PaperCheck, UsesTheStandardErrorOfThePapersNumberOfRuns) {
   const std::vector<PaperGame> games = ThreeGames();
   const auto all = CompareWithPaper(Cell("hurricane", 2000), games);
   // The variances are those of 4, 8 and 18, and of the paper.
@@ -122,14 +122,14 @@ TEST(PaperCheck, MeasuresByTheStandardErrorOfAsManyRunsAsThePapersMeanIsOver) {
   EXPECT_NEAR(some[kDominance].standard_errors, 0.4 / std::sqrt((0.25 * 4 - 0.25) / 3 / 5), 1e-12);
 }
 
-TEST(PaperCheck, ACellWhoseArmNeverDominatesIsFar) {
+TEST(PaperCheck, ACellWhoseArmNeverDominatesHasInfiniteDistance) {
   const PaperGame game{.switch_count = 7, .dominant_arm = 0};
   const auto figures = CompareWithPaper(Cell("hurricane", 2000), {&game, 1});
   EXPECT_TRUE(std::isnan(figures[kEvidence].ours.mean));
   EXPECT_FALSE(figures[kEvidence].is_close());
 }
 
-TEST(PaperCheck, FitsTheFittedFiguresAndPredictsTheOthers) {
+TEST(PaperCheck, FitsTwoFiguresAndPredictsTheOthers) {
   const std::vector<PaperRules> rules = {{.policy = "paper"}};
   const std::vector<PaperCell> cells = {Cell("hurricane", 2000)};
   const auto predictions = CheckPaper(rules, cells, {.seed_count = 24, .thread_count = 2}, kSilent);
@@ -159,7 +159,7 @@ TEST(PaperCheck, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-TEST(PaperCheck, SaysHowLongAnObservationTook) {
+TEST(PaperCheck, ReportsTheSecondsPerObservation) {
   EXPECT_NEAR(SecondsPerObservation(Cell("brownian", 1000)), 2.0, 0.05);
   EXPECT_NEAR(SecondsPerObservation(Cell("rotating-gravity", 2000)), 3.3, 0.05);
   EXPECT_NEAR(SecondsPerObservation(Cell("rotating-gravity", 3000)), 6.6, 0.1);
@@ -175,7 +175,7 @@ PaperPrediction PredictionOf(const PaperRules& rules, double errors) {
   return prediction;
 }
 
-TEST(PaperScore, CountsThePredictedFiguresAndCapsTheFarOnes) {
+TEST(PaperScore, CountsCloseFiguresAndLimitsLargeDistances) {
   const PaperScore close = ScoreOf(std::vector{PredictionOf({}, -2)});
   EXPECT_EQ(close.close_count, 3U);
   EXPECT_EQ(close.figure_count, 3U);
@@ -185,7 +185,7 @@ TEST(PaperScore, CountsThePredictedFiguresAndCapsTheFarOnes) {
   EXPECT_NEAR(distant.distance, std::sqrt((2.1 * 2.1 + 100) / 2), 1e-12);
 }
 
-TEST(PaperCheckOutput, NamesWhatIsMissedAndTheBestLeastNumberOfSamples) {
+TEST(PaperCheckOutput, NamesMissedFiguresAndTheBestMinimumNumberOfSamples) {
   std::vector<PaperPrediction> predictions;
   for (const PaperRules& rules : PaperRulesToCheck()) {
     const double errors = rules.policy == "random" ? 9 : rules.min_sample_count == 20 ? 1 : 4;

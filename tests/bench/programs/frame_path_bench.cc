@@ -126,7 +126,7 @@ void Report(const Faults& faults, benchmark::State& state) {
   if (faults.system_call_count) {
     state.counters["system_calls"] = per_frame(*faults.system_call_count);
   } else {
-    state.SetLabel("system calls not counted: no seccomp here");
+    state.SetLabel("system calls were not counted: this system has no seccomp");
   }
   any_fault = any_fault || faults.allocation_count + faults.wait_count > 0 ||
               faults.system_call_count.value_or(0) > 0;

@@ -40,7 +40,7 @@ std::vector<std::string> Command(const char* program, std::initializer_list<std:
 
 PostgresServer::PostgresServer(bool synced) : synced_(synced) {
   if (geteuid() == 0 && chown(directory_.path().c_str(), kNobody, kNobody) != 0)
-    Abort("its directory cannot be handed over");
+    Abort("the owner of its directory cannot be changed");
   Make();
   Start();
 }

@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace Sweepstake.Documents
 {
-    /// <summary>What the statements of the documents take for granted: a game around them.</summary>
+    /// <summary>Declares the variables of a game that the code in the documents uses.</summary>
     internal abstract class Context
     {
         protected readonly BroadPhaseSession session = new BroadPhaseSession();
