@@ -85,7 +85,7 @@ TEST_F(AdaptiveBroadPhaseTest, MeasuresUpdateAndSearchWithTheInjectedClock) {
   EXPECT_EQ(sample.object_count, 4U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, NumbersFramesWithoutGapsAndHandsEachToTheSink) {
+TEST_F(AdaptiveBroadPhaseTest, NumbersFramesWithoutGapsAndPassesEachToTheSink) {
   for (int i = 0; i < 5; ++i) Frame();
   ASSERT_EQ(sink_.frames.size(), 5U);
   for (size_t i = 0; i < 5; ++i) EXPECT_EQ(sink_.frames[i].frame_index, i);
@@ -120,7 +120,7 @@ TEST_F(AdaptiveBroadPhaseTest, ExecutesACommandOnlyAtTheStartOfAFrame) {
   EXPECT_EQ(arms_[2]->build_count, 1);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, BuildsAgainOnReturningToAnArm) {
+TEST_F(AdaptiveBroadPhaseTest, BuildsAgainAfterReturningToAnArm) {
   Frame();
   adaptive_->mailbox().Post({.command_id = 1, .arm = 1});
   Frame();
@@ -129,11 +129,12 @@ TEST_F(AdaptiveBroadPhaseTest, BuildsAgainOnReturningToAnArm) {
   EXPECT_EQ(arms_[0]->build_count, 2);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, FrozenItReadsNoClockAndKeepsItsArm) {
+TEST_F(AdaptiveBroadPhaseTest, ReadsNoClockAndKeepsItsArmWhileFrozen) {
   Frame();
   const uint64_t read_count = clock_.reading_count();
   EXPECT_GT(read_count, 0U);
-  EXPECT_TRUE(adaptive_->Obey({.order_id = 3, .mode = Mode::kAi, .arm = 1})) << "not at once";
+  EXPECT_TRUE(adaptive_->Obey({.order_id = 3, .mode = Mode::kAi, .arm = 1}))
+      << "an order waits for the next frame";
   adaptive_->Freeze();
   EXPECT_EQ(adaptive_->mode(), Mode::kManual);
   adaptive_->mailbox().Post({.command_id = 1, .arm = 2, .reason = SwitchReason::kManual});
@@ -152,14 +153,14 @@ TEST_F(AdaptiveBroadPhaseTest, FrozenItReadsNoClockAndKeepsItsArm) {
   EXPECT_EQ(adaptive_->active_arm(), 2U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, FrozenItLeavesNoArmBecauseOfALongFrameBefore) {
+TEST_F(AdaptiveBroadPhaseTest, IgnoresABailOutBeforeAFreeze) {
   Frame();
   BailOut();
   adaptive_->Freeze();
   EXPECT_EQ(Frame().arm, 0U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, ReportsASwitchWithItsCostOnceItHasSettled) {
+TEST_F(AdaptiveBroadPhaseTest, ReportsASwitchAndItsCostAfterSettling) {
   AdaptiveOptions options;
   options.settling_ns = 100;
   Make(options);
@@ -180,7 +181,7 @@ TEST_F(AdaptiveBroadPhaseTest, ReportsASwitchWithItsCostOnceItHasSettled) {
   EXPECT_EQ(outcome.executed, 1U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, RefusesAnArmThatIsActiveOrDoesNotExist) {
+TEST_F(AdaptiveBroadPhaseTest, RefusesCommandsForTheActiveOrAnUnknownArm) {
   for (const uint32_t arm : {0U, 3U, 1000U}) {
     adaptive_->mailbox().Post({.command_id = 5, .arm = arm});
     Frame();
@@ -192,7 +193,7 @@ TEST_F(AdaptiveBroadPhaseTest, RefusesAnArmThatIsActiveOrDoesNotExist) {
   EXPECT_EQ(adaptive_->switch_epoch(), 0U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, RefusesAllButManualCommandsInManualMode) {
+TEST_F(AdaptiveBroadPhaseTest, RefusesCommandsOfThePolicyInManualMode) {
   adaptive_->SetMode(Mode::kManual);
   for (const auto reason :
        {SwitchReason::kPolicy, SwitchReason::kExploration, SwitchReason::kBailOut}) {
@@ -205,7 +206,7 @@ TEST_F(AdaptiveBroadPhaseTest, RefusesAllButManualCommandsInManualMode) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, KeepsTheLatestOutcomeToBeReadAlsoWithoutASink) {
+TEST_F(AdaptiveBroadPhaseTest, KeepsTheLatestOutcomeAlsoWithoutASink) {
   auto backend = std::make_unique<ScriptedBroadPhase>(ArmScript{.name = "A"}, clock_);
   std::vector<std::unique_ptr<BroadPhase>> backends;
   backends.push_back(std::move(backend));
@@ -219,7 +220,7 @@ TEST_F(AdaptiveBroadPhaseTest, KeepsTheLatestOutcomeToBeReadAlsoWithoutASink) {
   EXPECT_EQ(adaptive_->last_outcome()->executed, 0U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, PassesTheDecidersLatestDecisionOn) {
+TEST_F(AdaptiveBroadPhaseTest, ReturnsTheLatestDecisionOfTheDecider) {
   EXPECT_FALSE(adaptive_->last_decision());
   LastDecision decision{.decision_id = 3, .candidate_arm = 2, .arm_count = 3};
   decision.best_probability[2] = 0.75;
@@ -231,20 +232,20 @@ TEST_F(AdaptiveBroadPhaseTest, PassesTheDecidersLatestDecisionOn) {
   EXPECT_EQ(adaptive_->last_decision()->best_probability[2], 0.75);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, SelectsAnArmByNameAtTheNextFrame) {
+TEST_F(AdaptiveBroadPhaseTest, SelectsAnArmByNameForTheNextFrame) {
   ASSERT_TRUE(adaptive_->SelectArm("C").ok());
   EXPECT_EQ(adaptive_->active_arm(), 0U);
   EXPECT_EQ(Frame().arm, 2U);
   EXPECT_EQ(adaptive_->mode(), Mode::kAi);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, ListsTheArmsWhenAnUnknownOneIsSelected) {
+TEST_F(AdaptiveBroadPhaseTest, SelectingAnUnknownArmListsTheValidOnes) {
   const Status status = adaptive_->SelectArm("D");
   EXPECT_EQ(status.code(), StatusCode::kNotFound);
   EXPECT_THAT(status.message(), HasSubstr("A, B, C"));
 }
 
-TEST_F(AdaptiveBroadPhaseTest, PrefersWhatAPersonSelectedAndRefusesTheCommandOfTheSameFrame) {
+TEST_F(AdaptiveBroadPhaseTest, AManualSelectionOverridesACommandOfTheSameFrame) {
   ASSERT_TRUE(adaptive_->SelectArm("C").ok());
   adaptive_->mailbox().Post({.command_id = 4, .arm = 1});
   EXPECT_EQ(Frame().arm, 2U);
@@ -253,7 +254,7 @@ TEST_F(AdaptiveBroadPhaseTest, PrefersWhatAPersonSelectedAndRefusesTheCommandOfT
   EXPECT_EQ(sink_.switches[0].executed, 0U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, KeepsToAnOrderedArmAndTellsSoInTheFrameThatRunsIt) {
+TEST_F(AdaptiveBroadPhaseTest, KeepsAnOrderedArmAndReportsItInTheSameFrame) {
   adaptive_->Obey({.order_id = 9, .mode = Mode::kManual, .arm = 2});
   adaptive_->mailbox().Post({.command_id = 4, .arm = 1});
   EXPECT_EQ(Frame().arm, 2U);
@@ -270,7 +271,7 @@ TEST_F(AdaptiveBroadPhaseTest, KeepsToAnOrderedArmAndTellsSoInTheFrameThatRunsIt
   EXPECT_EQ(sink_.mode_changes.at(1).order_id, 10U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, TellsThatItObeysAnOrderThatChangesNothing) {
+TEST_F(AdaptiveBroadPhaseTest, ConfirmsAnOrderThatChangesNothing) {
   adaptive_->Obey({.order_id = 1, .mode = Mode::kManual, .arm = 0});
   Frame();
   adaptive_->Obey({.order_id = 2, .mode = Mode::kManual, .arm = {}});
@@ -280,7 +281,7 @@ TEST_F(AdaptiveBroadPhaseTest, TellsThatItObeysAnOrderThatChangesNothing) {
   EXPECT_EQ(adaptive_->mode(), Mode::kManual);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, ABailOutEndsWhatAnOperatorOrderedAndFlees) {
+TEST_F(AdaptiveBroadPhaseTest, ABailOutEndsTheModeOfAnOrderAndSwitches) {
   adaptive_->Obey({.order_id = 1, .mode = Mode::kManual, .arm = 1});
   Frame();
   Frame(7 * kSecond);
@@ -293,7 +294,7 @@ TEST_F(AdaptiveBroadPhaseTest, ABailOutEndsWhatAnOperatorOrderedAndFlees) {
   EXPECT_EQ(Frame().arm, 2U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, ABailOutLeavesTheManualModeThatTheGameChose) {
+TEST_F(AdaptiveBroadPhaseTest, ABailOutKeepsTheManualModeOfTheGame) {
   adaptive_->SetMode(Mode::kManual);
   adaptive_->Obey({.order_id = 1, .mode = Mode::kManual, .arm = 1});
   Frame();
@@ -308,7 +309,7 @@ TEST_F(AdaptiveBroadPhaseTest, ABailOutLeavesTheManualModeThatTheGameChose) {
   EXPECT_EQ(adaptive_->mode(), Mode::kManual) << "the game has chosen the mode since then";
 }
 
-TEST_F(AdaptiveBroadPhaseTest, FlagsAFrameOverTheLimitAndFleesInTheNext) {
+TEST_F(AdaptiveBroadPhaseTest, FlagsAFrameOverTheLimitAndSwitchesInTheNext) {
   BailOut();
   EXPECT_NE(sink_.frames.back().flags & kFrameBailOut, 0U);
   EXPECT_EQ(sink_.frames.back().arm, 0U);
@@ -316,20 +317,20 @@ TEST_F(AdaptiveBroadPhaseTest, FlagsAFrameOverTheLimitAndFleesInTheNext) {
   EXPECT_EQ(Frame().arm, 1U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, FleesToTheHighestPosteriorMean) {
+TEST_F(AdaptiveBroadPhaseTest, ABailOutSwitchesToTheHighestPosteriorMean) {
   adaptive_->SetPosteriorMeans(std::vector<double>{0.9, 0.1, 0.5});
   BailOut();
   EXPECT_EQ(Frame().arm, 2U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, LeavesTheAnswerToADeciderThatIsPresent) {
+TEST_F(AdaptiveBroadPhaseTest, ABailOutDoesNotSwitchIfADeciderIsConnected) {
   adaptive_->SetDeciderPresent(true);
   BailOut();
   EXPECT_NE(sink_.frames.back().flags & kFrameBailOut, 0U);
   EXPECT_EQ(Frame().arm, 0U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, DoesNotFleeInManualModeOrFromPausesAndOtherLongFrames) {
+TEST_F(AdaptiveBroadPhaseTest, DoesNotBailOutInManualModeOrIfTheArmIsNotTheCause) {
   Frame(7 * kSecond);
   EXPECT_EQ(Frame().arm, 0U);
   BailOut(kFramePaused);
@@ -341,7 +342,7 @@ TEST_F(AdaptiveBroadPhaseTest, DoesNotFleeInManualModeOrFromPausesAndOtherLongFr
   EXPECT_EQ(Frame().arm, 0U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, FleesOncePerLongFrame) {
+TEST_F(AdaptiveBroadPhaseTest, SwitchesOncePerBailOut) {
   BailOut();
   for (int i = 0; i < 3; ++i) Frame();
   EXPECT_EQ(adaptive_->switch_epoch(), 1U);
@@ -351,12 +352,12 @@ TEST_F(AdaptiveBroadPhaseTest, FleesOncePerLongFrame) {
   EXPECT_EQ(adaptive_->active_arm(), 2U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, KeepsOnlyTheEnginesOwnFlags) {
+TEST_F(AdaptiveBroadPhaseTest, KeepsOnlyTheFlagsThatAnEngineMaySet) {
   Frame();
   EXPECT_EQ(Frame(1, 4, 0xFFFF'FFF0U | kFrameBailOut | kFramePaused).flags, uint32_t{kFramePaused});
 }
 
-TEST_F(AdaptiveBroadPhaseTest, GivesASampleWithoutDetectionForAFrameWithoutSearch) {
+TEST_F(AdaptiveBroadPhaseTest, AFrameWithoutASearchHasNoDetectionTime) {
   Frame();
   adaptive_->BeginFrame();
   adaptive_->EndFrame({.frame_time_ns = 5, .flags = kFramePaused});
@@ -365,7 +366,7 @@ TEST_F(AdaptiveBroadPhaseTest, GivesASampleWithoutDetectionForAFrameWithoutSearc
   EXPECT_EQ(Frame().flags, 0U);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, AddsUpTheSearchesOfAFrameAndCountsTheLatestOnesPairs) {
+TEST_F(AdaptiveBroadPhaseTest, SumsTheSearchesOfAFrameAndCountsPairsOfTheLast) {
   adaptive_->BeginFrame();
   adaptive_->FindPairs(std::vector<Aabb>(4));
   arms_[0]->script().pair_count = 2;
@@ -384,7 +385,7 @@ TEST_F(AdaptiveBroadPhaseTest, AddsUpTheSearchesOfAFrameAndCountsTheLatestOnesPa
   EXPECT_EQ(Frame().detection_time_ns, 110U) << "the time starts at 0 in each frame";
 }
 
-TEST_F(AdaptiveBroadPhaseTest, ChargesASwitchWithItsRebuildAloneWhenFramesSearchTwice) {
+TEST_F(AdaptiveBroadPhaseTest, MeasuresOnlyTheRebuildIfFramesSearchTwice) {
   AdaptiveOptions options;
   options.settling_ns = 100;
   Make(options);
@@ -401,7 +402,7 @@ TEST_F(AdaptiveBroadPhaseTest, ChargesASwitchWithItsRebuildAloneWhenFramesSearch
   }
 }
 
-TEST_F(AdaptiveBroadPhaseTest, BlamesTheArmForSearchesThatAreTooLongTogether) {
+TEST_F(AdaptiveBroadPhaseTest, BailsOutIfTheSumOfSearchesIsTooLong) {
   arms_[0]->script().find_ns = 2 * kSecond;
   adaptive_->BeginFrame();
   for (int search = 0; search < 3; ++search) adaptive_->FindPairs(std::vector<Aabb>(4));
@@ -425,7 +426,7 @@ TEST_F(AdaptiveBroadPhaseTest, DescribesTheFirstSearchOfEachFrame) {
   EXPECT_EQ(sink_.descriptors[0].static_ratio, 1);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, LeavesTheOrderToTheArmUnlessItIsToSort) {
+TEST_F(AdaptiveBroadPhaseTest, SortsPairsOnlyIfTheOptionIsSet) {
   const auto order = [this] {
     adaptive_->BeginFrame();
     const auto pairs = adaptive_->FindPairs(std::vector<Aabb>(4));
@@ -442,13 +443,13 @@ TEST_F(AdaptiveBroadPhaseTest, LeavesTheOrderToTheArmUnlessItIsToSort) {
   EXPECT_THAT(order(), ::testing::ElementsAre(0, 1, 2));
 }
 
-TEST_F(AdaptiveBroadPhaseTest, DescribesTheSceneFromTimeToTime) {
+TEST_F(AdaptiveBroadPhaseTest, DescribesTheSceneOncePerPeriod) {
   for (int i = 0; i < 600; ++i) Frame();
   ASSERT_EQ(sink_.descriptors.size(), 9U);
   EXPECT_EQ(sink_.descriptors[0].object_count, 4);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, TellsArmsAndVersionsInOrder) {
+TEST_F(AdaptiveBroadPhaseTest, ReturnsArmsAndVersionsInOrder) {
   EXPECT_THAT(adaptive_->arms(), ::testing::ElementsAre("A", "B", "C"));
   EXPECT_THAT(adaptive_->arm_versions(), ::testing::ElementsAre(1, 2, 3));
 }

@@ -19,7 +19,7 @@ AdaptiveOptions OptionsOf(std::vector<std::string> arms) {
   return options;
 }
 
-TEST(AdaptiveCreateTest, ListsTheBackendsForAnUnknownArm) {
+TEST(AdaptiveCreateTest, AnUnknownArmListsTheBackends) {
   const auto result = AdaptiveBroadPhase::Create(OptionsOf({"Octopus"}), nullptr);
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.status().code(), StatusCode::kNotFound);
@@ -44,7 +44,7 @@ TEST(AdaptiveCreateTest, RefusesRepeatedArmsBadLimitsAndAnUnknownInitialArm) {
   EXPECT_EQ(code(options), StatusCode::kNotFound);
 }
 
-TEST(AdaptiveCreateTest, BeginsWithKdTreeOrWithTheFirstOfTheArmsThatAreNamed) {
+TEST(AdaptiveCreateTest, StartsWithKdTreeOrTheFirstNamedArm) {
   const auto initial = [](const AdaptiveOptions& options) {
     const auto adaptive = AdaptiveBroadPhase::Create(options, nullptr);
     return adaptive.ok() ? (*adaptive)->arms()[(*adaptive)->active_arm()] : "";

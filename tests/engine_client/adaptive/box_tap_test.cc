@@ -34,7 +34,7 @@ class BoxTapTest : public ::testing::Test {
   BoxTap tap_;
 };
 
-TEST_F(BoxTapTest, CopiesNothingAndReadsNoClockUnlessAsked) {
+TEST_F(BoxTapTest, CopiesNothingAndReadsNoClockWithoutARequest) {
   tap_.Reserve(4, 100);
   for (uint64_t index = 0; index < 5; ++index) Frame(index, 10);
   EXPECT_EQ(tap_.filled_count(), 0U);
@@ -61,7 +61,7 @@ TEST_F(BoxTapTest, CopiesConsecutiveFramesAndNoMoreThanRequested) {
   }
 }
 
-TEST_F(BoxTapTest, EndsTheRequestAtAFrameThatDoesNotFitAndTellsItsSize) {
+TEST_F(BoxTapTest, EndsTheRequestAtAFrameThatDoesNotFitAndReportsItsSize) {
   tap_.Reserve(4, 100);
   tap_.Request(4);
   Frame(1, 100);
@@ -78,7 +78,7 @@ TEST_F(BoxTapTest, EndsTheRequestAtAFrameThatDoesNotFitAndTellsItsSize) {
   EXPECT_EQ(tap_.too_big_count(), 0U);
 }
 
-TEST_F(BoxTapTest, TakesFramesWithoutBoxes) {
+TEST_F(BoxTapTest, CopiesFramesWithoutBoxes) {
   tap_.Reserve(1, 0);
   tap_.Request(1);
   Frame(1, 0);
@@ -87,7 +87,7 @@ TEST_F(BoxTapTest, TakesFramesWithoutBoxes) {
 }
 
 // ThreadSanitizer reports a slot that two threads own at the same time.
-TEST(BoxTapThreads, HandsWholeFramesOverWhileTheyGoOn) {
+TEST(BoxTapThreads, CopiesCompleteFramesWhileTheGameRuns) {
   BoxTap tap;
   tap.Reserve(BoxTap::kMaxSlots, 200);
   std::atomic<bool> stop{false};

@@ -54,7 +54,7 @@ TEST(DescriptorEstimator, IsReadyOncePerPeriod) {
   }
 }
 
-TEST(DescriptorEstimator, MeasuresNothingButTheCountOfAnEmptyScene) {
+TEST(DescriptorEstimator, MeasuresOnlyTheCountOfAnEmptyScene) {
   const SceneDescriptor descriptor = Describe({});
   EXPECT_EQ(descriptor.object_count, 0);
   EXPECT_EQ(descriptor.density_ratio, -1);
@@ -64,13 +64,13 @@ TEST(DescriptorEstimator, MeasuresNothingButTheCountOfAnEmptyScene) {
   EXPECT_EQ(descriptor.static_ratio, -1);
 }
 
-TEST(DescriptorEstimator, FindsTheDensityWithinATenth) {
+TEST(DescriptorEstimator, EstimatesTheDensityWithinTenPercent) {
   const SceneDescriptor descriptor = Describe(Uniform(5000, 50, 2));
   const double truth = 5000.0 / (51.0 * 51.0 * 51.0);
   EXPECT_NEAR(descriptor.density_ratio, truth, 0.1 * truth);
 }
 
-TEST(DescriptorEstimator, FindsTheSizeSpread) {
+TEST(DescriptorEstimator, EstimatesTheSizeSpread) {
   SequentialRandom random(3);
   std::vector<Aabb> boxes;
   boxes.reserve(2000);
@@ -79,7 +79,7 @@ TEST(DescriptorEstimator, FindsTheSizeSpread) {
   EXPECT_NEAR(Describe(boxes).size_spread, 2 / std::sqrt(12.0), 0.05);
 }
 
-TEST(DescriptorEstimator, FindsSpeedAndTheStaticShare) {
+TEST(DescriptorEstimator, EstimatesSpeedAndStaticShare) {
   const SceneDescriptor all = Describe(Uniform(200, 20, 4), 0.25F, 200);
   EXPECT_NEAR(all.speed_mean, 0.25, 1e-4);
   EXPECT_NEAR(all.speed_spread, 0, 1e-2);
@@ -118,7 +118,7 @@ TEST(DescriptorEstimator, MeasuresTheMotionOfEachPeriodAndTheShapeOfSeveral) {
   }
 }
 
-TEST(DescriptorEstimator, TellsAClusteredSceneFromAUniformOne) {
+TEST(DescriptorEstimator, DistinguishesAClusteredSceneFromAUniformOne) {
   const SceneDescriptor uniform = Describe(Uniform(200, 40, 5));
   EXPECT_NEAR(uniform.clustering_ratio, 1, 0.6);
   std::vector<Aabb> clustered = Uniform(200, 2, 6);
@@ -138,7 +138,7 @@ TEST(DescriptorEstimator, MeasuresNoMotionWhileTheObjectCountChanges) {
   EXPECT_GT(descriptor.density_ratio, 0);
 }
 
-TEST(DescriptorEstimator, StaysFiniteOnBrokenAndHugeBoxes) {
+TEST(DescriptorEstimator, StaysFiniteWithInvalidAndHugeBoxes) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   std::vector<Aabb> boxes(50, Aabb{{kNan, 0, 0}, {1, 1, 1}});
   boxes.push_back({{-1e30F, -1e30F, -1e30F}, {1e30F, 1e30F, 1e30F}});
@@ -151,7 +151,7 @@ TEST(DescriptorEstimator, StaysFiniteOnBrokenAndHugeBoxes) {
   }
 }
 
-TEST(DescriptorEstimator, VisitsObjectsFromTheWholeOfALargeScene) {
+TEST(DescriptorEstimator, SamplesObjectsFromAllOfALargeScene) {
   std::vector<Aabb> boxes = Uniform(100'000, 100, 8);
   EXPECT_NEAR(Describe(boxes, 1, 25'000).static_ratio, 0.75, 0.03);
 }

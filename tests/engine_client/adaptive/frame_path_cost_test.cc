@@ -87,7 +87,7 @@ TEST_P(FramePathCost, AllocatesNothingAfterWarmUp) {
   EXPECT_EQ(malloc_count, 0U);
 }
 
-TEST_P(FramePathCost, AllocatesNothingAndWaitsForNothingToShowBoxes) {
+TEST_P(FramePathCost, AllocatesNothingAndNeverBlocksWithABoxView) {
   ViewTap& tap = adaptive_->view_tap();
   for (const size_t max_boxes : {100U, 1000U}) {
     tap.Request(max_boxes);
@@ -104,7 +104,7 @@ TEST_P(FramePathCost, AllocatesNothingAndWaitsForNothingToShowBoxes) {
   }
 }
 
-TEST_P(FramePathCost, AllocatesNothingAndWaitsForNothingToRecordAFlight) {
+TEST_P(FramePathCost, AllocatesNothingAndNeverBlocksWithAFlightRecorder) {
   for (int frame = 0; frame < kMeasuredFrames; ++frame) {
     const uint64_t before = ThreadAllocationCount() + ThreadMallocCount();
     {
@@ -121,7 +121,7 @@ TEST_P(FramePathCost, AllocatesNothingAndWaitsForNothingToRecordAFlight) {
   EXPECT_EQ(ring_.Frames().back().box_count, 500U);
 }
 
-TEST_P(FramePathCost, CallsNothingThatCouldWaitWithOrWithoutAReader) {
+TEST_P(FramePathCost, NeverBlocksWithOrWithoutAReader) {
   for (int frame = 0; frame < kMeasuredFrames; ++frame) {
     std::unique_ptr<Drain> drain;
     if (frame % 30 == 0) drain = std::make_unique<Drain>(queue_);
@@ -168,7 +168,7 @@ struct Faults {
 };
 
 // The scene is at rest, because in a moving scene a structure of any age may still grow.
-TEST(FramePathCostWithLane, AllocatesNothingAndWaitsForNothingInSweepsAndWarmSwitches) {
+TEST(FramePathCostWithLane, AllocatesNothingAndNeverBlocksInSweepsAndWarmSwitches) {
   SampleQueue queue(256);
   const BoxScene scene("brownian", 500, 11);
   // With long frames the lane may copy often; with short frames no preparation is late.
@@ -197,8 +197,8 @@ TEST(FramePathCostWithLane, AllocatesNothingAndWaitsForNothingInSweepsAndWarmSwi
   EXPECT_EQ(faults.wait_count, 0U);
 }
 
-TEST(WaitCounterTest, SeesLocksSleepsAndFutexes) {
-  if (!WaitCounter::Works()) GTEST_SKIP() << "not with ThreadSanitizer";
+TEST(WaitCounterTest, CountsLocksSleepsAndFutexes) {
+  if (!WaitCounter::Works()) GTEST_SKIP() << "the counter does not work with ThreadSanitizer";
   std::mutex mutex;
   std::atomic<int> word{1};
   {
@@ -220,7 +220,7 @@ TEST(WaitCounterTest, SeesLocksSleepsAndFutexes) {
   EXPECT_EQ(fresh.count(), 0U);
 }
 
-TEST(MallocCounterTest, SeesMallocReallocAndNew) {
+TEST(MallocCounterTest, CountsMallocReallocAndNew) {
   const uint64_t before = ThreadMallocCount();
   PairBuffer pairs;
   pairs.Append({0, 1});

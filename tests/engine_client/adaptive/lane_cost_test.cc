@@ -26,7 +26,7 @@ class LaneCostTest : public ::testing::Test {
   LaneCost cost_;
 };
 
-TEST_F(LaneCostTest, IsAGuessBeforeAnythingIsMeasured) {
+TEST_F(LaneCostTest, IsThePriorBeforeAnyMeasurement) {
   EXPECT_DOUBLE_EQ(cost_.slowdown(), LaneCost::kPriorSlowdown);
   cost_.BeginWork();
   EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);
@@ -39,7 +39,7 @@ TEST_F(LaneCostTest, IsAGuessBeforeAnythingIsMeasured) {
   EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);  // there were too few searches before the work
 }
 
-TEST_F(LaneCostTest, IsTheExtraTimeOfSearchesBesideIt) {
+TEST_F(LaneCostTest, IsTheExtraTimeOfConcurrentSearches) {
   for (int k = 0; k < 30; ++k) Work(100, kMs, 3 * kMs / 2);
   EXPECT_NEAR(cost_.slowdown(), 0.5, 1e-3);
   const uint64_t before_ns = cost_.total_ns();
@@ -47,19 +47,19 @@ TEST_F(LaneCostTest, IsTheExtraTimeOfSearchesBesideIt) {
   EXPECT_NEAR(static_cast<double>(cost_.total_ns() - before_ns), 75e6, 2e5);
 }
 
-TEST_F(LaneCostTest, FollowsTheMachine) {
+TEST_F(LaneCostTest, FollowsAChangeOfTheSlowdown) {
   for (int k = 0; k < 30; ++k) Work(100, kMs, 2 * kMs);
   for (int k = 0; k < 30; ++k) Work(100, kMs, kMs);
   EXPECT_LT(cost_.slowdown(), 0.05);
 }
 
-TEST_F(LaneCostTest, IsNothingWhereSearchesAreFasterBesideIt) {
+TEST_F(LaneCostTest, IsZeroIfConcurrentSearchesAreFaster) {
   for (int k = 0; k < 10; ++k) Work(100, kMs, kMs * 9 / 10);
   EXPECT_EQ(cost_.slowdown(), 0);
   EXPECT_EQ(Work(100, kMs, kMs * 9 / 10), 0);
 }
 
-TEST_F(LaneCostTest, ComparesSearchesOfOneArmOnly) {
+TEST_F(LaneCostTest, ComparesOnlySearchesOfTheSameArm) {
   Work(100, kMs, kMs);
   const double before = cost_.slowdown();
   Work(100, kMs, 2 * kMs, /*epoch=*/1);
@@ -68,7 +68,7 @@ TEST_F(LaneCostTest, ComparesSearchesOfOneArmOnly) {
   EXPECT_GT(cost_.slowdown(), 0.2);
 }
 
-TEST_F(LaneCostTest, CountsASearchThatTheWorkEndsOrBeginsWithinAsBesideIt) {
+TEST_F(LaneCostTest, CountsAPartlyConcurrentSearchAsConcurrent) {
   Searches(100, kMs);
   uint32_t begun = cost_.Begin();
   cost_.BeginWork();
@@ -84,7 +84,7 @@ TEST_F(LaneCostTest, CountsASearchThatTheWorkEndsOrBeginsWithinAsBesideIt) {
   EXPECT_NEAR(cost_.slowdown(), (0.1 * 2 + 0.45) / (2 + 0.9 + 1), 1e-9);
 }
 
-TEST_F(LaneCostTest, IsNotThatOfOneHitch) {
+TEST_F(LaneCostTest, HardlyChangesWithOneHitch) {
   Work(1000, kMs, kMs);
   Searches(10, kMs);
   cost_.BeginWork();

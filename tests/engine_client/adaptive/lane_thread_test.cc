@@ -49,7 +49,7 @@ void Play(ShadowLane& lane, ScriptedClock& clock, uint64_t& frame, uint64_t fram
 
 std::atomic<size_t> cores_now{0};
 
-TEST(LaneThread, RestsWhileTheEnginesThreadsLeaveNoCore) {
+TEST(LaneThread, PausesWithoutASpareCore) {
   ScriptedClock clock;
   const ArmScript script{.update_ns = kMs};
   const std::atomic<Mode> mode{Mode::kAi};
@@ -79,7 +79,7 @@ TEST(LaneThread, RestsWhileTheEnginesThreadsLeaveNoCore) {
   EXPECT_EQ(lane.stats().visit_count, visit_count);
 }
 
-TEST(LaneThread, RestsWhileTheGameIsFrozen) {
+TEST(LaneThread, PausesWhileTheGameIsFrozen) {
   ScriptedClock clock;
   const ArmScript script{.update_ns = kMs};
   const std::atomic<Mode> mode{Mode::kAi};
@@ -131,14 +131,14 @@ struct FirstSweep {
   uint64_t busy_time_ns = 0;
 };
 
-TEST(LaneThread, MeasuresTheTimeThatItRan) {
+TEST(LaneThread, MeasuresItsThreadTime) {
   const FirstSweep sweep({.update_ns = 7 * kMs}, ThreeMsAtATime, nullptr);
   ASSERT_EQ(sweep.visits.size(), 2U);
   for (const ShadowSample& visit : sweep.visits) EXPECT_EQ(visit.detection_time_ns, 3 * kMs);
   EXPECT_EQ(sweep.busy_time_ns, (2 * kShadowBurstFrames + 1) * 3 * kMs);
 }
 
-TEST(LaneThread, TellsWhatTheFastestKindOfCoreWouldTake) {
+TEST(LaneThread, ConvertsTimesToTheFastestKindOfCore) {
   const FirstSweep sweep({.build_ns = 12 * kMs, .update_ns = 8 * kMs}, nullptr,
                          []() noexcept { return 0.25; });
   ASSERT_EQ(sweep.visits.size(), 2U);
@@ -148,14 +148,14 @@ TEST(LaneThread, TellsWhatTheFastestKindOfCoreWouldTake) {
   }
 }
 
-TEST(UsableCores, AreAtLeastOneAndNotMoreThanTheMachineHas) {
+TEST(UsableCores, AreAtLeastOneAndAtMostAllOfTheMachine) {
   EXPECT_GE(UsableCores(), 1U);
   EXPECT_LE(UsableCores(), std::max(std::thread::hardware_concurrency(), 1U));
 }
 
 #if defined(__linux__)
 
-TEST(UsableCores, AreThoseOfTheThreadsAffinity) {
+TEST(UsableCores, RespectTheAffinityOfTheThread) {
   size_t cores = 0;
   std::thread pinned([&] {
     cpu_set_t set;
@@ -172,7 +172,7 @@ struct LanePriority {
   std::atomic<int> lane_nice{-100};
 };
 
-TEST(LaneThread, GoesLastWhereItSharesACore) {
+TEST(LaneThread, HasALowerPriorityThanTheGame) {
   LanePriority seen;
   const auto note = [](const char*, void* user) {
     static_cast<LanePriority*>(user)->lane_nice = getpriority(PRIO_PROCESS, 0);

@@ -5,7 +5,7 @@
 namespace sweepstake {
 namespace {
 
-TEST(OrderMailbox, GivesAnOrderOnceAndWhole) {
+TEST(OrderMailbox, ReturnsAnOrderOnceAndComplete) {
   OrderMailbox mailbox;
   EXPECT_FALSE(mailbox.Take().has_value());
   mailbox.Post({.order_id = 0xFFFF'FFFF'FFFF, .mode = Mode::kManual, .arm = 31});
@@ -17,7 +17,7 @@ TEST(OrderMailbox, GivesAnOrderOnceAndWhole) {
   EXPECT_FALSE(mailbox.Take().has_value());
 }
 
-TEST(OrderMailbox, KeepsTheLatestOrderAndThatItNamesNoArm) {
+TEST(OrderMailbox, KeepsOnlyTheLatestOrderAlsoWithoutAnArm) {
   OrderMailbox mailbox;
   mailbox.Post({.order_id = 1, .mode = Mode::kManual, .arm = 0});
   mailbox.Post({.order_id = 2, .mode = Mode::kAi, .arm = std::nullopt});

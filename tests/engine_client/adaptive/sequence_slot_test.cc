@@ -18,7 +18,7 @@ Block BlockOf(uint64_t value) {
   return block;
 }
 
-TEST(SequenceSlot, HasTheValueThatWasWrittenLastAndNoOther) {
+TEST(SequenceSlot, HasTheLatestValue) {
   SequenceSlot<uint64_t> slot;
   EXPECT_FALSE(slot.Read(0));
   slot.Write(0, 7);
@@ -28,7 +28,7 @@ TEST(SequenceSlot, HasTheValueThatWasWrittenLastAndNoOther) {
   EXPECT_EQ(slot.Read(2), 9U);
 }
 
-TEST(LatestSlot, IsEmptyBeforeTheFirstValueAndHasTheLatestAfterwards) {
+TEST(LatestSlot, IsEmptyBeforeTheFirstValue) {
   LatestSlot<uint64_t> slot;
   EXPECT_FALSE(slot.Get());
   for (uint64_t value = 10; value < 15; ++value) {
@@ -37,7 +37,7 @@ TEST(LatestSlot, IsEmptyBeforeTheFirstValueAndHasTheLatestAfterwards) {
   }
 }
 
-TEST(LatestSlot, NeverGivesATornOrAnEarlierValueToReadersBesideTheWriter) {
+TEST(LatestSlot, ConcurrentReadersNeverGetATornOrEarlierValue) {
   constexpr uint64_t kValueCount = 100'000;
   LatestSlot<Block> slot;
   slot.Set(BlockOf(0));

@@ -49,7 +49,7 @@ TEST_F(ShadowLaneTest, CopiesFramesOnlyForItsSweeps) {
   EXPECT_EQ(lane_->stats().copied_frame_count, 8U);
 }
 
-TEST_F(ShadowLaneTest, KeepsWithinItsShareOfTheTime) {
+TEST_F(ShadowLaneTest, StaysWithinItsShareOfTheTime) {
   FirstSweep();
   const uint64_t begin_ns = clock_.NowNs();
   const uint64_t before_ns = lane_->stats().busy_time_ns;
@@ -60,7 +60,7 @@ TEST_F(ShadowLaneTest, KeepsWithinItsShareOfTheTime) {
   EXPECT_GT(share, 0.10);
 }
 
-TEST_F(ShadowLaneTest, TakesNoMoreThanTheGamesSearchesAllowAndASweepNowAndThen) {
+TEST_F(ShadowLaneTest, WorksAtMostAShareOfTheSearchesExceptForRareSweeps) {
   frames_per_search_time_ = 100;
   Frames(20'000);
   const uint64_t passed_ns = 20'000 * frame_ns_;
@@ -83,10 +83,10 @@ TEST_F(ShadowLaneTest, WarmsUpWithTheFirstVisitOfASweep) {
   EXPECT_EQ(lane_->stats().visit_count, 3U);
   const uint64_t frames_ns = (3 * kShadowBurstFrames + 1) * 2 * kMs + (3 + 1) * 4 * kMs;
   EXPECT_EQ(lane_->stats().busy_time_ns, frames_ns)
-      << "one frame, which takes longer than kShadowWarmUpNs";
+      << "the warm-up ends after one frame, because it takes longer than kShadowWarmUpNs";
 }
 
-TEST_F(ShadowLaneTest, SpacesItsSweepsSoThatCopyingTakesOnePercentOfTheFrames) {
+TEST_F(ShadowLaneTest, CopyingTakesOnePercentOfTheFrames) {
   for (LaneScript& script : scripts_) script = {.build_ns = 1, .update_ns = 1, .find_ns = 1};
   // A copy takes 1 ms, so 1 % of the time of 80 frames of 10 ms allows 8 copies.
   clock_.SetReading(kMs);
@@ -98,7 +98,7 @@ TEST_F(ShadowLaneTest, SpacesItsSweepsSoThatCopyingTakesOnePercentOfTheFrames) {
   EXPECT_GT(copy_ms, 0.008 * 10 * static_cast<double>(frame_index_ - begin));
 }
 
-TEST_F(ShadowLaneTest, SweepsLessOftenWhereItsWorkMakesSearchesSlower) {
+TEST_F(ShadowLaneTest, SweepsLessOftenIfItSlowsDownSearches) {
   Frames(5000);
   const uint64_t sweep_count = lane_->stats().sweep_count;
   EXPECT_GT(sweep_count, 50U);
@@ -129,7 +129,7 @@ TEST_F(ShadowLaneTest, EndsAVisitAtTheTimeCap) {
 }
 
 // In eight frames of 100 ms, the lane may work up to 200 ms per frame.
-TEST_F(ShadowLaneTest, MeasuresArmsOfAGameWhoseFramesAreLong) {
+TEST_F(ShadowLaneTest, MeasuresArmsOfAGameWithLongFrames) {
   frame_ns_ = 100 * kMs;
   scripts_[1].update_ns = 90 * kMs;
   scripts_[0].update_ns = 190 * kMs;
@@ -143,7 +143,7 @@ TEST_F(ShadowLaneTest, MeasuresArmsOfAGameWhoseFramesAreLong) {
   EXPECT_EQ(sink_.shadows[2].flags, uint32_t{kShadowCapped});
 }
 
-TEST_F(ShadowLaneTest, APauseLetsNoVisitRunOn) {
+TEST_F(ShadowLaneTest, LimitsAVisitDuringAPause) {
   frame_ns_ = 3'600'000 * kMs;
   scripts_[0].question_count = 100'000;
   scripts_[0].question_ns = 10 * kMs;
@@ -153,7 +153,7 @@ TEST_F(ShadowLaneTest, APauseLetsNoVisitRunOn) {
   EXPECT_LE(sink_.shadows[1].detection_time_ns, 17'000 * kMs);
 }
 
-TEST_F(ShadowLaneTest, EndsASearchAtTheTimeCapInItsMidst) {
+TEST_F(ShadowLaneTest, EndsARunningSearchAtTheTimeCap) {
   scripts_[0].question_count = 1000;
   scripts_[0].question_ns = 10 * kMs;
   FirstSweep();
@@ -166,7 +166,7 @@ TEST_F(ShadowLaneTest, EndsASearchAtTheTimeCapInItsMidst) {
   EXPECT_EQ(lane_->stats().capped_visit_count, 1U);
 }
 
-TEST_F(ShadowLaneTest, ACapThatPassesWhileTheLaneWaitsForACoreSaysNothing) {
+TEST_F(ShadowLaneTest, DoesNotCapAVisitThatWaitedForACore) {
   thread_time_ns_ = ThreeMsAtATime;
   scripts_[0].question_count = 1000;
   scripts_[0].question_ns = 10 * kMs;
@@ -184,7 +184,7 @@ TEST_F(ShadowLaneTest, ACapThatPassesWhileTheLaneWaitsForACoreSaysNothing) {
   EXPECT_EQ(sink_.shadows[3].arm, 0U);
 }
 
-TEST_F(ShadowLaneTest, MeasuresTheFramesBeforeTheOneThatTheTimeCapEnds) {
+TEST_F(ShadowLaneTest, ACappedVisitMeasuresTheFramesBefore) {
   uint64_t searches = 0;
   scripts_[0].question_count = 1;
   scripts_[0].in_search = [&](uint64_t) { clock_.Advance(++searches == 6 ? 400 * kMs : 0); };
@@ -195,7 +195,7 @@ TEST_F(ShadowLaneTest, MeasuresTheFramesBeforeTheOneThatTheTimeCapEnds) {
   EXPECT_EQ(sink_.shadows[1].detection_time_ns, 2 * kMs);
 }
 
-TEST_F(ShadowLaneTest, LeavesAnArmWhosePairsOutgrowItsMemory) {
+TEST_F(ShadowLaneTest, EndsAVisitIfThePairsExceedTheMemoryCap) {
   scripts_[0].question_count = 1000;
   scripts_[0].question_bytes = 20'000;
   uint64_t asked = 0;
@@ -214,7 +214,7 @@ TEST_F(ShadowLaneTest, LeavesAnArmWhosePairsOutgrowItsMemory) {
   EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
 }
 
-TEST_F(ShadowLaneTest, LeavesASearchForASwitch) {
+TEST_F(ShadowLaneTest, ASwitchInterruptsASearch) {
   scripts_[0].question_count = 1000;
   uint64_t asked = 0;
   scripts_[0].in_search = [&](uint64_t question) {
@@ -227,7 +227,7 @@ TEST_F(ShadowLaneTest, LeavesASearchForASwitch) {
   EXPECT_EQ(FramesUntilReady(2), static_cast<int>(ShadowLane::kPreparationFrames) + 1);
 }
 
-TEST_F(ShadowLaneTest, LeavesASearchWhosePreparationIsCancelledAndBuildsAnewForTheNext) {
+TEST_F(ShadowLaneTest, ACancelInterruptsTheSearchOfAPreparation) {
   FirstSweep();
   uint64_t asked = 0;
   scripts_[2].question_count = 1000;
@@ -246,7 +246,7 @@ TEST_F(ShadowLaneTest, LeavesASearchWhosePreparationIsCancelledAndBuildsAnewForT
       << "frames since the build";
 }
 
-TEST_F(ShadowLaneTest, EndsASearchOnItsThreadWhenDestroyed) {
+TEST_F(ShadowLaneTest, TheDestructorEndsASearchOnItsThread) {
   std::atomic<bool> is_searching{false};
   scripts_.resize(2);
   for (LaneScript& script : scripts_) {
@@ -263,7 +263,7 @@ TEST_F(ShadowLaneTest, EndsASearchOnItsThreadWhenDestroyed) {
   EXPECT_TRUE(sink_.shadows.empty());
 }
 
-TEST_F(ShadowLaneTest, CopiesFewerFramesWhereMemoryIsShort) {
+TEST_F(ShadowLaneTest, CopiesFewerFramesWithLittleMemory) {
   // 20 objects with slack are 86 boxes, 2,064 bytes per frame, so five frames fit in half of the
   // cap.
   Make({.memory_cap_bytes = 2 * 5 * 2064});
@@ -273,7 +273,7 @@ TEST_F(ShadowLaneTest, CopiesFewerFramesWhereMemoryIsShort) {
   EXPECT_EQ(lane_->stats().copied_frame_count, 5U);
 }
 
-TEST_F(ShadowLaneTest, StaysOffWhileTheSceneIsTooBigForItsMemory) {
+TEST_F(ShadowLaneTest, PausesWhileTheSceneExceedsItsMemory) {
   Make({.memory_cap_bytes = 2 * 4 * 2064 - 2});
   FirstSweep();
   Frames(500);
@@ -314,7 +314,7 @@ TEST_F(ShadowLaneTest, CountsAPreparedStructureUntilItIsTaken) {
   EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes);
 }
 
-TEST_F(ShadowLaneTest, FreesWhatItPreparedWhereThatOutgrowsItsMemory) {
+TEST_F(ShadowLaneTest, FreesAPreparedStructureOverTheMemoryCap) {
   scripts_[0].bytes = 150'000;
   Make({.memory_cap_bytes = 200'000});
   lane_->Ask(0);
@@ -323,7 +323,7 @@ TEST_F(ShadowLaneTest, FreesWhatItPreparedWhereThatOutgrowsItsMemory) {
   EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes);
 }
 
-TEST_F(ShadowLaneTest, FreesOtherStructuresForOneThatItPrepares) {
+TEST_F(ShadowLaneTest, FreesOtherStructuresForAPreparation) {
   for (LaneScript& script : scripts_) script.bytes = 40'000;
   Make({.memory_cap_bytes = 200'000});
   FirstSweep();
@@ -334,7 +334,7 @@ TEST_F(ShadowLaneTest, FreesOtherStructuresForOneThatItPrepares) {
   EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes + 40'000);
 }
 
-TEST_F(ShadowLaneTest, FreesWhatItKeepsWhenTrimmedAndGoesOn) {
+TEST_F(ShadowLaneTest, TrimFreesItsMemoryAndItContinues) {
   FirstSweep();
   lane_->Trim();
   lane_->Step();
@@ -343,7 +343,7 @@ TEST_F(ShadowLaneTest, FreesWhatItKeepsWhenTrimmedAndGoesOn) {
   EXPECT_GE(lane_->stats().sweep_count, 2U);
 }
 
-TEST_F(ShadowLaneTest, KeepsAStructureForASwitchWhenTrimmed) {
+TEST_F(ShadowLaneTest, TrimKeepsAStructureForASwitch) {
   FirstSweep();
   lane_->Ask(2);
   FramesUntilReady(2);
@@ -354,7 +354,7 @@ TEST_F(ShadowLaneTest, KeepsAStructureForASwitchWhenTrimmed) {
   EXPECT_FALSE(static_cast<LaneBackend&>(*own.backend).shown.empty());
 }
 
-TEST_F(ShadowLaneTest, LeavesAStructureThatAloneIsOverItsMemoryAfterTheFirstFrame) {
+TEST_F(ShadowLaneTest, EndsAVisitAfterOneFrameIfTheStructureExceedsTheMemoryCap) {
   scripts_[0].bytes = 150'000;
   Make({.memory_cap_bytes = 200'000});
   FirstSweep();
@@ -365,7 +365,7 @@ TEST_F(ShadowLaneTest, LeavesAStructureThatAloneIsOverItsMemoryAfterTheFirstFram
   EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
 }
 
-TEST_F(ShadowLaneTest, RestsInAGameThatHasAlwaysBeenManualUnlessAskedNotTo) {
+TEST_F(ShadowLaneTest, PausesInManualModeUntilTheFirstAiModeUnlessOn) {
   mode_ = Mode::kManual;
   FirstSweep();
   EXPECT_EQ(lane_->stats().state, ShadowState::kPaused);
@@ -381,7 +381,7 @@ TEST_F(ShadowLaneTest, RestsInAGameThatHasAlwaysBeenManualUnlessAskedNotTo) {
   EXPECT_EQ(sink_.shadows.size(), 3U);
 }
 
-TEST_F(ShadowLaneTest, MeasuresScenesWhoseObjectCountChanges) {
+TEST_F(ShadowLaneTest, MeasuresScenesWithAChangingObjectCount) {
   lane_->Step();
   for (int frame = 0; frame < 200; ++frame) {
     object_count_ = 20 + static_cast<size_t>(frame % 7);
@@ -422,7 +422,7 @@ TEST_F(ShadowLaneTest, PreparesASwitchBeforeItsFirstSweep) {
   EXPECT_TRUE(sink_.shadows.empty());
 }
 
-TEST_F(ShadowLaneTest, GivesAPreparationUpForThatOfAnotherArm) {
+TEST_F(ShadowLaneTest, APreparationReplacesThatOfAnotherArm) {
   FirstSweep();
   lane_->Ask(2);
   Frames(2);
@@ -433,7 +433,7 @@ TEST_F(ShadowLaneTest, GivesAPreparationUpForThatOfAnotherArm) {
   EXPECT_TRUE(lane_->TakeOver(0, own, pairs_));
 }
 
-TEST_F(ShadowLaneTest, BringsAStructureThatFellBehindUpToDateBeforeItIsOffered) {
+TEST_F(ShadowLaneTest, UpdatesAnOutdatedStructureBeforeOfferingIt) {
   FirstSweep();
   lane_->Ask(2);
   Frames(4);
@@ -448,7 +448,7 @@ TEST_F(ShadowLaneTest, BringsAStructureThatFellBehindUpToDateBeforeItIsOffered) 
   EXPECT_EQ(static_cast<LaneBackend&>(*own.backend).shown.back(), 9U);
 }
 
-TEST_F(ShadowLaneTest, SweepsOnAfterASwitchThatDidNotWaitForItsPreparation) {
+TEST_F(ShadowLaneTest, SweepsAgainAfterASwitchWithoutItsPreparation) {
   ArmBackend own;
   EXPECT_EQ(lane_->Ask(2), Preparation::kUnderWay);
   EXPECT_FALSE(lane_->TakeOver(2, own, pairs_));
@@ -456,10 +456,10 @@ TEST_F(ShadowLaneTest, SweepsOnAfterASwitchThatDidNotWaitForItsPreparation) {
   EXPECT_GE(lane_->stats().sweep_count, 1U);
 }
 
-TEST_F(ShadowLaneTest, LeavesASweepForASwitch) {
+TEST_F(ShadowLaneTest, ASwitchInterruptsASweep) {
   scripts_[0].in_build = [this] { lane_->Ask(2); };
   FirstSweep();
-  ASSERT_EQ(sink_.shadows.size(), 1U);  // The active arm only: the visit of arm 0 was left.
+  ASSERT_EQ(sink_.shadows.size(), 1U);  // The active arm only; the visit of arm 0 was interrupted.
   EXPECT_EQ(lane_->stats().sweep_count, 0U);
   scripts_[0].in_build = [] {};
   FramesUntilReady(2);
@@ -469,7 +469,7 @@ TEST_F(ShadowLaneTest, LeavesASweepForASwitch) {
   EXPECT_GE(lane_->stats().sweep_count, 1U);
 }
 
-TEST_F(ShadowLaneTest, FreesItsMemoryWhereThereIsNoneAndTriesAgainLater) {
+TEST_F(ShadowLaneTest, FreesItsMemoryAndRetriesIfAnAllocationFails) {
   scripts_[0].in_build = [] { throw std::bad_alloc(); };
   FirstSweep();
   EXPECT_EQ(sink_.shadows.size(), 1U);

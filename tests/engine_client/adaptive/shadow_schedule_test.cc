@@ -56,13 +56,13 @@ class ShadowScheduleTest : public ::testing::Test {
   uint64_t search_ns_ = 0;
 };
 
-TEST_F(ShadowScheduleTest, BeginsAtOnceWithEveryArmTheActiveOneFirst) {
+TEST_F(ShadowScheduleTest, StartsAtOnceWithAllArmsActiveOneFirst) {
   cost_ns_[0] = 100 * kMs;
   EXPECT_EQ(schedule_.next_sweep_ns(), 0U);
   EXPECT_THAT(Sweep(2), ElementsAre(2, 0, 1));
 }
 
-TEST_F(ShadowScheduleTest, VisitsContendersInEverySweepAndOthersByTheSquareOfTheirCost) {
+TEST_F(ShadowScheduleTest, VisitsArmsInverselyToTheSquareOfTheirCost) {
   cost_ns_ = {1 * kMs, 14 * kMs / 10, 3 * kMs};
   Sweep();
   const std::map<uint32_t, int> visits = CountVisits(90);
@@ -71,19 +71,19 @@ TEST_F(ShadowScheduleTest, VisitsContendersInEverySweepAndOthersByTheSquareOfThe
   EXPECT_EQ(visits.at(2), 10);
 }
 
-TEST_F(ShadowScheduleTest, VisitsEvenAHopelessArmFromTimeToTime) {
+TEST_F(ShadowScheduleTest, VisitsEvenTheSlowestArmOncePerMaximumPeriod) {
   cost_ns_[2] = 20 * kMs;
   Sweep();
   EXPECT_EQ(CountVisits(3 * ShadowSchedule::kMaxPeriod).at(2), 3);
 }
 
-TEST_F(ShadowScheduleTest, MeasuresTheActiveArmInEverySweepHoweverSlowItIs) {
+TEST_F(ShadowScheduleTest, VisitsTheActiveArmInEverySweep) {
   cost_ns_[2] = 20 * kMs;
   Sweep(2);
   EXPECT_EQ(CountVisits(20, 2).at(2), 20);
 }
 
-TEST_F(ShadowScheduleTest, KeepsWithinItsShareOfTheTime) {
+TEST_F(ShadowScheduleTest, StaysWithinItsShareOfTheTime) {
   cost_ns_ = {30 * kMs, 40 * kMs, 90 * kMs};
   const uint64_t begun_ns = now_ns_;
   CountVisits(500);
@@ -100,7 +100,7 @@ TEST_F(ShadowScheduleTest, CountsOtherWorkOfItsThread) {
   EXPECT_GE(schedule_.next_sweep_ns(), before_ns + 1900 * kMs);
 }
 
-TEST_F(ShadowScheduleTest, CostsTheFrameThreadItsShareAndWhatItSaved) {
+TEST_F(ShadowScheduleTest, StaysWithinItsShareOfTheFrameThreadsTime) {
   cost_ns_ = {3 * kMs, 4 * kMs, 9 * kMs};
   const uint64_t begun_ns = now_ns_ = 100'000 * kMs;
   const auto sweep = [&](double slowdown) {
@@ -128,20 +128,20 @@ TEST_F(ShadowScheduleTest, CostsTheFrameThreadItsShareAndWhatItSaved) {
   EXPECT_GT(cost_ns / changed_ns, 1.3 * ShadowSchedule::kMaxCostRatio);
 }
 
-TEST_F(ShadowScheduleTest, DoesNotRepeatCheapSweepsWithoutNeed) {
+TEST_F(ShadowScheduleTest, CheapSweepsHaveAMinimumInterval) {
   cost_ns_ = {1000, 1000, 1000};
   const uint64_t begun_ns = now_ns_;
   Sweep();
   EXPECT_EQ(schedule_.next_sweep_ns(), begun_ns + options_.sweep_interval_min_ns);
 }
 
-TEST_F(ShadowScheduleTest, EverySecondSweepIsInTheOppositeOrder) {
+TEST_F(ShadowScheduleTest, AlternatesTheOrderOfSweeps) {
   EXPECT_THAT(Sweep(1), ElementsAre(1, 0, 2));
   EXPECT_THAT(Sweep(1), ElementsAre(2, 0, 1));
   EXPECT_THAT(Sweep(1), ElementsAre(1, 0, 2));
 }
 
-TEST_F(ShadowScheduleTest, VisitsEveryArmAgainWhenTheActiveOnesCostOrTheObjectCountMoves) {
+TEST_F(ShadowScheduleTest, VisitsEveryArmIfTheActiveCostOrObjectCountChanges) {
   cost_ns_[2] = 20 * kMs;
   Sweep();
   EXPECT_THAT(Sweep(), ElementsAre(1, 0));
@@ -155,7 +155,7 @@ TEST_F(ShadowScheduleTest, VisitsEveryArmAgainWhenTheActiveOnesCostOrTheObjectCo
   EXPECT_THAT(Sweep(0, 1260), ElementsAre(1, 0));
 }
 
-TEST_F(ShadowScheduleTest, WorksForHalfAsLongAsTheGameSearchesAndNowAndThen) {
+TEST_F(ShadowScheduleTest, WorksHalfTheSearchTimeAndAtTheMaximumSpacing) {
   EXPECT_TRUE(schedule_.IsDue(now_ns_, 0));
   Sweep();
   schedule_.Spend(ShadowSchedule::kWorkAheadNs);
@@ -167,7 +167,7 @@ TEST_F(ShadowScheduleTest, WorksForHalfAsLongAsTheGameSearchesAndNowAndThen) {
 }
 
 // Ten minutes in manual mode do not count as savings, and work in a changing scene not as a debt.
-TEST_F(ShadowScheduleTest, KeepsNoMoreOfWhatItDidOrDidNotWorkInMindThanItMayWorkAhead) {
+TEST_F(ShadowScheduleTest, LimitsSavingsAndDebtToTheWorkAhead) {
   for (const bool worked : {true, false}) {
     if (worked) {
       schedule_.Spend(300'000 * kMs);
@@ -184,7 +184,7 @@ TEST_F(ShadowScheduleTest, KeepsNoMoreOfWhatItDidOrDidNotWorkInMindThanItMayWork
   }
 }
 
-TEST_F(ShadowScheduleTest, NoticesACostThatDriftsAwayInSmallSteps) {
+TEST_F(ShadowScheduleTest, DetectsACostThatDriftsInSmallSteps) {
   cost_ns_[2] = 20 * kMs;
   Sweep();
   int full_sweeps = 0;
@@ -206,7 +206,7 @@ TEST_F(ShadowScheduleTest, BacksOffExponentiallyFromAnArmOverTheTimeCap) {
   EXPECT_THAT(sweeps_of_arm_2, ElementsAre(1, 4, 8, 16, 32, 64, 128));
 }
 
-TEST_F(ShadowScheduleTest, DoesNotComeBackToAnArmOverTheTimeCapForAChangeOfCosts) {
+TEST_F(ShadowScheduleTest, ChangedCostsDoNotRepeatAVisitOverTheTimeCap) {
   cost_ns_[2] = options_.visit_cap_ns + 1;
   Sweep();
   std::ptrdiff_t visits = 0;
@@ -219,13 +219,13 @@ TEST_F(ShadowScheduleTest, DoesNotComeBackToAnArmOverTheTimeCapForAChangeOfCosts
   EXPECT_THAT(Sweep(0, 100), ElementsAre(2, 1, 0));
 }
 
-TEST_F(ShadowScheduleTest, ComparesContendersThoughAllAreOverTheTimeCap) {
+TEST_F(ShadowScheduleTest, VisitsAllContendersIfAllExceedTheTimeCap) {
   cost_ns_ = {300 * kMs, 310 * kMs, 320 * kMs};
   CountVisits(5);
   EXPECT_THAT(Sweep(), ElementsAre(2, 1, 0));
 }
 
-TEST_F(ShadowScheduleTest, LeavesAnArmOverTheMemoryCapOutForAWhileEvenTheActiveOne) {
+TEST_F(ShadowScheduleTest, SkipsArmsOverTheMemoryCapEvenTheActiveOne) {
   bytes_[0] = 1001;
   Sweep();
   EXPECT_THAT(Sweep(), ElementsAre(2, 1));
@@ -234,7 +234,7 @@ TEST_F(ShadowScheduleTest, LeavesAnArmOverTheMemoryCapOutForAWhileEvenTheActiveO
   EXPECT_THAT(Sweep(0, 100), ElementsAre(0, 1, 2));
 }
 
-TEST(SummarizeVisit, TakesTheMedianWithoutTheBuildAndTheFramesAfterIt) {
+TEST(SummarizeVisit, TakesTheMedianWithoutBuildAndWarmUp) {
   const std::vector<uint64_t> frames{90, 1, 2, 14, 13, 12, 11, 10};
   const ShadowVisit visit = SummarizeVisit(frames, 1000);
   EXPECT_EQ(visit.detection_ns, 12U);

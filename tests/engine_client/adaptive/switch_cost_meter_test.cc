@@ -12,12 +12,12 @@ FrameSample FrameOf(uint64_t frame_time_ns, uint32_t flags = 0) {
   return sample;
 }
 
-TEST(SwitchCostMeter, SaysNothingWithoutASwitch) {
+TEST(SwitchCostMeter, ReportsNothingWithoutASwitch) {
   SwitchCostMeter meter(100);
   EXPECT_FALSE(meter.OnFrame(FrameOf(1000)).has_value());
 }
 
-TEST(SwitchCostMeter, SumsWhatTheFirstHalfTookAboveTheMeanOfTheSecond) {
+TEST(SwitchCostMeter, SumsTheExcessOfTheFirstHalfOverTheMeanOfTheSecond) {
   SwitchCostMeter meter(100);
   EXPECT_FALSE(meter.Begin({.command_id = 7, .arm = 2}, 3).has_value());
   EXPECT_TRUE(meter.awaits_rebuild());
@@ -39,7 +39,7 @@ TEST(SwitchCostMeter, SumsWhatTheFirstHalfTookAboveTheMeanOfTheSecond) {
   EXPECT_FALSE(meter.OnFrame(FrameOf(10)).has_value());
 }
 
-TEST(SwitchCostMeter, ReportsNoCostWhereTheArmGotSlower) {
+TEST(SwitchCostMeter, ReportsNoCostIfTheArmGetsSlower) {
   SwitchCostMeter meter(100);
   meter.Begin({.arm = 1}, 1);
   meter.OnFrame(FrameOf(50));
@@ -48,7 +48,7 @@ TEST(SwitchCostMeter, ReportsNoCostWhereTheArmGotSlower) {
   EXPECT_EQ(outcome->settling_cost_ns, 0U);
 }
 
-TEST(SwitchCostMeter, WaitsForASettledFrameAfterOneThatOutlastsTheSettlingTime) {
+TEST(SwitchCostMeter, WaitsForASettledFrameAfterALongOne) {
   SwitchCostMeter meter(100);
   meter.Begin({.arm = 1}, 1);
   EXPECT_FALSE(meter.OnFrame(FrameOf(1000)).has_value());
@@ -57,7 +57,7 @@ TEST(SwitchCostMeter, WaitsForASettledFrameAfterOneThatOutlastsTheSettlingTime) 
   EXPECT_EQ(outcome->settling_cost_ns, 990U);
 }
 
-TEST(SwitchCostMeter, LeavesPausedAndLoadingFramesOut) {
+TEST(SwitchCostMeter, IgnoresPausedAndLoadingFrames) {
   SwitchCostMeter meter(100);
   meter.Begin({.arm = 1}, 1);
   EXPECT_FALSE(meter.OnFrame(FrameOf(5000, kFramePaused)).has_value());
@@ -68,7 +68,7 @@ TEST(SwitchCostMeter, LeavesPausedAndLoadingFramesOut) {
   EXPECT_EQ(outcome->settling_cost_ns, 20U);
 }
 
-TEST(SwitchCostMeter, ReportsASwitchThatAnotherOneCutShort) {
+TEST(SwitchCostMeter, ReportsASwitchThatAnotherOneInterrupts) {
   SwitchCostMeter meter(100);
   meter.Begin({.command_id = 1, .arm = 1}, 1);
   meter.OnFrame(FrameOf(10));
@@ -85,7 +85,7 @@ TEST(SwitchCostMeter, ReportsAtTheFirstFrameWithoutASettlingTime) {
   EXPECT_TRUE(meter.OnFrame(FrameOf(10)).has_value());
 }
 
-TEST(SwitchCostMeter, AwaitsNoRebuildAfterAWarmSwitch) {
+TEST(SwitchCostMeter, ExpectsNoRebuildAfterAWarmSwitch) {
   SwitchCostMeter meter(100);
   meter.Begin({.command_id = 1, .arm = 1}, 1, /*warm=*/true);
   EXPECT_FALSE(meter.awaits_rebuild());

@@ -10,7 +10,7 @@ namespace {
 
 using State = SwitchHandover::State;
 
-TEST(SwitchHandoverTest, HandsOverWhatWasWantedAndOffered) {
+TEST(SwitchHandoverTest, HandsOverAnOfferOfTheRequestedArm) {
   SwitchHandover handover;
   EXPECT_FALSE(handover.Take());
   handover.Want(3);
@@ -25,7 +25,7 @@ TEST(SwitchHandoverTest, HandsOverWhatWasWantedAndOffered) {
   EXPECT_EQ(handover.order().state, State::kNone);
 }
 
-TEST(SwitchHandoverTest, LosesAnAnswerToAnOrderThatIsVoid) {
+TEST(SwitchHandoverTest, IgnoresAnAnswerToACancelledRequest) {
   SwitchHandover handover;
   handover.Want(3);
   const SwitchHandover::Order first = handover.order();
@@ -38,7 +38,7 @@ TEST(SwitchHandoverTest, LosesAnAnswerToAnOrderThatIsVoid) {
   EXPECT_FALSE(handover.Take());
 }
 
-TEST(SwitchHandoverTest, TakesAnOfferBackWithACancel) {
+TEST(SwitchHandoverTest, ACancelWithdrawsAnOffer) {
   SwitchHandover handover;
   handover.Want(1);
   EXPECT_TRUE(handover.Offer(handover.order()));
@@ -48,7 +48,7 @@ TEST(SwitchHandoverTest, TakesAnOfferBackWithACancel) {
 
 // The payload is not atomic, so that ThreadSanitizer reports if both sides access it at the same
 // time.
-TEST(SwitchHandoverTest, GivesThePayloadToOneSideAtATime) {
+TEST(SwitchHandoverTest, OnlyOneSideOwnsThePayload) {
   constexpr int kRounds = 2000;
   SwitchHandover handover;
   uint64_t payload = 0;

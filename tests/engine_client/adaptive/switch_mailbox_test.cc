@@ -12,7 +12,7 @@ TEST(SwitchMailbox, IsEmptyAtFirst) {
   EXPECT_FALSE(mailbox.Take().has_value());
 }
 
-TEST(SwitchMailbox, GivesACommandOnceAndWhole) {
+TEST(SwitchMailbox, ReturnsACommandOnceAndComplete) {
   SwitchMailbox mailbox;
   mailbox.Post({.command_id = 0xFF'FFFF'FFFF,
                 .arm = 31,
@@ -34,7 +34,7 @@ TEST(SwitchMailbox, KeepsTheLatestCommand) {
   EXPECT_EQ(mailbox.Take()->command_id, 2U);
 }
 
-TEST(SwitchMailbox, DoesNotAliasAnArmOrALimitThatDoesNotFit) {
+TEST(SwitchMailbox, ClampsAnArmOrALimitThatDoesNotFit) {
   SwitchMailbox mailbox;
   mailbox.Post({.command_id = 1, .arm = 256 + 3, .trial_limit_percent = 256 + 3});
   const auto command = mailbox.Take();
@@ -42,7 +42,7 @@ TEST(SwitchMailbox, DoesNotAliasAnArmOrALimitThatDoesNotFit) {
   EXPECT_EQ(command->trial_limit_percent, 255U);
 }
 
-TEST(SwitchMailbox, HandsOverBetweenThreadsInRisingOrder) {
+TEST(SwitchMailbox, PassesCommandsBetweenThreadsInOrder) {
   constexpr uint64_t kCommandCount = 100'000;
   SwitchMailbox mailbox;
   std::thread poster([&mailbox] {

@@ -59,7 +59,7 @@ class TrimTest : public ::testing::Test {
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
 
-TEST_F(TrimTest, FreesInactiveArmsAndPairsAndNothingElse) {
+TEST_F(TrimTest, FreesOnlyInactiveArmsAndPairs) {
   Make(0);
   Frame();
   const uint64_t first_bytes = active_bytes();
@@ -72,7 +72,7 @@ TEST_F(TrimTest, FreesInactiveArmsAndPairsAndNothingElse) {
       << "the structure of the active arm is kept";
 }
 
-TEST_F(TrimTest, AnArmThatWasFreedIsBuiltAtTheNextSwitchToIt) {
+TEST_F(TrimTest, AFreedArmIsBuiltAtTheNextSwitchToIt) {
   Make(0);
   Frame();
   FrameWith("Tracy");
@@ -82,7 +82,7 @@ TEST_F(TrimTest, AnArmThatWasFreedIsBuiltAtTheNextSwitchToIt) {
   Frame();
 }
 
-TEST_F(TrimTest, ASwitchBeyondTheBudgetFreesTheArmThatItLeaves) {
+TEST_F(TrimTest, ASwitchOverTheBudgetFreesTheFormerArm) {
   for (const uint64_t budget_bytes : {uint64_t{1}, uint64_t{1} << 30}) {
     Make(budget_bytes);
     Frame();
@@ -95,7 +95,7 @@ TEST_F(TrimTest, ASwitchBeyondTheBudgetFreesTheArmThatItLeaves) {
   }
 }
 
-TEST_F(TrimTest, AnArmThatGrowsBeyondTheBudgetFreesTheInactiveOne) {
+TEST_F(TrimTest, AnArmThatGrowsOverTheBudgetFreesTheInactiveOne) {
   uint64_t inactive_bytes = 0;
   uint64_t bytes[2];
   for (const bool has_budget : {false, true}) {
@@ -134,7 +134,7 @@ TEST_F(TrimTest, CountsAndFreesTheScratchMemoryOfSortedPairs) {
   Frame();
 }
 
-TEST_F(TrimTest, TheLaneTakesNoMoreThanHalfOfTheBudget) {
+TEST_F(TrimTest, TheLaneUsesAtMostHalfOfTheBudget) {
   // Four copies of 2,000 objects with slack take 222 KB, half of the lane's memory.
   constexpr uint64_t kTooLittle = 800'000;
   constexpr uint64_t kEnough = 8'000'000;
@@ -148,7 +148,7 @@ TEST_F(TrimTest, TheLaneTakesNoMoreThanHalfOfTheBudget) {
   }
 }
 
-TEST_F(TrimTest, FreesWhatTheLaneKeeps) {
+TEST_F(TrimTest, FreesTheMemoryOfTheLane) {
   MakeWithLane(0);
   while (lane().sweep_count == 0) Frame();
   const uint64_t lane_bytes = lane().memory_bytes;
@@ -159,7 +159,7 @@ TEST_F(TrimTest, FreesWhatTheLaneKeeps) {
   EXPECT_EQ(adaptive_->memory_bytes(), active_bytes());
 }
 
-TEST_F(TrimTest, FrozenItFreesWhatTheLaneKeeps) {
+TEST_F(TrimTest, AFreezeFreesTheMemoryOfTheLane) {
   MakeWithLane(0);
   while (lane().sweep_count == 0) Frame();
   const uint64_t lane_bytes = lane().memory_bytes;

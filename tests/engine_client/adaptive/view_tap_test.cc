@@ -19,7 +19,7 @@ std::vector<Aabb> Boxes(size_t count) {
   return boxes;
 }
 
-TEST(ViewTap, CopiesTheNextFrameThatIsAskedForAndNoOther) {
+TEST(ViewTap, CopiesOnlyTheFrameAfterARequest) {
   ViewTap tap;
   tap.OnFrame(Boxes(3), 1);
   EXPECT_FALSE(tap.has_frame());
@@ -36,7 +36,7 @@ TEST(ViewTap, CopiesTheNextFrameThatIsAskedForAndNoOther) {
                          tap.frame().boxes.end()));
 }
 
-TEST(ViewTap, TakesEverySoManiethBoxOfMoreThanFit) {
+TEST(ViewTap, CopiesEveryNthBoxIfNotAllFit) {
   ViewTap tap;
   for (const size_t count : {0U, 1U, 9U, 10U, 11U, 20U, 21U, 999U}) {
     tap.Request(10);
@@ -51,7 +51,7 @@ TEST(ViewTap, TakesEverySoManiethBoxOfMoreThanFit) {
   }
 }
 
-TEST(ViewTap, GivesUpWhatWasAskedFor) {
+TEST(ViewTap, ReleaseCancelsARequest) {
   ViewTap tap;
   tap.Request(10);
   EXPECT_TRUE(tap.Release());
@@ -63,7 +63,7 @@ TEST(ViewTap, GivesUpWhatWasAskedFor) {
   EXPECT_FALSE(tap.has_frame());
 }
 
-TEST(ViewTap, IsWholeWhateverTheTwoThreadsDo) {
+TEST(ViewTap, GivesCompleteFramesWithTwoThreads) {
   ViewTap tap;
   std::atomic<bool> stopping{false};
   std::thread frames([&] {

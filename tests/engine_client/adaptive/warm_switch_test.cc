@@ -101,7 +101,7 @@ class WarmSwitchTest : public ::testing::Test {
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
 
-TEST_F(WarmSwitchTest, FindsAllPairsThroughSwitchesBetweenAllArms) {
+TEST_F(WarmSwitchTest, FindsAllPairsDuringSwitchesBetweenAllArms) {
   Make({});
   const auto arm_count = static_cast<uint32_t>(adaptive_->arms().size());
   uint64_t switches = 0;
@@ -134,7 +134,7 @@ TEST_F(WarmSwitchTest, FindsAllPairsWhileTheObjectCountChanges) {
 
 // Switches by hand and warm, with searches divided on an executor: the results do not depend on the
 // arm.
-TEST_F(WarmSwitchTest, GivesTheSamePairsByteByByteWhateverTheArmWhenTheyAreSorted) {
+TEST_F(WarmSwitchTest, SortedPairsAreTheSameBytesWithEveryArm) {
   LoneExecutor executor;
   scene_ = BoxScene("brownian", 1000, 3);
   object_count_ = 1000;
@@ -154,7 +154,7 @@ TEST_F(WarmSwitchTest, GivesTheSamePairsByteByByteWhateverTheArmWhenTheyAreSorte
   adaptive_.reset();
 }
 
-TEST_F(WarmSwitchTest, ShowsTheLaneTheFirstOfSeveralSearchesAndSwitchesBetweenFrames) {
+TEST_F(WarmSwitchTest, TheLaneMeasuresTheFirstOfSeveralSearches) {
   frame_time_ns_ = 16 * kMs;  // this is so long that copying may be frequent
   substeps_ = {150, 220};
   Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
@@ -191,7 +191,7 @@ TEST_F(WarmSwitchTest, SwitchesColdWhenThePreparationIsLate) {
   EXPECT_EQ(adaptive_->active_arm(), 2U);
 }
 
-TEST_F(WarmSwitchTest, DoesNotLetABailOutOrAPersonWait) {
+TEST_F(WarmSwitchTest, BailOutsAndManualSelectionsDoNotWait) {
   Make({});
   ASSERT_NO_FATAL_FAILURE(Frame());
   adaptive_->mailbox().Post({.command_id = 1, .arm = 2, .reason = SwitchReason::kBailOut});
@@ -203,7 +203,7 @@ TEST_F(WarmSwitchTest, DoesNotLetABailOutOrAPersonWait) {
   EXPECT_EQ(adaptive_->shadow_stats().cold_switch_count, 2U);
 }
 
-TEST_F(WarmSwitchTest, EndsTheWaitingWhereAFrameIsOverTheLimit) {
+TEST_F(WarmSwitchTest, SwitchesAtOnceIfAFrameExceedsTheBailOutLimit) {
   Make({.bail_out_ns = 100 * kMs});
   adaptive_->SetDeciderPresent(true);
   adaptive_->mailbox().Post({.command_id = 1, .arm = 2});
@@ -213,7 +213,7 @@ TEST_F(WarmSwitchTest, EndsTheWaitingWhereAFrameIsOverTheLimit) {
   EXPECT_EQ(adaptive_->active_arm(), 2U);
 }
 
-TEST_F(WarmSwitchTest, LetsALaterCommandTakeThePlaceOfOneThatWaits) {
+TEST_F(WarmSwitchTest, ALaterCommandReplacesAWaitingOne) {
   Make({});
   ASSERT_NO_FATAL_FAILURE(Frame());
   adaptive_->mailbox().Post({.command_id = 77, .arm = 2});
@@ -223,7 +223,7 @@ TEST_F(WarmSwitchTest, LetsALaterCommandTakeThePlaceOfOneThatWaits) {
   EXPECT_EQ(adaptive_->switch_epoch(), 1U);
 }
 
-TEST_F(WarmSwitchTest, RefusesWhatWaitedWhenTheModeOrTheActiveArmHasChanged) {
+TEST_F(WarmSwitchTest, AChangeOfModeOrArmRefusesAWaitingCommand) {
   Make({});
   ASSERT_NO_FATAL_FAILURE(Frame());
   adaptive_->mailbox().Post({.command_id = 5, .arm = 2});
@@ -263,7 +263,7 @@ TEST_F(WarmSwitchTest, HasNoLaneWithoutNeedOrASpareCore) {
   EXPECT_EQ((*alone)->shadow_stats().state, ShadowState::kOneArm);
 }
 
-TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
+TEST_F(WarmSwitchTest, UsesTheExecutorOnlyOnTheFrameThread) {
   LoneExecutor executor;
   arm_count_ = 2;  // One visit of each is enough; on a busy machine the lane gets little time.
   scene_ = BoxScene("brownian", 1500, 3);
@@ -291,7 +291,7 @@ TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
   adaptive_.reset();
 }
 
-TEST_F(WarmSwitchTest, EndsWhileTheLaneIsAtWork) {
+TEST_F(WarmSwitchTest, CanBeDestroyedWhileTheLaneWorks) {
   frame_time_ns_ = 16 * kMs;
   for (int round = 0; round < 20; ++round) {
     Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
@@ -302,7 +302,7 @@ TEST_F(WarmSwitchTest, EndsWhileTheLaneIsAtWork) {
   }
 }
 
-TEST_F(WarmSwitchTest, SendsSamplesOfEveryArmWithTheFramesTheyAreOf) {
+TEST_F(WarmSwitchTest, TheLaneSendsSamplesOfEveryArm) {
   frame_time_ns_ = 16 * kMs;  // this is so long that copying may be frequent
   Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
   while (adaptive_->shadow_stats().sweep_count < 3) {

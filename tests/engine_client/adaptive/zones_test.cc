@@ -105,7 +105,7 @@ class ZonesTest : public ::testing::Test {
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
 
-TEST_F(ZonesTest, AFrameHasOneOfEachOfItsOwn) {
+TEST_F(ZonesTest, AFrameBeginsEachOfItsZonesOnce) {
   Make(ShadowMode::kOff);
   for (int frame = 0; frame < 5; ++frame) Frame();
   EXPECT_EQ(seen_.Count("sweepstake: begin frame"), 5);
@@ -117,7 +117,7 @@ TEST_F(ZonesTest, AFrameHasOneOfEachOfItsOwn) {
   EXPECT_EQ(seen_.Count("sweepstake: resolve proxies"), 1);
 }
 
-TEST_F(ZonesTest, TheLaneHasItsOwnOnAThreadWithAName) {
+TEST_F(ZonesTest, TheLaneHasZonesOnANamedThread) {
   Make(ShadowMode::kOn);
   while (seen_.Count("sweepstake: lane visit") < 2) Frame();
   EXPECT_EQ(seen_.lane_count, 1);

@@ -119,7 +119,7 @@ class DaemonSessionTest : public ::testing::Test {
   uint64_t wait_count_ = 0;
 };
 
-TEST_F(DaemonSessionTest, IntroducesItself) {
+TEST_F(DaemonSessionTest, TheHelloDescribesTheSession) {
   options_.build = "1.2.3";
   options_.machine_class = "desktop";
   options_.policy = "paper";
@@ -167,7 +167,7 @@ TEST_F(DaemonSessionTest, SendsEveryFrameOnceInOrderAndSaysGoodbye) {
   EXPECT_EQ(wait_count_, 0U);
 }
 
-TEST_F(DaemonSessionTest, SaysThatItsLastEvidenceIsNotOnDisk) {
+TEST_F(DaemonSessionTest, ReportsAtItsEndThatTheLastEvidenceIsNotOnDisk) {
   FakeDaemon daemon;
   daemon.SetScript([](auto& script) { script.farewell = {grpc::StatusCode::UNAVAILABLE, "full"}; });
   GoOnline(daemon);
@@ -175,7 +175,7 @@ TEST_F(DaemonSessionTest, SaysThatItsLastEvidenceIsNotOnDisk) {
   EXPECT_THAT(session_->stats().last_error, HasSubstr("did not confirm the session's end: full"));
 }
 
-TEST_F(DaemonSessionTest, SaysAtItsEndWhatTheDaemonHasNotAcknowledged) {
+TEST_F(DaemonSessionTest, ReportsUnacknowledgedMessagesAtItsEnd) {
   options_.unacknowledged_messages = 1;
   FakeDaemon daemon;
   daemon.SetScript([](auto& script) { script.acknowledges = false; });
@@ -185,7 +185,7 @@ TEST_F(DaemonSessionTest, SaysAtItsEndWhatTheDaemonHasNotAcknowledged) {
   EXPECT_THAT(session_->stats().last_error, HasSubstr("in time: it has not acknowledged the last"));
 }
 
-TEST_F(DaemonSessionTest, BringsACommandToTheFrameThreadAndItsOutcomeBack) {
+TEST_F(DaemonSessionTest, PassesACommandToTheFrameThreadAndReturnsItsOutcome) {
   FakeDaemon daemon;
   GoOnline(daemon);
   ASSERT_TRUE(daemon.Send(CommandFor(2, 5)));
@@ -220,7 +220,7 @@ TEST_F(DaemonSessionTest, ReportsABailOutWithoutWaitingForTheBatch) {
       [](const FakeDaemon& d) { return !d.evidence.empty() && d.evidence.back().has_bail_out(); });
 }
 
-TEST_F(DaemonSessionTest, CollectsFramesForAsLongAsAnAcknowledgementSays) {
+TEST_F(DaemonSessionTest, UsesTheBatchIntervalOfTheAcknowledgement) {
   options_.batch_interval_ms = 10'000;
   FakeDaemon daemon;
   GoOnline(daemon);
@@ -231,7 +231,7 @@ TEST_F(DaemonSessionTest, CollectsFramesForAsLongAsAnAcknowledgementSays) {
   daemon.WaitUntil([](const FakeDaemon& d) { return !d.evidence.empty(); });
 }
 
-TEST_F(DaemonSessionTest, TellsAModeChangeInItsPlace) {
+TEST_F(DaemonSessionTest, SendsAModeChangeInOrderWithTheFrames) {
   FakeDaemon daemon;
   GoOnline(daemon);
   adaptive_->SetMode(Mode::kManual);
@@ -243,7 +243,7 @@ TEST_F(DaemonSessionTest, TellsAModeChangeInItsPlace) {
   });
 }
 
-TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
+TEST_F(DaemonSessionTest, AppliesBeliefsSettlingTimeAndPriorsOfTheDaemon) {
   FakeDaemon daemon;
   daemon.SetScript([](FakeDaemon::Script& script) {
     script.welcome.set_prior_source_count(3);
@@ -280,7 +280,7 @@ TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
   EXPECT_EQ(session_->stats().beliefs[0].alpha, 1);
 }
 
-TEST_F(DaemonSessionTest, TellsTheDaemonsVerdict) {
+TEST_F(DaemonSessionTest, ReturnsTheVerdictOfTheDaemon) {
   FakeDaemon daemon;
   GoOnline(daemon);
   EXPECT_EQ(session_->stats().verdict.verdict, Verdict::kUnknown);
@@ -314,7 +314,7 @@ TEST_F(DaemonSessionTest, TellsTheDaemonsVerdict) {
   EXPECT_EQ(session_->stats().verdict.leader_arm, 2U);
 }
 
-TEST_F(DaemonSessionTest, FindsADaemonThatComesLater) {
+TEST_F(DaemonSessionTest, ConnectsToADaemonThatStartsLater) {
   FakeDaemon daemon;
   daemon.Start();
   const int port = daemon.port();
@@ -332,7 +332,7 @@ TEST_F(DaemonSessionTest, FindsADaemonThatComesLater) {
   EXPECT_EQ(wait_count_, 0U);
 }
 
-TEST_F(DaemonSessionTest, ResumesAfterTheDaemonWasKilledAndCountsNothingTwice) {
+TEST_F(DaemonSessionTest, ResumesAfterTheDaemonWasKilledWithoutDuplicates) {
   FakeDaemon daemon;
   GoOnline(daemon);
   for (int round = 0; round < 3; ++round) {
@@ -358,7 +358,7 @@ TEST_F(DaemonSessionTest, ResumesAfterTheDaemonWasKilledAndCountsNothingTwice) {
   EXPECT_EQ(wait_count_, 0U);
 }
 
-TEST_F(DaemonSessionTest, TheDaemonsBailOutLimitIsTheFramePathsToo) {
+TEST_F(DaemonSessionTest, AppliesTheBailOutLimitOfTheDaemonToTheFramePath) {
   FakeDaemon daemon;
   daemon.SetScript([](auto& script) { script.welcome.set_bail_out_ms(100); });
   GoOnline(daemon);
@@ -382,7 +382,7 @@ TEST_F(DaemonSessionTest, BeginsANewSessionWhenTheDaemonForgotTheOldOne) {
   EXPECT_EQ(session_->stats().connection_count, 2U);
 }
 
-TEST_F(DaemonSessionTest, PausesForADaemonThatNeverReadsAndDropsTheOldestFrames) {
+TEST_F(DaemonSessionTest, DropsTheOldestFramesIfTheDaemonNeverReads) {
   options_.queue_frames = 64;
   options_.unacknowledged_messages = 4;
   options_.batch_frames = 5;
@@ -404,7 +404,7 @@ TEST_F(DaemonSessionTest, PausesForADaemonThatNeverReadsAndDropsTheOldestFrames)
   EXPECT_EQ(FramesIn(daemon.evidence) + told_dropped, frame_count_);
 }
 
-TEST_F(DaemonSessionTest, StopsInTimeWhateverTheDaemonDoes) {
+TEST_F(DaemonSessionTest, StopsInTimeHoweverTheDaemonBehaves) {
   for (const bool answers_hello : {true, false}) {
     FakeDaemon daemon;
     daemon.SetScript([&](auto& script) {
@@ -425,7 +425,7 @@ TEST_F(DaemonSessionTest, StopsInTimeWhateverTheDaemonDoes) {
   session_->Stop(20);
 }
 
-TEST_F(DaemonSessionTest, SaysWhyItIsRefusedAndDoesNotHurryBack) {
+TEST_F(DaemonSessionTest, ReportsARefusalAndWaitsLongBeforeReconnecting) {
   options_.backoff_max_ms = 3'600'000;
   FakeDaemon daemon;
   daemon.SetScript([](auto& script) {
@@ -441,7 +441,7 @@ TEST_F(DaemonSessionTest, SaysWhyItIsRefusedAndDoesNotHurryBack) {
   EXPECT_EQ(daemon.hellos.size(), 1U);
 }
 
-TEST_F(DaemonSessionTest, GoesOnWithoutTheMessageThatTheDaemonRefused) {
+TEST_F(DaemonSessionTest, ContinuesWithoutTheRefusedMessage) {
   FakeDaemon daemon;
   daemon.SetScript([](auto& script) {
     script.acknowledges = false;
@@ -456,7 +456,7 @@ TEST_F(DaemonSessionTest, GoesOnWithoutTheMessageThatTheDaemonRefused) {
   RunUntil([&] { return session_->stats().acknowledged_sequence > 0; });
 }
 
-TEST_F(DaemonSessionTest, ComesBackWhenADrainingDaemonAsksForIt) {
+TEST_F(DaemonSessionTest, ReconnectsWhenADrainingDaemonRequestsIt) {
   FakeDaemon daemon;
   GoOnline(daemon);
   v1::StreamTelemetryResponse response;
@@ -465,7 +465,7 @@ TEST_F(DaemonSessionTest, ComesBackWhenADrainingDaemonAsksForIt) {
   RunUntil([&] { return session_->stats().resumed_count == 1; });
 }
 
-TEST_F(DaemonSessionTest, LetsTheGuardActOnlyWhileThereIsNoDaemon) {
+TEST_F(DaemonSessionTest, TheBailOutGuardActsOnlyWithoutADaemon) {
   FakeDaemon daemon;
   GoOnline(daemon);
   for (ScriptedBroadPhase* arm : arms_) arm->script().find_ns = 5'500 * kMs;
@@ -479,7 +479,7 @@ TEST_F(DaemonSessionTest, LetsTheGuardActOnlyWhileThereIsNoDaemon) {
   EXPECT_EQ(adaptive_->switch_epoch(), 1U);
 }
 
-TEST_F(DaemonSessionTest, StartsOnce) {
+TEST_F(DaemonSessionTest, CanStartOnlyOnce) {
   Make("127.0.0.1:1");
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   EXPECT_EQ(session_->Start(*adaptive_).code(), StatusCode::kFailedPrecondition);

@@ -1,4 +1,4 @@
-// A session that, for the daemon, belongs to another client, over real gRPC on the loopback.
+// The daemon refuses to resume a session that belongs to another client; real gRPC on the loopback.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -13,7 +13,7 @@ namespace {
 
 using test_support::FakeDaemon;
 
-// Returns the status with which the daemon refuses it.
+// Returns the status that refuses to resume a session of another client.
 grpc::Status ForeignSession() {
   v1::ErrorInfo info;
   info.set_reason("FOREIGN_SESSION");
@@ -25,7 +25,7 @@ grpc::Status ForeignSession() {
   return {grpc::StatusCode::PERMISSION_DENIED, "not yours", details.SerializeAsString()};
 }
 
-TEST(ForeignSessionTest, IsNotNamedAgainAndTheGameBeginsANewOne) {
+TEST(ForeignSessionTest, IsNotResumedAgainAndANewSessionBegins) {
   FakeDaemon daemon;
   daemon.Start();
   SessionOptions options;

@@ -85,7 +85,7 @@ TEST_F(OperatorOrderTest, IsRefusedWhileTheGameIsFrozen) {
   EXPECT_EQ(Answer(1).order_refusal().reason(), v1::ORDER_REFUSAL_REASON_NOT_ALLOWED);
 }
 
-TEST_F(OperatorOrderTest, IsRefusedIfTheDaemonHasNotAgreedToThem) {
+TEST_F(OperatorOrderTest, IsRefusedIfTheDaemonDoesNotSupportOrders) {
   daemon_passes_orders_ = false;
   Start(/*allow_operator_orders=*/true);
   Order(1, v1::MODE_MANUAL, 2);
@@ -93,7 +93,7 @@ TEST_F(OperatorOrderTest, IsRefusedIfTheDaemonHasNotAgreedToThem) {
   EXPECT_EQ(adaptive_->mode(), Mode::kAi);
 }
 
-TEST_F(OperatorOrderTest, TheHelloSaysWhetherTheGameTakesThem) {
+TEST_F(OperatorOrderTest, TheHelloStatesWhetherTheGameAcceptsOrders) {
   for (const bool takes : {false, true}) {
     Start(takes);
     session_->Stop(0);
@@ -105,7 +105,7 @@ TEST_F(OperatorOrderTest, TheHelloSaysWhetherTheGameTakesThem) {
   EXPECT_EQ(daemon_.hellos[1].capabilities(0), v1::CAPABILITY_OPERATOR_ORDERS);
 }
 
-TEST_F(OperatorOrderTest, IsObeyedAndAnsweredWithTheArmThatRuns) {
+TEST_F(OperatorOrderTest, IsExecutedAndAnsweredWithTheActiveArm) {
   Start(/*allow_operator_orders=*/true);
   Order(1, v1::MODE_MANUAL, 2);
   const Request pinned = Answer(1);
@@ -117,7 +117,7 @@ TEST_F(OperatorOrderTest, IsObeyedAndAnsweredWithTheArmThatRuns) {
   EXPECT_EQ(adaptive_->mode(), Mode::kAi);
 }
 
-TEST_F(OperatorOrderTest, OfANewerProtocolOrForAnotherGameIsRefused) {
+TEST_F(OperatorOrderTest, WithAnUnknownModeOrArmIsRefused) {
   Start(/*allow_operator_orders=*/true);
   Order(1, v1::MODE_MANUAL, 3);
   EXPECT_EQ(Answer(1).order_refusal().reason(), v1::ORDER_REFUSAL_REASON_UNKNOWN);
@@ -126,7 +126,7 @@ TEST_F(OperatorOrderTest, OfANewerProtocolOrForAnotherGameIsRefused) {
   EXPECT_EQ(adaptive_->mode(), Mode::kAi);
 }
 
-TEST_F(OperatorOrderTest, HoldsOverALostConnectionAndIsToldInTheHello) {
+TEST_F(OperatorOrderTest, SurvivesALostConnectionAndIsSentInTheHello) {
   Start(/*allow_operator_orders=*/true);
   Order(1, v1::MODE_MANUAL, 1);
   const uint64_t sequence = Answer(1).sequence();

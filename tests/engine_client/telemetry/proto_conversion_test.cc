@@ -7,7 +7,7 @@
 namespace sweepstake {
 namespace {
 
-TEST(ProtoConversion, GivesADescriptorBackAsItWas) {
+TEST(ProtoConversion, ReturnsADescriptorUnchanged) {
   const SceneDescriptor descriptor = {.object_count = 1,
                                       .density_ratio = 2,
                                       .size_spread = 3,
@@ -27,7 +27,7 @@ TEST(ProtoConversion, GivesADescriptorBackAsItWas) {
   EXPECT_EQ(back.static_ratio, -1);
 }
 
-TEST(ProtoConversion, GivesAPriorRecordBackAsItWas) {
+TEST(ProtoConversion, ReturnsAPriorRecordUnchanged) {
   const PriorRecord record = {.key = {.project = "a",
                                       .scene = "b",
                                       .measured_by = "lane",
@@ -43,7 +43,7 @@ TEST(ProtoConversion, GivesAPriorRecordBackAsItWas) {
   EXPECT_EQ(FromProto(ToProto(record)), record);
 }
 
-TEST(ProtoConversion, TakesAPosteriorOnlyIfItIsValid) {
+TEST(ProtoConversion, AcceptsOnlyValidPosteriors) {
   v1::BetaPosterior posterior;
   posterior.set_alpha(3);
   EXPECT_FALSE(FromProto(posterior, "SAP"));

@@ -24,7 +24,7 @@ TEST(BailOutGuard, CountsOnlyFramesOverTheLimit) {
   EXPECT_TRUE(guard.Exceeds(kLimitNs + 1));
 }
 
-TEST(BailOutGuard, TakesANewLimitButNotNone) {
+TEST(BailOutGuard, AcceptsANewLimitExceptZero) {
   BailOutGuard guard(kLimitNs, 3);
   guard.SetLimit(10);
   guard.SetLimit(0);
@@ -32,13 +32,13 @@ TEST(BailOutGuard, TakesANewLimitButNotNone) {
   EXPECT_TRUE(guard.Exceeds(11));
 }
 
-TEST(BailOutGuard, TakesTheNextArmInOrderWithoutASnapshot) {
+TEST(BailOutGuard, ChoosesTheNextArmInOrderWithoutASnapshot) {
   const BailOutGuard guard(kLimitNs, 3);
   EXPECT_EQ(guard.LocalChoice(LongFrame(0)), 1U);
   EXPECT_EQ(guard.LocalChoice(LongFrame(2)), 0U);
 }
 
-TEST(BailOutGuard, TakesTheHighestMeanAmongTheOthers) {
+TEST(BailOutGuard, ChoosesTheHighestMeanAmongTheOtherArms) {
   BailOutGuard guard(kLimitNs, 4);
   guard.SetPosteriorMeans(std::vector<double>{0.9, 0.2, 0.7, 0.3});
   EXPECT_EQ(guard.LocalChoice(LongFrame(0)), 2U);
@@ -52,7 +52,7 @@ TEST(BailOutGuard, IgnoresASnapshotOfAnotherLengthOrWithNaN) {
   EXPECT_EQ(guard.LocalChoice(LongFrame(0)), 1U);
 }
 
-TEST(BailOutGuard, LeavesTheChoiceToADeciderThatIsPresent) {
+TEST(BailOutGuard, DoesNotChooseIfADeciderIsConnected) {
   BailOutGuard guard(kLimitNs, 3);
   guard.SetDeciderPresent(true);
   EXPECT_FALSE(guard.LocalChoice(LongFrame(0)).has_value());
@@ -60,7 +60,7 @@ TEST(BailOutGuard, LeavesTheChoiceToADeciderThatIsPresent) {
   EXPECT_TRUE(guard.LocalChoice(LongFrame(0)).has_value());
 }
 
-TEST(BailOutGuard, DoesNotBlameTheArmWhenDetectionIsUnderHalfOfTheFrame) {
+TEST(BailOutGuard, IgnoresFramesWithDetectionUnderHalfOfTheTime) {
   const BailOutGuard guard(kLimitNs, 2);
   FrameSample sample = LongFrame(0);
   sample.detection_time_ns = sample.frame_time_ns / 2;
@@ -69,7 +69,7 @@ TEST(BailOutGuard, DoesNotBlameTheArmWhenDetectionIsUnderHalfOfTheFrame) {
   EXPECT_FALSE(guard.LocalChoice(sample).has_value());
 }
 
-TEST(BailOutGuard, DoesNotBlameTheArmForPausesAndLoading) {
+TEST(BailOutGuard, IgnoresPausedAndLoadingFrames) {
   const BailOutGuard guard(kLimitNs, 2);
   for (const uint32_t flag : {kFramePaused, kFrameLoading}) {
     FrameSample sample = LongFrame(0);
@@ -78,7 +78,7 @@ TEST(BailOutGuard, DoesNotBlameTheArmForPausesAndLoading) {
   }
 }
 
-TEST(BailOutGuard, HasNowhereToGoWithOneArm) {
+TEST(BailOutGuard, DoesNotChooseIfThereIsOnlyOneArm) {
   const BailOutGuard guard(kLimitNs, 1);
   EXPECT_FALSE(guard.LocalChoice(LongFrame(0)).has_value());
 }

@@ -72,7 +72,7 @@ class TrialTest : public ::testing::Test {
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
 
-TEST_F(TrialTest, AnArmOverTheLimitHasTwoFramesAndTheNextIsThatOfTheArmBefore) {
+TEST_F(TrialTest, EndsAfterTwoFramesOverTheLimit) {
   TryB();
   SearchOfBTakes(kGrantedNs + 40);
   EXPECT_EQ(Frame().detection_time_ns, kGrantedNs + 140);
@@ -92,13 +92,14 @@ TEST_F(TrialTest, AnArmOverTheLimitHasTwoFramesAndTheNextIsThatOfTheArmBefore) {
   EXPECT_EQ(sink_.switches[1].arm, 0U);
   EXPECT_EQ(sink_.switches[1].switch_epoch, 2U);
   EXPECT_EQ(sink_.switches[1].executed, 1U);
-  EXPECT_EQ(sink_.switches[1].trial_detection_time_ns, kGrantedNs + 120) << "the shorter one";
+  EXPECT_EQ(sink_.switches[1].trial_detection_time_ns, kGrantedNs + 120)
+      << "the shorter of the two frames counts";
   EXPECT_EQ(sink_.switches[1].trial_arm, 1U);
   Frames(100);
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
-TEST_F(TrialTest, AnArmWithinTheLimitStaysAndIsNoTrialAfterTwiceTheSettlingTime) {
+TEST_F(TrialTest, AnArmWithinTheLimitStaysAfterTheTrial) {
   TryB();
   SearchOfBTakes(kGrantedNs + 10);
   Frames(40);
@@ -110,7 +111,7 @@ TEST_F(TrialTest, AnArmWithinTheLimitStaysAndIsNoTrialAfterTwiceTheSettlingTime)
   EXPECT_EQ(adaptive_->switch_epoch(), 1U);
 }
 
-TEST_F(TrialTest, TheFirstFramesOfANewStructureAreNotTheArms) {
+TEST_F(TrialTest, IgnoresTheBuildAndWarmUpFrames) {
   SearchOfBTakes(100 * kGrantedNs);
   TryB();
   SearchOfBTakes(10);
@@ -118,7 +119,7 @@ TEST_F(TrialTest, TheFirstFramesOfANewStructureAreNotTheArms) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-TEST_F(TrialTest, SingleFramesOverTheLimitAreNotTheArms) {
+TEST_F(TrialTest, IgnoresSingleFramesOverTheLimit) {
   TryB();
   for (int i = 0; i < 5; ++i) {
     SearchOfBTakes(100 * kGrantedNs);
@@ -129,7 +130,7 @@ TEST_F(TrialTest, SingleFramesOverTheLimitAreNotTheArms) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-TEST_F(TrialTest, TheLimitIsThatOfTheLongestFrameOfLate) {
+TEST_F(TrialTest, TheLimitFollowsTheLongestRecentFrame) {
   FramesTake(2 * kFrameNs);
   arms_[0]->script().find_ns = 100;
   Frame();
@@ -145,7 +146,7 @@ TEST_F(TrialTest, TheLimitIsThatOfTheLongestFrameOfLate) {
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
-TEST_F(TrialTest, ALongFrameOfLongAgoIsForgotten) {
+TEST_F(TrialTest, TheLimitIgnoresAnOldLongFrame) {
   FramesTake(2 * kFrameNs);
   arms_[0]->script().find_ns = 100;
   Frame();
@@ -160,7 +161,7 @@ TEST_F(TrialTest, ALongFrameOfLongAgoIsForgotten) {
 
 // At 1,000 frames/s, 20 % of a frame is shorter than common interruptions, so the limit has a
 // minimum.
-TEST_F(TrialTest, AMillisecondIsGrantedInAnyCase) {
+TEST_F(TrialTest, TheLimitIsAtLeastOneMillisecond) {
   FramesTake(1'000'000);
   Frames(2 * TrialGuard::kBlockFrames);
   TryB();
@@ -174,7 +175,7 @@ TEST_F(TrialTest, AMillisecondIsGrantedInAnyCase) {
 
 // Such an arm is below the limit of a single frame, but too expensive over the whole trial. In a
 // trial of 8 s, 200 ms may be lost; 0.9 ms in each frame reach this after 223 frames.
-TEST_F(TrialTest, AnArmThatTakesMoreThanTheArmBeforeHasABudget) {
+TEST_F(TrialTest, EndsWhenTheTotalLossExceedsTheBudget) {
   FramesTake(1'000'000);
   Frames(2 * TrialGuard::kBlockFrames);
   TryB();
@@ -182,7 +183,7 @@ TEST_F(TrialTest, AnArmThatTakesMoreThanTheArmBeforeHasABudget) {
   Frames(223);
   EXPECT_EQ(adaptive_->last_sample().arm, 1U);
   ASSERT_EQ(Frame().arm, 0U);
-  EXPECT_EQ(sink_.switches.back().trial_detection_time_ns, 900'110U) << "the mean";
+  EXPECT_EQ(sink_.switches.back().trial_detection_time_ns, 900'110U) << "the mean of the trial";
 }
 
 TEST_F(TrialTest, AnArmWithinTheBudgetStays) {
@@ -196,7 +197,7 @@ TEST_F(TrialTest, AnArmWithinTheBudgetStays) {
 
 // One long frame counts at most 1/kFrameShare of the budget, because interruptions affect single
 // frames.
-TEST_F(TrialTest, TheBudgetIsNotSpentByOneFrame) {
+TEST_F(TrialTest, OneLongFrameDoesNotExceedTheBudget) {
   TryB();
   for (uint64_t i = 0; i < TrialGuard::kFrameShare; ++i) {
     SearchOfBTakes(1'000'000'000);
@@ -211,7 +212,7 @@ TEST_F(TrialTest, TheBudgetIsNotSpentByOneFrame) {
   EXPECT_EQ(Frame().arm, 0U);
 }
 
-TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithThat) {
+TEST_F(TrialTest, ATrialAfterACompletedOneIsComparedWithItsArm) {
   TryB();
   SearchOfBTakes(kGrantedNs / 10);  // this is within the budget
   Frames(kTrialFrames);
@@ -226,7 +227,7 @@ TEST_F(TrialTest, ATrialAfterOneThatHasLastedIsComparedWithThat) {
 }
 
 // Five frames take longer than the trial. The first three are the build and the warm-up.
-TEST_F(TrialTest, AnArmWhoseFramesAreAsLongAsTheTrialIsLeftToo) {
+TEST_F(TrialTest, EndsIfFramesAreAlmostAsLongAsTheTrial) {
   const uint64_t long_ns = kTrialFrames * kFrameNs * 3 / 8;
   adaptive_->mailbox().Post({.command_id = 7, .arm = 1, .trial_limit_percent = 120});
   SearchOfBTakes(long_ns);
@@ -237,7 +238,7 @@ TEST_F(TrialTest, AnArmWhoseFramesAreAsLongAsTheTrialIsLeftToo) {
 }
 
 // Physics at 50 Hz searches only in some frames. The trial ends by time, as the decider expects.
-TEST_F(TrialTest, FramesWithoutASearchTakeOfItsTime) {
+TEST_F(TrialTest, FramesWithoutASearchCountForTheDuration) {
   TryB();
   for (uint32_t i = 0; i < kTrialFrames; ++i) FrameWithoutASearch();
   SearchOfBTakes(2 * kGrantedNs);
@@ -245,7 +246,7 @@ TEST_F(TrialTest, FramesWithoutASearchTakeOfItsTime) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-TEST_F(TrialTest, FramesWithoutASearchDoNotComeBetweenTwo) {
+TEST_F(TrialTest, FramesWithoutASearchDoNotInterruptTwoSlowFrames) {
   TryB();
   SearchOfBTakes(2 * kGrantedNs);
   Frame();
@@ -254,14 +255,14 @@ TEST_F(TrialTest, FramesWithoutASearchDoNotComeBetweenTwo) {
   EXPECT_EQ(Frame().arm, 0U);
 }
 
-TEST_F(TrialTest, ACommandWithoutALimitIsNoTrial) {
+TEST_F(TrialTest, ACommandWithoutALimitStartsNoTrial) {
   TryB(0);
   SearchOfBTakes(2 * kGrantedNs);
   Frames(5);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-TEST_F(TrialTest, PausedAndLoadingFramesEndNone) {
+TEST_F(TrialTest, PausedAndLoadingFramesDoNotEndATrial) {
   TryB();
   SearchOfBTakes(2 * kGrantedNs);
   Frame(kFramePaused);
@@ -271,7 +272,7 @@ TEST_F(TrialTest, PausedAndLoadingFramesEndNone) {
   EXPECT_EQ(Frame().arm, 0U);
 }
 
-TEST_F(TrialTest, AfterALongTrialTheArmBeforeBuildsAgain) {
+TEST_F(TrialTest, TheFormerArmBuildsAgainAfterALongTrial) {
   TryB();
   Frames(30);
   SearchOfBTakes(2 * kGrantedNs);
@@ -317,12 +318,12 @@ uint32_t FlagsOfTheWayBack(bool trims) {
   return back.flags;
 }
 
-TEST(Trial, TheWayBackNeedsNoBuildUnlessTheStructureWasFreed) {
+TEST(Trial, TheFormerArmKeepsItsStructureUnlessItWasFreed) {
   EXPECT_EQ(FlagsOfTheWayBack(false), 0U);
   EXPECT_EQ(FlagsOfTheWayBack(true), uint32_t{kFrameRebuild});
 }
 
-TEST_F(TrialTest, AGameThatChoosesForItselfEndsNone) {
+TEST_F(TrialTest, AChoiceOfTheGameReportsNoEndedTrial) {
   TryB();
   SearchOfBTakes(2 * kGrantedNs);
   Frames(2);

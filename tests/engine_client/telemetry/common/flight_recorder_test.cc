@@ -76,7 +76,7 @@ class FlightRecorderTest : public ::testing::Test {
   std::vector<Aabb> boxes_{{{0, 0, 0}, {1, 1, 1}}, {{2, 0, 0}, {3, 1, 1}}};
 };
 
-TEST_F(FlightRecorderTest, WritesTheBoxesTheFramesAndTheDecisionsOfFiveSeconds) {
+TEST_F(FlightRecorderTest, WritesBoxesFramesAndDecisionsOfFiveSeconds) {
   LastDecision decision{.decision_id = 6,
                         .time_ns = 1,
                         .outcome = DecisionOutcome::kKept,
@@ -127,7 +127,7 @@ TEST_F(FlightRecorderTest, WritesTheBoxesTheFramesAndTheDecisionsOfFiveSeconds) 
   EXPECT_EQ(scene->world().max[1], 602);
 }
 
-TEST_F(FlightRecorderTest, ABoxThatIsNotFiniteIsWrittenAsOneThatOverlapsNothing) {
+TEST_F(FlightRecorderTest, WritesABoxThatIsNotFiniteAsOneThatOverlapsNothing) {
   boxes_[0].min[2] = std::numeric_limits<float>::quiet_NaN();
   Frames(200);
   Frame(61);
@@ -137,7 +137,7 @@ TEST_F(FlightRecorderTest, ABoxThatIsNotFiniteIsWrittenAsOneThatOverlapsNothing)
   EXPECT_TRUE(IsValid(scene->aabbs()[1]));
 }
 
-TEST_F(FlightRecorderTest, KeepsTheNewestRecordingsAndRemovesOnlyItsOwn) {
+TEST_F(FlightRecorderTest, KeepsTheNewestRecordingsAndRemovesOnlyOwnOnes) {
   std::ofstream(folder_ / "flight-20200101-000000-000.aabbs") << "another session's";
   std::string first;
   for (size_t i = 0; i < FlightRecorder::kMaxRecordings + 2; ++i) {
@@ -152,7 +152,7 @@ TEST_F(FlightRecorderTest, KeepsTheNewestRecordingsAndRemovesOnlyItsOwn) {
   EXPECT_EQ(recorder_->error(), "");
 }
 
-TEST_F(FlightRecorderTest, SaysWhyARecordingCouldNotBeWrittenAndGoesOn) {
+TEST_F(FlightRecorderTest, ReportsWhyWritingFailedAndContinues) {
   fs::remove_all(folder_);
   Frames(200);
   Frame(61);
@@ -165,7 +165,7 @@ TEST_F(FlightRecorderTest, SaysWhyARecordingCouldNotBeWrittenAndGoesOn) {
   EXPECT_EQ(recorder_->error(), "");
 }
 
-TEST_F(FlightRecorderTest, AsksForMoreMemoryWhereTwoFramesDoNotFit) {
+TEST_F(FlightRecorderTest, ReportsThatTwoFramesDoNotFitInItsMemory) {
   boxes_.resize(recorder_->ring().max_boxes() / 2 + 1);
   Frames(110);
   Frame(61);
@@ -174,7 +174,7 @@ TEST_F(FlightRecorderTest, AsksForMoreMemoryWhereTwoFramesDoNotFit) {
   EXPECT_EQ(FileCount(), 0U);
 }
 
-TEST_F(FlightRecorderTest, OptionsOutOfRangeNameTheirBounds) {
+TEST_F(FlightRecorderTest, ErrorsOfOptionsNameTheirBounds) {
   const auto message_of = [this](const FlightRecorderOptions& flight) {
     SessionOptions options = options_;
     options.flight_recorder = flight;

@@ -53,7 +53,7 @@ class FlightRingTest : public ::testing::Test {
   uint64_t next_ = 0;
 };
 
-TEST_F(FlightRingTest, AFrameOverTheBudgetKeepsItAndTheFiveSecondsBefore) {
+TEST_F(FlightRingTest, FreezesAFrameOverTheBudgetWithTheFiveSecondsBefore) {
   FlightRing ring(10'000, kBudgetNs);
   Frames(ring, 1000);
   EXPECT_FALSE(ring.frozen());
@@ -69,7 +69,7 @@ TEST_F(FlightRingTest, AFrameOverTheBudgetKeepsItAndTheFiveSecondsBefore) {
   EXPECT_EQ(ring.latest_frame_index(), 1001U);
 }
 
-TEST_F(FlightRingTest, AFrameWithinTheBudgetPausedOrLoadingIsNoReason) {
+TEST_F(FlightRingTest, DoesNotFreezeForFramesWithinTheBudgetPausedOrLoading) {
   FlightRing ring(10'000, kBudgetNs);
   Frames(ring, 200);
   Frame(ring, 50);
@@ -80,7 +80,7 @@ TEST_F(FlightRingTest, AFrameWithinTheBudgetPausedOrLoadingIsNoReason) {
   EXPECT_TRUE(ring.frozen());
 }
 
-TEST_F(FlightRingTest, BoxesThatDoNotFitForFiveSecondsAreKeptAtEqualIntervals) {
+TEST_F(FlightRingTest, KeepsBoxesAtEqualIntervalsIfFiveSecondsDoNotFit) {
   FlightRing ring(40, kBudgetNs);
   Frames(ring, 1008);  // keeps boxes ten times in five seconds, at last in frame 1000
   Frame(ring, 51, 0);
@@ -90,10 +90,10 @@ TEST_F(FlightRingTest, BoxesThatDoNotFitForFiveSecondsAreKeptAtEqualIntervals) {
   const std::vector<FlightFrame> frames = ring.Frames();
   EXPECT_EQ(frames.back().box_count, 4U);
   EXPECT_EQ(frames[frames.size() - 2].sample.frame_time_ns, 51 * kMs);
-  EXPECT_EQ(CheckedBoxFrames(ring), 10U) << "the oldest of eleven was replaced";
+  EXPECT_EQ(CheckedBoxFrames(ring), 10U) << "the eleventh copy replaced the oldest";
 }
 
-TEST_F(FlightRingTest, ASceneWithoutRoomForTwoFramesIsFrozenWithoutBoxes) {
+TEST_F(FlightRingTest, KeepsNoBoxesIfTwoFramesDoNotFit) {
   FlightRing ring(7, kBudgetNs);
   Frames(ring, 200);
   Frame(ring, 51);
@@ -104,7 +104,7 @@ TEST_F(FlightRingTest, ASceneWithoutRoomForTwoFramesIsFrozenWithoutBoxes) {
   EXPECT_EQ(ring.Frames().size(), 202U);
 }
 
-TEST_F(FlightRingTest, CountsMayChangeAndTheOldestBoxesMakeRoom) {
+TEST_F(FlightRingTest, ReplacesTheOldestBoxesIfObjectCountsChange) {
   FlightRing ring(50, kBudgetNs);
   for (size_t i = 0; i < 2000; ++i) Frame(ring, 10, i % 25 + 1);
   Frame(ring, 51, 25);
@@ -114,7 +114,7 @@ TEST_F(FlightRingTest, CountsMayChangeAndTheOldestBoxesMakeRoom) {
   EXPECT_EQ(ring.Frames().back().box_count, 25U);
 }
 
-TEST_F(FlightRingTest, MoreFramesThanItHoldsPushOutTheOldest) {
+TEST_F(FlightRingTest, ReplacesTheOldestFramesWhenFull) {
   FlightRing ring(10'000, kBudgetNs);
   for (size_t i = 0; i < 3 * FlightRing::kFrames; ++i) Frame(ring, 1);
   Frame(ring, 51);
@@ -122,7 +122,7 @@ TEST_F(FlightRingTest, MoreFramesThanItHoldsPushOutTheOldest) {
   EXPECT_EQ(ring.Frames().size(), FlightRing::kFrames);
 }
 
-TEST_F(FlightRingTest, RecordsNothingInTheFirstSecondAndTheCooldown) {
+TEST_F(FlightRingTest, DoesNotFreezeInTheFirstSecondAndTheCooldown) {
   FlightRing ring(10'000, kBudgetNs);
   Frame(ring, 900);
   EXPECT_FALSE(ring.frozen());
@@ -140,7 +140,7 @@ TEST_F(FlightRingTest, RecordsNothingInTheFirstSecondAndTheCooldown) {
 }
 
 // The sender may release the ring at any time, also between a frame's boxes and its end.
-TEST_F(FlightRingTest, AReleaseInTheMidstOfAFrameLeavesThatFrameWithoutBoxes) {
+TEST_F(FlightRingTest, AReleaseWithinAFrameDropsTheBoxesOfThatFrame) {
   FlightRing ring(10'000, kBudgetNs);
   Frames(ring, 200);
   Frame(ring, 51);

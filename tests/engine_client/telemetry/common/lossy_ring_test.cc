@@ -26,7 +26,7 @@ TEST(LossyRing, ReturnsElementsInOrderAndNothingWhenEmpty) {
   EXPECT_FALSE(ring.Pop().has_value());
 }
 
-TEST(LossyRing, CountsWhatWasOverwrittenBeforeAndAfterTheReaderPassedIt) {
+TEST(LossyRing, CountsOverwrittenElementsBeforeAndAfterAPop) {
   LossyRing<uint64_t> ring(4);
   for (uint64_t i = 0; i < 11; ++i) ring.Push(i);
   EXPECT_EQ(ring.lost_count(), 7U);
@@ -36,7 +36,7 @@ TEST(LossyRing, CountsWhatWasOverwrittenBeforeAndAfterTheReaderPassedIt) {
   EXPECT_EQ(ring.pushed_count(), 11U);
 }
 
-TEST(LossyRing, NeverGivesATornElementToAReaderThatIsLapped) {
+TEST(LossyRing, NeverReturnsATornElementIfTheWriterOvertakesTheReader) {
   constexpr uint64_t kBlockCount = 200'000;
   LossyRing<Block> ring(2);
   std::thread producer([&ring] {

@@ -54,7 +54,7 @@ TEST(SampleQueue, DropsTheOldestFramesWhenFullAndCountsThem) {
   EXPECT_EQ(queue.dropped_frame_count(), 6U);
 }
 
-TEST(SampleQueue, KeepsNotesBetweenTheFramesTheyCameBetween) {
+TEST(SampleQueue, KeepsTheOrderOfNotesAndFrames) {
   SampleQueue queue(8);
   queue.OnModeChange({.mode = Mode::kManual, .active_arm = 3});
   queue.OnFrame(FrameOf(0));
@@ -70,7 +70,7 @@ TEST(SampleQueue, KeepsNotesBetweenTheFramesTheyCameBetween) {
   EXPECT_EQ(std::get<FrameSample>(*queue.Pop()).frame_index, 1U);
 }
 
-TEST(SampleQueue, HasAQueueOfItsOwnForTheShadowLane) {
+TEST(SampleQueue, KeepsSamplesOfTheShadowLaneInASeparateQueue) {
   SampleQueue queue(8);
   EXPECT_FALSE(queue.PopShadow().has_value());
   for (uint64_t i = 0; i < SampleQueue::kShadowCapacity + 3; ++i) {
@@ -89,7 +89,7 @@ TEST(SampleQueue, HasAQueueOfItsOwnForTheShadowLane) {
   EXPECT_FALSE(queue.PopShadow().has_value());
 }
 
-TEST(SampleQueue, KeepsANoteWhoseFramesWereDropped) {
+TEST(SampleQueue, KeepsANoteIfTheFramesAroundItWereDropped) {
   SampleQueue queue(4);
   queue.OnFrame(FrameOf(0));
   queue.OnSwitch({.command_id = 7});
@@ -123,7 +123,7 @@ constexpr uint64_t kFrameCount = 4'000'000;
 // The capacities range from a ring that always overflows to one that rarely does.
 class SampleQueueStress : public ::testing::TestWithParam<uint32_t> {};
 
-TEST_P(SampleQueueStress, GivesWholeFramesInOrderAndCountsTheRest) {
+TEST_P(SampleQueueStress, ReturnsCompleteFramesInOrderAndCountsDroppedOnes) {
   SampleQueue queue(GetParam());
   std::atomic<bool> finished{false};
   std::thread producer([&] {

@@ -14,7 +14,7 @@ TEST(SessionOptions, DefaultsAreValid) {
   EXPECT_TRUE(ValidateSessionOptions(SessionOptions()).ok());
 }
 
-TEST(SessionOptions, NamesTheOptionThatIsWrong) {
+TEST(SessionOptions, ErrorsNameTheInvalidOption) {
   const auto wrong_option = [](const std::function<void(SessionOptions&)>& change) {
     SessionOptions options;
     change(options);
@@ -39,7 +39,7 @@ TEST(SessionOptions, NamesTheOptionThatIsWrong) {
   EXPECT_EQ(wrong_option([](auto& o) { o.tls.emplace().server_name = "a b"; }), "server_name");
 }
 
-TEST(TlsOptionsTest, NamesTheOptionThatIsWrong) {
+TEST(TlsOptionsTest, ErrorsNameTheInvalidOption) {
   const auto message = [](auto change) {
     TlsOptions tls;
     change(tls);
@@ -58,7 +58,7 @@ TEST(TlsOptionsTest, NamesTheOptionThatIsWrong) {
               HasSubstr("server_name"));
 }
 
-TEST(TlsOptionsTest, CallsItByTheNameThatTheCallerGives) {
+TEST(TlsOptionsTest, ErrorsUseTheOptionNamesOfTheCaller) {
   const TlsNames names{"--tls", "--ca", "--cert", "--key", "--name"};
   TlsOptions tls;
   tls.server_name = "a b";
@@ -70,14 +70,14 @@ TEST(TlsOptionsTest, CallsItByTheNameThatTheCallerGives) {
   EXPECT_THAT(ValidateTlsOptions(tls, names).message(), StartsWith("--ca, --cert and --key must "));
 }
 
-TEST(DaemonAddress, TakesHostNamesAndBothKindsOfIpAddresses) {
+TEST(DaemonAddress, AcceptsHostNamesAndBothVersionsOfIpAddresses) {
   for (const char* address :
        {"localhost:1", "127.0.0.1:65535", "[::1]:7411", "daemon-1.studio.example:7411"}) {
     EXPECT_TRUE(ValidateDaemonAddress(address).ok()) << address;
   }
 }
 
-TEST(DaemonAddress, SaysHowToWriteOne) {
+TEST(DaemonAddress, ErrorsStateTheExpectedFormat) {
   for (const char* address :
        {"", ":", "host", "host:", ":80", "host:0", "host:65536", "host:-1", "host:8x", "::1:80",
         "[]:80", "ho st:80", "unix:/tmp/x", "dns://x/host:80"}) {

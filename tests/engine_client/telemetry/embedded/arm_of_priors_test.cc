@@ -34,7 +34,7 @@ std::string Visits(size_t first_arm = 0, const std::string& machine_class = Mach
   return FormatPriors(records);
 }
 
-TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedInANewSceneAndOnAnotherMachineToo) {
+TEST(ArmOfPriors, IsTheCheapestForAnySeedSceneAndMachine) {
   EmbeddedOptions options;
   for (const std::string& priors : {Visits(), Visits(0, "of the studio")}) {
     options.priors_data = priors;
@@ -49,7 +49,7 @@ TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedInANewSceneAndOnAnotherMachineT
   }
 }
 
-TEST(ArmOfPriors, IsNoneOfWhatWaitsInQuarantine) {
+TEST(ArmOfPriors, IgnoresPriorsInQuarantine) {
   std::vector<PriorRecord> records = *ParsePriors(Visits());
   for (PriorRecord& record : records) record.is_quarantined = true;
   EmbeddedOptions options;
@@ -57,7 +57,7 @@ TEST(ArmOfPriors, IsNoneOfWhatWaitsInQuarantine) {
   EXPECT_FALSE(EmbeddedDecider::ArmOfPriors(options, kPriorArms, kPriorVersions).ok());
 }
 
-TEST(ArmOfPriors, IsOneThatThePriorsKnow) {
+TEST(ArmOfPriors, IsAnArmWithPriors) {
   EmbeddedOptions options;
   for (const size_t first_arm : {1, 2}) {
     options.priors_data = Visits(first_arm);
@@ -70,7 +70,7 @@ TEST(ArmOfPriors, IsOneThatThePriorsKnow) {
             StatusCode::kNotFound);
 }
 
-TEST(ArmOfPriors, IsNoneWhereNothingIsKnown) {
+TEST(ArmOfPriors, IsAnErrorWithoutPriors) {
   EmbeddedOptions options;
   options.priors_data = Visits();
   options.project = "another game";

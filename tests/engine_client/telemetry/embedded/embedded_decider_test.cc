@@ -88,7 +88,7 @@ TEST(EmbeddedDecider, StartsAtBetaOneOneWithoutPriors) {
   EXPECT_EQ(decider->prior_source_count(), 0U);
 }
 
-TEST(EmbeddedDecider, TriesEveryArmAndThenFavoursTheFastest) {
+TEST(EmbeddedDecider, TriesEveryArmAndThenPrefersTheFastest) {
   const auto decider = MakeDecider();
   Game game({30, 60, 15});
   game.RunFor(*decider, 400'000);
@@ -119,12 +119,13 @@ TEST(EmbeddedDecider, LearnsFromTheShadowLaneWhichArmIsTheBest) {
     }
     game.RunFor(*decider, 1000);
   }
-  ASSERT_EQ(game.commands.size(), 1U);  // At once to the best arm, although it was not tried.
+  ASSERT_EQ(game.commands.size(),
+            1U);  // The decider switches at once to the best arm, without trying it live.
   EXPECT_EQ(game.commands[0].arm, 2U);
   EXPECT_EQ(game.commands[0].reason, SwitchReason::kPolicy);
 }
 
-TEST(EmbeddedDecider, TakesDescriptorsOfTheScene) {
+TEST(EmbeddedDecider, UsesSceneDescriptors) {
   EmbeddedOptions options;
   options.policy = "adaptive";
   const auto with = MakeDecider(options);
@@ -158,7 +159,7 @@ TEST(EmbeddedDecider, DecidesTheSameFromTheSameSeed) {
   }
 }
 
-TEST(EmbeddedDecider, TellsEveryDecisionInOrder) {
+TEST(EmbeddedDecider, ReportsEveryDecisionInOrder) {
   std::vector<DecisionEvent> told;
   EmbeddedOptions options = PaperOptions();
   options.on_decision = [&](const DecisionEvent& event) { told.push_back(event); };
@@ -170,7 +171,7 @@ TEST(EmbeddedDecider, TellsEveryDecisionInOrder) {
   for (size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].decision_id, i + 1);
 }
 
-TEST(EmbeddedDecider, TellsWithADecisionWhatItBelievesAndCommands) {
+TEST(EmbeddedDecider, ReportsBeliefsAndCommandWithEachDecision) {
   std::vector<DecisionEvent> told;
   EmbeddedOptions options = PaperOptions();
   options.on_decision = [&](const DecisionEvent& event) { told.push_back(event); };
@@ -231,7 +232,7 @@ TEST(EmbeddedDecider, LearnsNothingInManualMode) {
   for (const ArmBelief& belief : decider->beliefs()) EXPECT_EQ(belief.alpha, 1);
 }
 
-TEST(EmbeddedDecider, IgnoresOutcomesOfAnEpochThatHasEndedAndOfUnknownArms) {
+TEST(EmbeddedDecider, IgnoresOutcomesOfEarlierEpochsAndUnknownArms) {
   const auto decider = MakeDecider();
   Game game({20, 20, 20});
   game.RunFor(*decider, 60'000);
@@ -280,7 +281,7 @@ class EmbeddedDeciderPriors : public ::testing::Test {
   std::filesystem::path path_;
 };
 
-TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
+TEST_F(EmbeddedDeciderPriors, AreTheSumOfTheSourcesOfMatchingArms) {
   std::vector<PriorRecord> records = {RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b"),
                                       RecordOf("KDTree", 1, "c"), RecordOf("Octopus", 1, "d")};
   records.push_back(RecordOf("DBVT", 1, "e"));
@@ -299,7 +300,7 @@ TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
   EXPECT_EQ(decider->beliefs()[2].alpha, 1);  // the prior has another backend version
 }
 
-TEST_F(EmbeddedDeciderPriors, AreOfThePolicysVersionOfTheReward) {
+TEST_F(EmbeddedDeciderPriors, HaveTheRewardVersionOfThePolicy) {
   std::vector<PriorRecord> records = {RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b"),
                                       RecordOf("DBVT", 1, "c")};
   records[1].key.reward_version = records[2].key.reward_version = 3;
@@ -310,7 +311,7 @@ TEST_F(EmbeddedDeciderPriors, AreOfThePolicysVersionOfTheReward) {
   EXPECT_EQ(MakeDecider(adaptive)->prior_source_count(), 2U);
 }
 
-TEST_F(EmbeddedDeciderPriors, NamesTheBrokenRecord) {
+TEST_F(EmbeddedDeciderPriors, ErrorsNameTheInvalidRecord) {
   PriorRecord broken = RecordOf("SAP", 1, "a");
   broken.evidence.alpha = -1;
   ASSERT_TRUE(WritePriorsFile(std::vector{RecordOf("SAP", 1, "x"), broken}, path_).ok());
@@ -347,7 +348,7 @@ uint64_t WindowCount(const std::string& priors) {
   return count;
 }
 
-TEST(EmbeddedDeciderExport, IsWhatTheNextRunStartsFromAndGoesOnWith) {
+TEST(EmbeddedDeciderExport, IsTheStartOfTheNextRun) {
   const std::string first = LearnFrom("");
   const std::vector<PriorRecord> records = RecordsOf(first);
   ASSERT_GT(records.size(), 0U);
@@ -370,7 +371,7 @@ TEST(EmbeddedDeciderExport, IsWhatTheNextRunStartsFromAndGoesOnWith) {
   }
 }
 
-TEST(EmbeddedDeciderExport, HoldsTheBeliefsThatItEndsWith) {
+TEST(EmbeddedDeciderExport, ContainsTheFinalBeliefs) {
   const auto decider = MakeDecider(PaperOptions());  // its beliefs are the sums of its evidence
   Game game({30, 60, 15});
   game.RunFor(*decider, 100'000);
@@ -384,7 +385,7 @@ TEST(EmbeddedDeciderExport, HoldsTheBeliefsThatItEndsWith) {
   }
 }
 
-TEST(EmbeddedDeciderExport, HasASourceOfItsOwnInEachRunUnlessItIsNamed) {
+TEST(EmbeddedDeciderExport, HasANewSourceIdInEachRunByDefault) {
   std::set<std::string> sources;
   for (int run = 0; run < 2; ++run) {
     const auto decider = MakeDecider();
@@ -397,7 +398,7 @@ TEST(EmbeddedDeciderExport, HasASourceOfItsOwnInEachRunUnlessItIsNamed) {
   EXPECT_EQ(sources.size(), 2U);
 }
 
-TEST_F(EmbeddedDeciderPriors, OfAFileAndOfATextAreUnited) {
+TEST_F(EmbeddedDeciderPriors, OfAFileAndATextAreMerged) {
   ASSERT_TRUE(
       WritePriorsFile(std::vector{RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b")}, path_).ok());
   std::vector<PriorRecord> saved = {RecordOf("SAP", 1, "b"), RecordOf("DBVT", 1, "c")};
@@ -412,7 +413,7 @@ TEST_F(EmbeddedDeciderPriors, OfAFileAndOfATextAreUnited) {
   EXPECT_EQ(RecordsOf(decider->ExportPriors()).size(), 3U);
 }
 
-TEST(EmbeddedDeciderIntervals, AreThoseOfTheDecisionCoreUnlessGiven) {
+TEST(EmbeddedDeciderIntervals, DefaultToThoseOfTheDecisionCore) {
   const decision::DecisionOptions core;
   const EmbeddedOptions options;
   EXPECT_EQ(options.decision_interval_ns, static_cast<uint64_t>(core.decision_interval_ns));
@@ -432,13 +433,13 @@ size_t SwitchesAfterExploration(uint64_t cooldown_ns) {
                        [](const auto& command) { return command.reason == SwitchReason::kPolicy; });
 }
 
-TEST(EmbeddedDeciderIntervals, LetAShortCooldownSwitchOftenAndALongOneNever) {
+TEST(EmbeddedDeciderIntervals, AShortCooldownSwitchesOftenAndALongOneNever) {
   EXPECT_GT(SwitchesAfterExploration(4'000 * kMs), 20U);
   EXPECT_LE(SwitchesAfterExploration(40'000 * kMs), 10U);
   EXPECT_EQ(SwitchesAfterExploration(4'000'000 * kMs), 0U);
 }
 
-TEST(EmbeddedDeciderIntervals, DecideAsOftenAsAsked) {
+TEST(EmbeddedDeciderIntervals, SetTheNumberOfDecisions) {
   EmbeddedOptions options = PaperOptions();
   options.decision_interval_ns = 500 * kMs;
   const auto decider = MakeDecider(options);
@@ -447,7 +448,7 @@ TEST(EmbeddedDeciderIntervals, DecideAsOftenAsAsked) {
   EXPECT_NEAR(static_cast<double>(decider->decision_count()), 120, 2);
 }
 
-TEST(EmbeddedDeciderIntervals, HaveAFrameRateFloorThatMayBeLowered) {
+TEST(EmbeddedDeciderIntervals, TheFrameRateFloorCanBeLowered) {
   for (const double fps_floor : {30.0, 10.0}) {
     EmbeddedOptions options = PaperOptions();
     options.fps_floor = fps_floor;
@@ -458,7 +459,7 @@ TEST(EmbeddedDeciderIntervals, HaveAFrameRateFloorThatMayBeLowered) {
   }
 }
 
-TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
+TEST(EmbeddedDeciderCreate, ErrorsNameTheInvalidOption) {
   const auto status = [](auto change) {
     EmbeddedOptions options;
     change(options);
@@ -487,7 +488,7 @@ TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
             StatusCode::kInvalidArgument);
 }
 
-TEST(EmbeddedDeciderCreate, KnowsNoAblationOfTheLaboratory) {
+TEST(EmbeddedDeciderCreate, RefusesAblationsOfTheLaboratory) {
   EmbeddedOptions options;
   options.policy = "adaptive-without-shadow";
   const Status status = EmbeddedDecider::Create(options, kArms, kVersions, 0).status();

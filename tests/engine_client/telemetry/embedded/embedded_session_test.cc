@@ -60,7 +60,7 @@ class EmbeddedSessionTest : public ::testing::Test {
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
 
-TEST_F(EmbeddedSessionTest, SwitchesArmsAndTellsItsBeliefs) {
+TEST_F(EmbeddedSessionTest, SwitchesArmsAndReturnsItsBeliefs) {
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   EXPECT_EQ(session_->stats().state, ConnectionState::kEmbedded);
   RunUntil([this] { return adaptive_->switch_epoch() >= 2; });
@@ -78,7 +78,7 @@ TEST_F(EmbeddedSessionTest, SwitchesArmsAndTellsItsBeliefs) {
   EXPECT_GE(stats.decision_time_ns, stats.longest_decision_ns);
 }
 
-TEST_F(EmbeddedSessionTest, TellsTheVerdictToTheGame) {
+TEST_F(EmbeddedSessionTest, ReturnsTheVerdict) {
   EXPECT_EQ(session_->stats().verdict.verdict, Verdict::kUnknown);
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   // Arm 1 is the fast one.
@@ -92,7 +92,7 @@ TEST_F(EmbeddedSessionTest, TellsTheVerdictToTheGame) {
 }
 
 // Only the latest decision is available, so the test may miss the one with a command.
-TEST_F(EmbeddedSessionTest, TellsTheLatestDecisionWithItsReasonsAndTheOutcomeOfASwitch) {
+TEST_F(EmbeddedSessionTest, ReturnsTheLatestDecisionWithReasonsAndSwitchOutcome) {
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   std::optional<LastDecision> decision;
   RunUntil([&] {
@@ -117,7 +117,7 @@ TEST_F(EmbeddedSessionTest, TellsTheLatestDecisionWithItsReasonsAndTheOutcomeOfA
 }
 
 // At this time scale settling takes 2 ms, so that the second frame reports the cost of the switch.
-TEST_F(EmbeddedSessionTest, SettlesInItsDecidersTime) {
+TEST_F(EmbeddedSessionTest, UsesTheSettlingTimeOfItsDecider) {
   adaptive_->SetMode(Mode::kManual);
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   ASSERT_TRUE(adaptive_->SelectArm("Fast").ok());
@@ -128,7 +128,7 @@ TEST_F(EmbeddedSessionTest, SettlesInItsDecidersTime) {
   EXPECT_EQ(adaptive_->last_outcome()->arm, 1U);
 }
 
-TEST_F(EmbeddedSessionTest, ExportsWhatItHasLearntWhileItRunsAndAfterItsEnd) {
+TEST_F(EmbeddedSessionTest, ExportsPriorsWhileItRunsAndAfterItsEnd) {
   EXPECT_EQ(session_->ExportPriors().status().code(), StatusCode::kFailedPrecondition);
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   RunUntil([this] { return ParsePriors(*session_->ExportPriors())->size() == 2; });
@@ -138,7 +138,7 @@ TEST_F(EmbeddedSessionTest, ExportsWhatItHasLearntWhileItRunsAndAfterItsEnd) {
   EXPECT_EQ(records->size(), 2U);
 }
 
-TEST_F(EmbeddedSessionTest, TakesEveryFrameOffTheQueueBeforeItStops) {
+TEST_F(EmbeddedSessionTest, ReadsEveryFrameFromTheQueueBeforeItStops) {
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   for (int i = 0; i < 1000; ++i) Frame();
   session_->Stop();
@@ -156,7 +156,7 @@ TEST_F(EmbeddedSessionTest, CommandsNothingAfterAChangeToManualMode) {
   EXPECT_EQ(adaptive_->switch_epoch(), epoch);
 }
 
-TEST_F(EmbeddedSessionTest, StopsOnceAndForAll) {
+TEST_F(EmbeddedSessionTest, CannotStartAgainAfterAStop) {
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   EXPECT_EQ(session_->Start(*adaptive_).code(), StatusCode::kFailedPrecondition);
   session_->Stop();
@@ -166,7 +166,7 @@ TEST_F(EmbeddedSessionTest, StopsOnceAndForAll) {
   Frame();
 }
 
-TEST(EmbeddedSessionStart, ReportsBrokenPriors) {
+TEST(EmbeddedSessionStart, ReportsInvalidPriors) {
   EmbeddedOptions embedded;
   embedded.priors_file = "no/such/file.json";
   auto session = MakeEmbeddedSession(embedded, SessionOptions());

@@ -64,7 +64,7 @@ TEST(EvidenceLedger, AddsToARecordPerArmUnderItsOwnSource) {
   EXPECT_EQ(ledger.records()[1].source_sequence, 3U);
 }
 
-TEST(EvidenceLedger, GoesOnWithTheRecordOfItsSourceUnderALaterSequence) {
+TEST(EvidenceLedger, ContinuesTheRecordOfItsSourceWithALaterSequence) {
   PriorRecord elsewhere = RecordOf("player", 9, 5);
   elsewhere.key.scene = "desert";
   EvidenceLedger ledger = LedgerOf({RecordOf("player", 7, 10), elsewhere});
@@ -77,7 +77,7 @@ TEST(EvidenceLedger, GoesOnWithTheRecordOfItsSourceUnderALaterSequence) {
   EXPECT_EQ(ledger.records()[1].evidence.alpha, 5);
 }
 
-TEST(EvidenceLedger, LeavesTheRecordsOfOthersAsTheyAre) {
+TEST(EvidenceLedger, DoesNotChangeRecordsOfOtherSources) {
   EvidenceLedger ledger = LedgerOf({RecordOf("studio", 7, 10)});
   ledger.Add(Window({.arm = 0, .alpha = 1, .window_count = 1}));
   ASSERT_EQ(ledger.records().size(), 2U);
@@ -87,7 +87,7 @@ TEST(EvidenceLedger, LeavesTheRecordsOfOthersAsTheyAre) {
   EXPECT_EQ(ledger.prior().source_count, 1U);
 }
 
-TEST(EvidenceLedger, KeepsTheLanesVisitsApartAndLearnsFromThem) {
+TEST(EvidenceLedger, KeepsVisitsOfTheLaneInSeparateRecordsAndLearnsFromThem) {
   EvidenceLedger ledger = LedgerOf({});
   decision::Decision decision = Window({.arm = 0, .alpha = 6, .beta = 4, .window_count = 1});
   decision.lane_increments = {{.arm = 0, .alpha = 6, .beta = 4, .window_count = 1},
@@ -104,7 +104,7 @@ TEST(EvidenceLedger, KeepsTheLanesVisitsApartAndLearnsFromThem) {
   EXPECT_GT(priors[1].mean(), priors[0].mean()) << "DBVT was never live";
 }
 
-TEST(EvidenceLedger, UnitesRecordsOfWhichTheLaterCounts) {
+TEST(EvidenceLedger, MergedRecordsKeepTheLaterOne) {
   const auto united = Unite({RecordOf("a", 2, 20), RecordOf("b", 1, 1), RecordOf("d", 5, 7)},
                             {RecordOf("a", 1, 10), RecordOf("b", 2, 5), RecordOf("c", 1, 3)});
   std::vector<std::pair<std::string, double>> found;

@@ -49,7 +49,7 @@ std::string ComplaintAbout(const std::string& text) {
   return result.status().message();
 }
 
-TEST(PriorsFile, ReadsBackWhatItWrote) {
+TEST(PriorsFile, IsReadAsItWasWritten) {
   const std::vector<PriorRecord> records = {RecordOf("first"), RecordOf("second")};
   const auto read = ParsePriors(FormatPriors(records));
   ASSERT_TRUE(read.ok()) << read.status().message();
@@ -72,7 +72,7 @@ TEST(PriorsFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(record.last_seen_unix_s, 1'700'000'000U);
 }
 
-TEST(PriorsFile, KeepsWhatWaitsInQuarantineBesideWhatCounts) {
+TEST(PriorsFile, KeepsQuarantinedRecordsBesideOthers) {
   std::vector<PriorRecord> records(2, RecordOf("s"));
   records[1].is_quarantined = true;
   records[1].source_sequence = 10;
@@ -86,7 +86,7 @@ TEST(PriorsFile, KeepsWhatWaitsInQuarantineBesideWhatCounts) {
   EXPECT_THAT(ComplaintAbout(DocumentWith("is_quarantined", "1")), HasSubstr("true nor false"));
 }
 
-TEST(PriorsFile, TakesAnEmptyListAndRecordsWithoutOptionalFields) {
+TEST(PriorsFile, MayHaveNoRecordsAndNoOptionalFields) {
   EXPECT_TRUE(ParsePriors(FormatPriors({})).ok());
   const auto read = ParsePriors(
       R"({"format":"sweepstake-priors","version":1,"records":[{"project":"p","scene":"s",
@@ -98,7 +98,7 @@ TEST(PriorsFile, TakesAnEmptyListAndRecordsWithoutOptionalFields) {
   EXPECT_EQ((*read)[0].build, "");
 }
 
-TEST(PriorsFile, NamesTheRecordAndTheFieldThatIsBroken) {
+TEST(PriorsFile, ErrorsNameTheInvalidRecordAndField) {
   EXPECT_EQ(ComplaintAbout(DocumentWith("project", "\"\"")), "priors record 0: project is empty");
   EXPECT_THAT(ComplaintAbout(DocumentWith("arm", "7")), HasSubstr("record 0: arm is not a string"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("scene", "\"a\\u0000b\"")), HasSubstr("scene"));
@@ -116,7 +116,7 @@ TEST(PriorsFile, NamesTheRecordAndTheFieldThatIsBroken) {
               HasSubstr("machine_clas is not a field"));
 }
 
-TEST(PriorsFile, RefusesWhatIsNoPriorsDocument) {
+TEST(PriorsFile, OtherDocumentsAreRefused) {
   for (const char* text :
        {"", "{", "[]", "null", "{\"format\":\"other\"}", "{\"format\":\"sweepstake-priors\"}",
         "{\"format\":\"sweepstake-priors\",\"version\":2,\"records\":[]}",
@@ -130,7 +130,7 @@ TEST(PriorsFile, RefusesWhatIsNoPriorsDocument) {
   EXPECT_NE(ComplaintAbout(std::string(1 << 20, '[')), "none");
 }
 
-TEST(PriorsFile, DoesNotDependOnWhatStandsFirst) {
+TEST(PriorsFile, DoesNotDependOnTheOrderOfItsFields) {
   const std::string record = DocumentWith("build", "\"1\"");
   const std::string records = record.substr(record.find("\"records\""));
   const std::string turned =
@@ -141,7 +141,7 @@ TEST(PriorsFile, DoesNotDependOnWhatStandsFirst) {
               HasSubstr("not of format"));
 }
 
-TEST(PriorsFile, TakesRecordsOnlyFromTheArrayOfThatName) {
+TEST(PriorsFile, HasItsRecordsOnlyInTheArrayRecords) {
   const std::string record = DocumentWith("build", "\"1\"");
   std::string nested = record;
   nested.replace(nested.find("\"records\":["), 11, "\"other\":[");
@@ -152,7 +152,7 @@ TEST(PriorsFile, TakesRecordsOnlyFromTheArrayOfThatName) {
   EXPECT_THAT(ComplaintAbout(object), HasSubstr("no array \"records\""));
 }
 
-TEST(PriorsFile, RefusesEvidenceThatIsThereTwice) {
+TEST(PriorsFile, RepeatedEvidenceIsRefused) {
   EXPECT_THAT(ComplaintAbout(FormatPriors(std::vector{RecordOf("a"), RecordOf("a")})),
               HasSubstr("priors record 1: repeats"));
   EXPECT_THAT(ComplaintAbout(FormatPriors(std::vector{RecordOf("b"), RecordOf("a"), RecordOf("c"),
@@ -160,14 +160,14 @@ TEST(PriorsFile, RefusesEvidenceThatIsThereTwice) {
               HasSubstr("priors record 3: repeats"));
 }
 
-TEST(PriorsFile, SurvivesEveryTruncation) {
+TEST(PriorsFile, IsRefusedIfTruncatedAnywhere) {
   const std::string text = FormatPriors(std::vector{RecordOf("a")});
   for (size_t length = 0; length + 2 < text.size(); ++length) {
     EXPECT_FALSE(ParsePriors(text.substr(0, length)).ok()) << length;
   }
 }
 
-TEST(PriorsFile, AppearsWholeOnDiskOrNotAtAll) {
+TEST(PriorsFile, IsWrittenCompletelyOrNotAtAll) {
   const auto path = std::filesystem::path(::testing::TempDir()) / "priors_file_test.json";
   ASSERT_TRUE(WritePriorsFile(std::vector{RecordOf("a")}, path).ok());
   const auto read = ReadPriorsFile(path);
@@ -178,7 +178,7 @@ TEST(PriorsFile, AppearsWholeOnDiskOrNotAtAll) {
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
 }
 
-TEST(PriorsFile, SaysWhichFileIsMissingOrBroken) {
+TEST(PriorsFile, ErrorsNameTheMissingOrInvalidFile) {
   const auto missing = ReadPriorsFile("no/such/priors.json");
   EXPECT_EQ(missing.status().code(), StatusCode::kNotFound);
   EXPECT_THAT(missing.status().message(), HasSubstr("no/such/priors.json"));

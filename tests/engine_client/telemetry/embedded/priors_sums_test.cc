@@ -59,7 +59,7 @@ std::string ComplaintAboutSums(const std::string& text) {
   return result.status().message();
 }
 
-TEST(PriorsSums, AddUpWhatTheSessionsOfABuildTaughtAndNameNone) {
+TEST(PriorsSums, SumTheEvidenceOfEachBuildWithoutSessionIds) {
   const std::vector<PriorRecord> sums = SomeSums();
   ASSERT_EQ(sums.size(), 4U);
   for (const PriorRecord& sum : sums) EXPECT_TRUE(IsSum(sum)) << sum.source_id;
@@ -75,7 +75,7 @@ TEST(PriorsSums, AddUpWhatTheSessionsOfABuildTaughtAndNameNone) {
   EXPECT_THAT(text, HasSubstr("\"version\":2"));
 }
 
-TEST(PriorsSums, AreWithoutWhatWaitsInQuarantine) {
+TEST(PriorsSums, ExcludeRecordsInQuarantine) {
   PriorRecord record = RecordOf("one", "1.0", "SAP");
   const std::vector<PriorRecord> sums = SumByBuild(std::vector{record});
   PriorRecord waiting = record;
@@ -84,7 +84,7 @@ TEST(PriorsSums, AreWithoutWhatWaitsInQuarantine) {
   EXPECT_TRUE(SumByBuild(std::vector{waiting}).empty());
 }
 
-TEST(PriorsSums, AreThoseOfTheWholeWhereRecordsComeSceneByScene) {
+TEST(PriorsSums, AreTheSameIfWrittenSceneByScene) {
   std::vector<PriorRecord> records;
   for (const char* project : {"a", "b"}) {
     for (const char* scene : {"", "2"}) {
@@ -129,10 +129,10 @@ TEST(PriorsSums, AreReadBackAsTheyWereWritten) {
     EXPECT_EQ(sum.source_sequence, sum.evidence.window_count);
   }
   EXPECT_TRUE(ParsePriors(json::parse(text).dump(4)).ok()) << "white space does not matter";
-  EXPECT_EQ(FormatPriors(SumByBuild(*read)), text) << "sums of sums";
+  EXPECT_EQ(FormatPriors(SumByBuild(*read)), text) << "a sum of sums is the same sum";
 }
 
-TEST(PriorsSums, HaveFiveDigits) {
+TEST(PriorsSums, HaveFiveSignificantDigits) {
   PriorRecord record = RecordOf("a", "", "SAP");
   record.evidence.alpha = 123'456.789;
   record.evidence.beta = 0.000'123'456;
@@ -141,7 +141,7 @@ TEST(PriorsSums, HaveFiveDigits) {
   EXPECT_EQ(sums[0].evidence.beta, 0.000'123'46);
 }
 
-TEST(PriorsSums, AreRefusedOnceChangedOrCutOff) {
+TEST(PriorsSums, AreRefusedIfChangedOrTruncated) {
   const std::string text = FormatPriors(SomeSums());
   std::string changed = text;
   changed.replace(changed.find("0.5"), 3, "0.6");
@@ -150,7 +150,7 @@ TEST(PriorsSums, AreRefusedOnceChangedOrCutOff) {
     EXPECT_FALSE(ParsePriors(text.substr(0, length)).ok()) << length;
 }
 
-TEST(PriorsSums, SayWhichSceneIsBroken) {
+TEST(PriorsSums, ErrorsNameTheInvalidScene) {
   const auto same = [](json&) {};
   EXPECT_EQ(ComplaintAboutSums(SumsWith(same)), "none");
   const auto complaint_where = [](const char* pointer, const json& value) {
@@ -178,12 +178,13 @@ TEST(PriorsSums, SayWhichSceneIsBroken) {
               HasSubstr("priors scene 0: repeats an arm"));
 }
 
-TEST(PriorsSums, OfAThousandScenesAndTwentyBuildsAreOfFiveMegabytesAtMost) {
+TEST(PriorsSums, OfAThousandScenesAndTwentyBuildsHaveAtMostFiveMegabytes) {
   std::vector<PriorRecord> records;
   uint64_t state = 1;
   for (int scene = 0; scene < 1'000; ++scene) {
     for (int build = 0; build < 20; ++build) {
-      for (int arm = 0; arm < 10; ++arm) {  // seven by the lane only, three of them live too
+      for (int arm = 0; arm < 10;
+           ++arm) {  // records 0-6: lane visits, 7-9: live windows of three arms
         const std::string name = "Algorithm" + std::to_string(arm % 7);
         PriorRecord& record = records.emplace_back(
             RecordOf("s", "1." + std::to_string(build), name, arm < 7 ? "lane" : ""));

@@ -16,7 +16,7 @@ TEST(Backoff, StaysWithinABoundThatDoublesUpToTheMaximum) {
   }
 }
 
-TEST(Backoff, SpreadsOverTheWholeBound) {
+TEST(Backoff, DelaysAreUniformUpToTheBound) {
   uint64_t sum = 0;
   uint32_t min = 1000;
   uint32_t max = 0;
@@ -37,14 +37,14 @@ TEST(Backoff, GivesTheSameDelaysForTheSameSeed) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(first.NextMs(), second.NextMs());
 }
 
-TEST(Backoff, StartsAgainAfterAConnectionThatHeld) {
+TEST(Backoff, StartsAtTheMinimumAfterAReset) {
   Backoff backoff(1, 1'000'000, 3);
   for (int i = 0; i < 30; ++i) backoff.NextMs();
   backoff.Reset();
   EXPECT_LE(backoff.NextMs(), 1U);
 }
 
-TEST(Backoff, WaitsLongForWhatWillNotMendSoon) {
+TEST(Backoff, ALongDelayIsAtLeastHalfOfTheMaximum) {
   Backoff backoff(100, 10'000, 5);
   for (int i = 0; i < 100; ++i) {
     const uint32_t delay = backoff.LongMs();

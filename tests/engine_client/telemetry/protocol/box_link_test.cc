@@ -52,14 +52,14 @@ class BoxLinkTest : public ::testing::Test {
   std::optional<SessionLink> link_;
 };
 
-TEST_F(BoxLinkTest, NothingIsShownUnlessTheGameAllowsIt) {
+TEST_F(BoxLinkTest, SendsNoViewUnlessTheGameAllowsIt) {
   EXPECT_EQ(Connect(/*allow_box_view=*/false).capabilities_size(), 0);
   Frame();
   EXPECT_EQ(Take().sequence(), 1U);
   EXPECT_EQ(link_->Advance(kNowNs), LinkAction::kNone);
 }
 
-TEST_F(BoxLinkTest, AViewComesAfterTheEvidenceAndHasNoNumber) {
+TEST_F(BoxLinkTest, SendsAViewAfterTheEvidenceWithoutASequenceNumber) {
   EXPECT_EQ(Connect(/*allow_box_view=*/true).capabilities(0), v1::CAPABILITY_BOX_VIEW);
   Frame();
   EXPECT_EQ(Take().sequence(), 1U);
@@ -70,7 +70,7 @@ TEST_F(BoxLinkTest, AViewComesAfterTheEvidenceAndHasNoNumber) {
   EXPECT_EQ(link_->stats().sent_sequence, 1U);
 }
 
-TEST_F(BoxLinkTest, NoViewIsSentAgainOrWaitedForAtTheEnd) {
+TEST_F(BoxLinkTest, SendsNoViewAfterAGoodbye) {
   Connect(/*allow_box_view=*/true);
   Frame();
   Take();

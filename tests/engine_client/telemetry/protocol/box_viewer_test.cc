@@ -31,7 +31,7 @@ ViewedFrame FrameOf(std::span<const Aabb> boxes) {
   return {.frame_index = 7, .object_count = 3 * boxes.size(), .stride = 3, .boxes = boxes};
 }
 
-TEST(BoxView, HasEachBoxWithinItsStepsAndEachPair) {
+TEST(BoxView, HasEachBoxToTheQuantizationStepAndEachPair) {
   const BoxScene scene("brownian", 400, 3);
   const std::span<const Aabb> boxes = scene.boxes();
   const protocol::BoxView view = ViewOf(FrameOf(boxes), BoxViewer::kMaxBytes);
@@ -57,14 +57,14 @@ TEST(BoxView, HasEachBoxWithinItsStepsAndEachPair) {
   EXPECT_EQ(PairsIn(view), expected);
 }
 
-TEST(BoxView, KeepsToItsBytesAndLeavesOutWhatIsNoBox) {
+TEST(BoxView, StaysWithinItsBytesAndOmitsInvalidBoxes) {
   std::vector<Aabb> boxes(5000, Aabb{{0, 0, 0}, {1, 1, 1}});
   boxes[0].min[1] = std::numeric_limits<float>::quiet_NaN();
   boxes[1].max[0] = std::numeric_limits<float>::infinity();
   for (const uint32_t max_bytes : {64U, 1000U, BoxViewer::kMaxBytes}) {
     const protocol::BoxView view = ViewOf(FrameOf(boxes), max_bytes);
     EXPECT_LE(view.boxes.size() + view.pairs.size(), max_bytes);
-    EXPECT_GT(view.pairs.size(), max_bytes / 8) << "all overlap";
+    EXPECT_GT(view.pairs.size(), max_bytes / 8) << "all boxes overlap";
     EXPECT_EQ(view.bounds, (std::vector<float>{0, 0, 0, 1, 1, 1}));
     EXPECT_EQ(NumberAt(view.boxes, 3), 65'535U);
   }
@@ -104,9 +104,9 @@ class BoxViewerTest : public ::testing::Test {
   v1::StreamTelemetryRequest request_;
 };
 
-TEST_F(BoxViewerTest, ShowsNothingUnlessAsked) { EXPECT_EQ(ViewsIn(1000), 0); }
+TEST_F(BoxViewerTest, SendsNoViewWithoutARequest) { EXPECT_EQ(ViewsIn(1000), 0); }
 
-TEST_F(BoxViewerTest, ShowsBoxesAtTheIntervalUntilTheTimeHasRunOut) {
+TEST_F(BoxViewerTest, SendsViewsAtTheIntervalUntilTheTimeIsOver) {
   Ask(500, 10'000, 2'000);
   EXPECT_EQ(ViewsIn(5'000), 4);
   EXPECT_EQ(request_.sequence(), 0U);
@@ -118,7 +118,7 @@ TEST_F(BoxViewerTest, ShowsBoxesAtTheIntervalUntilTheTimeHasRunOut) {
   EXPECT_FALSE(tap_.has_frame()) << "the frame thread has no more requests";
 }
 
-TEST_F(BoxViewerTest, GoesOnWhereItIsAskedAgainAndStopsWhenNobodyLooks) {
+TEST_F(BoxViewerTest, ContinuesAfterANewRequestAndStopsAfterAnEmptyOne) {
   Ask(250, 10'000, 1'000);
   EXPECT_EQ(ViewsIn(900), 4);
   Ask(250, 10'000, 1'000);
@@ -127,7 +127,7 @@ TEST_F(BoxViewerTest, GoesOnWhereItIsAskedAgainAndStopsWhenNobodyLooks) {
   EXPECT_EQ(ViewsIn(900), 0);
 }
 
-TEST_F(BoxViewerTest, KeepsWhatItIsAskedForWithinBounds) {
+TEST_F(BoxViewerTest, LimitsTheRequestedValues) {
   Ask(1, 4'000'000, 4'000'000);
   EXPECT_EQ(ViewsIn(20'000), 40) << "every 250 ms for 10 s";
   Ask(1'000'000, 10'000, 5'000);
@@ -136,7 +136,7 @@ TEST_F(BoxViewerTest, KeepsWhatItIsAskedForWithinBounds) {
   EXPECT_EQ(ViewsIn(1'000), 0) << "no box fits";
 }
 
-TEST_F(BoxViewerTest, WaitsForAGameThatIsPaused) {
+TEST_F(BoxViewerTest, SendsNoViewWhileTheGameIsPaused) {
   Ask(250, 10'000, 5'000);
   for (int i = 0; i < 1'000; ++i) EXPECT_FALSE(viewer_.Advance(now_ns_ += kMs));
   EXPECT_TRUE(Step()) << "the first frame after the pause";

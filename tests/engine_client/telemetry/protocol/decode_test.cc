@@ -119,7 +119,7 @@ TEST(Decode, ReadsEveryFieldOfEveryResponse) {
   }
 }
 
-TEST(Decode, CompletesAMessageThatComesInParts) {
+TEST(Decode, MergesAMessageThatOccursInTwoParts) {
   v1::StreamTelemetryResponse first;
   first.mutable_welcome()->set_session_id("a");
   first.mutable_welcome()->add_priors()->set_alpha(1);
@@ -132,7 +132,7 @@ TEST(Decode, CompletesAMessageThatComesInParts) {
   EXPECT_EQ(Text(MessageOf(*response)), Text(first));
 }
 
-TEST(Decode, PassesOverFieldsOfANewerProtocolAndSaysSo) {
+TEST(Decode, SkipsFieldsOfANewerProtocolAndReportsThem) {
   v1::StreamTelemetryResponse message = RandomResponse(1, 1);
   message.mutable_welcome()
       ->GetReflection()
@@ -148,7 +148,7 @@ TEST(Decode, PassesOverFieldsOfANewerProtocolAndSaysSo) {
   EXPECT_EQ(response->welcome->session_id, message.welcome().session_id());
 }
 
-TEST(Decode, RefusesAMessageThatIsCutOffWhereProtobufDoes) {
+TEST(Decode, RefusesATruncatedMessageIfProtobufDoes) {
   const std::string bytes = RandomResponse(2, 1).SerializeAsString();
   size_t refused_count = 0;
   for (size_t size = 0; size < bytes.size(); ++size) {
@@ -161,7 +161,7 @@ TEST(Decode, RefusesAMessageThatIsCutOffWhereProtobufDoes) {
 }
 
 // Protobuf also refuses field numbers of more than 32 bits; our decoder uses their lowest bits.
-TEST(Decode, ReadsOfBrokenBytesWhatProtobufReads) {
+TEST(Decode, ReadsCorruptBytesAsProtobufDoes) {
   size_t read_count = 0;
   size_t refused_count = 0;
   math::SplitMix64 random{3};
@@ -185,7 +185,7 @@ TEST(Decode, ReadsOfBrokenBytesWhatProtobufReads) {
   EXPECT_LT(refused_count, read_count / 100);
 }
 
-TEST(Decode, RefusesTextsThatAreNoLine) {
+TEST(Decode, RefusesTextsWithLineBreaksOrInvalidUtf8) {
   for (const char* text : {"\xff", "two\nlines"}) {
     v1::StreamTelemetryResponse message;
     message.mutable_welcome()->set_daemon_version("1");
@@ -215,7 +215,7 @@ TEST(ErrorReasonIn, FindsTheReasonAmongTheDetails) {
   EXPECT_EQ(ErrorReasonIn(DetailsWith("DRAINING", "sweepstake").SerializeAsString()), "DRAINING");
 }
 
-TEST(ErrorReasonIn, IsEmptyWhereThereIsNoneOfOurs) {
+TEST(ErrorReasonIn, IsEmptyWithoutAReasonOfTheDaemon) {
   EXPECT_EQ(ErrorReasonIn(""), "");
   EXPECT_EQ(ErrorReasonIn("\xff\xff\xff"), "");
   EXPECT_EQ(ErrorReasonIn(DetailsWith("DRAINING", "proxy.example").SerializeAsString()), "");

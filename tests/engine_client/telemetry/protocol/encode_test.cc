@@ -165,13 +165,13 @@ void ExpectBytesOfProtobuf(const v1::StreamTelemetryRequest& message) {
             message.SerializeAsString());
 }
 
-TEST(Encode, GivesTheBytesOfProtobufForEveryFieldOfEveryRequest) {
+TEST(Encode, EqualsProtobufForEveryFieldOfEveryRequest) {
   ForRandomRequests(1, ExpectBytesOfProtobuf);
 }
 
-TEST(Encode, LeavesOutWhatHasItsDefaultValue) { ForRandomRequests(0.5, ExpectBytesOfProtobuf); }
+TEST(Encode, OmitsFieldsWithDefaultValues) { ForRandomRequests(0.5, ExpectBytesOfProtobuf); }
 
-TEST(Encode, LeavesOutWhatTheSceneWasNotMeasuredFor) {
+TEST(Encode, OmitsUnmeasuredPropertiesOfTheScene) {
   v1::StreamTelemetryRequest message;
   v1::SceneDescriptor& descriptor = *message.mutable_frame_batch()->mutable_scene_descriptor();
   descriptor.set_object_count(0);
@@ -183,7 +183,7 @@ TEST(Encode, LeavesOutWhatTheSceneWasNotMeasuredFor) {
   EXPECT_EQ(EncodeAs(message), message.SerializeAsString());
 }
 
-TEST(Encode, NumbersAMessageAsOftenAsWanted) {
+TEST(Encode, AnEncodedMessageCanBeNumberedRepeatedly) {
   const std::string encoded = Encode(ModeChange{.mode = Mode::kManual});
   for (const uint64_t sequence : {uint64_t{1}, uint64_t{128}, ~uint64_t{0}}) {
     v1::StreamTelemetryRequest message;

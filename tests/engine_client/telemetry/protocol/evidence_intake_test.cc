@@ -42,7 +42,7 @@ class EvidenceIntakeTest : public ::testing::Test {
   uint64_t next_index_ = 0;
 };
 
-TEST_F(EvidenceIntakeTest, SendsABatchWhenItIsFullOrItsTimeHasCome) {
+TEST_F(EvidenceIntakeTest, SendsABatchWhenItIsFullOrDue) {
   for (int i = 0; i < 4; ++i) Frame();
   EXPECT_TRUE(intake_.Pump(0));
   auto sent = Sent();
@@ -68,7 +68,7 @@ TEST_F(EvidenceIntakeTest, ReportsABailOutAtOnceAfterTheFramesBeforeIt) {
   EXPECT_EQ(sent[1].bail_out().flags(), uint32_t{kFrameBailOut});
 }
 
-TEST_F(EvidenceIntakeTest, KeepsSwitchesAndModeChangesInTheirPlaceAmongTheFrames) {
+TEST_F(EvidenceIntakeTest, KeepsTheOrderOfSwitchesModeChangesAndFrames) {
   Frame();
   queue_.OnSwitch({.command_id = 9,
                    .arm = 1,
@@ -95,7 +95,7 @@ TEST_F(EvidenceIntakeTest, KeepsSwitchesAndModeChangesInTheirPlaceAmongTheFrames
   EXPECT_EQ(sent[3].mode_change().mode(), v1::MODE_MANUAL);
 }
 
-TEST_F(EvidenceIntakeTest, SaysThatACommandWasNotExecuted) {
+TEST_F(EvidenceIntakeTest, ReportsACommandThatWasNotExecuted) {
   queue_.OnSwitch({.command_id = 9, .executed = 0});
   intake_.Pump(0);
   const auto sent = Sent();
@@ -103,7 +103,7 @@ TEST_F(EvidenceIntakeTest, SaysThatACommandWasNotExecuted) {
   EXPECT_FALSE(sent[0].switch_outcome().executed());
 }
 
-TEST_F(EvidenceIntakeTest, SendsWhatTheShadowLaneMeasuredWithTheNextBatches) {
+TEST_F(EvidenceIntakeTest, SendsShadowSamplesWithTheNextBatches) {
   ShadowSample sample{};
   for (sample.arm = 0; sample.arm < 70; ++sample.arm) queue_.OnShadow(sample);
   EXPECT_TRUE(intake_.Pump(0));
@@ -121,7 +121,7 @@ TEST_F(EvidenceIntakeTest, SendsWhatTheShadowLaneMeasuredWithTheNextBatches) {
   EXPECT_EQ(sent[0].frame_batch().shadow_samples_size(), 6);
 }
 
-TEST_F(EvidenceIntakeTest, PausesWhileTheSessionIsFullAndLetsTheQueueDrop) {
+TEST_F(EvidenceIntakeTest, PausesWhileTheSessionIsFullSoThatTheQueueDropsFrames) {
   for (int i = 0; i < 12; ++i) Frame();
   EXPECT_FALSE(intake_.Pump(0));
   EXPECT_TRUE(state_.full());

@@ -54,7 +54,7 @@ TEST(FrameBatcher, SendsVisitsOfTheShadowLaneWithTheFrames) {
   EXPECT_EQ(batcher.Take().shadow_samples.size(), 0U);
 }
 
-TEST(FrameBatcher, TakesSixtyFourVisitsAndFillsNoMoreThanHalfOfTheBytesWithThem) {
+TEST(FrameBatcher, LimitsVisitsToSixtyFourAndHalfOfTheBytes) {
   FrameBatcher batcher({.interval_ns = 1'000'000, .frames = 240, .bytes = 256 * 1024});
   for (; batcher.TakesShadow(); batcher.AddShadow(kVisit)) {
   }
@@ -84,7 +84,7 @@ TEST(FrameBatcher, IsDueAfterTheInterval) {
   EXPECT_TRUE(batcher.Due(1100));
 }
 
-TEST(FrameBatcher, IsDueWithTheMostFramesItTakes) {
+TEST(FrameBatcher, IsDueWithTheMaximumNumberOfFrames) {
   FrameBatcher batcher({.interval_ns = 1'000'000, .frames = 3, .bytes = 16384});
   for (uint64_t i = 0; i < 3; ++i) {
     EXPECT_FALSE(batcher.Due(0));
@@ -95,7 +95,7 @@ TEST(FrameBatcher, IsDueWithTheMostFramesItTakes) {
   EXPECT_FALSE(batcher.Fits(FrameOf(3)));
 }
 
-TEST(FrameBatcher, StaysWithinTheBytes) {
+TEST(FrameBatcher, StaysWithinTheMaximumBytes) {
   FrameBatcher batcher({.interval_ns = 1'000'000, .frames = 240, .bytes = 600});
   uint64_t index = 0;
   while (batcher.Fits(FrameOf(index))) batcher.Add(FrameOf(index++), 0);
@@ -105,7 +105,7 @@ TEST(FrameBatcher, StaysWithinTheBytes) {
   EXPECT_LE(protocol::Numbered(~uint64_t{0}, protocol::Encode(batcher.Take())).size(), 600U);
 }
 
-TEST(FrameBatcher, ReportsAGapInTheNumbersAsDroppedAndBeginsABatchThere) {
+TEST(FrameBatcher, AGapInFrameNumbersBeginsABatchAndCountsAsDropped) {
   FrameBatcher batcher({});
   batcher.Add(FrameOf(5), 0);
   EXPECT_EQ(batcher.Take().dropped_frame_count, 5U);
@@ -117,7 +117,7 @@ TEST(FrameBatcher, ReportsAGapInTheNumbersAsDroppedAndBeginsABatchThere) {
   EXPECT_EQ(batch.dropped_frame_count, 3U);
 }
 
-TEST(FrameBatcher, SendsTheLatestDescriptorWithoutWhatWasNotMeasured) {
+TEST(FrameBatcher, SendsTheLatestDescriptor) {
   FrameBatcher batcher({});
   SceneDescriptor descriptor;
   descriptor.object_count = 10;

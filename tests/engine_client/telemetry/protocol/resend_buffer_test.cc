@@ -21,7 +21,7 @@ std::vector<uint64_t> SendAll(ResendBuffer& buffer) {
 
 using Sequences = std::vector<uint64_t>;
 
-TEST(ResendBuffer, NumbersFromOneOn) {
+TEST(ResendBuffer, NumbersMessagesFromOne) {
   ResendBuffer buffer(8);
   for (int i = 0; i < 3; ++i) buffer.Append(BatchOf(1));
   EXPECT_EQ(SendAll(buffer), (Sequences{1, 2, 3}));
@@ -29,7 +29,7 @@ TEST(ResendBuffer, NumbersFromOneOn) {
   EXPECT_EQ(buffer.last_sequence(), 3U);
 }
 
-TEST(ResendBuffer, SendsWhatIsNotAcknowledgedAgain) {
+TEST(ResendBuffer, ResendsUnacknowledgedMessages) {
   ResendBuffer buffer(8);
   for (int i = 0; i < 4; ++i) buffer.Append(BatchOf(1));
   SendAll(buffer);
@@ -39,7 +39,7 @@ TEST(ResendBuffer, SendsWhatIsNotAcknowledgedAgain) {
   EXPECT_EQ(SendAll(buffer), (Sequences{3, 4}));
 }
 
-TEST(ResendBuffer, KeepsItsPlaceWhenAcknowledgementsComeWhileSending) {
+TEST(ResendBuffer, ContinuesAtTheNextMessageAfterAnAcknowledgement) {
   ResendBuffer buffer(8);
   for (int i = 0; i < 4; ++i) buffer.Append(BatchOf(1));
   buffer.MarkSent();
@@ -50,7 +50,7 @@ TEST(ResendBuffer, KeepsItsPlaceWhenAcknowledgementsComeWhileSending) {
   EXPECT_EQ(SendAll(buffer), Sequences{4});
 }
 
-TEST(ResendBuffer, IgnoresAcknowledgementsOfNumbersNeverGiven) {
+TEST(ResendBuffer, IgnoresAcknowledgementsOfUnknownNumbers) {
   ResendBuffer buffer(8);
   buffer.Append(BatchOf(1));
   buffer.Acknowledge(99);
@@ -79,7 +79,7 @@ TEST(ResendBuffer, RenumbersForANewSession) {
   EXPECT_EQ(SendAll(buffer), Sequences{3});
 }
 
-TEST(ResendBuffer, DiscardsWhatWasSentAndCountsItsFrames) {
+TEST(ResendBuffer, DiscardsSentMessagesAndCountsTheirFrames) {
   ResendBuffer buffer(8);
   buffer.Append(BatchOf(5));
   buffer.Append(BatchOf(6));

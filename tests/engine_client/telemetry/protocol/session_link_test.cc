@@ -97,9 +97,9 @@ class SessionLinkTest : public ::testing::Test {
   uint64_t next_frame_ = 0;
 };
 
-TEST_F(SessionLinkTest, SaysHelloFirstAndNothingMoreBeforeTheWelcome) {
+TEST_F(SessionLinkTest, SendsOnlyTheHelloBeforeTheWelcome) {
   Frames(2);
-  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone) << "without a stream";
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone) << "there is no stream yet";
   const v1::Hello hello = Connect();
   EXPECT_EQ(hello.arms(1).name(), "Grid");
   EXPECT_EQ(hello.session_id(), "");
@@ -110,7 +110,7 @@ TEST_F(SessionLinkTest, SaysHelloFirstAndNothingMoreBeforeTheWelcome) {
   EXPECT_EQ(TakeAll(), (Sequences{1, 2}));
 }
 
-TEST_F(SessionLinkTest, EmptiesTheQueueWhileNothingCanBeWritten) {
+TEST_F(SessionLinkTest, ReadsTheQueueWhileNothingCanBeSent) {
   GoOnline();
   for (int i = 0; i < 10; ++i) {
     Frames(60);
@@ -120,7 +120,7 @@ TEST_F(SessionLinkTest, EmptiesTheQueueWhileNothingCanBeWritten) {
   EXPECT_EQ(TakeAll().size(), 600U);
 }
 
-TEST_F(SessionLinkTest, ResumesInTheMidstOfWhatItWasSending) {
+TEST_F(SessionLinkTest, ResumesAfterTheLastAcknowledgedMessage) {
   GoOnline();
   Frames(5);
   EXPECT_EQ(Take().sequence(), 1U);
@@ -136,7 +136,7 @@ TEST_F(SessionLinkTest, ResumesInTheMidstOfWhatItWasSending) {
   EXPECT_EQ(link_.stats().resent_message_count, 2U);
 }
 
-TEST_F(SessionLinkTest, NumbersItsMessagesAnewInANewSession) {
+TEST_F(SessionLinkTest, RenumbersMessagesInANewSession) {
   GoOnline();
   Frames(3);
   TakeAll();
@@ -151,7 +151,7 @@ TEST_F(SessionLinkTest, NumbersItsMessagesAnewInANewSession) {
   EXPECT_EQ(TakeAll(), (Sequences{1, 2}));
 }
 
-TEST_F(SessionLinkTest, KeepsTheDaemonsLatestCommandAndVerdictForTheGameToRead) {
+TEST_F(SessionLinkTest, KeepsTheLatestCommandAndVerdictForTheGame) {
   GoOnline();
   v1::StreamTelemetryResponse snapshot;
   snapshot.mutable_posterior_snapshot()->set_verdict(v1::VERDICT_STABLE);
@@ -199,7 +199,7 @@ v1::StreamTelemetryResponse SnapshotOf(size_t arm_count) {
   return response;
 }
 
-TEST_F(SessionLinkTest, TellsWhatEachArmWasMeasuredBy) {
+TEST_F(SessionLinkTest, ReturnsTheStandingOfEachArm) {
   GoOnline();
   const size_t arm_count = adaptive_->arms().size();
   ASSERT_TRUE(Receive(SnapshotOf(arm_count)).ok());
@@ -213,7 +213,7 @@ TEST_F(SessionLinkTest, TellsWhatEachArmWasMeasuredBy) {
   EXPECT_EQ(beliefs[1].standing->cost_ratio->high, 2);
 }
 
-TEST_F(SessionLinkTest, LeavesOutWhatIsNotToldOfEveryArmOrIsOutOfRange) {
+TEST_F(SessionLinkTest, IgnoresStandingsThatAreIncompleteOrOutOfRange) {
   GoOnline();
   const size_t arm_count = adaptive_->arms().size();
   const auto taken = [&](auto change) {
@@ -239,7 +239,7 @@ TEST_F(SessionLinkTest, LeavesOutWhatIsNotToldOfEveryArmOrIsOutOfRange) {
       first_taken([](auto& standing) { standing.mutable_cost_ratio()->set_high(HUGE_VAL); }));
 }
 
-TEST_F(SessionLinkTest, ComesBackToADrainingDaemonAfterTheDelayThatItAsksFor) {
+TEST_F(SessionLinkTest, ReconnectsToADrainingDaemonAfterTheRequestedDelay) {
   GoOnline();
   v1::StreamTelemetryResponse response;
   response.mutable_reconnect()->set_delay_ms(500);
@@ -256,7 +256,7 @@ TEST_F(SessionLinkTest, ComesBackToADrainingDaemonAfterTheDelayThatItAsksFor) {
   EXPECT_EQ(Connect().session_id(), "a");
 }
 
-TEST_F(SessionLinkTest, WaitsForADrainingDaemonAtMostFourTimesTheLongestBackOff) {
+TEST_F(SessionLinkTest, LimitsTheDelayThatADrainingDaemonRequests) {
   GoOnline();
   v1::StreamTelemetryResponse response;
   response.mutable_reconnect()->set_delay_ms(~0U);
@@ -264,7 +264,7 @@ TEST_F(SessionLinkTest, WaitsForADrainingDaemonAtMostFourTimesTheLongestBackOff)
   EXPECT_LE(link_.Disconnected({}, now_ns_), 5000U);
 }
 
-TEST_F(SessionLinkTest, DoesNotNameASessionAgainThatIsSomebodyElses) {
+TEST_F(SessionLinkTest, DoesNotResumeAForeignSessionAgain) {
   GoOnline();
   link_.Disconnected(EndWith(kUnavailable, "gone"), now_ns_);
   Connect();
@@ -272,13 +272,13 @@ TEST_F(SessionLinkTest, DoesNotNameASessionAgainThatIsSomebodyElses) {
   EXPECT_EQ(Connect().session_id(), "");
 }
 
-TEST_F(SessionLinkTest, DoesNotComeBackOnceItWasKicked) {
+TEST_F(SessionLinkTest, DoesNotReconnectAfterAKick) {
   GoOnline();
   EXPECT_FALSE(link_.Disconnected(EndWith(kPermissionDenied, "enough", "SESSION_KICKED"), now_ns_));
   EXPECT_EQ(link_.stats().last_error, "the daemon refuses the session: enough (SESSION_KICKED)");
 }
 
-TEST_F(SessionLinkTest, HasNoSessionWithADaemonOfAnotherVersion) {
+TEST_F(SessionLinkTest, CancelsIfTheDaemonHasAnotherProtocolVersion) {
   Connect();
   v1::StreamTelemetryResponse welcome = WelcomeTo("a");
   welcome.mutable_welcome()->set_protocol_version(3);
@@ -291,7 +291,7 @@ TEST_F(SessionLinkTest, HasNoSessionWithADaemonOfAnotherVersion) {
   EXPECT_EQ(link_.stats().command_count, 0U);
 }
 
-TEST_F(SessionLinkTest, HasNoSessionThatTheDaemonDoesNotName) {
+TEST_F(SessionLinkTest, CancelsIfTheWelcomeHasNoSessionId) {
   Connect();
   ASSERT_TRUE(Receive(WelcomeTo("")).ok());
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
@@ -300,7 +300,7 @@ TEST_F(SessionLinkTest, HasNoSessionThatTheDaemonDoesNotName) {
   EXPECT_EQ(link_.stats().connection_count, 0U);
 }
 
-TEST_F(SessionLinkTest, LosesNothingToAMessageThatCannotBeRead) {
+TEST_F(SessionLinkTest, ReconnectsWithoutLossAfterAnInvalidMessage) {
   GoOnline();
   Frames(2);
   TakeAll();
@@ -310,7 +310,7 @@ TEST_F(SessionLinkTest, LosesNothingToAMessageThatCannotBeRead) {
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
   v1::StreamTelemetryResponse acknowledgement;
   acknowledgement.mutable_acknowledgement()->set_sequence(2);
-  EXPECT_TRUE(Receive(acknowledgement).ok()) << "passed over";
+  EXPECT_TRUE(Receive(acknowledgement).ok()) << "the message is ignored";
   EXPECT_TRUE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));
   EXPECT_THAT(link_.stats().last_error, HasSubstr("cannot be read; trying again"));
   EXPECT_EQ(Connect().session_id(), "a");
@@ -318,7 +318,7 @@ TEST_F(SessionLinkTest, LosesNothingToAMessageThatCannotBeRead) {
   EXPECT_EQ(TakeAll(), (Sequences{1, 2}));
 }
 
-TEST_F(SessionLinkTest, ActsOnNothingBeforeTheWelcome) {
+TEST_F(SessionLinkTest, IgnoresOtherMessagesBeforeTheWelcome) {
   Connect();
   v1::StreamTelemetryResponse response;
   response.mutable_switch_command()->set_reason(v1::SWITCH_REASON_POLICY);
@@ -328,7 +328,7 @@ TEST_F(SessionLinkTest, ActsOnNothingBeforeTheWelcome) {
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone);
 }
 
-TEST_F(SessionLinkTest, GivesADaemonUpThatDoesNotAnswerWithinTenSeconds) {
+TEST_F(SessionLinkTest, CancelsIfTheDaemonDoesNotAnswerWithinTenSeconds) {
   Connect();
   EXPECT_EQ(link_.Advance(now_ns_ + 9'999 * kMs), LinkAction::kNone);
   EXPECT_EQ(link_.Advance(now_ns_ + 10'000 * kMs), LinkAction::kCancel);
@@ -352,7 +352,7 @@ TEST_F(SessionLinkTest, SendsTheRestOfTheQueueBeforeItsGoodbye) {
   EXPECT_EQ(link_.stats().last_error, "");
 }
 
-TEST_F(SessionLinkTest, ComesToItsGoodbyeThoughTheGameGoesOn) {
+TEST_F(SessionLinkTest, SendsItsGoodbyeThoughTheGameContinues) {
   GoOnline();
   Frames(1);
   link_.Goodbye(now_ns_ + 500 * kMs);
@@ -361,7 +361,7 @@ TEST_F(SessionLinkTest, ComesToItsGoodbyeThoughTheGameGoesOn) {
   EXPECT_TRUE(Take().has_goodbye());
 }
 
-TEST_F(SessionLinkTest, SendsABatchThatIsNotDueWithItsGoodbye) {
+TEST_F(SessionLinkTest, SendsAnIncompleteBatchBeforeItsGoodbye) {
   SampleQueue queue(64);
   SessionOptions options = Options();
   options.batch_frames = 240;
@@ -379,7 +379,7 @@ TEST_F(SessionLinkTest, SendsABatchThatIsNotDueWithItsGoodbye) {
   EXPECT_EQ(request.frame_batch().frame_time_ns_size(), 1);
 }
 
-TEST_F(SessionLinkTest, GivesItsGoodbyeUpAtTheDeadlineAndSaysWhatIsOwed) {
+TEST_F(SessionLinkTest, CancelsAGoodbyeAtTheDeadlineAndReportsUnacknowledgedMessages) {
   GoOnline();
   Frames(2);
   TakeAll();
@@ -390,9 +390,9 @@ TEST_F(SessionLinkTest, GivesItsGoodbyeUpAtTheDeadlineAndSaysWhatIsOwed) {
   EXPECT_TRUE(link_.finished());
   EXPECT_EQ(link_.stats().state, ConnectionState::kOffline);
   EXPECT_EQ(link_.Advance(now_ns_ + 501 * kMs), LinkAction::kCancel)
-      << "repeated until the stream has ended";
+      << "the action repeats until the stream has ended";
   EXPECT_TRUE(link_.connected());
-  EXPECT_TRUE(Receive(WelcomeTo("a")).ok()) << "passed over";
+  EXPECT_TRUE(Receive(WelcomeTo("a")).ok()) << "the message is ignored";
   EXPECT_FALSE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));
   EXPECT_FALSE(link_.connected());
   EXPECT_EQ(link_.Advance(now_ns_ + 502 * kMs), LinkAction::kNone);
@@ -404,7 +404,7 @@ TEST_F(SessionLinkTest, IsFinishedAtOnceWithoutAStream) {
   EXPECT_TRUE(link_.finished());
 }
 
-TEST_F(SessionLinkTest, TakesNoMessageWithoutAStream) {
+TEST_F(SessionLinkTest, RefusesMessagesWithoutAStream) {
   EXPECT_EQ(Receive(WelcomeTo("a")).code(), StatusCode::kFailedPrecondition);
 }
 
@@ -416,13 +416,13 @@ TEST_F(SessionLinkTest, KeepsItsSessionWhileNoStreamCanBeOpened) {
   EXPECT_EQ(Connect().session_id(), "a");
 }
 
-TEST_F(SessionLinkTest, TriesARefusedTokenAgainRarely) {
+TEST_F(SessionLinkTest, RetriesARefusedTokenAfterALongDelay) {
   Connect();
   EXPECT_GE(link_.Disconnected(EndWith(16, "who?", "TOKEN_REFUSED"), now_ns_), 3000U);
   EXPECT_EQ(link_.stats().refusal, "who? (TOKEN_REFUSED)");
 }
 
-TEST_F(SessionLinkTest, TellsWhyItsProtocolIsRefused) {
+TEST_F(SessionLinkTest, ReportsWhyTheProtocolWasRefused) {
   Connect();
   EXPECT_TRUE(link_.Disconnected(EndWith(9, "update the older side", "PROTOCOL_VERSION"), now_ns_));
   EXPECT_EQ(link_.stats().refusal, "update the older side (PROTOCOL_VERSION)");
@@ -431,7 +431,7 @@ TEST_F(SessionLinkTest, TellsWhyItsProtocolIsRefused) {
   EXPECT_EQ(link_.stats().refusal, "");
 }
 
-TEST_F(SessionLinkTest, BoundsTheAnswersThatADaemonDoesNotAcknowledge) {
+TEST_F(SessionLinkTest, LimitsAnswersThatTheDaemonDoesNotAcknowledge) {
   GoOnline();
   v1::StreamTelemetryResponse order;
   order.mutable_operator_order()->set_order_id(3);
@@ -446,7 +446,7 @@ TEST_F(SessionLinkTest, BoundsTheAnswersThatADaemonDoesNotAcknowledge) {
   EXPECT_EQ(TakeAll().size(), Options().unacknowledged_messages);
 }
 
-TEST_F(SessionLinkTest, BoundsTheAnswersToCommandsThatCannotBeObeyed) {
+TEST_F(SessionLinkTest, LimitsAnswersToCommandsWithAnUnknownArm) {
   GoOnline();
   v1::StreamTelemetryResponse command;
   command.mutable_switch_command()->set_arm(99);
@@ -455,7 +455,7 @@ TEST_F(SessionLinkTest, BoundsTheAnswersToCommandsThatCannotBeObeyed) {
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
 }
 
-TEST_F(SessionLinkTest, TellsWhatAStatusSaysAsOneLine) {
+TEST_F(SessionLinkTest, ReportsAStatusMessageAsOneLine) {
   Connect();
   link_.Disconnected(EndWith(13, "bad \xff\n\x1b[31m text"), now_ns_);
   EXPECT_THAT(link_.stats().last_error, HasSubstr(": bad ???[31m text; trying again"));
@@ -469,7 +469,7 @@ TEST_F(SessionLinkTest, TellsWhatAStatusSaysAsOneLine) {
   EXPECT_EQ(link_.stats().refusal, "f\u00fcr dich");
 }
 
-TEST_F(SessionLinkTest, HurriesBackAfterAConnectionThatHeld) {
+TEST_F(SessionLinkTest, ReconnectsSoonAfterAWorkingConnection) {
   for (int i = 0; i < 8; ++i) {
     GoOnline();
     now_ns_ += 1000 * kMs;

@@ -65,7 +65,7 @@ TEST_F(SessionStateTest, SendsNothingBeforeTheWelcome) {
   EXPECT_EQ(state_.counts().sent_frame_count, 1U);
 }
 
-TEST_F(SessionStateTest, ResumesAndSendsAgainOnlyWhatIsNotOnDisk) {
+TEST_F(SessionStateTest, ResumesAndResendsOnlyUnacknowledgedMessages) {
   Begin();
   for (int i = 0; i < 4; ++i) state_.Append(Batch());
   SendAll();
@@ -84,7 +84,7 @@ TEST_F(SessionStateTest, ResumesAndSendsAgainOnlyWhatIsNotOnDisk) {
   EXPECT_EQ(state_.counts().acknowledged_sequence, 2U);
 }
 
-TEST_F(SessionStateTest, DescribesTheOldestFramesThatWillBeSentAgain) {
+TEST_F(SessionStateTest, TheHelloDescribesTheOldestFramesToResend) {
   Begin();
   state_.Append(Batch(1, 3));
   state_.Append(Batch(4, 4));
@@ -95,7 +95,7 @@ TEST_F(SessionStateTest, DescribesTheOldestFramesThatWillBeSentAgain) {
   EXPECT_EQ(hello.switch_epoch, 3U);
 }
 
-TEST_F(SessionStateTest, BeginsANewSessionWithNewNumbersWhenTheDaemonForgotTheOldOne) {
+TEST_F(SessionStateTest, RenumbersMessagesIfTheDaemonForgotTheSession) {
   Begin();
   for (int i = 0; i < 4; ++i) state_.Append(Batch());
   SendAll();
@@ -111,7 +111,7 @@ TEST_F(SessionStateTest, BeginsANewSessionWithNewNumbersWhenTheDaemonForgotTheOl
   EXPECT_EQ(state_.counts().sent_sequence, 2U);
 }
 
-TEST_F(SessionStateTest, DoesNotNameASessionAgainThatAHelloWasRefusedWithNorSendsItsEvidenceTwice) {
+TEST_F(SessionStateTest, ARefusedResumeBeginsANewSessionAndSendsNothingTwice) {
   Begin();
   state_.Append(Batch());
   state_.Append(Batch());
@@ -121,12 +121,12 @@ TEST_F(SessionStateTest, DoesNotNameASessionAgainThatAHelloWasRefusedWithNorSend
   EXPECT_EQ(state_.Connect(kPosition).session_id, "a");
   state_.Disconnect(false, /*refused=*/true);
   EXPECT_EQ(state_.Connect(kPosition).session_id, "");
-  EXPECT_EQ(state_.counts().discarded_frame_count, 2U) << "the store may have them under a";
+  EXPECT_EQ(state_.counts().discarded_frame_count, 2U) << "session a may already contain them";
   state_.OnWelcome(WelcomeTo("b"));
-  EXPECT_EQ(SendAll(), Sequences{1}) << "the message that was never sent";
+  EXPECT_EQ(SendAll(), Sequences{1}) << "only the message that was never sent";
 }
 
-TEST_F(SessionStateTest, SendsNothingAgainToANewSessionThatBeganBecauseTheOldOneCannotBeRead) {
+TEST_F(SessionStateTest, SendsNothingTwiceIfTheDaemonCannotReadTheOldSession) {
   Begin();
   state_.Append(Batch(1, 3));
   state_.Append(Batch(4, 4));
@@ -141,7 +141,7 @@ TEST_F(SessionStateTest, SendsNothingAgainToANewSessionThatBeganBecauseTheOldOne
   EXPECT_EQ(state_.counts().discarded_frame_count, 2U);
 }
 
-TEST_F(SessionStateTest, TreatsAWelcomeThatDoesNotResumeAsANewSession) {
+TEST_F(SessionStateTest, AWelcomeThatDoesNotResumeBeginsANewSession) {
   Begin();
   state_.Append(Batch());
   state_.Append(Batch());
@@ -153,7 +153,7 @@ TEST_F(SessionStateTest, TreatsAWelcomeThatDoesNotResumeAsANewSession) {
   EXPECT_EQ(SendAll(), Sequences{1});
 }
 
-TEST_F(SessionStateTest, DoesNotTrustAWelcomeThatResumesAnotherSession) {
+TEST_F(SessionStateTest, AWelcomeThatResumesAnotherSessionBeginsANewOne) {
   Begin();
   state_.Append(Batch());
   SendAll();
@@ -163,7 +163,7 @@ TEST_F(SessionStateTest, DoesNotTrustAWelcomeThatResumesAnotherSession) {
   EXPECT_EQ(SendAll(), Sequences{1});
 }
 
-TEST_F(SessionStateTest, DropsWhatTheDaemonRefusesSoThatItIsNotRefusedForEver) {
+TEST_F(SessionStateTest, DropsRefusedMessagesSoThatTheyAreNotRefusedAgain) {
   Begin();
   state_.Append(Batch());
   SendAll();
@@ -175,7 +175,7 @@ TEST_F(SessionStateTest, DropsWhatTheDaemonRefusesSoThatItIsNotRefusedForEver) {
   EXPECT_EQ(SendAll(), Sequences{2});
 }
 
-TEST_F(SessionStateTest, ThatIsSomebodyElsesNowSendsNothingTwice) {
+TEST_F(SessionStateTest, ResumedElsewhereSendsNothingTwice) {
   Begin();
   state_.Append(Batch());
   SendAll();
@@ -200,7 +200,7 @@ TEST_F(SessionStateTest, KeepsItsEvidenceWhenItsFirstHelloIsRefused) {
   EXPECT_EQ(SendAll(), Sequences{1});
 }
 
-TEST_F(SessionStateTest, IgnoresAcknowledgementsOfWhatWasNeverSent) {
+TEST_F(SessionStateTest, IgnoresAcknowledgementsOfUnsentMessages) {
   Begin();
   for (int i = 0; i < 3; ++i) state_.Append(Batch());
   state_.MarkSent();
@@ -210,7 +210,7 @@ TEST_F(SessionStateTest, IgnoresAcknowledgementsOfWhatWasNeverSent) {
   EXPECT_EQ(SendAll(), (Sequences{2, 3}));
 }
 
-TEST_F(SessionStateTest, IgnoresAWelcomeThatAcknowledgesWhatWasNeverSent) {
+TEST_F(SessionStateTest, IgnoresAWelcomeThatAcknowledgesUnsentMessages) {
   Begin();
   state_.Append(Batch());
   SendAll();
@@ -221,7 +221,7 @@ TEST_F(SessionStateTest, IgnoresAWelcomeThatAcknowledgesWhatWasNeverSent) {
   EXPECT_EQ(SendAll(), (Sequences{1, 2}));
 }
 
-TEST_F(SessionStateTest, AcknowledgesInANewSessionOnlyWhatWasSentInIt) {
+TEST_F(SessionStateTest, IgnoresAcknowledgementsOfTheFormerSession) {
   Begin();
   for (int i = 0; i < 3; ++i) state_.Append(Batch());
   SendAll();

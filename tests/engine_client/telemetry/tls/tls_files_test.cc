@@ -43,7 +43,7 @@ class TlsFilesTest : public ::testing::Test {
   Files files_{.cert = Path("cert.pem"), .key = Path("key.pem"), .ca = authority_.cert()};
 };
 
-TEST_F(TlsFilesTest, ReadsWhatIsThere) {
+TEST_F(TlsFilesTest, ReadsValidFiles) {
   const auto texts = Read(files_);
   ASSERT_TRUE(texts.ok()) << texts.status();
   EXPECT_EQ(texts->cert, ReadText(files_.cert));
@@ -52,14 +52,14 @@ TEST_F(TlsFilesTest, ReadsWhatIsThere) {
   EXPECT_EQ(Read({})->ca, "");
 }
 
-TEST_F(TlsFilesTest, TheIssuersMayFollowTheCertificate) {
+TEST_F(TlsFilesTest, IssuersMayFollowTheCertificate) {
   files_.cert = Write("chain.pem", ReadText(files_.cert) + "\n" + ReadText(authority_.cert()));
   EXPECT_TRUE(Read(files_).ok()) << Error();
   files_.cert = Write("upside-down.pem", ReadText(authority_.cert()) + ReadText(Path("cert.pem")));
   EXPECT_THAT(Error(), HasSubstr("key values mismatch"));
 }
 
-TEST_F(TlsFilesTest, AFileThatCannotBeReadIsNamedWithTheReason) {
+TEST_F(TlsFilesTest, ErrorsNameTheUnreadableFileAndTheReason) {
   files_.key = Path("nowhere.pem");
   EXPECT_THAT(Error(), AllOf(HasSubstr("cannot read " + files_.key.string()),
                              HasSubstr("No such file"), HasSubstr("name a PEM file")));
@@ -69,7 +69,7 @@ TEST_F(TlsFilesTest, AFileThatCannotBeReadIsNamedWithTheReason) {
   EXPECT_THAT(Error(), HasSubstr("too large"));
 }
 
-TEST_F(TlsFilesTest, AllThatIsWrongIsSaidAlsoOfACertificateAlone) {
+TEST_F(TlsFilesTest, CheckReportsAllErrorsAtOnce) {
   EXPECT_TRUE(Check(files_).empty());
   const Files missing{.cert = Path("a.pem"), .key = Path("b.pem"), .ca = Path("c.pem")};
   EXPECT_EQ(Check(missing).size(), 3u);
@@ -80,14 +80,14 @@ TEST_F(TlsFilesTest, AllThatIsWrongIsSaidAlsoOfACertificateAlone) {
   EXPECT_TRUE(Check({.cert = files_.cert, .key = {}, .ca = {}}).empty());
 }
 
-TEST_F(TlsFilesTest, AKeyOfAnotherCertificateIsRefused) {
+TEST_F(TlsFilesTest, RefusesAKeyOfAnotherCertificate) {
   authority_.Issue("IP:127.0.0.1", {Path("other-cert.pem"), Path("other-key.pem")});
   files_.key = Path("other-key.pem");
   EXPECT_THAT(Error(), AllOf(HasSubstr(files_.cert.string()), HasSubstr(files_.key.string()),
                              HasSubstr("key values mismatch")));
 }
 
-TEST_F(TlsFilesTest, WhatIsNoWholeCertificateIsRefused) {
+TEST_F(TlsFilesTest, RefusesIncompleteCertificates) {
   const std::string whole = ReadText(files_.cert);
   for (const std::string& text :
        {std::string("hello"), std::string(), whole.substr(0, whole.size() / 2),
@@ -103,7 +103,7 @@ TEST_F(TlsFilesTest, WhatIsNoWholeCertificateIsRefused) {
   }
 }
 
-TEST_F(TlsFilesTest, AKeyWithAPassphraseIsRefusedWithoutAskingForIt) {
+TEST_F(TlsFilesTest, RefusesAnEncryptedKeyWithoutAskingForThePassphrase) {
   const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"),
                                                                 &EVP_PKEY_free);
   files_.key = Path("locked.pem");
