@@ -67,7 +67,7 @@ TEST_F(FacesOnAnAxis, AreLowerBeforeUpperWhereTheyTouch) {
   EXPECT_EQ(OrderOf(axis_), "L1L0U1U0");
 }
 
-TEST_F(FacesOnAnAxis, AreInStepAfterTheirSort) {
+TEST_F(FacesOnAnAxis, AreOrderedByStepAfterASort) {
   std::vector<BoxRecord> records;
   SequentialRandom random(4);
   for (int i = 0; i < 300; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(0, 100))));
@@ -83,7 +83,7 @@ TEST_F(FacesOnAnAxis, AreInStepAfterTheirSort) {
   }
 }
 
-TEST_F(FacesOnAnAxis, AreSortedAlikeWhateverTheRange) {
+TEST_F(FacesOnAnAxis, HaveTheSameOrderForAnyRange) {
   std::vector<BoxRecord> records;
   SequentialRandom random(4);
   for (int i = 0; i < 300; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(-50, 50))));
@@ -96,7 +96,7 @@ TEST_F(FacesOnAnAxis, AreSortedAlikeWhateverTheRange) {
   }
 }
 
-TEST_F(FacesOnAnAxis, TellEachSwapOfALowerAndAnUpperOneWhenRepaired) {
+TEST_F(FacesOnAnAxis, RepairReportsEachSwapOfALowerAndAnUpperFace) {
   Sort(RecordsAlongX({0, 5}));
   SwapAllowance budget(10);
   std::vector<std::pair<uint32_t, uint32_t>> swaps;
@@ -107,7 +107,7 @@ TEST_F(FacesOnAnAxis, TellEachSwapOfALowerAndAnUpperOneWhenRepaired) {
   EXPECT_EQ(budget.left(), 7U);
 }
 
-TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
+TEST_F(FacesOnAnAxis, AreOrderedAfterARepairOfTheMovedBoxes) {
   SequentialRandom random(9);
   for (int round = 0; round < 50; ++round) {
     std::vector<BoxRecord> records;
@@ -133,7 +133,7 @@ TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
   }
 }
 
-TEST_F(FacesOnAnAxis, AreNotRepairedFurtherOnceSomebodyStopsIt) {
+TEST_F(FacesOnAnAxis, RepairEndsAtAStopRequest) {
   class StopAtTheSecondQuestion final : public StopRequest {
    public:
     bool WantsStop(uint64_t) noexcept override { return ++question_count >= 2; }
@@ -151,7 +151,7 @@ TEST_F(FacesOnAnAxis, AreNotRepairedFurtherOnceSomebodyStopsIt) {
   EXPECT_EQ(stop.question_count, 2);
 }
 
-TEST_F(FacesOnAnAxis, AreNotRepairedBeyondTheBudget) {
+TEST_F(FacesOnAnAxis, RepairEndsWhenTheBudgetIsSpent) {
   Sort(RecordsAlongX({0, 5, 10}), 0, 10);
   const auto records = RecordsAlongX({20, 15, 10});
   SwapAllowance budget(2);
@@ -160,7 +160,7 @@ TEST_F(FacesOnAnAxis, AreNotRepairedBeyondTheBudget) {
   EXPECT_EQ(OrderOf(axis_), "L2U2L1U1L0U0");
 }
 
-TEST_F(FacesOnAnAxis, ComeAndGoInPlace) {
+TEST_F(FacesOnAnAxis, AppendAndTruncateKeepTheOrder) {
   auto records = RecordsAlongX({4, 0, 8});
   Sort(records);
   records.push_back(RecordOf(UnitBoxAt(2)));
@@ -182,7 +182,7 @@ class AxisSweepOverFrames : public testing::Test {
   PairBuffer pairs_;
 };
 
-TEST_F(AxisSweepOverFrames, MakesNoCheckWhileNothingMoves) {
+TEST_F(AxisSweepOverFrames, MakesNoChecksIfNothingMoves) {
   const BoxScene scene("brownian", 500, 1);
   backend_->Build(scene.boxes());
   backend_->FindPairs(pairs_);
@@ -193,7 +193,7 @@ TEST_F(AxisSweepOverFrames, MakesNoCheckWhileNothingMoves) {
   }
 }
 
-TEST_F(AxisSweepOverFrames, ChecksOnlyThePairThatMeets) {
+TEST_F(AxisSweepOverFrames, ChecksOnlyThePairThatBeginsToOverlap) {
   std::vector<Aabb> boxes = UnitBoxesInARow(100, 3);
   backend_->Build(boxes);
   backend_->FindPairs(pairs_);
@@ -207,7 +207,7 @@ TEST_F(AxisSweepOverFrames, ChecksOnlyThePairThatMeets) {
   EXPECT_EQ(pairs_.size(), 0U);
 }
 
-TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
+TEST_F(AxisSweepOverFrames, FindsAllPairsThroughRestAndMotion) {
   for (const std::string_view kind :
        {"brownian", "broken-boxes", "signed-zeros", "touching-faces", "zero-size", "mixture"}) {
     BoxScene scene(kind, 400, 17);
@@ -228,7 +228,7 @@ TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
   }
 }
 
-TEST_F(AxisSweepOverFrames, KeepsItsOrdersWhileTheCountChanges) {
+TEST_F(AxisSweepOverFrames, FindsAllPairsWhileTheCountChanges) {
   for (const std::string_view kind : {"nearly-resting", "brownian", "broken-boxes", "long-thin"}) {
     BoxScene scene(kind, 600, 3);
     SequentialRandom random(2);
@@ -242,7 +242,7 @@ TEST_F(AxisSweepOverFrames, KeepsItsOrdersWhileTheCountChanges) {
 }
 
 // In each frame a repair would have to move one box past all others.
-TEST_F(AxisSweepOverFrames, GivesUpARepairThatCostsMoreThanASweep) {
+TEST_F(AxisSweepOverFrames, SweepsInsteadOfARepairThatCostsMore) {
   std::vector<Aabb> boxes = UnitBoxesInARow(1000, 1.5F);
   backend_->Build(boxes);
   backend_->FindPairs(pairs_);

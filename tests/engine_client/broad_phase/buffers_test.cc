@@ -25,7 +25,7 @@ TEST(AlignedBuffer, DoesNotMoveWhileThereIsRoom) {
   EXPECT_EQ(buffer.data(), before);
 }
 
-TEST(AlignedBuffer, KeepsWhatItIsAskedToKeep) {
+TEST(AlignedBuffer, KeepsTheRequestedElementsWhenItGrows) {
   AlignedBuffer<uint32_t> buffer;
   buffer.EnsureKeeping(3, 0);
   for (uint32_t i = 0; i < 3; ++i) buffer[i] = i;
@@ -33,7 +33,7 @@ TEST(AlignedBuffer, KeepsWhatItIsAskedToKeep) {
   for (uint32_t i = 0; i < 3; ++i) EXPECT_EQ(buffer[i], i);
 }
 
-TEST(AlignedBuffer, GrowsSeldomWhenTheCountRisesByOne) {
+TEST(AlignedBuffer, GrowsRarelyIfTheCountRisesOneByOne) {
   AlignedBuffer<uint32_t> buffer;
   int growths = 0;
   for (size_t count = 1; count <= 10000; ++count) {
@@ -44,7 +44,7 @@ TEST(AlignedBuffer, GrowsSeldomWhenTheCountRisesByOne) {
   EXPECT_LT(growths, 30);
 }
 
-TEST(PairBuffer, IsASoundBufferAfterItWasMovedFrom) {
+TEST(PairBuffer, IsUsableAfterAMove) {
   PairBuffer from;
   from.Append({1, 2});
   const PairBuffer to = std::move(from);
@@ -55,7 +55,7 @@ TEST(PairBuffer, IsASoundBufferAfterItWasMovedFrom) {
   EXPECT_EQ(from.pairs()[0], (OverlapPair{3, 4}));
 }
 
-TEST(AlignedBuffer, IsASoundBufferAfterItWasMovedFrom) {
+TEST(AlignedBuffer, IsUsableAfterAMove) {
   AlignedBuffer<uint32_t> from;
   from.EnsureDiscarding(8);
   const AlignedBuffer<uint32_t> to = std::move(from);
@@ -65,7 +65,7 @@ TEST(AlignedBuffer, IsASoundBufferAfterItWasMovedFrom) {
   EXPECT_NE(from.data(), nullptr);
 }
 
-TEST(PairCursor, WritesAllPairsThroughManyGrowths) {
+TEST(PairCursor, WritesAllPairsWhileTheBufferGrows) {
   PairBuffer buffer;
   buffer.Append({1, 2});
   PairCursor cursor(buffer);

@@ -29,7 +29,7 @@ CoordinateRange RangeOf(float low, float high) {
   return range;
 }
 
-TEST(ByteBoxes, OverlapWhereTheBoxesDo) {
+TEST(ByteBoxes, OverlapWhereverTheBoxesOverlap) {
   ByteBoxes bytes;
   for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
     const auto scene = MakeDegenerateScene(name, 150, 3);
@@ -49,7 +49,7 @@ TEST(ByteBoxes, OverlapWhereTheBoxesDo) {
   }
 }
 
-TEST(ByteBoxes, TellBoxesApartThatAreAPartOfTheRangeAway) {
+TEST(ByteBoxes, SeparateBoxesThatAreATenthOfTheRangeApart) {
   const Aabb boxes[] = {{{0, 0, 0}, {1, 1, 1}}, {{1.2F, 0, 0}, {2, 1, 1}}, {{9, 9, 9}, {9, 9, 9}}};
   ByteBoxes bytes;
   bytes.Resize(3, false);
@@ -59,7 +59,7 @@ TEST(ByteBoxes, TellBoxesApartThatAreAPartOfTheRangeAway) {
   EXPECT_FALSE(BytesOverlap(bytes.Lanes(), 1, 2));
 }
 
-TEST(ByteBoxes, EndInBoxesThatTakeNoPart) {
+TEST(ByteBoxes, ArePaddedWithInvalidBoxes) {
   ByteBoxes bytes;
   for (const size_t count : {0, 1, 63, 64, 65}) {
     const BoxScene scene("brownian", count, 8);
@@ -71,7 +71,7 @@ TEST(ByteBoxes, EndInBoxesThatTakeNoPart) {
   }
 }
 
-TEST(ByteBoxes, AreTheSameFromRecordsById) {
+TEST(ByteBoxes, AreTheSameWithSharedRecords) {
   const BoxScene scene("broken-boxes", 100, 8);
   const auto boxes = scene.boxes();
   const CoordinateRange range = CoordinateRange::Sample(boxes);
@@ -98,7 +98,7 @@ TEST(ByteBoxes, AreTheSameFromRecordsById) {
   }
 }
 
-TEST(SweepAxis, HasStepsThatAscendWithThePosition) {
+TEST(SweepAxis, StepsIncreaseWithThePosition) {
   const SweepAxis axis{false, -5, 10, 99};
   uint32_t before = 0;
   for (float x = -20; x < 20; x += 0.01F) {

@@ -54,7 +54,7 @@ TEST_P(EveryBackendInEveryScene, FindsEachOverlappingPairOnceInEachFrame) {
   }
 }
 
-TEST_P(EveryBackendInEveryScene, IsRightWhenTheCountChangesEveryFrame) {
+TEST_P(EveryBackendInEveryScene, FindsAllPairsIfTheCountChangesInEachFrame) {
   const auto scene = MakeDegenerateScene(scene_name_, 300, 77);
   SequentialRandom random(5);
   for (int frame = 0; frame < 40; ++frame) {
@@ -66,7 +66,7 @@ TEST_P(EveryBackendInEveryScene, IsRightWhenTheCountChangesEveryFrame) {
   }
 }
 
-TEST_P(EveryBackendInEveryScene, IsRightAfterUpdatesWhosePairsNobodyAskedFor) {
+TEST_P(EveryBackendInEveryScene, FindsAllPairsAfterUpdatesWithoutASearch) {
   const auto scene = MakeDegenerateScene(scene_name_, 150, 31);
   backend_->Build(scene->aabbs());
   for (int round = 0; round < 6; ++round) {
@@ -80,7 +80,7 @@ TEST_P(EveryBackendInEveryScene, IsRightAfterUpdatesWhosePairsNobodyAskedFor) {
   }
 }
 
-TEST_P(EveryBackendInEveryScene, CountsItsChecksFromZeroWithEachBuildAndUpdate) {
+TEST_P(EveryBackendInEveryScene, BuildAndUpdateResetTheCheckCount) {
   const auto fresh = MakeOrThrow(std::get<0>(GetParam()));
   PairBuffer fresh_pairs;
   const auto scene = MakeDegenerateScene(scene_name_, 200, 21);
@@ -100,7 +100,7 @@ TEST_P(EveryBackendInEveryScene, CountsItsChecksFromZeroWithEachBuildAndUpdate) 
   EXPECT_EQ(backend_->aabb_check_count(), fresh->aabb_check_count());
 }
 
-TEST_P(EveryBackendInEveryScene, GivesTheSameSequenceForTheSameHistory) {
+TEST_P(EveryBackendInEveryScene, FindsTheSameSequenceAfterTheSameFrames) {
   const auto twin = MakeOrThrow(std::get<0>(GetParam()));
   PairBuffer twin_pairs;
   const auto scene = MakeDegenerateScene(scene_name_, 250, 9);
@@ -136,12 +136,12 @@ std::vector<OverlapPair> PairsOfFrame(BroadPhase& backend, std::span<const Aabb>
   return {pairs.pairs().begin(), pairs.pairs().end()};
 }
 
-TEST_P(EveryBackend, KnowsItsNameAndVersion) {
+TEST_P(EveryBackend, HasItsNameAndAVersion) {
   EXPECT_EQ(backend_->name(), GetParam());
   EXPECT_GE(backend_->version(), 1U);
 }
 
-TEST_P(EveryBackend, IsRightInMixturesFromManySeeds) {
+TEST_P(EveryBackend, FindsAllPairsInMixturesFromManySeeds) {
   for (uint64_t seed = 1; seed <= 40; ++seed) {
     BoxScene scene("mixture", 20 + 7 * seed, seed);
     backend_->Build(scene.boxes());
@@ -154,7 +154,7 @@ TEST_P(EveryBackend, IsRightInMixturesFromManySeeds) {
   }
 }
 
-TEST_P(EveryBackend, IsRightWhenOneObjectPassesThroughFromSceneToScene) {
+TEST_P(EveryBackend, FindsAllPairsWhenTheSceneIsReplaced) {
   for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
     const auto scene = MakeDegenerateScene(name, 120, 3);
     backend_->Build(scene->aabbs());
@@ -167,7 +167,7 @@ TEST_P(EveryBackend, IsRightWhenOneObjectPassesThroughFromSceneToScene) {
   }
 }
 
-TEST_P(EveryBackend, IsRightThroughTwoRoundsOfTheRegimesOfEveryChangingScene) {
+TEST_P(EveryBackend, FindsAllPairsInEveryRegimeOfEveryChangingScene) {
   for (const std::string_view name : SceneNames(SceneGroup::kChanging)) {
     constexpr uint32_t kRegimeFrames = 9;
     const auto scene = MakeChangingScene(name, 200, 8, kRegimeFrames);
@@ -180,7 +180,7 @@ TEST_P(EveryBackend, IsRightThroughTwoRoundsOfTheRegimesOfEveryChangingScene) {
   }
 }
 
-TEST_P(EveryBackend, IsRightOverALongRunOfThreeHundredFrames) {
+TEST_P(EveryBackend, FindsAllPairsInThreeHundredFrames) {
   BoxScene scene("brownian", 200, 12);
   backend_->Build(scene.boxes());
   for (int frame = 0; frame < 300; ++frame) {
@@ -190,7 +190,7 @@ TEST_P(EveryBackend, IsRightOverALongRunOfThreeHundredFrames) {
   }
 }
 
-TEST_P(EveryBackend, IsRightWhileObjectsComeAndGo) {
+TEST_P(EveryBackend, FindsAllPairsWhileObjectsAreAddedAndRemoved) {
   for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
     const auto scene = MakeDegenerateScene(name, 400, 5);
     backend_->Build(FirstOf(*scene, 100));
@@ -204,7 +204,7 @@ TEST_P(EveryBackend, IsRightWhileObjectsComeAndGo) {
 }
 
 // The order of the pairs must be equal, too, so that a game's results do not depend on the machine.
-TEST_P(EveryBackend, GivesTheSamePairsForAnyNumberOfThreads) {
+TEST_P(EveryBackend, FindsTheSamePairsWithAnyNumberOfThreads) {
   for (const std::string_view kind : {"brownian", "mixture", "clusters", "long-thin"}) {
     BoxScene scene(kind, 9000, 6);
     const auto pool_of_two = MakeThreadPool(2);
@@ -222,7 +222,7 @@ TEST_P(EveryBackend, GivesTheSamePairsForAnyNumberOfThreads) {
 
 // One box becomes invalid and valid again while all others rest. The state that is kept for resting
 // boxes must not hide the change.
-TEST_P(EveryBackend, IsRightWhenARestingBoxBreaksAndMends) {
+TEST_P(EveryBackend, FindsAllPairsWhenARestingBoxBecomesInvalidAndValid) {
   const BoxScene scene("brownian", 300, 7);
   std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
   boxes[0] = {{-100, -100, -100}, {100, 100, 100}};
@@ -238,7 +238,7 @@ TEST_P(EveryBackend, IsRightWhenARestingBoxBreaksAndMends) {
   }
 }
 
-TEST_P(EveryBackend, AppendsToWhatTheBufferHolds) {
+TEST_P(EveryBackend, AppendsToTheContentOfTheBuffer) {
   const Aabb boxes[] = {{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
   backend_->Build(boxes);
   pairs_.Append({7, 8});
@@ -259,7 +259,7 @@ TEST_P(EveryBackend, FindsAllPairsOfCoincidentBoxes) {
 }
 
 // Tests every relation that two intervals can have, on three axes at the same time.
-TEST_P(EveryBackend, AgreesWithTheDefinitionOnAllPositionsOfTwoBoxes) {
+TEST_P(EveryBackend, AgreesWithTheDefinitionForAllPositionsOfTwoBoxes) {
   std::vector<std::pair<float, float>> intervals;
   for (int low = 0; low < 4; ++low) {
     for (int high = low; high < 4; ++high) intervals.emplace_back(low, high);

@@ -10,7 +10,7 @@
 namespace sweepstake {
 namespace {
 
-TEST(CoordinateRange, CoversMostBoxesWhateverAFewOutliersDo) {
+TEST(CoordinateRange, CoversMostBoxesDespiteOutliers) {
   const BoxScene scene("brownian", 1000, 1);
   std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
   boxes[0] = {{1e30F, 1e30F, 1e30F}, {2e30F, 2e30F, 2e30F}};
@@ -45,7 +45,7 @@ TEST(CoordinateRange, SweepsPointsAlongTheWidestAxis) {
 }
 
 // Objects often belong to classes that alternate by index.
-TEST(CoordinateRange, DoesNotSampleOneOfSevenClasses) {
+TEST(CoordinateRange, SamplesAllClassesThatAlternateByIndex) {
   std::vector<Aabb> boxes(128 * 7);
   for (size_t i = 0; i < boxes.size(); ++i) {
     const auto place = static_cast<float>(10 * (i % 7));

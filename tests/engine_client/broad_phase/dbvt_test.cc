@@ -131,7 +131,7 @@ std::vector<OverlapPair> AllPairs(DbvtTree& tree) {
   return {pairs.pairs().begin(), pairs.pairs().end()};
 }
 
-TEST(DbvtTree, HoldsNothingWhenBuiltOfNothing) {
+TEST(DbvtTree, IsEmptyIfBuiltFromNoObjects) {
   DbvtTree tree;
   BuildOf(tree, {}, {});
   EXPECT_EQ(FaultOf(tree, {}), "");
@@ -154,7 +154,7 @@ TEST(DbvtTree, FillsItsLeavesWhenBuilt) {
   }
 }
 
-TEST(DbvtTree, LeavesGapsWhereThereAreNoObjectsAndGivesUpThoseThatDoNotTakePart) {
+TEST(DbvtTree, KeepsGapsAndReportsInvalidObjectsAsLost) {
   SequentialRandom random(1);
   std::vector<Aabb> boxes = RandomBoxes(random, 40);
   boxes[7].min[1] = 1e9F;
@@ -170,7 +170,7 @@ TEST(DbvtTree, LeavesGapsWhereThereAreNoObjectsAndGivesUpThoseThatDoNotTakePart)
   EXPECT_EQ(lost, HookedVector<uint32_t>{7});
 }
 
-TEST(DbvtTree, StaysAHierarchyUnderRandomInsertionsMovesAndRemovals) {
+TEST(DbvtTree, StaysValidUnderRandomInsertionsMovesAndRemovals) {
   SequentialRandom random(1);
   std::vector<Aabb> boxes = RandomBoxes(random, 600);
   DbvtTree tree;
@@ -205,7 +205,7 @@ TEST(DbvtTree, CanBeEmptiedAndFilledAgain) {
   }
 }
 
-TEST(DbvtTree, FollowsMovingBoxesAndKeepsNodesWithinTheirReach) {
+TEST(DbvtTree, FollowsMovingBoxes) {
   BoxScene scene("brownian", 600, 3);
   HookedVector<uint32_t> lost;
   DbvtTree tree;
@@ -224,7 +224,7 @@ TEST(DbvtTree, FollowsMovingBoxesAndKeepsNodesWithinTheirReach) {
   EXPECT_GT(moved_elsewhere, 0U);
 }
 
-TEST(DbvtTree, SaysHowMuchMoved) {
+TEST(DbvtTree, RefitReportsTheMotion) {
   SequentialRandom random(5);
   std::vector<Aabb> boxes = RandomBoxes(random, 160);
   HookedVector<uint32_t> lost;
@@ -239,7 +239,7 @@ TEST(DbvtTree, SaysHowMuchMoved) {
   EXPECT_EQ(tree.Refit(boxes, 1, nullptr, lost).fast_count, 10U);
 }
 
-TEST(DbvtTree, GivesUpObjectsWhoseBoxesBreak) {
+TEST(DbvtTree, RemovesObjectsWithInvalidBoxes) {
   SequentialRandom random(6);
   std::vector<Aabb> boxes = RandomBoxes(random, 100);
   HookedVector<uint32_t> lost;
@@ -254,7 +254,7 @@ TEST(DbvtTree, GivesUpObjectsWhoseBoxesBreak) {
   EXPECT_TRUE(tree.Contains(98));
 }
 
-TEST(DbvtTree, StaysAHierarchyWhenAllBoxesCoincideOrStandInARow) {
+TEST(DbvtTree, StaysValidIfAllBoxesCoincideOrFormARow) {
   const Aabb box{{1, 2, 3}, {4, 5, 6}};
   std::vector<Aabb> boxes(3000, box);
   for (const float step : {0.0F, 1.0F}) {
@@ -266,11 +266,11 @@ TEST(DbvtTree, StaysAHierarchyWhenAllBoxesCoincideOrStandInARow) {
     for (uint32_t object = 0; object < 3000; ++object) tree.Insert(object, boxes[object]);
     TreeInspection inspection(tree, boxes);
     EXPECT_EQ(inspection.Fault(), "");
-    EXPECT_LE(inspection.leaf_count(), 3000U / 8) << "a split leaves eight in each half";
+    EXPECT_LE(inspection.leaf_count(), 3000U / 8) << "a split leaves eight objects in each leaf";
   }
 }
 
-TEST(DbvtTree, TakesTheLargestFloats) {
+TEST(DbvtTree, AcceptsTheLargestFloats) {
   constexpr float kLargest = 3.4028235e38F;
   std::vector<Aabb> boxes;
   for (int k = 0; k < 64; ++k) {
@@ -287,7 +287,7 @@ TEST(DbvtTree, TakesTheLargestFloats) {
   EXPECT_EQ(FaultOf(tree, boxes), "");
 }
 
-TEST(DbvtQuery, FindsThePairsOfSomeObjectsOnce) {
+TEST(DbvtQuery, FindsEachPairOfTheListedObjectsOnce) {
   SequentialRandom random(4);
   const std::vector<Aabb> boxes = RandomBoxes(random, 200);
   DbvtTree tree;
@@ -306,7 +306,7 @@ TEST(DbvtQuery, FindsThePairsOfSomeObjectsOnce) {
   EXPECT_EQ(PairDifference(pairs.pairs(), expected), "");
 }
 
-TEST(Dbvt, LooksAtNoTreeWhileBoxesStayInsideTheirMargins) {
+TEST(Dbvt, SearchesNoTreeWhileBoxesStayInsideTheirMargins) {
   const auto backend = MakeOrThrow("DBVT");
   BoxScene scene("brownian", 1000, 8);
   PairBuffer pairs;
@@ -343,14 +343,14 @@ uint64_t ChecksWhenSomeMove(size_t stride) {
   return backend->aabb_check_count();
 }
 
-TEST(Dbvt, CostsLessTheLessMoves) {
+TEST(Dbvt, MakesFewerChecksTheFewerBoxesMove) {
   const uint64_t all = ChecksWhenSomeMove(1);
   const uint64_t some = ChecksWhenSomeMove(100);
   EXPECT_LT(some * 8, all);
   EXPECT_LE(ChecksWhenSomeMove(2000), some);
 }
 
-TEST(Dbvt, IsRightWhileSceneAfterSceneFallsToRestAndRises) {
+TEST(Dbvt, FindsAllPairsThroughRestAndMotion) {
   const auto backend = MakeOrThrow("DBVT");
   BoxScene lively("brownian", 400, 8);
   BoxScene broken("broken-boxes", 400, 8);
@@ -377,7 +377,7 @@ TEST(Dbvt, IsRightWhileSceneAfterSceneFallsToRestAndRises) {
   }
 }
 
-TEST(Dbvt, ShowsNothingOfItsMargins) {
+TEST(Dbvt, FindsNoPairsOfWhichOnlyTheMarginsOverlap) {
   const auto backend = MakeOrThrow("DBVT");
   PairBuffer pairs;
   std::vector<Aabb> boxes = {{{0, 0, 0}, {1, 1, 1}}, {{1.001F, 0, 0}, {2, 1, 1}}};

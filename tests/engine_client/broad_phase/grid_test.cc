@@ -58,7 +58,7 @@ GridPlan PlanFor(const std::vector<Aabb>& boxes) {
 
 uint64_t CellsOf(const GridPlan& plan) { return plan.grids().back().last_cell(); }
 
-TEST(GridMeasure, CountsOnlyBoxesThatTakePart) {
+TEST(GridMeasure, CountsOnlyValidBoxes) {
   const std::vector<Aabb> boxes = {{{1, 2, 3}, {2, 4, 6}},
                                    {{-kInfinity, 0, 0}, {1, 1, 1}},
                                    {{5, 5, 5}, {4, 4, 4}},
@@ -66,13 +66,13 @@ TEST(GridMeasure, CountsOnlyBoxesThatTakePart) {
                                    {{0, 9, 9}, {0, 9, 9}}};
   const GridMeasure measure = MeasureBoxes(boxes, {100});
   EXPECT_EQ(measure.count(), 2U);
-  EXPECT_EQ(measure.low[0], 0) << "half coordinates";
+  EXPECT_EQ(measure.low[0], 0) << "the measure uses half of each coordinate";
   EXPECT_EQ(measure.high[0], 0.5F);
   EXPECT_EQ(measure.high[2], 4.5F);
   EXPECT_EQ(measure.shapes[0].max_side[2], 1.5F);
 }
 
-TEST(GridMeasure, TellsShapesApartAxisByAxis) {
+TEST(GridMeasure, ClassifiesShapesByEachAxis) {
   const GridMeasure measure = MeasureBoxes(Needles(300), {0.5F});
   EXPECT_EQ(measure.count(), 300U);
   for (const int axis : {0, 1, 2}) {
@@ -81,7 +81,7 @@ TEST(GridMeasure, TellsShapesApartAxisByAxis) {
   }
 }
 
-TEST(GridMeasure, JoinsPartsToTheWhole) {
+TEST(GridMeasure, JoinedPartsEqualTheWhole) {
   const std::vector<Aabb> boxes = Needles(333);
   const GridMeasure whole = MeasureBoxes(boxes, {0.5F});
   GridMeasure joined = MeasureBoxes(std::span(boxes).first(100), {0.5F});
@@ -94,16 +94,16 @@ TEST(GridMeasure, JoinsPartsToTheWhole) {
   }
 }
 
-TEST(GroupGrid, HasCellsOfTheLongestBoxWhereThereIsRoomForThem) {
+TEST(GroupGrid, HasCellsOfTheLongestBoxIfTheyFit) {
   const CornerBounds bounds = {{0, 0, 0}, {10, 20, 10}};
   const GroupGrid grid = MakeGroupGrid(bounds, {1000, {1, 2, 1}}, 100'000);
   EXPECT_EQ(grid.cells[1], 10U);
   EXPECT_EQ(grid.cells[2], 10U);
-  EXPECT_GE(grid.cells[0], 10U) << "finer along the rows";
+  EXPECT_GE(grid.cells[0], 10U) << "cells are finer along the rows";
   EXPECT_GE(grid.reach[1], 2);
 }
 
-TEST(GroupGrid, KeepsToItsMostCellsWhateverTheExtent) {
+TEST(GroupGrid, StaysWithinTheMaximumCellsForAnyExtent) {
   for (const double extent : {1e-30, 1.0, 1e10, 1.7e38}) {
     const CornerBounds bounds = {{-extent, 0, -extent}, {extent, 0, extent}};
     const GroupGrid grid = MakeGroupGrid(bounds, {1000, {0, 0, 0}}, 4000);
@@ -113,12 +113,13 @@ TEST(GroupGrid, KeepsToItsMostCellsWhateverTheExtent) {
   }
 }
 
-TEST(GroupGrid, LaysRowsAcrossLongBoxes) {
+TEST(GroupGrid, RowsLieAcrossLongBoxes) {
   const CornerBounds bounds = {{0, 0, 0}, {100, 100, 100}};
   EXPECT_EQ(MakeGroupGrid(bounds, {1000, {10, 1, 1}}, 4'000'000).row_axis, 1);
   EXPECT_EQ(MakeGroupGrid(bounds, {1000, {1, 10, 1}}, 4'000'000).row_axis, 2);
   EXPECT_EQ(MakeGroupGrid(bounds, {1000, {1, 1, 10}}, 4'000'000).row_axis, 0);
-  EXPECT_EQ(MakeGroupGrid(bounds, {1000, {20, 1, 20}}, 4'000'000).row_axis, 1) << "plates";
+  EXPECT_EQ(MakeGroupGrid(bounds, {1000, {20, 1, 20}}, 4'000'000).row_axis, 1)
+      << "rows of plates lie across both long axes";
 }
 
 TEST(GridPlan, HasOneGridForBoxesOfOneSize) {
@@ -126,7 +127,7 @@ TEST(GridPlan, HasOneGridForBoxesOfOneSize) {
   EXPECT_EQ(PlanFor({}).grids().size(), 1U);
 }
 
-TEST(GridPlan, GivesNeedlesOfEachDirectionAGridOfTheirOwn) {
+TEST(GridPlan, HasOneGridForNeedlesOfEachDirection) {
   const GridPlan plan = PlanFor(Needles(3000));
   EXPECT_EQ(plan.grids().size(), 3U);
   int searches = 0;
@@ -134,14 +135,14 @@ TEST(GridPlan, GivesNeedlesOfEachDirectionAGridOfTheirOwn) {
   EXPECT_EQ(searches, 3) << "one group of each pair of groups searches";
 }
 
-TEST(GridPlan, IsNotCoarsenedByOneHugeBox) {
+TEST(GridPlan, OneHugeBoxDoesNotCoarsenTheGrid) {
   std::vector<Aabb> boxes = OrdinaryBoxes(2000);
   const uint64_t without = CellsOf(PlanFor(boxes));
   boxes.push_back({{-500, -500, -500}, {500, 500, 500}});
   EXPECT_GE(2 * CellsOf(PlanFor(boxes)), without);
 }
 
-TEST(GridPlan, DividesTheBulkFinelyDespiteOutliers) {
+TEST(GridPlan, OutliersDoNotCoarsenTheGrid) {
   std::vector<Aabb> boxes = OrdinaryBoxes(2000);
   const GridPlan without = PlanFor(boxes);
   for (const float far : {-1e30F, 1e30F, -kLargest, kLargest}) {
@@ -153,7 +154,7 @@ TEST(GridPlan, DividesTheBulkFinelyDespiteOutliers) {
   }
 }
 
-TEST(GridPlan, TakesInShapesItHasNotSeenBefore) {
+TEST(GridPlan, AddsAGridForANewShape) {
   std::vector<Aabb> boxes = OrdinaryBoxes(2000);
   GridPlan plan = PlanFor(boxes);
   const uint64_t before = CellsOf(plan);
@@ -163,7 +164,7 @@ TEST(GridPlan, TakesInShapesItHasNotSeenBefore) {
   EXPECT_GE(2 * CellsOf(plan), before);
 }
 
-TEST(GridSort, PutsEachBoxIntoTheCellOfItsMinCornerAndLeavesOutAbsentOnes) {
+TEST(GridSort, PutsValidBoxesIntoTheCellOfTheirMinCorner) {
   std::vector<Aabb> boxes = OrdinaryBoxes(500);
   boxes[77].min[0] = kNan;
   const GridPlan plan = PlanFor(boxes);
@@ -183,7 +184,7 @@ TEST(GridSort, PutsEachBoxIntoTheCellOfItsMinCornerAndLeavesOutAbsentOnes) {
   }
 }
 
-TEST(GridSort, GivesTheSameOrderInParts) {
+TEST(GridSort, GivesTheSameOrderOnSeveralThreads) {
   const std::vector<Aabb> boxes = Needles(20'000);
   const GridPlan plan = PlanFor(boxes);
   const auto pool = MakeThreadPool(3);
@@ -195,14 +196,14 @@ TEST(GridSort, GivesTheSameOrderInParts) {
   EXPECT_TRUE(std::equal(alone.starts(), alone.starts() + CellsOf(plan) + 1, together.starts()));
 }
 
-TEST(Grid, ComparesLittleMoreForOneHugeBox) {
+TEST(Grid, OneHugeBoxAddsFewChecks) {
   std::vector<Aabb> boxes = OrdinaryBoxes(3000);
   const uint64_t without = ChecksFor(boxes);
   boxes.push_back({{-1e30F, -1e30F, -1e30F}, {1e30F, 1e30F, 1e30F}});
   EXPECT_LE(ChecksFor(boxes), without + 4 * 3000);
 }
 
-TEST(Grid, ComparesLittleMoreForOutliers) {
+TEST(Grid, OutliersAddFewChecks) {
   std::vector<Aabb> boxes = OrdinaryBoxes(3000);
   const uint64_t without = ChecksFor(boxes);
   boxes.push_back({{1e30F, 1e30F, 1e30F}, {1e30F, 1e30F, 1e30F}});
@@ -210,18 +211,18 @@ TEST(Grid, ComparesLittleMoreForOutliers) {
   EXPECT_LE(ChecksFor(boxes), 3 * without);
 }
 
-TEST(Grid, ComparesFarFewerThanAllPairs) { EXPECT_LE(ChecksFor(OrdinaryBoxes(3000)), 3000U * 100); }
+TEST(Grid, ChecksFarFewerThanAllPairs) { EXPECT_LE(ChecksFor(OrdinaryBoxes(3000)), 3000U * 100); }
 
-TEST(Grid, ComparesFarFewerThanAllPairsOfNeedles) {
+TEST(Grid, ChecksFarFewerThanAllPairsOfNeedles) {
   EXPECT_LE(ChecksFor(Needles(3000)), 3000U * 200);
 }
 
-TEST(Grid, ComparesFarFewerThanAllPairsWhereSizesSpanThreeDecades) {
+TEST(Grid, ChecksFarFewerThanAllPairsIfSizesSpanThreeDecades) {
   const BoxScene scene("sizes-1-to-1000", 3000, 7);
   EXPECT_LE(ChecksFor({scene.boxes().begin(), scene.boxes().end()}), 3000U * 200);
 }
 
-TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
+TEST(Grid, FindsPairsInEveryNeighbouringCell) {
   // A small box lies in the middle, and one around each corner, edge and face of the neighbourhood
   // of its cell.
   std::vector<Aabb> boxes = OrdinaryBoxes(400);
@@ -236,7 +237,7 @@ TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
 }
 
 // At these coordinates rounding makes boxes extend beyond the next cell.
-TEST(Grid, FindsPartnersFarFromTheOriginOfItsCells) {
+TEST(Grid, FindsPairsFarFromTheOriginOfItsCells) {
   SequentialRandom random(3);
   std::vector<Aabb> boxes;
   for (int i = 0; i < 400; ++i) {

@@ -37,7 +37,7 @@ TEST(KdOrder, IsAPermutation) {
   }
 }
 
-TEST(KdOrder, PutsBoxesThatTakeNoPartLast) {
+TEST(KdOrder, PutsInvalidBoxesLast) {
   const BoxScene scene("broken-boxes", 500, 3);
   std::vector<uint32_t> order = Identity(500);
   KdOrder splitter;
@@ -46,7 +46,7 @@ TEST(KdOrder, PutsBoxesThatTakeNoPartLast) {
                                   [&](uint32_t i) { return IsValid(scene.boxes()[i]); }));
 }
 
-TEST(KdOrder, SplitsALineInOrder) {
+TEST(KdOrder, SortsALineOfBoxes) {
   std::vector<Aabb> boxes;
   for (uint32_t i = 0; i < 256; ++i) {
     const auto x = static_cast<float>((i * 37) % 256);
@@ -60,7 +60,7 @@ TEST(KdOrder, SplitsALineInOrder) {
   }
 }
 
-TEST(KdOrder, DoesNotDependOnHowOftenCoincidentBoxesAreSorted) {
+TEST(KdOrder, CoincidentBoxesCanBeSortedRepeatedly) {
   const BoxScene scene("all-coincident", 1000, 3);
   std::vector<uint32_t> order = Identity(1000);
   KdOrder splitter;
@@ -110,7 +110,7 @@ bool IsDivided(std::span<const Aabb> boxes, std::span<const uint32_t> slots, siz
 void ExpectDivided(std::span<const Aabb> boxes, std::span<const uint32_t> slots) {
   if (slots.size() <= KdOrder::kPart) return;
   const size_t middle = KdSplitPoint({0, slots.size(), {}});
-  ASSERT_TRUE(IsDivided(boxes, slots, middle)) << slots.size() << " slots at " << middle;
+  ASSERT_TRUE(IsDivided(boxes, slots, middle)) << slots.size() << " slots, split at " << middle;
   ExpectDivided(boxes, slots.first(middle));
   ExpectDivided(boxes, slots.subspan(middle));
 }
@@ -129,7 +129,7 @@ TEST(KdOrder, SplitsEveryPartAtTheMiddleOfAnAxis) {
   }
 }
 
-TEST(KdOrder, IsTheSameInStepsAndInParts) {
+TEST(KdOrder, IsTheSameInStepsAndOnSeveralThreads) {
   const auto pool = MakeThreadPool(3);
   for (const std::string_view kind : {"brownian", "long-thin", "broken-boxes", "clusters"}) {
     const BoxScene scene(kind, 20'000, 8);
@@ -148,7 +148,7 @@ TEST(KdOrder, IsTheSameInStepsAndInParts) {
   }
 }
 
-TEST(KdOrder, LeavesNoBoxOut) {
+TEST(KdOrder, ContainsEveryBox) {
   for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
     const auto scene = MakeDegenerateScene(name, 3000, 8);
     const auto count = static_cast<uint32_t>(scene->aabbs().size());
@@ -160,7 +160,7 @@ TEST(KdOrder, LeavesNoBoxOut) {
   }
 }
 
-TEST(KdOrder, KeepsLongBoxesApartFromTheOthersAndByTheirAxis) {
+TEST(KdOrder, SeparatesLongBoxesByTheirAxis) {
   const BoxScene scene("long-thin", 3000, 8);
   const std::vector<uint32_t> slots = SlotsOf(scene.boxes());
   const auto long_axis = [&](const Aabb& box) {
@@ -181,7 +181,7 @@ TEST(KdOrder, KeepsLongBoxesApartFromTheOthersAndByTheirAxis) {
   EXPECT_LE(mixed_leaves, 2U);
 }
 
-TEST(KdOrder, IsTheSameFromLeavesFromBoxesAndFromAList) {
+TEST(KdOrder, IsTheSameFromLeavesBoxesAndAList) {
   for (const std::string_view kind : {"brownian", "long-thin", "broken-boxes"}) {
     const BoxScene scene(kind, 1000, 8);
     const std::vector<uint32_t> slots = SlotsOf(scene.boxes());
@@ -216,7 +216,7 @@ Aabb NodeAt(const BoxLanes& lanes, size_t node) {
           {lanes.max[0][node], lanes.max[1][node], lanes.max[2][node]}};
 }
 
-TEST(LeafTree, BoundsWhatIsBelowEachNodeAndNoMore) {
+TEST(LeafTree, EachNodeHasTheExactBoundsOfItsBoxes) {
   for (const std::string_view kind : {"mixture", "broken-boxes"}) {
     const BoxScene scene(kind, 5000, 5);
     const LeafTree tree = TreeOf(scene.boxes());
@@ -235,7 +235,7 @@ TEST(LeafTree, BoundsWhatIsBelowEachNodeAndNoMore) {
   }
 }
 
-TEST(LeafTree, IsTheSameInParts) {
+TEST(LeafTree, IsTheSameOnSeveralThreads) {
   const auto pool = MakeThreadPool(3);
   const BoxScene scene("broken-boxes", 20'000, 5);
   const LeafTree alone = TreeOf(scene.boxes());
@@ -292,7 +292,7 @@ uint64_t ChecksOfFreshBuild(const BoxScene& scene) {
   return backend->aabb_check_count();
 }
 
-TEST(KdTree, SplitsAgainBeforeMotionHasRuinedTheOrder) {
+TEST(KdTree, SplitsAgainBeforeMotionTriplesTheChecks) {
   const auto backend = MakeOrThrow("KDTree");
   BoxScene scene("brownian", 3000, 5);
   backend->Build(scene.boxes());
@@ -328,7 +328,7 @@ TEST(KdTree, NeverSplitsASceneAtRestAgain) {
 }
 
 // Every box has a new position in each frame.
-TEST(KdTree, SplitsAtOnceWhereTheOrderHasLostItsUse) {
+TEST(KdTree, SplitsAtOnceIfTheOrderIsUseless) {
   const auto backend = MakeOrThrow("KDTree");
   backend->Build(BoxScene("brownian", 3000, 99).boxes());
   PairBuffer pairs;
@@ -341,7 +341,7 @@ TEST(KdTree, SplitsAtOnceWhereTheOrderHasLostItsUse) {
   }
 }
 
-TEST(KdTree, TakesNewBoxesInWithoutLosingTheOrderOfTheOthers) {
+TEST(KdTree, NewBoxesKeepTheOrderOfTheOthers) {
   const auto backend = MakeOrThrow("KDTree");
   const BoxScene scene("brownian", 3000, 5);
   backend->Build(scene.boxes().first(2900));
@@ -355,7 +355,7 @@ TEST(KdTree, TakesNewBoxesInWithoutLosingTheOrderOfTheOthers) {
   }
 }
 
-TEST(KdTree, IsRightWhenTheCountChangesWhileItSplits) {
+TEST(KdTree, FindsAllPairsIfTheCountChangesDuringASplit) {
   const auto backend = MakeOrThrow("KDTree");
   BoxScene scene("brownian", 800, 5);
   backend->Build(scene.boxes());

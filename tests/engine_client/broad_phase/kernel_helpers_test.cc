@@ -88,7 +88,7 @@ TEST(CompressBits, MovesTheLanesOfEachMaskToTheFront) {
   OnEachSimdTarget([] { EXPECT_EQ(HWY_DYNAMIC_DISPATCH(CompressErrors)(), ""); });
 }
 
-TEST(StorePairs, PutsTheLesserIdFirstWhateverTheirNumber) {
+TEST(StorePairs, PutsTheLesserIdFirstForAnyNumberOfPairs) {
   OnEachSimdTarget([] { EXPECT_EQ(HWY_DYNAMIC_DISPATCH(StorePairsErrors)(), ""); });
 }
 

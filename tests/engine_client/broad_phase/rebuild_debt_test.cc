@@ -5,7 +5,7 @@
 namespace sweepstake {
 namespace {
 
-TEST(RebuildDebt, IsTheSumOfWhatSearchesTakeAboveTheCheapest) {
+TEST(RebuildDebt, IsTheExcessOfSearchesOverTheCheapest) {
   RebuildDebt debt;
   debt.AddSearch(100);
   EXPECT_FALSE(debt.Exceeds(0));
@@ -15,7 +15,7 @@ TEST(RebuildDebt, IsTheSumOfWhatSearchesTakeAboveTheCheapest) {
   EXPECT_FALSE(debt.Exceeds(50));
 }
 
-TEST(RebuildDebt, MeasuresLaterSearchesByACheaperOne) {
+TEST(RebuildDebt, ComparesLaterSearchesWithACheaperOne) {
   RebuildDebt debt;
   debt.AddSearch(100);
   debt.AddSearch(60);
@@ -24,7 +24,7 @@ TEST(RebuildDebt, MeasuresLaterSearchesByACheaperOne) {
   EXPECT_FALSE(debt.Exceeds(40));
 }
 
-TEST(RebuildDebt, IsGoneAfterARebuild) {
+TEST(RebuildDebt, IsZeroAfterARebuild) {
   RebuildDebt debt;
   debt.AddSearch(100);
   debt.AddSearch(500);
@@ -33,7 +33,7 @@ TEST(RebuildDebt, IsGoneAfterARebuild) {
   EXPECT_FALSE(debt.Exceeds(0));
 }
 
-TEST(RebuildFrames, SpreadARebuildThinlyOverOneToSixFrames) {
+TEST(RebuildFrames, AreOneToSixByTheExcessCost) {
   EXPECT_EQ(RebuildFrames(100, 0), 6U);
   EXPECT_EQ(RebuildFrames(100, 99), 3U);
   EXPECT_EQ(RebuildFrames(100, 10'000), 1U);

@@ -11,7 +11,7 @@ TEST(Registry, ListsTheSevenFamiliesInThePapersOrder) {
                                                       "DBVT", "Tracy", "KDTree"));
 }
 
-TEST(Registry, MakesEachBackendItNames) {
+TEST(Registry, MakesEachListedBackend) {
   for (const std::string_view name : BroadPhaseNames()) {
     auto made = MakeBroadPhase(name);
     ASSERT_TRUE(made.ok()) << name;
@@ -19,7 +19,7 @@ TEST(Registry, MakesEachBackendItNames) {
   }
 }
 
-TEST(Registry, AnswersAnUnknownNameWithTheValidOnes) {
+TEST(Registry, ListsTheValidNamesForAnUnknownOne) {
   for (const std::string_view name : {"", "Quadtree", "sap", "SAP "}) {
     const auto made = MakeBroadPhase(name);
     ASSERT_FALSE(made.ok());

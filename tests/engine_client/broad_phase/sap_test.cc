@@ -18,7 +18,7 @@ std::vector<OverlapPair> PairsOf(BroadPhase& backend, std::span<const Aabb> boxe
   return {pairs.pairs().begin(), pairs.pairs().end()};
 }
 
-TEST(Sap, SortsInPartsAsItDoesAlone) {
+TEST(Sap, SortsEquallyWithAnyNumberOfThreads) {
   const BoxScene scene("brownian", 60'000, 7);
   const std::vector<OverlapPair> alone = PairsOf(*MakeOrThrow("SAP"), scene.boxes());
   for (const size_t thread_count : {2, 3}) {
@@ -29,7 +29,7 @@ TEST(Sap, SortsInPartsAsItDoesAlone) {
 }
 
 // Half of the boxes are spread over a million units, the others lie in a row of a few units.
-TEST(Sap, MakesFewChecksWhereMostBoxesShareAStep) {
+TEST(Sap, MakesFewChecksIfMostBoxesShareAStep) {
   std::vector<Aabb> boxes(4000);
   for (size_t i = 0; i < boxes.size(); ++i) {
     const float x = i % 2 == 0 ? 500.0F * static_cast<float>(i) : 0.001F * static_cast<float>(i);

@@ -65,7 +65,7 @@ TEST(CompressTable, HasTheLanesOfEachMaskInTheirOrder) {
   }
 }
 
-TEST(SimdTargets, AreNamedOnceAndTheBestRunsFirst) {
+TEST(SimdTargets, AreListedOnceAndTheBestIsTheDefault) {
   ASSERT_FALSE(SimdTargets().empty());
   const char* const asked_for = std::getenv("SWEEPSTAKE_CLIENT_SIMD");
   EXPECT_EQ(SimdTarget(),
@@ -74,7 +74,7 @@ TEST(SimdTargets, AreNamedOnceAndTheBestRunsFirst) {
     EXPECT_EQ(std::ranges::count(SimdTargets(), name), 1) << name;
 }
 
-TEST(SimdTargets, AnUnknownOneIsRefusedWithTheValidOnesAndChangesNothing) {
+TEST(SimdTargets, AnUnknownTargetListsTheValidOnesAndChangesNothing) {
   const std::string_view before = SimdTarget();
   for (const std::string_view name : {"", "AVX2", "avx3", "mmx"}) {
     const Status status = UseSimdTarget(name);

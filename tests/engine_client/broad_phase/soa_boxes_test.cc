@@ -18,7 +18,7 @@ Aabb At(const BoxLanes& lanes, size_t slot) {
 
 const Aabb kSentinel = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 
-TEST(SoaBoxes, KeepsEachBoxThatIsValidAndReplacesTheOthers) {
+TEST(SoaBoxes, KeepValidBoxesAndReplaceInvalidOnes) {
   SoaBoxes soa;
   for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
     for (const uint32_t count : {0, 1, 15, 16, 17, 63, 64, 65, 200}) {
@@ -36,7 +36,7 @@ TEST(SoaBoxes, KeepsEachBoxThatIsValidAndReplacesTheOthers) {
   }
 }
 
-TEST(SoaBoxes, EndInSentinelsAWholeRegisterLong) {
+TEST(SoaBoxes, ArePaddedWithOneRegisterOfSentinels) {
   SoaBoxes soa;
   for (const size_t count : {200, 0, 64, 63}) {
     const BoxScene scene("brownian", count, 8);
@@ -46,7 +46,7 @@ TEST(SoaBoxes, EndInSentinelsAWholeRegisterLong) {
   }
 }
 
-TEST(SoaBoxes, GatherInTheOrderGiven) {
+TEST(SoaBoxes, GatherInTheGivenOrder) {
   const BoxScene scene("brownian", 5, 8);
   const std::vector<uint32_t> order = {4, 0, 3};
   SoaBoxes soa;
@@ -58,7 +58,7 @@ TEST(SoaBoxes, GatherInTheOrderGiven) {
   }
 }
 
-TEST(SoaBoxes, ShowTheAxesFromTheOneAskedFor) {
+TEST(SoaBoxes, RotateTheAxesToTheRequestedOne) {
   const Aabb box = {{1, 2, 3}, {4, 5, 6}};
   SoaBoxes soa;
   soa.Gather({&box, 1});

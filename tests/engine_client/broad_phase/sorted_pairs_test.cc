@@ -14,14 +14,14 @@ std::vector<OverlapPair> PairsOf(const SortedPairs& pairs) {
   return {pairs.pairs().begin(), pairs.pairs().end()};
 }
 
-TEST(SortedPairs, AdoptPairsInAnyOrder) {
+TEST(SortedPairs, SortAdoptedPairs) {
   SortedPairs pairs;
   const OverlapPair found[] = {{3, 4}, {0, 9}, {3, 5}, {0, 2}, {1, 2}};
   pairs.Adopt(found, 10);
   EXPECT_EQ(PairsOf(pairs), (std::vector<OverlapPair>{{0, 2}, {0, 9}, {1, 2}, {3, 4}, {3, 5}}));
 }
 
-TEST(SortedPairs, AddAndDropWhatWasTouched) {
+TEST(SortedPairs, AddAndDropTouchedPairs) {
   SortedPairs pairs;
   const OverlapPair found[] = {{0, 2}, {1, 2}, {3, 4}};
   pairs.Adopt(found, 6);
@@ -46,7 +46,7 @@ class StopAt final : public StopRequest {
   const uint64_t question_;
 };
 
-TEST(SortedPairs, AskWhetherToEndForEachBlockOfManyMarks) {
+TEST(SortedPairs, TestForAStopInEachBlockOfMarks) {
   constexpr size_t kBlocks = 4;
   constexpr size_t kMarks = kBlocks * kBoxesPerQuestion;
   for (const uint64_t stop_at : {uint64_t{1000}, uint64_t{1}, uint64_t{3 * kBlocks}}) {
@@ -58,7 +58,7 @@ TEST(SortedPairs, AskWhetherToEndForEachBlockOfManyMarks) {
     StopAt stop(stop_at);
     pairs.Settle([](uint32_t a, uint32_t) { return a % 2 == 0; }, &stop);
     if (stop_at < 1000) {
-      EXPECT_LE(stop.asked, stop_at + 2) << "it ends";
+      EXPECT_LE(stop.asked, stop_at + 2) << "Settle must end soon after the stop";
     } else {
       EXPECT_EQ(pairs.pairs().size(), kMarks / 2);
       // Two passes of the sort, the groups, the test of each mark, and inserting half of them.
@@ -67,7 +67,7 @@ TEST(SortedPairs, AskWhetherToEndForEachBlockOfManyMarks) {
   }
 }
 
-TEST(SortedPairs, DropThePairsOfObjectsThatAreGone) {
+TEST(SortedPairs, DropPairsOfRemovedObjects) {
   SortedPairs pairs;
   const OverlapPair found[] = {{0, 2}, {1, 5}, {3, 4}};
   pairs.Adopt(found, 6);

@@ -36,7 +36,7 @@ class SteadyState : public testing::TestWithParam<std::tuple<std::string_view, s
   PairBuffer pairs_;
 };
 
-TEST_P(SteadyState, AllocatesNothingAndKeepsItsSize) {
+TEST_P(SteadyState, AllocatesNothingAndKeepsTheMemorySize) {
   backend_->Build(scene_.boxes());
   RunFrames(100);
   const uint64_t allocations = ThreadAllocationCount();
@@ -48,7 +48,7 @@ TEST_P(SteadyState, AllocatesNothingAndKeepsItsSize) {
   EXPECT_EQ(pairs_.capacity_bytes(), pair_bytes);
 }
 
-TEST_P(SteadyState, BuildingAgainReusesTheMemory) {
+TEST_P(SteadyState, AnotherBuildReusesTheMemory) {
   for (int round = 0; round < 20; ++round) {
     backend_->Build(scene_.boxes());
     RunFrames(5);
@@ -75,7 +75,7 @@ class MemoryOf : public testing::TestWithParam<std::string_view> {};
 
 // A box has 24 bytes: a backend that reports fewer bytes than the boxes have does not count all of
 // its memory.
-TEST_P(MemoryOf, IsAtLeastTheBoxesAndNotThousandsOfBytesPerBox) {
+TEST_P(MemoryOf, IsAtLeastTheBoxesAndBounded) {
   const auto backend = MakeOrThrow(GetParam());
   BoxScene scene("brownian", 3000, 2);
   PairBuffer pairs;
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(EveryBackend, MemoryOf,
                          testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
                          [](const auto& test) { return std::string(test.param); });
 
-TEST(AllocationCounter, SeesEveryFormOfNew) {
+TEST(AllocationCounter, CountsEveryFormOfNew) {
   const uint64_t before = ThreadAllocationCount();
   const auto one = std::make_unique<int>(1);
   const auto many = std::make_unique<int[]>(10);
@@ -135,7 +135,7 @@ TEST(CheckCountOfBruteForce, IsHalfTheSquareOfTheCount) {
   }
 }
 
-TEST(CheckCountOfSap, LiesBetweenThePairsAndAllPairs) {
+TEST(CheckCountOfSap, IsBetweenThePairsAndAllPairs) {
   BoxScene scene("brownian", 3000, 4);
   const Counted counted = CountChecks("SAP", scene, 1);
   EXPECT_GE(counted.checks, counted.pairs);

@@ -90,7 +90,7 @@ TEST_P(EveryBackendThatIsStopped, EndsASearchInADenseSceneWithinFewChecks) {
   }
 }
 
-TEST_P(EveryBackendThatIsStopped, TakesNoMoreMemoryForPairsThanItIsAllowed) {
+TEST_P(EveryBackendThatIsStopped, LimitsTheMemoryOfPairs) {
   PartsInARow parts;
   const auto scene = MakeDegenerateScene("all-coincident", 30'000, 1);
   for (Executor* const executor :
@@ -109,7 +109,7 @@ TEST_P(EveryBackendThatIsStopped, TakesNoMoreMemoryForPairsThanItIsAllowed) {
   }
 }
 
-TEST_P(EveryBackendThatIsStopped, IsRightAfterTheNextBuild) {
+TEST_P(EveryBackendThatIsStopped, FindsAllPairsAfterTheNextBuild) {
   const auto dense = MakeDegenerateScene("all-coincident", 2'500, 1);
   const auto next = MakeSuiteBrownian(500);
   bool has_ended = false;
@@ -132,7 +132,7 @@ TEST_P(EveryBackendThatIsStopped, IsRightAfterTheNextBuild) {
   }
 }
 
-TEST_P(EveryBackendThatIsStopped, FindsTheSameSequenceWhileNobodyStopsIt) {
+TEST_P(EveryBackendThatIsStopped, FindsTheSameSequenceWithoutAStop) {
   const auto twin = MakeOrThrow(GetParam());
   PairBuffer twin_pairs;
   const auto scene = MakeSuiteBrownian(20'000);
@@ -161,7 +161,7 @@ INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendThatIsStopped,
 constexpr size_t kBlocks = 5;
 constexpr size_t kManyBoxes = kBlocks * kBoxesPerQuestion;
 
-TEST_P(EveryBackendThatIsStopped, LeavesABuildOfManyBoxesAtAnyQuestion) {
+TEST_P(EveryBackendThatIsStopped, EndsABuildAtAnyStopTest) {
   const auto many = MakeSuiteBrownian(kManyBoxes);
   const auto next = MakeSuiteBrownian(500);
   bool has_ended = false;
@@ -188,7 +188,7 @@ struct Passes {
 
 class EveryBackendInBlocks : public testing::TestWithParam<Passes> {};
 
-TEST_P(EveryBackendInBlocks, AsksInEachPassOverTheBoxes) {
+TEST_P(EveryBackendInBlocks, TestsForAStopInEachPassOverTheBoxes) {
   const auto scene = MakeSuiteBrownian(kManyBoxes);
   std::vector<Aabb> boxes(scene->aabbs().begin(), scene->aabbs().end());
   const auto backend = MakeOrThrow(GetParam().backend);
@@ -215,7 +215,7 @@ INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendInBlocks,
                                          Passes{"Tracy", 4, 3, 3}, Passes{"KDTree", 2, 1, 2}),
                          [](const auto& tested) { return std::string(tested.param.backend); });
 
-TEST(ADbvtThatIsStopped, AsksWhileItInsertsManyBoxesThatBecomeValid) {
+TEST(ADbvtThatIsStopped, TestsForAStopWhileInsertingManyBoxes) {
   constexpr size_t kReturning = 20'000;
   const auto scene = MakeSuiteBrownian(3 * kReturning);
   std::vector<Aabb> boxes(scene->aabbs().begin(), scene->aabbs().end());
@@ -226,14 +226,14 @@ TEST(ADbvtThatIsStopped, AsksWhileItInsertsManyBoxesThatBecomeValid) {
   stop.stop_at = 8;
   backend->SetStop(&stop);
   backend->Update(scene->aabbs());
-  EXPECT_TRUE(stop.has_stopped) << "after one of about ten blocks";
+  EXPECT_TRUE(stop.has_stopped) << "there are about ten blocks, each with a stop test";
   EXPECT_LE(stop.question_count, stop.stop_at + kQuestionsToLeave);
 }
 
 // Backends with margins search for pairs of enlarged boxes in Update.
 class EveryBackendWithMargins : public EveryBackendThatIsStopped {};
 
-TEST_P(EveryBackendWithMargins, AsksInTheUpdateThatMakesThem) {
+TEST_P(EveryBackendWithMargins, TestsForAStopInTheUpdateThatMakesMargins) {
   const auto scene = MakeSuiteBrownian(100'000);
   backend_->Build(scene->aabbs());
   for (int frame = 0; frame < 6; ++frame) {

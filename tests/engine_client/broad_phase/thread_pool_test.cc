@@ -25,7 +25,7 @@ TEST(ThreadPoolTest, RunsEveryPartOnce) {
   }
 }
 
-TEST(ThreadPoolTest, WakesThreadsThatWentToSleep) {
+TEST(ThreadPoolTest, WakesSleepingThreads) {
   const auto pool = MakeThreadPool(3);
   for (int round = 0; round < 20; ++round) {
     // Three parts wait for one another, so that only three concurrent threads can finish them.
@@ -39,7 +39,7 @@ TEST(ThreadPoolTest, WakesThreadsThatWentToSleep) {
   }
 }
 
-TEST(ThreadPoolTest, EndsWhileItsThreadsGoToSleep) {
+TEST(ThreadPoolTest, CanBeDestroyedWhileItsThreadsGoToSleep) {
   for (int round = 0; round < 300; ++round) {
     const auto pool = MakeThreadPool(3);
     std::atomic<int> ended{0};
@@ -51,7 +51,7 @@ TEST(ThreadPoolTest, EndsWhileItsThreadsGoToSleep) {
   }
 }
 
-TEST(RunPartsTest, ThrowsWhenAPartRunsOutOfMemoryAndStillEndsTheOthers) {
+TEST(RunPartsTest, ThrowsIfAPartRunsOutOfMemoryAndRunsTheOthers) {
   const auto pool = MakeThreadPool(2);
   std::atomic<int> ended{0};
   EXPECT_THROW(RunParts(pool.get(), 8,
@@ -63,7 +63,7 @@ TEST(RunPartsTest, ThrowsWhenAPartRunsOutOfMemoryAndStillEndsTheOthers) {
   EXPECT_EQ(ended.load(), 7);
 }
 
-TEST(RunPartsTest, HandsOnAnyExceptionOfAPart) {
+TEST(RunPartsTest, RethrowsAnyExceptionOfAPart) {
   const auto pool = MakeThreadPool(2);
   EXPECT_THROW(RunParts(pool.get(), 4, [](size_t) { throw std::length_error("too long"); }),
                std::length_error);
@@ -84,7 +84,7 @@ TEST(RangeOfPartTest, CoversAllItemsInGranules) {
   }
 }
 
-TEST(PairPartsTest, JoinsWhatThePartsFoundInTheirOrder) {
+TEST(PairPartsTest, JoinsThePairsOfThePartsInOrder) {
   const auto pool = MakeThreadPool(2);
   PairParts parts;
   for (const uint32_t count : {10U, 4000U, 100'000U}) {
@@ -101,7 +101,7 @@ TEST(PairPartsTest, JoinsWhatThePartsFoundInTheirOrder) {
   }
 }
 
-TEST(PairPartsTest, BeginNoPartAfterAStop) {
+TEST(PairPartsTest, StartsNoPartAfterAStop) {
   class Stop final : public StopRequest {
    public:
     bool WantsStop(uint64_t) noexcept override { return is_wanted; }
@@ -118,7 +118,7 @@ TEST(PairPartsTest, BeginNoPartAfterAStop) {
     return uint64_t{1};
   };
   const uint64_t checks = parts.Run(pool.get(), 100'000, 100, 1, pairs, find, &stop);
-  EXPECT_LE(begun, 2) << "one on each thread";
+  EXPECT_LE(begun, 2) << "at most one part on each thread";
   EXPECT_EQ(checks, static_cast<uint64_t>(begun));
   EXPECT_LE(pairs.size(), 1U) << "only pairs of other parts remain";
 }

@@ -21,8 +21,8 @@ class RestingTracy : public testing::Test {
  protected:
   RestingTracy() : boxes_(scene_.boxes().begin(), scene_.boxes().end()) {
     backend_->Build(boxes_);
-    for (int frame = 0; frame < 5; ++frame) StepAndCheck("as it comes to rest");
-    EXPECT_LT(ChecksPerBox(), 5U) << "few checks at rest";
+    for (int frame = 0; frame < 5; ++frame) StepAndCheck("while the boxes come to rest");
+    EXPECT_LT(ChecksPerBox(), 5U) << "a resting scene must need few checks";
   }
 
   // Moves all boxes except the first ten, which the test moves itself.
@@ -46,7 +46,7 @@ class RestingTracy : public testing::Test {
   PairBuffer pairs_;
 };
 
-TEST_F(RestingTracy, TestsLittleMoreThanThePairsThereAre) {
+TEST_F(RestingTracy, MakesLittleMoreChecksThanThereArePairs) {
   uint64_t checks = 0;
   for (int frame = 0; frame < 50; ++frame) {
     StepAndCheck("at rest");
@@ -66,7 +66,7 @@ TEST_F(RestingTracy, FollowsAFewFastBoxesAndStaysAtRest) {
   EXPECT_LT(ChecksPerBox(), 40U);
 }
 
-TEST_F(RestingTracy, LetsABoxGoAndComeBack) {
+TEST_F(RestingTracy, FollowsABoxThatLeavesAndReturns) {
   const Aabb home = boxes_[4];
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const Aabb& away :
@@ -80,17 +80,17 @@ TEST_F(RestingTracy, LetsABoxGoAndComeBack) {
   }
 }
 
-TEST_F(RestingTracy, TakesObjectsThatComeAndGo) {
+TEST_F(RestingTracy, FollowsAChangingObjectCount) {
   const std::vector<Aabb> all = boxes_;
   for (const size_t count : {kCount - 1, kCount, kCount / 2, size_t{0}, kCount, kCount}) {
     boxes_.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
     Check("with " + std::to_string(count));
-    Check("with as many again");
-    Check("and once more");
+    Check("with the same count again");
+    Check("with the same count a third time");
   }
 }
 
-TEST_F(RestingTracy, WakesWhenEverythingMovesAndRestsAgain) {
+TEST_F(RestingTracy, FollowsMotionOfAllBoxesAndRestsAgain) {
   for (int frame = 0; frame < 8; ++frame) {
     for (Aabb& box : boxes_) {
       box.min[0] += 0.2F;
@@ -103,7 +103,7 @@ TEST_F(RestingTracy, WakesWhenEverythingMovesAndRestsAgain) {
 }
 
 // Testing half a million kept pairs costs as much as finding them again.
-TEST(Tracy, KeepsNoPairsWhereTheyAreTooMany) {
+TEST(Tracy, KeepsNoPairsIfThereAreTooMany) {
   BoxScene scene("all-coincident", kCount, 5);
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
@@ -115,7 +115,7 @@ TEST(Tracy, KeepsNoPairsWhereTheyAreTooMany) {
   EXPECT_LE(backend->native_bytes(), kCount * 500);
 }
 
-TEST(Tracy, FindsTheSamePairsAtRestForAnyNumberOfThreads) {
+TEST(Tracy, FindsTheSamePairsAtRestWithAnyNumberOfThreads) {
   const auto pool = MakeThreadPool(3);
   const auto together = std::move(*MakeBroadPhase("Tracy", {pool.get()}));
   const auto alone = MakeOrThrow("Tracy");

@@ -45,7 +45,7 @@ uint32_t RowOf(const Aabb& box, const RowGrids& grids) {
   return rows[0];
 }
 
-TEST(RowGrids, NumberTheRowsOfAllGroupsOneAfterTheOther) {
+TEST(RowGrids, NumberTheRowsOfAllGroupsConsecutively) {
   std::vector<Aabb> boxes = BrownianBoxes();
   for (size_t i = 0; i < 200; ++i) boxes.push_back(CubeAt(boxes[i].min[0], 2, 3, 60));
   const RowGrids grids = GridsFor(boxes);
@@ -55,7 +55,7 @@ TEST(RowGrids, NumberTheRowsOfAllGroupsOneAfterTheOther) {
             RowOf(boxes.back(), grids) >= grids.row_grids[1].first_cell);
 }
 
-TEST(RowGrids, KeepApartBoxesThatAreTooLongOrAbsent) {
+TEST(RowGrids, SeparateTooLongAndInvalidBoxes) {
   const std::vector<Aabb> boxes = BrownianBoxes();
   const RowGrids grids = GridsFor(boxes);
   EXPECT_LT(RowOf(boxes[1], grids), grids.long_row());
@@ -64,7 +64,7 @@ TEST(RowGrids, KeepApartBoxesThatAreTooLongOrAbsent) {
   EXPECT_EQ(RowOf({{0, nan, 0}, {1, 1, 1}}, grids), kNoRow);
 }
 
-TEST(RowGrids, ListOnlyBoxesWhoseRowHasChanged) {
+TEST(RowGrids, ListOnlyBoxesThatChangedTheirRow) {
   std::vector<Aabb> boxes = BrownianBoxes(100);
   const RowGrids grids = GridsFor(boxes);
   std::vector<uint32_t> kept(100 + SoaBoxes::kPadding, kNoRow);
@@ -111,7 +111,7 @@ TEST_F(Lists, AreSortedAlongTheirRows) {
   EXPECT_EQ(Fault(), "");
 }
 
-TEST_F(Lists, MoveOnlyBoxesThatCrossIntoAnotherRow) {
+TEST_F(Lists, MoveOnlyBoxesThatChangedTheirRow) {
   Lay();
   lists_.Update(nullptr, boxes_);
   EXPECT_EQ(lists_.moved_count(), boxes_.size());
@@ -123,18 +123,19 @@ TEST_F(Lists, MoveOnlyBoxesThatCrossIntoAnotherRow) {
   EXPECT_EQ(Fault(), "");
 }
 
-TEST_F(Lists, TakeInNewObjectsAndDropTheLast) {
+TEST_F(Lists, AddNewObjectsAndDropTheLast) {
   Lay();
   for (const size_t count : {100, 600, 599, 17, 0, 300, 600}) {
     const size_t before = lists_.size();
     lists_.Update(nullptr, std::span(boxes_).first(count));
     EXPECT_EQ(lists_.size(), count);
-    EXPECT_EQ(lists_.moved_count(), count > before ? count - before : 0U) << "no rebuild";
+    EXPECT_EQ(lists_.moved_count(), count > before ? count - before : 0U)
+        << "only new boxes may move";
     EXPECT_EQ(Fault(), "");
   }
 }
 
-TEST_F(Lists, AreTheSameInParts) {
+TEST_F(Lists, AreTheSameOnSeveralThreads) {
   BoxScene scene("brownian", 20'000, 3);
   boxes_.assign(scene.boxes().begin(), scene.boxes().end());
   Lay();
@@ -164,7 +165,7 @@ TEST(Tracy, FollowsABoxAcrossTheCells) {
   }
 }
 
-TEST(Tracy, ReportsAPairThatSharesManyCellsOnce) {
+TEST(Tracy, ReportsAPairWithManySharedCellsOnce) {
   std::vector<Aabb> boxes = BrownianBoxes();
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
@@ -175,7 +176,7 @@ TEST(Tracy, ReportsAPairThatSharesManyCellsOnce) {
   EXPECT_EQ(FindPairsError(*backend, boxes, pairs), "");
 }
 
-TEST(Tracy, TakesABackWhoLeftAndReturnedBeforeItsPairsWereAskedFor) {
+TEST(Tracy, FindsPairsOfABoxThatReturnedBeforeASearch) {
   std::vector<Aabb> boxes = BrownianBoxes();
   const Aabb home = boxes[5];
   const auto backend = MakeOrThrow("Tracy");
@@ -191,7 +192,7 @@ TEST(Tracy, TakesABackWhoLeftAndReturnedBeforeItsPairsWereAskedFor) {
   }
 }
 
-TEST(Tracy, TestsABoxThatHasOutgrownItsCellsAgainstAll) {
+TEST(Tracy, TestsABoxThatOutgrowsItsCellsAgainstAll) {
   std::vector<Aabb> boxes = BrownianBoxes(3000);
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
@@ -205,11 +206,11 @@ TEST(Tracy, TestsABoxThatHasOutgrownItsCellsAgainstAll) {
   EXPECT_LE(backend->aabb_check_count(), before + 4 * 3000);
 }
 
-TEST(Tracy, LaysTheGridOutAgainWhenTheSceneOutgrowsIt) {
+TEST(Tracy, RebuildsTheGridIfTheSceneOutgrowsIt) {
   std::vector<Aabb> boxes = BrownianBoxes();
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
-  for (Aabb& box : boxes) {  // all in one place, and the grid is laid out for that
+  for (Aabb& box : boxes) {  // all boxes in one small place, for which the grid is made
     for (int axis = 0; axis < 3; ++axis) {
       box.max[axis] = (box.max[axis] - box.min[axis]) * 0.01F + box.min[axis] * 0.001F;
       box.min[axis] *= 0.001F;

@@ -37,7 +37,7 @@ class Collector final : public btBroadphaseRayCallback {
   std::function<void()> on_found;
 };
 
-TEST_F(BulletBroadPhaseTest, KeepsAPairFromTheStepInWhichTheBoxesMeetToTheOneInWhichTheyPart) {
+TEST_F(BulletBroadPhaseTest, KeepsAPairWhileTheBoxesOverlap) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(5);
   Step();
@@ -52,7 +52,7 @@ TEST_F(BulletBroadPhaseTest, KeepsAPairFromTheStepInWhichTheBoxesMeetToTheOneInW
   EXPECT_EQ(cache().getNumOverlappingPairs(), 0);
 }
 
-TEST_F(BulletBroadPhaseTest, ADestroyedProxyTakesItsPairsWithItAtOnce) {
+TEST_F(BulletBroadPhaseTest, DestroyingAProxyRemovesItsPairsAtOnce) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0.5F);
   btBroadphaseProxy* const c = Add(1);
@@ -65,7 +65,7 @@ TEST_F(BulletBroadPhaseTest, ADestroyedProxyTakesItsPairsWithItAtOnce) {
   EXPECT_TRUE(AreKept(a, c));
 }
 
-TEST_F(BulletBroadPhaseTest, AProxyInThePlaceOfAnotherHasPairsOfItsOwn) {
+TEST_F(BulletBroadPhaseTest, AProxyInAReusedSlotHasItsOwnPairs) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0.5F);
   Step();
@@ -78,7 +78,7 @@ TEST_F(BulletBroadPhaseTest, AProxyInThePlaceOfAnotherHasPairsOfItsOwn) {
   EXPECT_TRUE(AreKept(a, c));
 }
 
-TEST_F(BulletBroadPhaseTest, StaticProxiesMeetMovingOnesOnly) {
+TEST_F(BulletBroadPhaseTest, StaticProxiesFormPairsOnlyWithMovingOnes) {
   constexpr int kNotStatic = kAll ^ kStatic;
   btBroadphaseProxy* const floor = Add(0, kStatic, kNotStatic);
   btBroadphaseProxy* const wall = Add(0.5F, kStatic, kNotStatic);
@@ -94,7 +94,7 @@ TEST_F(BulletBroadPhaseTest, StaticProxiesMeetMovingOnesOnly) {
 
 // The mask lets static proxies form pairs with each other, so that they cannot be in one static
 // tree.
-TEST_F(BulletBroadPhaseTest, AStaticGroupThatMeetsItselfIsSearchedLikeMovingOnes) {
+TEST_F(BulletBroadPhaseTest, AStaticGroupThatMatchesItselfIsSearchedLikeMovingOnes) {
   btBroadphaseProxy* const a = Add(0, kStatic, kAll);
   btBroadphaseProxy* const b = Add(0, kStatic, kAll);
   EXPECT_EQ(broad_phase_.proxies().static_count(), 0);
@@ -102,7 +102,7 @@ TEST_F(BulletBroadPhaseTest, AStaticGroupThatMeetsItselfIsSearchedLikeMovingOnes
   EXPECT_TRUE(AreKept(a, b));
 }
 
-TEST_F(BulletBroadPhaseTest, ABoxThatIsNotValidOverlapsNothingAndNoQueryFindsIt) {
+TEST_F(BulletBroadPhaseTest, AnInvalidBoxHasNoPairsAndNoQueryFindsIt) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0);
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -117,7 +117,7 @@ TEST_F(BulletBroadPhaseTest, ABoxThatIsNotValidOverlapsNothingAndNoQueryFindsIt)
   EXPECT_TRUE(AreKept(a, b));
 }
 
-TEST_F(BulletBroadPhaseTest, WhatTheWorldSendsUnchangedForThirtyStepsSleepsAndKeepsItsPairs) {
+TEST_F(BulletBroadPhaseTest, AProxyUnchangedForThirtyStepsSleepsAndKeepsItsPairs) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0.5F);
   for (int step = 0; step < 30; ++step) {
@@ -138,7 +138,7 @@ TEST_F(BulletBroadPhaseTest, WhatTheWorldSendsUnchangedForThirtyStepsSleepsAndKe
 }
 
 // A kinematic body has the same filter as a static one.
-TEST_F(BulletBroadPhaseTest, AStaticProxyThatMovesCountsAsMovingUntilItRests) {
+TEST_F(BulletBroadPhaseTest, AStaticProxyThatMovesIsMovingUntilItRests) {
   constexpr int kNotStatic = kAll ^ kStatic;
   btBroadphaseProxy* const lift = Add(0, kStatic, kNotStatic);
   btBroadphaseProxy* const wall = Add(0, kStatic, kNotStatic);
@@ -155,7 +155,7 @@ TEST_F(BulletBroadPhaseTest, AStaticProxyThatMovesCountsAsMovingUntilItRests) {
   EXPECT_EQ(cache().getNumOverlappingPairs(), 2);
 }
 
-TEST_F(BulletBroadPhaseTest, AQueryThatFindsManyFindsAll) {
+TEST_F(BulletBroadPhaseTest, AQueryWithManyResultsFindsAll) {
   for (int i = 0; i < 200; ++i) Add(static_cast<float>(i) * 0.01F);
   Collector query;
   broad_phase_.aabbTest({0, 0, 0}, {3, 1, 1}, query);
@@ -166,7 +166,7 @@ TEST_F(BulletBroadPhaseTest, AQueryThatFindsManyFindsAll) {
   EXPECT_EQ(ray.found.front()->m_uniqueId, 1);
 }
 
-TEST_F(BulletBroadPhaseTest, PreparedQueriesMayBeMadeByManyThreads) {
+TEST_F(BulletBroadPhaseTest, PreparedQueriesCanRunOnManyThreads) {
   for (int i = 0; i < 100; ++i) Add(static_cast<float>(i) * 0.01F, i % 2 == 0 ? kDefault : kStatic);
   broad_phase_.proxies().PrepareQueries();
   Collector collectors[4];
@@ -182,7 +182,7 @@ TEST_F(BulletBroadPhaseTest, PreparedQueriesMayBeMadeByManyThreads) {
   for (const Collector& collector : collectors) EXPECT_EQ(collector.found.size(), 2000U);
 }
 
-TEST_F(BulletBroadPhaseTest, AStepAllocatesNothingOnceItsMemoryIsThere) {
+TEST_F(BulletBroadPhaseTest, AStepAllocatesNothingInSteadyState) {
   std::vector<btBroadphaseProxy*> proxies;
   for (int i = 0; i < 100; ++i) proxies.push_back(Add(static_cast<float>(i)));
   const auto play = [&] {
@@ -201,7 +201,7 @@ TEST_F(BulletBroadPhaseTest, AStepAllocatesNothingOnceItsMemoryIsThere) {
   EXPECT_EQ(ThreadAllocationCount(), before);
 }
 
-TEST_F(BulletBroadPhaseTest, RaysFindBoxesFromNearToFar) {
+TEST_F(BulletBroadPhaseTest, RaysFindTheNearestBoxFirst) {
   btBroadphaseProxy* const far = Add(8);
   btBroadphaseProxy* const near = Add(2, kStatic, kAll ^ kStatic);
   Add(12);
@@ -213,7 +213,7 @@ TEST_F(BulletBroadPhaseTest, RaysFindBoxesFromNearToFar) {
   EXPECT_THAT(away.found, IsEmpty());
 }
 
-TEST_F(BulletBroadPhaseTest, ASweptBoxFindsWhatItsMiddleMisses) {
+TEST_F(BulletBroadPhaseTest, ASweptBoxFindsABoxThatItsCentreMisses) {
   btBroadphaseProxy* const a = Add(4);
   Collector sweep;
   broad_phase_.rayTest({0, 3, 0.5F}, {10, 3, 0.5F}, sweep, {-2.5F, -2.5F, -2.5F},
@@ -221,7 +221,7 @@ TEST_F(BulletBroadPhaseTest, ASweptBoxFindsWhatItsMiddleMisses) {
   EXPECT_THAT(sweep.found, ElementsAre(a));
 }
 
-TEST_F(BulletBroadPhaseTest, QueriesFindAlsoWhatCollidesWithNothing) {
+TEST_F(BulletBroadPhaseTest, QueriesFindProxiesThatCollideWithNothing) {
   btBroadphaseProxy* const no_mask = Add(0, kDefault, 0);
   btBroadphaseProxy* const no_group = Add(0, 0, kAll);
   Step();
@@ -231,7 +231,7 @@ TEST_F(BulletBroadPhaseTest, QueriesFindAlsoWhatCollidesWithNothing) {
   EXPECT_THAT(query.found, UnorderedElementsAre(no_mask, no_group));
 }
 
-TEST_F(BulletBroadPhaseTest, ACallbackMayCastRaysAndRemoveWhatWouldBeFoundNext) {
+TEST_F(BulletBroadPhaseTest, ACallbackCanCastRaysAndDestroyTheNextResult) {
   btBroadphaseProxy* const near = Add(2);
   btBroadphaseProxy* const far = Add(6);
   Collector inner;
@@ -253,7 +253,7 @@ TEST_F(BulletBroadPhaseTest, ARayThatIsNotFiniteFindsNothing) {
   EXPECT_EQ(ray.found.size(), 1U);
 }
 
-TEST_F(BulletBroadPhaseTest, TheBoundsAreThoseOfAllBoxes) {
+TEST_F(BulletBroadPhaseTest, TheBoundsContainAllBoxes) {
   btVector3 min;
   btVector3 max;
   broad_phase_.getBroadphaseAabb(min, max);
@@ -268,7 +268,7 @@ TEST_F(BulletBroadPhaseTest, TheBoundsAreThoseOfAllBoxes) {
   EXPECT_EQ(max, btVector3(7, 1, 1));
 }
 
-TEST_F(BulletBroadPhaseTest, AnEmptyWorldThatIsResetGivesTheFirstIdsAgain) {
+TEST_F(BulletBroadPhaseTest, ResetOfAnEmptyWorldRestartsTheIds) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0);
   const int first = a->m_uniqueId;
@@ -287,7 +287,7 @@ TEST_F(BulletBroadPhaseTest, AnEmptyWorldThatIsResetGivesTheFirstIdsAgain) {
   EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
 }
 
-TEST(BulletMemoryTest, AProxyForWhichThereIsNoMemoryLeavesItsPlaceToTheNext) {
+TEST(BulletMemoryTest, AProxyThatCannotBeAllocatedUsesNoId) {
   bool is_empty = false;
   Hooks hooks{.user = &is_empty};
   hooks.allocate = [](size_t bytes, size_t alignment, void* user) -> void* {
@@ -313,7 +313,7 @@ TEST(BulletMemoryTest, AProxyForWhichThereIsNoMemoryLeavesItsPlaceToTheNext) {
   EXPECT_TRUE(SetHooks({}).ok());
 }
 
-TEST(BulletGhostTest, AGhostObjectKnowsWhatIsInItsBox) {
+TEST(BulletGhostTest, AGhostObjectFindsObjectsInItsBox) {
   btGhostPairCallback callback;  // The destructor of the world uses it, too.
   AdaptiveBulletGame played(OneArm("DBVT"), {.stack_height = 1});
   played.broad_phase().getOverlappingPairCache()->setInternalGhostPairCallback(&callback);
@@ -332,7 +332,7 @@ TEST(BulletGhostTest, AGhostObjectKnowsWhatIsInItsBox) {
   world.removeCollisionObject(&ghost);
 }
 
-TEST(BulletFrameTest, TheSubstepsOfAFrameAreOneSample) {
+TEST(BulletFrameTest, TheSubstepsOfAFrameGiveOneSample) {
   AdaptiveBulletGame played(OneArm("SAP"), {.stack_height = 3});
   played.search().BeginFrame();
   for (int substep = 0; substep < 3; ++substep) played.game().Step();

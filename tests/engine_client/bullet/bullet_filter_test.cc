@@ -44,7 +44,7 @@ TEST_F(BulletFilterTest, APairPassesIfEachGroupIsInTheMaskOfTheOther) {
   EXPECT_TRUE(AreKept(plain, last_bit));
 }
 
-TEST_F(BulletFilterTest, AMaskThatTheGameWritesCountsFromTheNextBox) {
+TEST_F(BulletFilterTest, AChangedMaskAppliesFromTheNextBox) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0, kDefault, kStatic);
   Step();
@@ -55,7 +55,7 @@ TEST_F(BulletFilterTest, AMaskThatTheGameWritesCountsFromTheNextBox) {
   EXPECT_TRUE(AreKept(a, b));
 }
 
-TEST_F(BulletFilterTest, AMaskOrGroupOfZeroEndsAPairOfRestingBoxesAndTheFormerOneBringsItBack) {
+TEST_F(BulletFilterTest, AMaskOrGroupOfZeroEndsPairsUntilItIsRestored) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0);
   btBroadphaseProxy* const c = Add(0);
@@ -73,7 +73,7 @@ TEST_F(BulletFilterTest, AMaskOrGroupOfZeroEndsAPairOfRestingBoxesAndTheFormerOn
   }
 }
 
-TEST_F(BulletFilterTest, AProxyAddedWithAMaskOfZeroHasPairsOnceItHasAMask) {
+TEST_F(BulletFilterTest, AProxyAddedWithMaskZeroFormsPairsOnceItHasAMask) {
   btBroadphaseProxy* const a = Add(0, kDefault, 0);
   btBroadphaseProxy* const b = Add(0);
   Step();
@@ -84,7 +84,7 @@ TEST_F(BulletFilterTest, AProxyAddedWithAMaskOfZeroHasPairsOnceItHasAMask) {
   EXPECT_TRUE(AreKept(a, b));
 }
 
-TEST_F(BulletFilterTest, APairThatStillPassesAfterAChangeOfMaskKeepsItsContacts) {
+TEST_F(BulletFilterTest, APairThatStillMatchesAfterAMaskChangeKeepsItsContacts) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0);
   Step();
@@ -96,7 +96,7 @@ TEST_F(BulletFilterTest, APairThatStillPassesAfterAChangeOfMaskKeepsItsContacts)
   EXPECT_EQ(cache().findPair(a, b)->m_internalInfo1, &contacts);
 }
 
-TEST_F(BulletFilterTest, AnotherCallbackOfTheCacheIsAskedAboutThePairsThatThereAre) {
+TEST_F(BulletFilterTest, ANewFilterCallbackAppliesToExistingPairs) {
   RefuseAll none;
   cache().setOverlapFilterCallback(&none);
   btBroadphaseProxy* const a = Add(0);
@@ -115,7 +115,7 @@ TEST_F(BulletFilterTest, AnotherCallbackOfTheCacheIsAskedAboutThePairsThatThereA
   EXPECT_TRUE(AreKept(a, b));
 }
 
-TEST_F(BulletFilterTest, ACallbackOfTheCacheIsAskedAgainWhenAMaskChanges) {
+TEST_F(BulletFilterTest, AMaskChangeCallsTheFilterCallbackAgain) {
   LetThoseWithAMaskPass callback;
   cache().setOverlapFilterCallback(&callback);
   btBroadphaseProxy* const a = Add(0);
@@ -128,7 +128,7 @@ TEST_F(BulletFilterTest, ACallbackOfTheCacheIsAskedAgainWhenAMaskChanges) {
   EXPECT_TRUE(AreKept(a, b));
 }
 
-TEST_F(BulletFilterTest, ACallbackOfTheCacheTakesThePlaceOfTheGroups) {
+TEST_F(BulletFilterTest, AFilterCallbackReplacesGroupsAndMasks) {
   RefuseAll none;
   cache().setOverlapFilterCallback(&none);
   btBroadphaseProxy* const a = Add(0);
@@ -149,7 +149,7 @@ TEST_F(BulletFilterTest, ACallbackOfTheCacheTakesThePlaceOfTheGroups) {
 }
 
 // Games do this when they break a wall, or freeze objects that have fallen.
-TEST_F(BulletFilterTest, AProxyOfAnotherGroupBecomesStaticOrMovingWhileItRests) {
+TEST_F(BulletFilterTest, AChangedGroupMakesARestingProxyStaticOrMoving) {
   constexpr int kNotStatic = kAll ^ kStatic;
   btBroadphaseProxy* const a = Add(0, kStatic, kNotStatic);
   btBroadphaseProxy* const b = Add(0, kStatic, kNotStatic);

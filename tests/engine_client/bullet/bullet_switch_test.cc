@@ -72,7 +72,7 @@ std::string FirstDifference(SwitchingGame& switching, AdaptiveBulletGame& fixed,
 
 class BulletArmTest : public ::testing::TestWithParam<std::string_view> {};
 
-TEST_P(BulletArmTest, PlaysTheSameGameAsArmsThatChangeEverySecond) {
+TEST_P(BulletArmTest, GivesTheSameGameAsArmsThatChangeEverySecond) {
   AdaptiveBulletGame fixed(OneArm(GetParam()), kSmallWorld);
   SwitchingGame switching(/*switch_interval=*/60, kSmallWorld);
   EXPECT_EQ(FirstDifference(switching, fixed, StepCount()), "");
@@ -84,14 +84,14 @@ INSTANTIATE_TEST_SUITE_P(Each, BulletArmTest, ::testing::ValuesIn(BroadPhaseName
 
 class BulletThreadsTest : public ::testing::TestWithParam<size_t> {};
 
-TEST_P(BulletThreadsTest, PlayTheSameSmallGame) {
+TEST_P(BulletThreadsTest, GiveTheSameSmallGame) {
   const std::unique_ptr<Executor> pool = MakeThreadPool(GetParam());
   AdaptiveBulletGame fixed(OneArm("BruteForce"), kSmallWorld);
   SwitchingGame switching(/*switch_interval=*/60, kSmallWorld, pool.get());
   EXPECT_EQ(FirstDifference(switching, fixed, StepCount()), "");
 }
 
-TEST_P(BulletThreadsTest, PlayTheSameLargeGame) {
+TEST_P(BulletThreadsTest, GiveTheSameLargeGame) {
   const std::unique_ptr<Executor> pool = MakeThreadPool(GetParam());
   AdaptiveBulletGame fixed(OneArm("DBVT"), kLargeWorld);
   SwitchingGame switching(/*switch_interval=*/3, kLargeWorld, pool.get());

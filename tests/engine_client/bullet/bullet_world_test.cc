@@ -98,7 +98,7 @@ uint64_t StepCount() { return FromEnvironment("TEST_STEPS", 300); }
 
 class BulletWorldTest : public ::testing::TestWithParam<World> {};
 
-TEST_P(BulletWorldTest, TheCacheHoldsThePairsByDefinitionInEachStepWithEachArm) {
+TEST_P(BulletWorldTest, EachArmFindsThePairsOfTheDefinitionInEachStep) {
   for (const std::string_view arm : BroadPhaseNames()) {
     AdaptiveBulletGame played(OneArm(arm), GetParam().options);
     for (uint64_t step = 0; step < StepCount() / 3; ++step) {

@@ -90,7 +90,7 @@ class CFrameCost : public ::testing::Test {
   std::vector<swp_ray_hit> hits_ = std::vector<swp_ray_hit>(kCount);
 };
 
-TEST_F(CFrameCost, AllocatesNothingAndWaitsForNothingAfterWarmUp) {
+TEST_F(CFrameCost, AllocatesNothingAndNeverBlocksAfterWarmUp) {
   for (int frame = 0; frame < kWarmUpFrames; ++frame) RunFrame(frame);
   for (int frame = 0; frame < kMeasuredFrames; ++frame) {
     const uint64_t before = AllocationCount();

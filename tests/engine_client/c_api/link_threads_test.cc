@@ -38,7 +38,7 @@ uint64_t Drive(swp_link* link, const std::atomic<bool>& stop) {
   return count;
 }
 
-TEST(LinkThreadsTest, TheFrameThreadNeitherWaitsNorAllocatesForALink) {
+TEST(LinkThreadsTest, TheFrameThreadNeitherBlocksNorAllocatesForALink) {
   swp_session_options options{};
   options.struct_size = sizeof options;
   ASSERT_EQ(swp_session_options_init(&options), SWP_OK);

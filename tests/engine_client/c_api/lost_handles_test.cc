@@ -82,7 +82,7 @@ void Destroy(const Objects& objects) {
   swp_scene_destroy(objects.scene);
 }
 
-TEST(LostHandlesTest, WhatLivesIsCountedByItsKind) {
+TEST(LostHandlesTest, CountsLiveObjectsByKind) {
   const uint32_t before = swp_live_count(SWP_KIND_ANY);
   const Objects objects = MakeObjects();
   EXPECT_EQ(swp_live_count(SWP_KIND_WORLD), 1U);
@@ -99,7 +99,7 @@ TEST(LostHandlesTest, WhatLivesIsCountedByItsKind) {
   EXPECT_EQ(swp_live_count(SWP_KIND_ANY), before);
 }
 
-TEST(LostHandlesTest, ShutdownEndsAllAndAnOldHandleIsAnswered) {
+TEST(LostHandlesTest, ShutdownEndsAllObjectsAndOldHandlesReturnErrors) {
   const Objects lost = MakeObjects();
   RunFrame(lost);
   EXPECT_EQ(swp_shutdown_all(kLong), SWP_OK);
@@ -113,7 +113,7 @@ TEST(LostHandlesTest, ShutdownEndsAllAndAnOldHandleIsAnswered) {
   Destroy(next);
 }
 
-TEST(LostHandlesTest, WithoutADeadlineWhatIsInNoCallIsFreedAtOnce) {
+TEST(LostHandlesTest, ShutdownWithoutADeadlineFreesIdleObjectsAtOnce) {
   const Objects first = MakeObjects();
   const Objects second = MakeObjects();
   EXPECT_EQ(swp_shutdown_all(0), SWP_OK);
@@ -122,7 +122,7 @@ TEST(LostHandlesTest, WithoutADeadlineWhatIsInNoCallIsFreedAtOnce) {
   Destroy(second);
 }
 
-TEST(LostHandlesTest, AnotherThreadThanTheOneThatMadeThemShutsThemDown) {
+TEST(LostHandlesTest, AnotherThreadCanShutDown) {
   Objects lost;
   std::thread([&] {
     lost = MakeObjects();
@@ -134,7 +134,7 @@ TEST(LostHandlesTest, AnotherThreadThanTheOneThatMadeThemShutsThemDown) {
 }
 
 // The frame thread and the transport continue until their calls fail.
-TEST(LostHandlesTest, CallsThatAreUnderWayReturnAndNoneBeginsAfterThem) {
+TEST(LostHandlesTest, ShutdownWaitsForRunningCallsAndRefusesNewOnes) {
   const Objects lost = MakeObjects();
   const swp_aabb boxes[2] = {{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
   std::atomic<int> frame_count = 0;
@@ -177,7 +177,7 @@ struct Gate {
   }
 };
 
-TEST(LostHandlesTest, ACallThatDoesNotReturnKeepsItsObjectOnly) {
+TEST(LostHandlesTest, ACallThatDoesNotReturnKeepsOnlyItsObject) {
   Gate gate;
   auto executor = Sized<swp_executor>();
   ASSERT_EQ(swp_executor_init(&executor), SWP_OK);
@@ -217,7 +217,7 @@ TEST(LostHandlesTest, ACallThatDoesNotReturnKeepsItsObjectOnly) {
   Destroy(others);
 }
 
-TEST(LostHandlesTest, AnObjectThatWasShutDownTellsSo) {
+TEST(LostHandlesTest, TheErrorOfAnEndedObjectSaysSo) {
   const Objects lost = MakeObjects();
   char text[256] = "";
   uint32_t arm = 0;
@@ -231,7 +231,7 @@ TEST(LostHandlesTest, AnObjectThatWasShutDownTellsSo) {
   Destroy(lost);
 }
 
-TEST(LostHandlesTest, AnObjectTellsItsLastErrorOnEveryThread) {
+TEST(LostHandlesTest, TheLastErrorOfAnObjectIsReadableOnEveryThread) {
   const Objects objects = MakeObjects();
   char text[256] = "unchanged";
   EXPECT_EQ(swp_last_error_of(objects.session, text, sizeof text), SWP_OK);

@@ -67,7 +67,7 @@ Answers AskAll(const swp_proxies* proxies, const std::vector<swp_aabb>& boxes) {
   return answers;
 }
 
-TEST(ParallelQueriesTest, EachThreadGetsWhatOneThreadAloneGets) {
+TEST(ParallelQueriesTest, EachThreadGetsTheResultsOfOneThreadAlone) {
   const std::vector<swp_aabb> boxes = Row();
   std::vector<swp_proxy_options> options(kCount, {{1, ~0U}, 0, 0, 0});
   for (uint32_t i = 0; i < kCount; i += 2) options[i].flags = SWP_PROXY_STATIC;

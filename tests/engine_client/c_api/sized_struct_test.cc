@@ -23,7 +23,7 @@ inline constexpr std::array<uint32_t, 2> kEarlierSizes<Grown>{8, 16};
 
 namespace {
 
-TEST(SizedStructTest, AnEarlierCallerGetsTheDefaultsForWhatItDoesNotKnow) {
+TEST(SizedStructTest, ACallerOfAnEarlierRevisionGetsDefaultsForNewFields) {
   const Grown given = {8, 71, 72, 73};
   Grown options = kDefaults;
   ASSERT_EQ(TakeOptions("grown", &given, options), SWP_OK);
@@ -59,7 +59,7 @@ TEST(SizedStructTest, ASizeBetweenTwoRevisionsIsRefusedAndChangesNothing) {
   }
 }
 
-TEST(SizedStructTest, NothingIsWrittenBeyondAnEarlierCallersStruct) {
+TEST(SizedStructTest, NothingIsWrittenBeyondTheStructOfAnEarlierRevision) {
   Grown out = {16, 71, 72, 73};
   ASSERT_EQ(Give("grown", kDefaults, &out), SWP_OK);
   EXPECT_EQ(out.struct_size, 16U);

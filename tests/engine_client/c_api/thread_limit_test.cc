@@ -59,13 +59,13 @@ class ThreadLimitTest : public testing::Test {
   swp_session_options options_{};
 };
 
-TEST_F(ThreadLimitTest, ASessionWhosePoolCannotStartIsRefused) {
+TEST_F(ThreadLimitTest, ASessionIsRefusedIfItsPoolCannotStart) {
   options_.thread_count = 2;
   ExpectRefused("use fewer");
   ExpectMadeWithThreads();
 }
 
-TEST_F(ThreadLimitTest, ASessionWhoseLaneCannotStartIsRefused) {
+TEST_F(ThreadLimitTest, ASessionIsRefusedIfItsLaneCannotStart) {
   if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "a lane needs a spare core";
   options_.shadow = SWP_SHADOW_ON;
   ExpectRefused("turn the shadow lane off");

@@ -48,7 +48,7 @@ double Tolerance(const BetaPosterior& p) {
   return 1e-10 + 1e-15 * std::sqrt(p.alpha) + 1e-15 * std::sqrt(p.beta);
 }
 
-TEST(BetaDistribution, LogGammaIsTheOneOfTheReferences) {
+TEST(BetaDistribution, LogGammaAgreesWithTheReferences) {
   const std::vector<std::pair<double, double>> values = {
       {1e-06, 13.815509980749432},     {0.001, 6.9071788853838537},
       {0.5, 0.57236494292470009},      {1, 0.0},
@@ -59,7 +59,7 @@ TEST(BetaDistribution, LogGammaIsTheOneOfTheReferences) {
     EXPECT_NEAR(LogGamma(x), expected, 2e-14 + 1e-15 * std::abs(expected)) << x;
 }
 
-TEST(BetaDistribution, IsTheOneOfTheReferences) {
+TEST(BetaDistribution, AgreesWithTheReferences) {
   for (const Reference& reference : kReferences) {
     EXPECT_NEAR(BetaDistribution(reference.posterior, reference.x), reference.distribution,
                 Tolerance(reference.posterior))
@@ -67,7 +67,7 @@ TEST(BetaDistribution, IsTheOneOfTheReferences) {
   }
 }
 
-TEST(BetaDistribution, LogDensityIsTheOneOfTheReferences) {
+TEST(BetaDistribution, LogDensityAgreesWithTheReferences) {
   for (const Reference& reference : kReferences) {
     EXPECT_NEAR(LogDensityAt(reference.posterior, reference.x), reference.log_density,
                 100 * Tolerance(reference.posterior))
@@ -75,7 +75,7 @@ TEST(BetaDistribution, LogDensityIsTheOneOfTheReferences) {
   }
 }
 
-TEST(BetaDistribution, QuantileLeavesBelowWhatItIsAskedFor) {
+TEST(BetaDistribution, QuantileIsTheInverseOfTheDistribution) {
   for (const double alpha : {0.3, 1.0, 7.0, 400.0, 2999.0, 3001.0, 1e6, 1e12}) {
     for (const double beta : {0.3, 1.0, 12.0, 2999.0, 3001.0, 1e5, 1e12}) {
       double before = 0;
@@ -93,20 +93,20 @@ TEST(BetaDistribution, QuantileLeavesBelowWhatItIsAskedFor) {
   }
 }
 
-TEST(BetaDistribution, CentralIntervalOfTheUniformIsItsMiddle) {
+TEST(BetaDistribution, CentralIntervalOfTheUniformIsSymmetric) {
   const CredibleInterval interval = CentralInterval({1, 1}, 0.95);
   EXPECT_NEAR(interval.low, 0.025, 1e-14);
   EXPECT_NEAR(interval.high, 0.975, 1e-14);
 }
 
-TEST(BetaDistribution, IsMirroredWithItsParameters) {
+TEST(BetaDistribution, SwappedParametersMirrorTheQuantile) {
   for (const Reference& reference : kReferences) {
     const BetaPosterior mirrored = {reference.posterior.beta, reference.posterior.alpha};
     EXPECT_NEAR(BetaQuantile(reference.posterior, 0.3), 1 - BetaQuantile(mirrored, 0.7), 1e-15);
   }
 }
 
-TEST(BetaDistribution, ExtremeParametersGiveOrderedNumbersOfTheUnitInterval) {
+TEST(BetaDistribution, ExtremeParametersGiveOrderedNumbersInTheUnitInterval) {
   for (const double alpha : {1e-300, 1e-6, 1e-5, 0.9, 1e6, 1e15, 1e300}) {
     for (const double beta : {1e-300, 1e-6, 1.0, 1e6, 1e15, 1e300}) {
       const CredibleInterval interval = CentralInterval({alpha, beta}, 0.9);
@@ -123,7 +123,7 @@ TEST(BetaDistribution, ExtremeParametersGiveOrderedNumbersOfTheUnitInterval) {
 }
 
 // Compares the bits, which must be the same on every platform.
-TEST(BetaDistribution, BitsAreTheOnesRecorded) {
+TEST(BetaDistribution, BitsEqualTheRecordedOnes) {
   const auto bits = [](double value) { return std::bit_cast<uint64_t>(value); };
   EXPECT_EQ(bits(LogGamma(0.7)), 0x3fd0b20c891cde80u);
   EXPECT_EQ(bits(BetaDistribution({2.5, 40}, 0.03)), 0x3fcc42f9a4a62dc1u);

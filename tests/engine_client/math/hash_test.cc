@@ -7,7 +7,7 @@
 namespace sweepstake::math {
 namespace {
 
-TEST(Hash, GivesThePublishedValues) {
+TEST(Hash, HasThePublishedValues) {
   EXPECT_EQ(Fnv1a(kFnv1aStart, ""), 0xCBF29CE484222325U);
   EXPECT_EQ(Fnv1a(kFnv1aStart, "foobar"), 0x85944171F73967E8U);
   EXPECT_EQ(Fnv1aOfWord(kFnv1aStart, 0x6F6F66U), Fnv1a(kFnv1aStart, std::string_view("foo\0", 4)));

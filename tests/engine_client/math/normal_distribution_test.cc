@@ -8,7 +8,7 @@
 namespace sweepstake::decision {
 namespace {
 
-TEST(NormalDistribution, TheCdfAgreesWithTheComplementaryErrorFunctionOverAllItsRange) {
+TEST(NormalDistribution, TheCdfAgreesWithErfcOverTheWholeRange) {
   for (double z = -37; z < 9; z += 0.013) {
     const double truth = 0.5 * std::erfc(-z / std::sqrt(2.0));
     ASSERT_NEAR(NormalCdf(z) / truth, 1, 2e-12) << z;
@@ -22,7 +22,7 @@ TEST(NormalDistribution, TheDensityIsTheSlopeOfTheCdf) {
   }
 }
 
-TEST(NormalDistribution, ExtremesNeitherOverflowNorTurnIntoNaN) {
+TEST(NormalDistribution, ExtremesGiveNeitherOverflowNorNaN) {
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(NormalCdf(-infinity), 0);
   EXPECT_EQ(NormalCdf(infinity), 1);
@@ -31,7 +31,7 @@ TEST(NormalDistribution, ExtremesNeitherOverflowNorTurnIntoNaN) {
   EXPECT_TRUE(std::isnan(NormalCdf(std::numeric_limits<double>::quiet_NaN())));
 }
 
-TEST(NormalDistribution, TheExpectedGainIsThatOfTheIntegral) {
+TEST(NormalDistribution, TheExpectedGainAgreesWithTheIntegral) {
   for (const double mean : {-3.0, -0.5, 0.0, 0.2, 4.0}) {
     const double deviation = 0.7;
     double integral = 0;
@@ -42,7 +42,7 @@ TEST(NormalDistribution, TheExpectedGainIsThatOfTheIntegral) {
   }
 }
 
-TEST(NormalDistribution, TheGainOfACertainDifferenceIsTheDifferenceOrNothing) {
+TEST(NormalDistribution, TheGainOfACertainDifferenceIsTheDifferenceOrZero) {
   EXPECT_EQ(ExpectedGain(0.25, 0), 0.25);
   EXPECT_EQ(ExpectedGain(-0.25, 0), 0);
   EXPECT_GE(ExpectedGain(-100, 1), 0);

@@ -104,7 +104,7 @@ TEST(PortableMath, AnglesThatAreTooLargeOrNotFiniteGiveNaN) {
   }
 }
 
-TEST(PortableMath, SpecialValuesAreThoseOfC) {
+TEST(PortableMath, SpecialValuesAgreeWithTheCStandard) {
   EXPECT_EQ(Pow(0, 0.75), 0);
   EXPECT_EQ(Pow(0, 0), 1);
   EXPECT_EQ(CubeRoot(0), 0);
@@ -129,7 +129,7 @@ TEST(PortableMath, SpecialValuesAreThoseOfC) {
 }
 
 // Compares the bits, which must be the same on every platform and with every library.
-TEST(PortableMath, BitsAreTheOnesRecorded) {
+TEST(PortableMath, BitsEqualTheRecordedOnes) {
   EXPECT_EQ(std::bit_cast<uint64_t>(Exp(1)), 0x4005bf0a8b14576au);
   EXPECT_EQ(std::bit_cast<uint64_t>(Log(10)), 0x40026bb1bbb55516u);
 }

@@ -9,7 +9,7 @@ namespace sweepstake::decision {
 namespace {
 
 // Published with the generator (Random123's known-answer vectors for philox4x32, ten rounds).
-TEST(Philox, AnswersThePublishedVectors) {
+TEST(Philox, HasThePublishedTestVectors) {
   EXPECT_EQ(Philox4x32({0, 0, 0, 0}, {0, 0}),
             (PhiloxBlock{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
   EXPECT_EQ(Philox4x32({~0u, ~0u, ~0u, ~0u}, {~0u, ~0u}),
@@ -18,7 +18,7 @@ TEST(Philox, AnswersThePublishedVectors) {
             (PhiloxBlock{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
-TEST(RandomStream, IsTheSameForTheSameAddress) {
+TEST(RandomStream, IsDeterminedByItsAddress) {
   RandomStream a(7, RandomPurpose::kChoice, 3, 1);
   RandomStream b(7, RandomPurpose::kChoice, 3, 1);
   for (int i = 0; i < 100; ++i) EXPECT_EQ(a.NextBits(), b.NextBits());
@@ -36,7 +36,7 @@ TEST(RandomStream, DiffersWithEveryPartOfItsAddress) {
   EXPECT_EQ(first.size(), 7u);
 }
 
-TEST(RandomStream, UniformsStayInsideTheOpenUnitIntervalWithTheRightMoments) {
+TEST(RandomStream, UniformsAreInTheOpenUnitIntervalWithTheRightMoments) {
   RandomStream stream(1, RandomPurpose::kChoice, 0, 0);
   double sum = 0;
   double squares = 0;
@@ -52,7 +52,7 @@ TEST(RandomStream, UniformsStayInsideTheOpenUnitIntervalWithTheRightMoments) {
   EXPECT_NEAR(squares / kDraws, 1.0 / 3, 0.003);
 }
 
-TEST(RandomStream, NumbersBelowABoundAreEvenlySpread) {
+TEST(RandomStream, NumbersBelowABoundAreUniform) {
   RandomStream stream(1, RandomPurpose::kExplorationOrder, 0, 0);
   std::vector<int> counts(7);
   for (int i = 0; i < 70'000; ++i) ++counts.at(stream.NextBelow(7));

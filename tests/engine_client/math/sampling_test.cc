@@ -53,7 +53,7 @@ TEST(Sampling, GammaHasMeanAndVarianceOfItsShape) {
 
 class BetaMoments : public testing::TestWithParam<BetaPosterior> {};
 
-TEST_P(BetaMoments, MatchTheExactOnes) {
+TEST_P(BetaMoments, AgreeWithTheExactOnes) {
   const double a = GetParam().alpha;
   const double b = GetParam().beta;
   RandomStream stream(13, RandomPurpose::kChoice, 0, 0);

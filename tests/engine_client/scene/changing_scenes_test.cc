@@ -68,7 +68,7 @@ constexpr std::pair<std::string_view, uint32_t> kRegimeFrames[] = {
     {"rest-and-motion", 400},    {"waves", 400},         {"storms", 400},
     {"gather-and-scatter", 300}, {"day-and-night", 500}, {"arrivals", 350}};
 
-TEST(ChangingScenes, RegimesLastSomeSeconds) {
+TEST(ChangingScenes, RegimesLastTheDefaultNumberOfFrames) {
   ASSERT_EQ(std::size(kRegimeFrames), kNames.size());
   for (const auto& [name, frames] : kRegimeFrames) {
     EXPECT_EQ(HashOfFrames(*Make(name, 50), 2 * frames),
@@ -77,7 +77,7 @@ TEST(ChangingScenes, RegimesLastSomeSeconds) {
   }
 }
 
-TEST(ChangingScenes, TheSameSeedGivesTheSameBoxesAndAnotherOneOthers) {
+TEST(ChangingScenes, BoxesDependOnlyOnTheSeed) {
   for (const std::string_view name : kNames) {
     const uint64_t once = HashOfFrames(*Make(name, 100, 5, 30), 200);
     EXPECT_EQ(once, HashOfFrames(*Make(name, 100, 5, 30), 200)) << name;
@@ -98,7 +98,7 @@ TEST(ChangingScenes, TheBoxesOfFixedSeedsArePinned) {
   }
 }
 
-TEST(ChangingScenes, StayInTheirWorldForManyRegimes) {
+TEST(ChangingScenes, BoxesStayInTheWorldForManyRegimes) {
   for (const std::string_view name : kNames) {
     const auto scene = Make(name, 150, 2, 100);
     const Aabb world = scene->world();
@@ -129,7 +129,7 @@ TEST(ChangingScenes, NoObjectsAndOneObjectAreValidScenes) {
   }
 }
 
-TEST(ChangingScenes, ARegimeLastsItsFramesAndThenTheNextOneComes) {
+TEST(ChangingScenes, ARegimeEndsAfterItsFrames) {
   const auto [name, regime_frames] = kRegimeFrames[0];
   const auto scene = Make(name, 200);
   for (uint32_t step = 1; step <= 4 * regime_frames; ++step) {
@@ -138,7 +138,7 @@ TEST(ChangingScenes, ARegimeLastsItsFramesAndThenTheNextOneComes) {
   }
 }
 
-TEST(ChangingScenes, WavesAreFewThenAllAndTeleportedThenAllAtRest) {
+TEST(ChangingScenes, WavesHaveFewObjectsThenTeleportAllThenRest) {
   const auto steps = MiddleOfRegimes("waves", 3000, 4);
   EXPECT_EQ(steps[0].object_count, 50U);
   EXPECT_EQ(steps[1].object_count, 3000U);
@@ -170,13 +170,13 @@ TEST(ChangingScenes, GatherAndScatterShrinksRestsGrowsAndRests) {
   EXPECT_EQ(TakeStep(*scene).moved_share, 0);
 }
 
-TEST(ChangingScenes, DayAndNightTurnsAroundTheMiddleThenStirsOneInAHundred) {
+TEST(ChangingScenes, DayAndNightRotatesAllThenMovesOnePercent) {
   const auto steps = MiddleOfRegimes("day-and-night", 5000, 2);
   EXPECT_GT(steps[0].moved_share, 0.99);
   EXPECT_NEAR(steps[1].moved_share, 0.01, 0.006);
 }
 
-TEST(ChangingScenes, ArrivalsComeAndGoThenRestThenFlow) {
+TEST(ChangingScenes, ArrivalsAddObjectsThenRestThenFlow) {
   const auto scene = Make("arrivals", 640, 1, 70);
   StepTimes(*scene, 32);
   EXPECT_EQ(scene->aabbs().size(), 320U);

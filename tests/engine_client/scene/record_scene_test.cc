@@ -51,7 +51,7 @@ TEST_F(Recording, WritesBroadmarksLayoutByteForByte) {
   EXPECT_EQ(Read(PathOf("scene.aabbs")), expected.str());
 }
 
-TEST_F(Recording, NotesFollowTheBoxesAndComeBackAsTheyWere) {
+TEST_F(Recording, NotesFollowTheBoxesAndAreReadBackUnchanged) {
   const std::string notes = "a line\nand \xFF, any bytes";
   for (const auto& frames : {std::vector<std::vector<Aabb>>{{BoxAt(0)}, {BoxAt(1)}},
                              std::vector<std::vector<Aabb>>{{BoxAt(0)}, {BoxAt(1), BoxAt(2)}}}) {
@@ -71,7 +71,7 @@ TEST_F(Recording, NotesFollowTheBoxesAndComeBackAsTheyWere) {
   }
 }
 
-TEST_F(Recording, NotesHaveABoundAndAreThoseOfARecording) {
+TEST_F(Recording, NotesHaveAMaximumSizeAndNeedARecording) {
   ScriptedScene scene({{BoxAt(0)}});
   const std::string path = PathOf("scene.aabbs").string();
   const Status status = RecordScene(scene, 0, path, std::string((16 << 20) + 1, 'x'));
@@ -81,7 +81,7 @@ TEST_F(Recording, NotesHaveABoundAndAreThoseOfARecording) {
   EXPECT_EQ(RecordedNotes(path).status().code(), StatusCode::kNotFound);
 }
 
-TEST_F(Recording, ChangingCountsUseTheExtensionAndComeBackAsTheyWere) {
+TEST_F(Recording, ChangingCountsUseTheExtensionAndAreReadBackUnchanged) {
   ScriptedScene scene({{}, {BoxAt(0)}, {BoxAt(1), BoxAt(2)}, {BoxAt(3)}});
   const auto path = PathOf("scene.aabbs");
   ASSERT_TRUE(RecordScene(scene, 3, path.string()).ok());
@@ -96,13 +96,13 @@ TEST_F(Recording, ChangingCountsUseTheExtensionAndComeBackAsTheyWere) {
   EXPECT_THAT(replayed->aabbs(), ElementsAre(BoxAt(1), BoxAt(2)));
 }
 
-TEST_F(Recording, ZeroFramesRecordTheSpawnState) {
+TEST_F(Recording, ZeroStepsRecordTheFirstFrame) {
   ScriptedScene scene({{BoxAt(0)}});
   ASSERT_TRUE(RecordScene(scene, 0, PathOf("scene.aabbs").string()).ok());
   EXPECT_EQ(Read(PathOf("scene.aabbs")).size(), 304U + 32);
 }
 
-TEST_F(Recording, LongAndUnprintableNamesAreMadeLegal) {
+TEST_F(Recording, LongAndUnprintableNamesAreMadeValid) {
   ScriptedScene scene({{BoxAt(0)}});
   scene.set_name("line\nbreak" + std::string(300, 'x'));
   ASSERT_TRUE(RecordScene(scene, 0, PathOf("scene.aabbs").string()).ok());
@@ -118,7 +118,7 @@ TEST_F(Recording, ASceneWithoutObjectsCannotBeRecorded) {
   EXPECT_EQ(FileCount(), 0U);
 }
 
-TEST_F(Recording, ABrokenCoordinateLeavesTheOldFileAndNothingElse) {
+TEST_F(Recording, AnInvalidCoordinateKeepsOnlyTheOldFile) {
   const auto path = Write("old");
   Aabb bad = BoxAt(0);
   bad.max[1] = std::nanf("");
@@ -130,14 +130,14 @@ TEST_F(Recording, ABrokenCoordinateLeavesTheOldFileAndNothingElse) {
   EXPECT_EQ(FileCount(), 1U);
 }
 
-TEST_F(Recording, AMissingDirectoryIsNamed) {
+TEST_F(Recording, TheErrorNamesAMissingDirectory) {
   ScriptedScene scene({{BoxAt(0)}});
   const Status status = RecordScene(scene, 1, (PathOf("none") / "scene.aabbs").string());
   EXPECT_EQ(status.code(), StatusCode::kNotFound);
   EXPECT_THAT(status.message(), HasSubstr("none is not a directory: create it first"));
 }
 
-TEST_F(Recording, ADirectoryOrNoNameIsNoTarget) {
+TEST_F(Recording, ADirectoryOrAnInvalidNameIsRefused) {
   ScriptedScene scene({{BoxAt(0)}});
   std::filesystem::create_directory(PathOf("folder.aabbs"));
   EXPECT_EQ(RecordScene(scene, 1, PathOf("folder.aabbs").string()).code(),
@@ -157,7 +157,7 @@ TEST_F(Recording, APipeOrADeviceIsNotReplacedByAFile) {
 }
 #endif
 
-TEST_F(Recording, MoreFramesThanTheHeaderCanSayAreRefusedAtOnce) {
+TEST_F(Recording, MoreFramesThanTheHeaderAllowsAreRefusedAtOnce) {
   ScriptedScene scene({{BoxAt(0)}});
   const Status status = RecordScene(scene, uint64_t{1} << 31U, PathOf("scene.aabbs").string());
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
@@ -165,7 +165,7 @@ TEST_F(Recording, MoreFramesThanTheHeaderCanSayAreRefusedAtOnce) {
   EXPECT_EQ(FileCount(), 0U);
 }
 
-TEST_F(Recording, AFileCanBeRecordedOverWhileItIsReplayed) {
+TEST_F(Recording, AFileCanBeReplacedWhileItIsReplayed) {
   const auto path = PathOf("scene.aabbs");
   ASSERT_TRUE(RecordScene(*MustMakeScene("suite-b", WithCount(20)), 9, path.string()).ok());
   const std::string once = Read(path);
@@ -205,7 +205,7 @@ class FileSizeLimit {
   void (*old_handler_)(int) = nullptr;
 };
 
-TEST_F(Recording, AFullDiskLeavesTheOldFileAndNothingElse) {
+TEST_F(Recording, AFullDiskKeepsOnlyTheOldFile) {
   const auto path = Write("old");
   const std::unique_ptr<Scene> scene = MustMakeScene("brownian", WithCount(1000));
   const Status status = [&] {
@@ -218,7 +218,7 @@ TEST_F(Recording, AFullDiskLeavesTheOldFileAndNothingElse) {
   EXPECT_EQ(FileCount(), 1U);
 }
 
-TEST_F(Recording, ADiskThatFillsWithTheLastBytesIsNoticedToo) {
+TEST_F(Recording, AWriteErrorInTheLastBytesIsReported) {
   ScriptedScene scene({{BoxAt(0)}});
   const Status status = [&] {
     const FileSizeLimit limit(100);

@@ -41,7 +41,7 @@ class RecordedFile : public FileTest {
   }
 };
 
-TEST_F(RecordedFile, ShowsTheFramesOfABroadmarkFileAndStartsAgain) {
+TEST_F(RecordedFile, RepeatsTheFramesOfABroadmarkFile) {
   const auto scene = Open(FileBytes().Header(2, 1).Boxes(4).str());
   EXPECT_EQ(scene->name(), "crates");
   EXPECT_EQ(scene->world(), (Aabb{{-1, -1, -1}, {1, 1, 1}}));
@@ -53,7 +53,7 @@ TEST_F(RecordedFile, ShowsTheFramesOfABroadmarkFileAndStartsAgain) {
   EXPECT_EQ(scene->frame_index(), 2U);
 }
 
-TEST_F(RecordedFile, ShowsChangingCountsFromTheTableAtTheEnd) {
+TEST_F(RecordedFile, ReadsChangingCountsFromTheTableAtTheEnd) {
   const FileBytes bytes = FileBytes().Header(2, 2, 1).Boxes(3).Int(1).Int(0).Int(2);
   const auto scene = Open(bytes.str());
   EXPECT_THAT(scene->aabbs(), ElementsAre(BoxAt(0)));
@@ -65,20 +65,20 @@ TEST_F(RecordedFile, ShowsChangingCountsFromTheTableAtTheEnd) {
   EXPECT_THAT(scene->aabbs(), ElementsAre(BoxAt(0)));
 }
 
-TEST_F(RecordedFile, OneFrameWithoutStepsIsAFileToo) {
+TEST_F(RecordedFile, OneFrameWithoutStepsIsValid) {
   const auto scene = Open(FileBytes().Header(1, 0).Boxes(1).str());
   scene->Step();
   EXPECT_THAT(scene->aabbs(), ElementsAre(BoxAt(0)));
 }
 
-TEST_F(RecordedFile, AnEmptyNameAndInvertedBoxesAreLegal) {
+TEST_F(RecordedFile, AnEmptyNameAndInvertedBoxesAreValid) {
   const std::string named = FileBytes().Header(1, 0).Box({{5, 0, 0}, {-5, 1, 1}}).str();
   const auto scene = Open(std::string(128, '\0') + named.substr(128));
   EXPECT_EQ(scene->name(), "recorded");
   EXPECT_EQ(scene->aabbs()[0].min[0], 5);
 }
 
-TEST_F(RecordedFile, AFileThatIsNotThereIsNotFound) {
+TEST_F(RecordedFile, AMissingFileIsNotFound) {
   const Status status = MakeScene(PathOf("none.aabbs").string(), {}).status();
   EXPECT_EQ(status.code(), StatusCode::kNotFound);
   EXPECT_THAT(status.message(), HasSubstr("none.aabbs: no such file"));
@@ -94,19 +94,19 @@ TEST_F(RecordedFile, FileNamesAreUtf8) {
   EXPECT_THAT((*scene)->aabbs(), ElementsAre(BoxAt(0)));
 }
 
-TEST_F(RecordedFile, ANameThatIsNoUtf8IsNotFound) {
+TEST_F(RecordedFile, ANameThatIsNotUtf8IsNotFound) {
   const Status status = MakeScene(PathOf("").string() + "\xFF\xC0.aabbs", {}).status();
   EXPECT_EQ(status.code(), StatusCode::kNotFound);
 }
 
-TEST_F(RecordedFile, ADirectoryIsNoFile) {
+TEST_F(RecordedFile, ADirectoryIsRefused) {
   std::filesystem::create_directory(PathOf("folder.aabbs"));
   const Status status = MakeScene(PathOf("folder.aabbs").string(), {}).status();
   EXPECT_EQ(status.code(), StatusCode::kDataLoss);
   EXPECT_THAT(status.message(), HasSubstr("not a regular file"));
 }
 
-TEST_F(RecordedFile, AShortHeaderIsBroken) {
+TEST_F(RecordedFile, AShortHeaderIsRefused) {
   ExpectBroken("", "shorter than the 304 bytes");
   ExpectBroken(FileBytes().Header(1, 0).str().substr(0, 303), "shorter than the 304 bytes");
 }
@@ -120,20 +120,20 @@ TEST_F(RecordedFile, TheSizeMustBeExact) {
   ExpectBroken(FileBytes().Header(2, 2).Boxes(8).str(), "has 560 bytes");
 }
 
-TEST_F(RecordedFile, CountsOutsideTheirRangeAreBroken) {
+TEST_F(RecordedFile, CountsOutOfRangeAreRefused) {
   ExpectBroken(FileBytes().Header(0, 0).str(), "the object count is 0");
   ExpectBroken(FileBytes().Header(kTwoToThe31, 0).str(), "the object count is -2147483648");
   ExpectBroken(FileBytes().Header(-1, 0).str(), "the object count is -1");
   ExpectBroken(FileBytes().Header(1, -1).Boxes(1).str(), "the frame count is -1");
 }
 
-TEST_F(RecordedFile, AHeaderThatPromisesMoreThanTheFileHoldsTakesNoMemory) {
+TEST_F(RecordedFile, AHeaderWithLargerCountsThanTheFileAllocatesNothing) {
   ExpectBroken(FileBytes().Header(kLargest, kLargest).Boxes(1).str(), "* 2147483647 * 32");
   ExpectBroken(FileBytes().Header(kLargest, 0).Boxes(1).str(), "* 2147483647 * 32");
   ExpectBroken(FileBytes().Header(kLargest, kLargest, 1).Boxes(1).str(), "2147483648 counts");
 }
 
-TEST_F(RecordedFile, MoreObjectsThanTheBoundAreRefusedEvenWhereTheSizeFits) {
+TEST_F(RecordedFile, TooManyObjectsAreRefusedEvenIfTheSizeFits) {
   const auto path = Write(FileBytes().Header(16'777'217, 0).str());
   std::filesystem::resize_file(path, 304 + 16'777'217ULL * 32);  // a sparse file
   const Status status = MakeScene(path.string(), {}).status();
@@ -141,7 +141,7 @@ TEST_F(RecordedFile, MoreObjectsThanTheBoundAreRefusedEvenWhereTheSizeFits) {
   EXPECT_THAT(status.message(), HasSubstr("at most 16777216"));
 }
 
-TEST_F(RecordedFile, NamesMustEndAndBePrintable) {
+TEST_F(RecordedFile, NamesMustBeTerminatedAndPrintable) {
   const std::string whole = FileBytes().Header(1, 0).Boxes(1).str();
   ExpectBroken(std::string(128, 'x') + whole.substr(128), "the scene name has no end");
   ExpectBroken(whole.substr(0, 128) + std::string(128, 'x') + whole.substr(256),
@@ -150,7 +150,7 @@ TEST_F(RecordedFile, NamesMustEndAndBePrintable) {
   ExpectBroken(WithByte(whole, 2, '\xFF'), "the scene name is not printable");
 }
 
-TEST_F(RecordedFile, UnknownLayoutsAndNotesThatAreNotThereAreBroken) {
+TEST_F(RecordedFile, UnknownLayoutsAndMissingNotesAreRefused) {
   ExpectBroken(FileBytes().Header(1, 0, 2).Boxes(1).str(), "layout flag at byte 264 is 2");
   const std::string whole = FileBytes().Header(1, 0).Boxes(1).str();
   ExpectBroken(WithByte(whole, 268, 33), "shorter than the 33 bytes of notes");
@@ -159,7 +159,7 @@ TEST_F(RecordedFile, UnknownLayoutsAndNotesThatAreNotThereAreBroken) {
   ExpectBroken(WithByte(whole, 271, 2), "size of the notes at byte 268");
 }
 
-TEST_F(RecordedFile, ACoordinateThatIsNotFiniteIsBrokenAndIsPlaced) {
+TEST_F(RecordedFile, TheErrorNamesTheFrameOfACoordinateThatIsNotFinite) {
   const float infinity = std::numeric_limits<float>::infinity();
   for (const float bad : {std::nanf(""), infinity, -infinity}) {
     for (int corner = 0; corner < 6; ++corner) {
@@ -180,7 +180,7 @@ TEST_F(RecordedFile, WorldBoundsMustBeFiniteAndOrdered) {
   ExpectBroken(head + inverted + box, "the world bounds are inverted");
 }
 
-TEST_F(RecordedFile, ACountTableMustFitTheBoxesAndTheHeader) {
+TEST_F(RecordedFile, TheCountTableMustMatchTheBoxesAndTheHeader) {
   ExpectBroken(FileBytes().Header(2, 1, 1).Int(2).str(), "2 counts of 4 bytes");
   ExpectBroken(FileBytes().Header(2, 1, 1).Boxes(3).Int(2).Int(2).str(), "304 + 4 * 32");
   ExpectBroken(FileBytes().Header(2, 1, 1).Boxes(3).Int(3).Int(0).str(), "frame 0 has 3 objects");
@@ -188,7 +188,7 @@ TEST_F(RecordedFile, ACountTableMustFitTheBoxesAndTheHeader) {
   ExpectBroken(FileBytes().Header(9, 1, 1).Boxes(3).Int(2).Int(1).str(), "no frame has the 9");
 }
 
-TEST_F(RecordedFile, AFileCutWhileItPlaysLeavesTheBoxesAsTheyAre) {
+TEST_F(RecordedFile, TruncatingAFileDuringReplayKeepsTheBoxes) {
   const auto scene = Open(FileBytes().Header(1000, 99).Boxes(100'000).str());
   std::filesystem::resize_file(PathOf("scene.aabbs"), 0);
   StepTimes(*scene, 300);
@@ -220,7 +220,7 @@ void ExpectFiniteForFrames(Scene& scene, int frame_count) {
   }
 }
 
-TEST_F(RecordedFile, NoMutationOfAFileCrashesTheReader) {
+TEST_F(RecordedFile, CorruptFilesNeverCrashTheReader) {
   const std::string originals[] = {
       FileBytes().Header(2, 2).Boxes(6).str(),
       FileBytes().Header(3, 3, 1).Boxes(6).Int(1).Int(3).Int(0).Int(2).str()};

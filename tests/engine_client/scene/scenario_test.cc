@@ -94,7 +94,7 @@ TEST(Scenario, AnotherSpawnSeedKeepsTheKicks) {
   }
 }
 
-TEST(Scenario, MoreObjectsLeaveTheFirstOnesWhereTheyWere) {
+TEST(Scenario, MoreObjectsDoNotChangeTheFirstOnes) {
   for (const std::string_view name : kScenarios) {
     const std::unique_ptr<Scene> few = MustMakeScene(name, WithCount(50));
     const std::unique_ptr<Scene> many = MustMakeScene(name, WithCount(80));
@@ -153,7 +153,7 @@ TEST(Scenario, TheFrameIndexCountsSteps) {
   }
 }
 
-TEST(BrownianScene, KicksAreBoundedBySpeedTimesStepAndNeverCalmDown) {
+TEST(BrownianScene, KicksAreBoundedAndNeverDecay) {
   const SceneOptions options = WithCount(500);
   const std::unique_ptr<Scene> scene = MustMakeScene("brownian", options);
   // The mean length of a vector from the uniform distribution over the cube [-1, 1]^3 is 0.9606.
@@ -180,7 +180,7 @@ void ExpectFourDirectionsInTurn(Scene& scene, int steps_per_interval) {
   }
 }
 
-TEST(RotatingGravityScene, ObjectsFallInFourDirectionsInTurnThreeSecondsEach) {
+TEST(RotatingGravityScene, ObjectsFallInFourDirectionsForThreeSecondsEach) {
   ExpectFourDirectionsInTurn(*MustMakeScene("rotating-gravity", WithCount(500)), 180);
 }
 
@@ -193,7 +193,7 @@ TEST(RotatingGravityScene, TheDirectionTurnsByTimeNotBySteps) {
   ExpectFourDirectionsInTurn(*MustMakeScene("rotating-gravity", quick), 120);
 }
 
-TEST(RotatingGravityScene, ObjectsKeepMovingAndDoNotFoldIntoOneLine) {
+TEST(RotatingGravityScene, ObjectsKeepMovingAndStaySpreadOut) {
   const std::unique_ptr<Scene> scene = MustMakeScene("rotating-gravity", WithCount(500));
   StepTimes(*scene, 60 * 120);
   EXPECT_GT(MeanMove(*scene), 0.02);
@@ -212,7 +212,7 @@ TEST(FreeFallScene, ObjectsComeToRestOnTheFloor) {
   EXPECT_LT(MeanMove(*scene), 1e-3);
 }
 
-TEST(FreeFallScene, ABodyFallsAsGravitySays) {
+TEST(FreeFallScene, ABodyFallsWithTheGravity) {
   SceneOptions options = WithCount(200);
   options.speed = 0;
   const std::unique_ptr<Scene> scene = MustMakeScene("free-fall", options);
@@ -271,7 +271,7 @@ TEST(HurricaneScene, ObjectsOrbitOneWayAndFasterTowardsTheAxis) {
   EXPECT_GT(inner, 1.5 * outer);
 }
 
-TEST(HurricaneScene, ObjectsKeepTheirDistanceFromTheAxisButForTheBreathing) {
+TEST(HurricaneScene, ObjectsKeepTheirDistanceFromTheAxisWithinElevenPercent) {
   const std::unique_ptr<Scene> scene = MustMakeScene("hurricane", WithCount(500));
   const std::vector<Aabb> spawn = BoxesOf(*scene);
   StepTimes(*scene, 1000);

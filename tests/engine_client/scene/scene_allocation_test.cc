@@ -13,7 +13,7 @@ uint64_t AllocationsOfSteps(Scene& scene, int count) {
   return test_support::ThreadAllocationCount() - before;
 }
 
-TEST(SceneAllocation, TheCounterCountsMakingAScene) {
+TEST(SceneAllocation, TheCounterCountsTheCreationOfAScene) {
   const uint64_t before = test_support::ThreadAllocationCount();
   MustMakeScene("brownian", WithCount(10));
   EXPECT_GT(test_support::ThreadAllocationCount(), before);
@@ -28,7 +28,7 @@ TEST(SceneAllocation, StepsOfComputedScenesDoNotAllocate) {
 
 class RecordedSceneAllocation : public FileTest {};
 
-TEST_F(RecordedSceneAllocation, StepsOfRecordedScenesDoNotAllocateNotEvenWhenTheyStartAgain) {
+TEST_F(RecordedSceneAllocation, StepsAndRestartsOfRecordedScenesDoNotAllocate) {
   const auto path = PathOf("scene.aabbs");
   ScriptedScene changing({{BoxAt(0)}, {}, {BoxAt(1), BoxAt(2)}});
   ASSERT_TRUE(RecordScene(changing, 2, path.string()).ok());

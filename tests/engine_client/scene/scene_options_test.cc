@@ -55,7 +55,7 @@ TEST(SceneRegistry, EveryNameMakesASceneOfThatName) {
   }
 }
 
-TEST(MakeScene, TheSpawnSeedDecidesChangingAndDegenerateScenes) {
+TEST(MakeScene, TheSpawnSeedDeterminesChangingAndDegenerateScenes) {
   SceneOptions other = WithCount(50);
   other.spawn_seed = 2;
   for (const std::string_view name : {"waves", "mixture"}) {
@@ -75,12 +75,12 @@ TEST(MakeScene, AnUnknownNameIsAnErrorThatListsAllNames) {
   }
 }
 
-TEST(MakeScene, TheNearestNameComesFirst) {
+TEST(MakeScene, AnUnknownNameListsTheNearestFirst) {
   EXPECT_THAT(MakeScene("wave", {}).status().message(),
               HasSubstr("unknown scene 'wave', must be one of waves, brownian, "));
 }
 
-TEST(MakeScene, AnOptionThatIsNotFiniteOrNegativeIsNamedInTheError) {
+TEST(MakeScene, TheErrorNamesAnOptionThatIsNotFiniteOrNegative) {
   for (const FloatOption& option : kFloatOptions) {
     for (const float value : {kNan, kInfinity, -kInfinity, -1.0F}) {
       SceneOptions options;
@@ -112,7 +112,7 @@ TEST(MakeScene, SizesMustBeOrderedAndFitTheWorld) {
   EXPECT_FALSE(MakeScene("hurricane", options).ok());
 }
 
-TEST(MakeScene, MoreObjectsThanTheBoundAreRefused) {
+TEST(MakeScene, MoreObjectsThanTheMaximumAreRefused) {
   for (const std::string_view name : SceneNames()) {
     const Status status = MakeScene(name, WithCount(16'777'217)).status();
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
@@ -129,7 +129,7 @@ TEST(MakeScene, NoObjectsIsAValidScene) {
   }
 }
 
-TEST(MakeScene, ExtremeOptionsWithinTheRangesKeepEveryBoxFinite) {
+TEST(MakeScene, ExtremeValidOptionsKeepEveryBoxFinite) {
   SceneOptions options = WithCount(20);
   options.fixed_step_s = 1;
   options.speed = 1e6F;

@@ -52,7 +52,7 @@ std::string NameOfCase(const testing::TestParamInfo<PublishedMean>& tested) {
 
 class PublishedTable : public testing::TestWithParam<PublishedMean> {};
 
-TEST_P(PublishedTable, MeanPairsAreEqual) {
+TEST_P(PublishedTable, HasTheSameMeanPairs) {
   const PublishedMean& published = GetParam();
   const double mean = MeanPairs(published.scene, published.object_count);
   EXPECT_EQ(std::lround(mean), published.mean_pairs);
@@ -73,7 +73,7 @@ TEST(ReferenceSuite, WorldHasDensityOne) {
   }
 }
 
-TEST(ReferenceSuite, NoOptionButTheObjectCountChangesIt) {
+TEST(ReferenceSuite, OnlyTheObjectCountChangesIt) {
   SceneOptions other = WithCount(50);
   other.spawn_seed = 99;
   other.motion_seed = 98;

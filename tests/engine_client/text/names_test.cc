@@ -21,7 +21,7 @@ TEST(Names, ArePrintableUtf8UpToTheMaximumLength) {
   EXPECT_FALSE(IsOptionalName(std::string(129, 'x')));
 }
 
-TEST(Names, HoldNoControlCharacterAndNoBrokenUtf8) {
+TEST(Names, ContainNoControlCharactersAndNoInvalidUtf8) {
   using namespace std::string_view_literals;
   for (const std::string_view broken :
        {"a\0b"sv, "\x1F"sv, "\x7F"sv, "\xC2\x85"sv, "\x80"sv, "\xC3"sv, "\xC0\xAF"sv,
@@ -38,7 +38,7 @@ TEST(Names, TheNearestNameNeedsTheFewestEdits) {
   EXPECT_EQ(NearestName("anything", {}), "");
 }
 
-TEST(Names, TheFirstOfEquallyNearNamesIsTaken) {
+TEST(Names, TheFirstOfEquallyNearNamesIsChosen) {
   constexpr std::array<std::string_view, 2> names = {"ab", "ac"};
   EXPECT_EQ(NearestName("ad", names), "ab");
 }
@@ -48,7 +48,7 @@ TEST(Names, AnUnknownNameListsTheNearestFirstAndEveryOtherOnce) {
             "unknown fruit 'peach?', must be one of peach, apple, banana, pear");
 }
 
-TEST(Names, OfManyNamesOnlyTheNearestAreSaid) {
+TEST(Names, AnUnknownNameOfManyListsOnlyTheNearest) {
   EXPECT_EQ(UnknownNameOfMany("fruit", "peach\n", kFruits),
             "unknown fruit 'peach?', the nearest is peach; --help lists all");
   constexpr std::string_view kNear[] = {"bat", "boat", "cat", "hat", "rat"};
@@ -56,7 +56,7 @@ TEST(Names, OfManyNamesOnlyTheNearestAreSaid) {
             "unknown animal 'xat', the nearest are bat, cat, hat; --help lists all");
 }
 
-TEST(Names, AMessageOfOneLineHoldsNoControlCharacterAndAtMost200Bytes) {
+TEST(Names, ALineHasNoControlCharactersAndAtMost200Bytes) {
   EXPECT_EQ(PrintableLine("a\tb\x7f\xc3"), "a?b??");
   EXPECT_EQ(PrintableLine(std::string(1000, 'x')), std::string(200, 'x'));
 }

@@ -15,7 +15,7 @@
 namespace sweepstake {
 namespace {
 
-TEST(CoreSpeed, OfACoreOfThisMachineIsAShare) {
+TEST(CoreSpeed, IsAShareBetweenZeroAndOne) {
   EXPECT_GT(CoreSpeed(), 0);
   EXPECT_LE(CoreSpeed(), 1);
 }
@@ -41,31 +41,31 @@ class CoreSpeeds : public ::testing::Test {
   test_support::TemporaryDirectory folder_;
 };
 
-TEST_F(CoreSpeeds, AreAlikeWhereTheSystemDoesNotTell) {
+TEST_F(CoreSpeeds, AreEqualIfTheSystemReportsNone) {
   EXPECT_THAT(Read(4), Each(1.0));
   EXPECT_THAT(Read(0), ElementsAre());
 }
 
-TEST_F(CoreSpeeds, AreThoseOfTheCoresCapacities) {
+TEST_F(CoreSpeeds, AreProportionalToTheCapacities) {
   const char* const ratings[] = {"256", "256", "768", "1024"};
   for (size_t core = 0; core < 4; ++core) Rate(core, "cpu_capacity", ratings[core]);
   Rate(0, "acpi_cppc/highest_perf", "1");
   EXPECT_THAT(Read(4), ElementsAre(0.25, 0.25, 0.75, 1.0));
 }
 
-TEST_F(CoreSpeeds, AreThoseOfAcpiWithoutCapacities) {
+TEST_F(CoreSpeeds, AreProportionalToAcpiRatingsWithoutCapacities) {
   Rate(0, "acpi_cppc/highest_perf", "64");
   Rate(1, "acpi_cppc/highest_perf", "32");
   EXPECT_THAT(Read(2), ElementsAre(1.0, 0.5));
 }
 
-TEST_F(CoreSpeeds, AreAlikeWhereAcpiRanksCoresOfOneKind) {
+TEST_F(CoreSpeeds, AreEqualIfAcpiRatingsDifferOnlyLittle) {
   Rate(0, "acpi_cppc/highest_perf", "236");
   Rate(1, "acpi_cppc/highest_perf", "166");
   EXPECT_THAT(Read(2), Each(1.0));
 }
 
-TEST_F(CoreSpeeds, OfACoreWithoutARatingIsTheFastest) {
+TEST_F(CoreSpeeds, AreTheMaximumForCoresWithoutARating) {
   for (const std::string wrong : {"", "fast", "0", "-5"}) {
     Rate(0, "cpu_capacity", "512");
     Rate(1, "cpu_capacity", wrong);

@@ -84,7 +84,7 @@ std::unique_ptr<Scene> SceneOf(std::string_view name, uint32_t object_count) {
   return std::move(*MakeScene(name, options));
 }
 
-TEST(HooksTest, AllMemoryThatABackendCountsIsTheGames) {
+TEST(HooksTest, ABackendAllocatesOnlyWithTheHooks) {
   const auto pool = MakeThreadPool(3);
   for (const std::string_view name : BroadPhaseNames()) {
     for (Executor* executor : {static_cast<Executor*>(nullptr), pool.get()}) {
@@ -104,7 +104,7 @@ TEST(HooksTest, AllMemoryThatABackendCountsIsTheGames) {
   }
 }
 
-TEST(HooksTest, AllMemoryThatProxiesCountIsTheGames) {
+TEST(HooksTest, ProxiesAllocateOnlyWithTheHooks) {
   GameMemory memory;
   ProxySet proxies({.pair_events = true});
   const auto scene = SceneOf("brownian", 1000);
@@ -116,7 +116,7 @@ TEST(HooksTest, AllMemoryThatProxiesCountIsTheGames) {
   EXPECT_EQ(memory.held_bytes(), proxies.native_bytes() - PairSorter().native_bytes());
 }
 
-TEST(HooksTest, ABackendWithoutMemoryThrowsAndGoesOnOnceThereIsSome) {
+TEST(HooksTest, ABackendWithoutMemoryThrowsAndCanContinueLater) {
   GameMemory memory;
   const auto scene = SceneOf("brownian", 1000);
   for (const std::string_view name : BroadPhaseNames()) {
@@ -132,7 +132,7 @@ TEST(HooksTest, ABackendWithoutMemoryThrowsAndGoesOnOnceThereIsSome) {
   }
 }
 
-TEST(HooksTest, ProxiesWithoutMemoryForCompactAreAsTheyWere) {
+TEST(HooksTest, AFailedCompactChangesNothing) {
   GameMemory memory;
   ProxySet proxies({.pair_events = true});
   std::vector<ProxyHandle> handles;
@@ -217,7 +217,7 @@ class StaticProxiesWithoutMemory {
   std::vector<ProxyHandle> handles_;
 };
 
-TEST(HooksTest, AFirstTreeOfStaticProxiesWithoutMemoryIsWholeAtTheNextUse) {
+TEST(HooksTest, AFailedFirstStaticTreeIsCompletedAtTheNextUse) {
   bool has_all = false;
   for (size_t block_count = 0; !has_all; ++block_count) {
     StaticProxiesWithoutMemory game;
@@ -228,7 +228,7 @@ TEST(HooksTest, AFirstTreeOfStaticProxiesWithoutMemoryIsWholeAtTheNextUse) {
   }
 }
 
-TEST(HooksTest, ATreeOfStaticProxiesWithoutMemoryToGrowIsWholeAtTheNextUse) {
+TEST(HooksTest, AFailedUpdateOfAStaticTreeIsCompletedAtTheNextUse) {
   bool has_all = false;
   for (size_t block_count = 0; !has_all; ++block_count) {
     StaticProxiesWithoutMemory game;
@@ -244,7 +244,7 @@ TEST(HooksTest, ATreeOfStaticProxiesWithoutMemoryToGrowIsWholeAtTheNextUse) {
 }
 
 // Restores a snapshot of many proxies into a set of a few, with memory for some allocations only.
-TEST(HooksTest, ARestoreWithoutMemoryIsMadeUpForByAnotherOne) {
+TEST(HooksTest, AFailedRestoreCanBeRepeated) {
   const auto add = [](ProxySet& proxies, size_t count) {
     for (size_t k = 0; k < count; ++k) {
       const auto x = static_cast<float>(k);
@@ -282,7 +282,7 @@ TEST(HooksTest, ARestoreWithoutMemoryIsMadeUpForByAnotherOne) {
   EXPECT_GT(block_count, 10U);
 }
 
-TEST(HooksTest, ProxiesWithoutMemoryToWakeAreNotMoved) {
+TEST(HooksTest, AMoveThatCannotWakeProxiesMovesNone) {
   size_t block_count = 0;
   for (bool has_all = false; !has_all; ++block_count) {
     GameMemory memory;
@@ -306,7 +306,7 @@ TEST(HooksTest, ProxiesWithoutMemoryToWakeAreNotMoved) {
   EXPECT_GT(block_count, 1U);
 }
 
-TEST(HooksTest, ProxiesWithoutMemoryForEventsHaveNoneUntilTheNextResolve) {
+TEST(HooksTest, AFailedResolveDelaysItsEvents) {
   std::vector<OverlapPair> pairs;
   for (uint32_t k = 0; k < 100; ++k) pairs.push_back({2 * k, 2 * k + 1});
   size_t block_count = 0;
@@ -329,7 +329,7 @@ TEST(HooksTest, ProxiesWithoutMemoryForEventsHaveNoneUntilTheNextResolve) {
   EXPECT_GT(block_count, 2U);
 }
 
-TEST(HooksTest, StayAsTheyAreWhileAnObjectHoldsTheirMemory) {
+TEST(HooksTest, CannotChangeWhileAnObjectUsesTheirMemory) {
   GameMemory memory;
   {
     PairBuffer pairs;
@@ -340,7 +340,7 @@ TEST(HooksTest, StayAsTheyAreWhileAnObjectHoldsTheirMemory) {
   EXPECT_TRUE(SetHooks(memory.hooks()).ok());
 }
 
-TEST(HooksTest, ComeInPairs) {
+TEST(HooksTest, AreRefusedIfOneOfAPairIsMissing) {
   Hooks no_release;
   no_release.allocate = [](size_t, size_t, void*) -> void* { return nullptr; };
   EXPECT_EQ(SetHooks(no_release).code(), StatusCode::kInvalidArgument);
@@ -371,7 +371,7 @@ TEST(HooksTest, ZonesBeginAndEndWithTheirNames) {
             (std::vector<std::string>{"begin frame", "begin search", "end search", "end frame"}));
 }
 
-TEST(HooksTest, EachThreadOfAPoolSaysItsNameOnce) {
+TEST(HooksTest, EachThreadOfAPoolReportsItsNameOnce) {
   struct Started {
     std::mutex mutex;
     std::multiset<std::string> names;

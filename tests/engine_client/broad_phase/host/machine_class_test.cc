@@ -12,13 +12,13 @@
 namespace sweepstake {
 namespace {
 
-TEST(MachineClass, NamesProcessorThreadsInstructionSetAndMemory) {
+TEST(MachineClass, ContainsProcessorThreadsInstructionSetAndMemory) {
   const std::string name = MachineClass();
   const std::string middle = "-" + std::to_string(std::thread::hardware_concurrency()) + "-" +
                              std::string(SimdTarget()) + "-";
   const size_t at = name.find(middle);
   ASSERT_NE(at, std::string::npos) << name;
-  EXPECT_GT(at, 0u) << "the processor";
+  EXPECT_GT(at, 0u) << "the name begins with the processor";
   const std::string memory = name.substr(at + middle.size());
   EXPECT_TRUE(memory.ends_with('g')) << name;
   EXPECT_GT(std::stoi(memory), 0) << name;
@@ -27,7 +27,7 @@ TEST(MachineClass, NamesProcessorThreadsInstructionSetAndMemory) {
   EXPECT_EQ(MachineClass(), name);
 }
 
-TEST(MachineClass, IsAnotherOneWithLesserInstructions) {
+TEST(MachineClass, ContainsTheSelectedInstructionSet) {
   const std::string target(SimdTarget());
   const std::string least(SimdTargets().back());
   if (least == target) GTEST_SKIP() << "this machine has only " << target;
@@ -38,7 +38,7 @@ TEST(MachineClass, IsAnotherOneWithLesserInstructions) {
   EXPECT_EQ(MachineClass(), name);
 }
 
-TEST(ProcessorName, IsOfPrintableCharactersWithoutBlanksAround) {
+TEST(ProcessorName, HasOnlyPrintableCharactersAndNoOuterBlanks) {
   const std::string name = ProcessorName();
   ASSERT_FALSE(name.empty());
   for (const char character : name) EXPECT_TRUE(character >= ' ' && character <= '~');

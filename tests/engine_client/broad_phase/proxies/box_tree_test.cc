@@ -165,7 +165,7 @@ class BoxTreeTest : public testing::Test {
   BoxTree tree_;
 };
 
-TEST_F(BoxTreeTest, HoldsItsMembersThroughChangesOfAFew) {
+TEST_F(BoxTreeTest, IsCorrectAfterChangesOfAFewMembers) {
   AddSome(5000);
   for (int frame = 0; frame < 300; ++frame) {
     ChangeSome(frame % 4 == 0 ? 300 : 8);
@@ -175,7 +175,7 @@ TEST_F(BoxTreeTest, HoldsItsMembersThroughChangesOfAFew) {
   }
 }
 
-TEST_F(BoxTreeTest, HoldsItsMembersWhenAllMayHaveMoved) {
+TEST_F(BoxTreeTest, IsCorrectAfterAllMembersMayHaveMoved) {
   AddSome(3000);
   for (int frame = 0; frame < 100; ++frame) {
     ChangeSome(8);
@@ -189,7 +189,7 @@ TEST_F(BoxTreeTest, HoldsItsMembersWhenAllMayHaveMoved) {
 
 // Objects that arrive together get their own branches; branches of tiles that were removed are
 // freed.
-TEST_F(BoxTreeTest, TakesInTilesThatComeAndGo) {
+TEST_F(BoxTreeTest, IsCorrectWhileTilesAreAddedAndRemoved) {
   world_ = 30;
   AddSome(27'000);
   for (int tile = 0; tile < 24; ++tile) {
@@ -205,7 +205,7 @@ TEST_F(BoxTreeTest, TakesInTilesThatComeAndGo) {
   }
 }
 
-TEST_F(BoxTreeTest, HoldsAFewMembersAndNone) {
+TEST_F(BoxTreeTest, IsCorrectWithFewMembersAndNone) {
   for (int frame = 0; frame < 400; ++frame) {
     AddSome(random_.Below(6));
     for (size_t k = random_.Below(8); k > 0 && !members_.empty(); --k) Remove(0);

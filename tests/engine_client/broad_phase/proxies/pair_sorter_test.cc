@@ -36,7 +36,7 @@ TEST(SortedPairs, AreInAscendingOrderOfAAndThenB) {
   }
 }
 
-TEST(SortedPairs, NeedNoMemoryTheSecondTime) {
+TEST(SortedPairs, AllocateNothingTheSecondTime) {
   PairSorter sorter;
   auto pairs = RandomPairs(3000, 1000, 0, 1);
   const auto again = pairs;

@@ -87,7 +87,7 @@ class Judge {
 
 class Proxies : public testing::TestWithParam<std::string_view> {};
 
-TEST_P(Proxies, HaveThePairsAndEventsOfTheDefinitionInEachOf300Frames) {
+TEST_P(Proxies, HaveThePairsAndEventsOfTheDefinition) {
   ProxyGame game({.pair_events = true}, 4711);
   Judge judge(game);
   Frames frames(GetParam());
@@ -98,7 +98,7 @@ TEST_P(Proxies, HaveThePairsAndEventsOfTheDefinitionInEachOf300Frames) {
   }
 }
 
-TEST_P(Proxies, AreRightFromManySeedsAndFromNothingOn) {
+TEST_P(Proxies, AreCorrectFromManySeedsAndFromAnEmptySet) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     ProxyGame game({.pair_events = true}, seed, 3);
     Judge judge(game);
@@ -110,7 +110,7 @@ TEST_P(Proxies, AreRightFromManySeedsAndFromNothingOn) {
   }
 }
 
-TEST_P(Proxies, HaveTheSamePairsWithoutEventsInTheOrderOfTheBackend) {
+TEST_P(Proxies, WithoutEventsHaveTheSamePairsInTheOrderOfTheBackend) {
   ProxyGame game({}, 12);
   Frames frames(GetParam());
   game.AddSome(100, 50);
@@ -127,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(WithEveryBackend, Proxies,
                          testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
                          [](const auto& test) { return std::string(test.param); });
 
-TEST(ProxiesOverAnAdaptiveBroadPhase, HaveRightPairsAndEventsWhileArmsAreSwitched) {
+TEST(ProxiesOverAnAdaptiveBroadPhase, HaveCorrectPairsAndEventsWhileArmsAreSwitched) {
   ProxyGame game({.pair_events = true}, 99);
   Judge judge(game);
   AdaptiveOptions by_hand;
@@ -145,7 +145,7 @@ TEST(ProxiesOverAnAdaptiveBroadPhase, HaveRightPairsAndEventsWhileArmsAreSwitche
   EXPECT_GE(adaptive->switch_epoch(), 190U);
 }
 
-TEST(ProxiesInALargeScene, HaveTheSamePairsInTheSameOrderForAnyNumberOfThreads) {
+TEST(ProxiesInALargeScene, HaveTheSamePairSequenceWithAnyNumberOfThreads) {
   const auto pool_of_two = MakeThreadPool(2);
   const auto pool_of_three = MakeThreadPool(3);
   std::vector<std::vector<OverlapPair>> outcomes;
@@ -182,7 +182,7 @@ TEST(ProxiesOnEachInstructionSet, HaveThePairsOfTheDefinition) {
   });
 }
 
-TEST(ResolvedPairs, AreTheBackendsOwnWhereThereIsNothingToFilter) {
+TEST(ResolvedPairs, AreTheBackendsBufferIfThereIsNothingToFilter) {
   ProxySet proxies;
   Frames frames("BruteForce");
   proxies.Add(kUnit);
@@ -205,7 +205,7 @@ TEST(ResolvedPairs, NeedBothFiltersToPass) {
 }
 
 // The slot is reused between two frames, so that the indices do not change.
-TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
+TEST(PairEvents, DistinguishTheOldAndTheNewProxyOfASlot) {
   ProxySet proxies({.pair_events = true});
   Frames frames("BruteForce");
   for (const bool is_static : {false, true}) {
@@ -232,7 +232,7 @@ TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
 // The second box moves along one axis on one side of the first.
 class PairEventsAlongAnAxis : public testing::TestWithParam<std::tuple<size_t, float>> {};
 
-TEST_P(PairEventsAlongAnAxis, EndAPairOnlyWhereItsBoxesAreFartherApartThanTheMargin) {
+TEST_P(PairEventsAlongAnAxis, EndAPairOnlyBeyondTheMargin) {
   const size_t axis = std::get<0>(GetParam());
   const float side = std::get<1>(GetParam());
   ProxySet proxies({.pair_events = true, .event_margin = 0.5F});
@@ -269,7 +269,7 @@ INSTANTIATE_TEST_SUITE_P(EachWay, PairEventsAlongAnAxis,
                          testing::Combine(testing::Values(0U, 1U, 2U),
                                           testing::Values(1.0F, -1.0F)));
 
-TEST(PairEventsWithAMargin, TakeOneThatIsNegativeOrNoNumberAsNone) {
+TEST(PairEventsWithAMargin, UseNoMarginIfItIsNegativeOrNaN) {
   for (const float margin : {-1.0F, std::numeric_limits<float>::quiet_NaN()}) {
     ProxySet proxies({.pair_events = true, .event_margin = margin});
     Frames frames("BruteForce");
@@ -286,7 +286,7 @@ TEST(PairEventsWithAMargin, TakeOneThatIsNegativeOrNoNumberAsNone) {
   }
 }
 
-TEST(PairEventsWithAMargin, EndAPairThatMayNotGoOnAtOnce) {
+TEST(PairEventsWithAMargin, EndAPairAtOnceIfAProxyIsRemovedOrFiltered) {
   constexpr Aabb kNear = {{1.25F, 0, 0}, {2, 1, 1}};
   Frames frames("BruteForce");
   const auto ended_after = [&](const auto& change) {
@@ -317,7 +317,7 @@ TEST(PairEventsWithAMargin, EndAPairThatMayNotGoOnAtOnce) {
 }
 
 // Bullet passes the boxes of static objects again in each step.
-TEST(ProxiesWhoseBoxesAreSentAgain, CostNoRefitAndNoEvents) {
+TEST(ProxiesWhoseBoxesAreSentAgain, CauseNoRefitAndNoEvents) {
   ProxySet proxies({.pair_events = true});
   Frames frames("BruteForce");
   const Aabb unordered = {{1, std::numeric_limits<float>::quiet_NaN(), 1}, {2, 2, 2}};

@@ -35,7 +35,7 @@ class ProxiesOfEachKind : public testing::TestWithParam<bool> {
   ProxySet proxies_;
 };
 
-TEST_P(ProxiesOfEachKind, AreWhatWasAdded) {
+TEST_P(ProxiesOfEachKind, HaveTheAddedBoxAndOptions) {
   const ProxyOptions options{{4, 7}, GetParam(), 0x123456789abcdef0U};
   const ProxyHandle handle = proxies_.Add(kUnit, options);
   EXPECT_FALSE(handle.is_null());
@@ -47,7 +47,7 @@ TEST_P(ProxiesOfEachKind, AreWhatWasAdded) {
   EXPECT_EQ(proxies_.moving_count() + proxies_.static_count(), 1U);
 }
 
-TEST_P(ProxiesOfEachKind, Change) {
+TEST_P(ProxiesOfEachKind, CanChangeBoxFilterAndUserData) {
   const ProxyHandle handle = Add(kUnit);
   EXPECT_TRUE(proxies_.Move(handle, kOther));
   EXPECT_TRUE(proxies_.SetFilter(handle, {8, 9}));
@@ -56,7 +56,7 @@ TEST_P(ProxiesOfEachKind, Change) {
   EXPECT_EQ(proxies_.options(handle), (ProxyOptions{{8, 9}, GetParam(), 77}));
 }
 
-TEST_P(ProxiesOfEachKind, AreGoneWhenRemovedAndTheirPlaceGoesToTheNextUnderAnotherHandle) {
+TEST_P(ProxiesOfEachKind, LeaveTheirSlotToTheNextWithAnotherHandle) {
   const ProxyHandle first = Add(kUnit, 1);
   EXPECT_TRUE(proxies_.Remove(first));
   ExpectNothingBehind(proxies_, first);
@@ -70,7 +70,7 @@ TEST_P(ProxiesOfEachKind, AreGoneWhenRemovedAndTheirPlaceGoesToTheNextUnderAnoth
   EXPECT_EQ(count(), 1U);
 }
 
-TEST_P(ProxiesOfEachKind, AreNotFoundByHandlesThatNobodyHandedOut) {
+TEST_P(ProxiesOfEachKind, AreNotFoundByInvalidHandles) {
   const ProxyHandle handle = Add(kUnit);
   ExpectNothingBehind(proxies_, {});
   ExpectNothingBehind(proxies_, {handle.index, 0});
@@ -81,7 +81,7 @@ TEST_P(ProxiesOfEachKind, AreNotFoundByHandlesThatNobodyHandedOut) {
   EXPECT_TRUE(proxies_.handle(12345).is_null());
 }
 
-TEST_P(ProxiesOfEachKind, MoveTogetherOrNotAtAll) {
+TEST_P(ProxiesOfEachKind, MoveAllOrNoneOfABatch) {
   const ProxyHandle a = Add(kUnit);
   const ProxyHandle b = Add(kUnit);
   EXPECT_TRUE(proxies_.Move(std::array{a, b}, std::array{kOther, kOther}));
@@ -94,7 +94,7 @@ TEST_P(ProxiesOfEachKind, MoveTogetherOrNotAtAll) {
 INSTANTIATE_TEST_SUITE_P(, ProxiesOfEachKind, testing::Bool(),
                          [](const auto& test) { return test.param ? "Static" : "Moving"; });
 
-TEST(MovingBoxes, KeepTheirIndexAndAFreePlaceTakesNoPart) {
+TEST(MovingBoxes, KeepTheirIndexAndAreInvalidInFreeSlots) {
   ProxySet proxies;
   const ProxyHandle a = proxies.Add(kUnit);
   const ProxyHandle b = proxies.Add(kOther);
@@ -107,7 +107,7 @@ TEST(MovingBoxes, KeepTheirIndexAndAFreePlaceTakesNoPart) {
   EXPECT_EQ(proxies.Add(kUnit).index, 2U);
 }
 
-TEST(Handles, NeverComeTwiceInALongGame) {
+TEST(Handles, AreNeverReusedInALongGame) {
   test_support::ProxyGame game({}, 31);
   std::set<ProxyHandle> seen;
   for (int frame = 0; frame < 500; ++frame) {

@@ -41,7 +41,7 @@ class Populations : public testing::Test {
   PairBuffer found_;
 };
 
-TEST_F(Populations, OfDebrisThatIgnoresItselfFormNoPairsFirst) {
+TEST_F(Populations, DebrisThatIgnoresItselfIsNotSearched) {
   std::vector<ProxyHandle> debris(1000);
   const ProxyOptions options{.filter = kDebris};
   proxies_.AddMany(std::vector<Aabb>(1000, kUnit), std::span(&options, 1), debris);
@@ -64,7 +64,7 @@ TEST_F(Populations, OfDebrisThatIgnoresItselfFormNoPairsFirst) {
   EXPECT_TRUE(proxies_.is_alive(player));
 }
 
-TEST_F(Populations, AreFilteredAfterTheSearchWhereThereIsNoGroupLeft) {
+TEST_F(Populations, PairsAreFilteredAfterTheSearchIfNoGroupIsFree) {
   std::vector<ProxyHandle> handles;
   for (uint32_t kind = 0; kind < 16; ++kind) {
     // Each kind matches all other kinds, so that no two fit into one group.
@@ -75,14 +75,14 @@ TEST_F(Populations, AreFilteredAfterTheSearchWhereThereIsNoGroupLeft) {
   EXPECT_EQ(Resolve().size(), 32U * 31 / 2 - 16);
 }
 
-TEST_F(Populations, OfWhatPassesWithNothingTakeNoGroup) {
+TEST_F(Populations, ProxiesThatMatchNothingUseNoGroup) {
   for (uint32_t k = 0; k < 20; ++k) proxies_.Add(kUnit, {.filter = {1U << k, 0}});
   for (uint32_t k = 0; k < 20; ++k) proxies_.Add(kUnit, {.filter = {0, 1U << k}});
   EXPECT_EQ(searched_count(), 0U);
   EXPECT_TRUE(Resolve().empty());
 }
 
-TEST_F(Populations, LetAProxyBecomeStaticAndMovingUnderOneHandleAndId) {
+TEST_F(Populations, AProxyKeepsItsHandleWhenItBecomesStaticOrMoving) {
   for (const bool added_as_static : {false, true}) {
     const ProxyHandle other = proxies_.Add(kTouching, {.is_static = true});
     const ProxyHandle handle = proxies_.Add(kUnit, {.is_static = added_as_static, .user = 7});
@@ -101,7 +101,7 @@ TEST_F(Populations, LetAProxyBecomeStaticAndMovingUnderOneHandleAndId) {
   EXPECT_FALSE(proxies_.SetStatic({}, true));
 }
 
-TEST_F(Populations, PairMovingProxiesThatWereAddedAsStaticWithOneAnother) {
+TEST_F(Populations, FormerStaticProxiesFormPairs) {
   const ProxyHandle a = proxies_.Add(kUnit, {.is_static = true});
   const ProxyHandle b = proxies_.Add(kTouching, {.is_static = true});
   EXPECT_TRUE(Resolve().empty());
@@ -112,7 +112,7 @@ TEST_F(Populations, PairMovingProxiesThatWereAddedAsStaticWithOneAnother) {
   EXPECT_FALSE(AnyEvents());
 }
 
-TEST_F(Populations, KeepThePairsOfSleepersWithoutASearch) {
+TEST_F(Populations, SleepersKeepTheirPairsWithoutASearch) {
   const ProxyHandle a = proxies_.Add(kUnit);
   const ProxyHandle b = proxies_.Add(kTouching);
   proxies_.Add(kTouching, {.is_static = true});
@@ -137,7 +137,7 @@ TEST_F(Populations, KeepThePairsOfSleepersWithoutASearch) {
   EXPECT_EQ(Resolve().size(), 1U);
 }
 
-TEST_F(Populations, OfSleepersAreNotForStaticOnes) {
+TEST_F(Populations, StaticProxiesCannotSleep) {
   const ProxyHandle wall = proxies_.Add(kUnit, {.is_static = true});
   ASSERT_TRUE(proxies_.SetSleeping(wall, true));
   EXPECT_FALSE(proxies_.is_sleeping(wall));
@@ -146,7 +146,7 @@ TEST_F(Populations, OfSleepersAreNotForStaticOnes) {
   EXPECT_FALSE(proxies_.is_sleeping({}));
 }
 
-TEST_F(Populations, OfSleepingDebrisFormNoPairsEither) {
+TEST_F(Populations, SleepingDebrisFormsNoPairsWithItself) {
   std::vector<ProxyHandle> debris(200);
   const ProxyOptions options{.filter = kDebris};
   proxies_.AddMany(std::vector<Aabb>(200, kUnit), std::span(&options, 1), debris);
@@ -158,7 +158,7 @@ TEST_F(Populations, OfSleepingDebrisFormNoPairsEither) {
   EXPECT_FALSE(AnyEvents());
 }
 
-TEST_F(Populations, StayPairedWhenTheOriginIsShifted) {
+TEST_F(Populations, PairsStayWhenTheOriginIsShifted) {
   std::vector<ProxyHandle> handles;
   for (int k = 0; k < 60; ++k) {
     const auto at = static_cast<float>(k);
@@ -179,7 +179,7 @@ TEST_F(Populations, StayPairedWhenTheOriginIsShifted) {
   EXPECT_EQ(*proxies_.box(broken), (Aabb{{1, 0, 0}, {0, 1, 1}}));
 }
 
-TEST_F(Populations, StayWhereTheyAreWhenTheOriginWouldBeNowhere) {
+TEST_F(Populations, AnInfiniteOriginShiftChangesNothing) {
   const ProxyHandle handle = proxies_.Add(kUnit);
   const ProxyHandle wall = proxies_.Add(kUnit, {.is_static = true});
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -194,7 +194,7 @@ TEST_F(Populations, StayWhereTheyAreWhenTheOriginWouldBeNowhere) {
   }
 }
 
-TEST_F(Populations, TakeNoPartBeyondTheLargestFloatUntilTheyAreMoved) {
+TEST_F(Populations, BoxesShiftedBeyondTheLargestFloatAreInvalidUntilMoved) {
   constexpr float kLargest = std::numeric_limits<float>::max();
   const ProxyHandle above = proxies_.Add({{0, 0, 0}, {kLargest / 2, 1, 1}});
   const ProxyHandle below = proxies_.Add({{0, -kLargest / 2, 0}, {1, 1, 1}});
@@ -211,7 +211,7 @@ TEST_F(Populations, TakeNoPartBeyondTheLargestFloatUntilTheyAreMoved) {
   EXPECT_EQ(Resolve().size(), 3U);
 }
 
-TEST_F(Populations, OfWhatWasRemovedHoldNothingAfterCompact) {
+TEST_F(Populations, CompactFreesTheMemoryOfRemovedProxies) {
   ProxySet fresh({.pair_events = true});
   std::vector<ProxyHandle> gone;
   const auto add = [](ProxySet& set, int k) {
@@ -238,12 +238,12 @@ TEST_F(Populations, OfWhatWasRemovedHoldNothingAfterCompact) {
   for (const ProxyHandle handle : living) EXPECT_TRUE(proxies_.is_alive(handle));
   for (int k = 0; k < 20'000; ++k) {
     const ProxyHandle handle = add(proxies_, k);
-    ASSERT_FALSE(std::ranges::binary_search(gone, handle)) << "given out twice";
+    ASSERT_FALSE(std::ranges::binary_search(gone, handle)) << "the handle was given out twice";
   }
 }
 
 // The events need the former owners of slots that are free by now.
-TEST_F(Populations, EndTheirPairsByTheirHandlesAfterCompact) {
+TEST_F(Populations, RemovedPairsKeepTheirHandlesAfterCompact) {
   const ProxyHandle a = proxies_.Add(kUnit);
   const ProxyHandle b = proxies_.Add(kTouching);
   Resolve();

@@ -165,7 +165,7 @@ void ExpectRightAnswers(ProxyGame& game, int question_count) {
   }
 }
 
-TEST(Queries, FindWhatAScanFindsWhileProxiesComeAndGo) {
+TEST(Queries, AgreeWithAScanWhileProxiesAreAddedAndRemoved) {
   ProxyGame game({}, 17);
   game.AddSome(150, 100);
   for (int frame = 0; frame < 200; ++frame) {
@@ -175,7 +175,7 @@ TEST(Queries, FindWhatAScanFindsWhileProxiesComeAndGo) {
   }
 }
 
-TEST(Queries, FindWhatAScanFindsInALargeScene) {
+TEST(Queries, AgreeWithAScanInALargeScene) {
   ProxyGame game({}, 18, 25);
   game.AddSome(5000, 9000);
   ExpectRightAnswers(game, 300);
@@ -193,7 +193,7 @@ TEST(Queries, FindTheSameOnEachInstructionSet) {
   });
 }
 
-TEST(Queries, FindNothingAmongNothing) {
+TEST(Queries, FindNothingInAnEmptySet) {
   ProxySet proxies;
   std::vector<ProxyHandle> found(1);
   std::vector<RayHit> hits(1);
@@ -206,7 +206,7 @@ TEST(Queries, FindNothingAmongNothing) {
   EXPECT_EQ(nearest, RayHit{});
 }
 
-TEST(Queries, MayRunSideBySideOncePrepared) {
+TEST(Queries, CanRunOnSeveralThreadsOncePrepared) {
   ProxyGame game({}, 20);
   game.AddSome(400, 400);
   game.proxies.PrepareQueries();
@@ -226,7 +226,7 @@ TEST(Queries, MayRunSideBySideOncePrepared) {
   ask();
 }
 
-TEST(Queries, OfManyAtOnceAnswerAsOneByOne) {
+TEST(Queries, InABatchEqualSingleOnes) {
   ProxyGame game({}, 23);
   game.AddSome(200, 200);
   game.proxies.PrepareQueries();
@@ -259,7 +259,7 @@ TEST(Queries, OfManyAtOnceAnswerAsOneByOne) {
   EXPECT_EQ(wrong.message(), "ray 7: the ray's max_distance must not be negative");
 }
 
-TEST(ConstQueries, ArePossibleBetweenAPreparationAndTheNextChangeOnly) {
+TEST(ConstQueries, NeedAPreparationAfterEachChange) {
   ProxySet proxies;
   const ProxyHandle handle = proxies.Add({{0, 0, 0}, {1, 1, 1}});
   const ProxySet& for_all = proxies;
@@ -297,7 +297,7 @@ TEST(ASphere, TouchesABoxAtItsRadiusFromTheNearestPoint) {
   EXPECT_FALSE(touches({{1e30F, 0, 0}, Sphere::kMaxRadius}));
 }
 
-TEST(Queries, RefuseShapesThatAreNotFiniteOrNegativeAndLeaveTheResults) {
+TEST(Queries, RefuseInvalidShapesAndKeepTheResults) {
   const float infinity = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   ProxySet proxies;
@@ -319,7 +319,7 @@ TEST(Queries, RefuseShapesThatAreNotFiniteOrNegativeAndLeaveTheResults) {
   EXPECT_EQ(nearest, (RayHit{{1, 1}, 7}));
 }
 
-TEST(ASweptBox, TouchesWhereItsFaceMeetsTheOther) {
+TEST(ASweptBox, TouchesWhereItsFaceReachesTheOtherBox) {
   ProxySet proxies;
   const ProxyHandle wall = proxies.Add({{4, 0, 0}, {5, 9, 9}}, {.is_static = true});
   std::vector<RayHit> hits;
@@ -344,7 +344,7 @@ class ARay : public testing::Test {
   ProxyHandle handle_ = proxies_.Add({{1, 1, 1}, {2, 2, 2}});
 };
 
-TEST_F(ARay, EntersWhereItMeetsTheFirstFace) {
+TEST_F(ARay, EntersAtTheFirstFace) {
   EXPECT_EQ(Cast({{0, 1.5F, 1.5F}, {1, 0, 0}}), (std::vector{RayHit{handle_, 1}}));
   EXPECT_EQ(Cast({{4, 1.5F, 1.5F}, {-2, 0, 0}}), (std::vector{RayHit{handle_, 1}}));
   EXPECT_EQ(Cast({{0, 0, 0}, {0.5F, 0.5F, 0.5F}}), (std::vector{RayHit{handle_, 2}}));
@@ -352,7 +352,7 @@ TEST_F(ARay, EntersWhereItMeetsTheFirstFace) {
   EXPECT_TRUE(Cast({{0, 2.5F, 1.5F}, {1, 0, 0}}).empty());
 }
 
-TEST_F(ARay, ThatStartsInsideOrOnAFaceEntersAtNought) {
+TEST_F(ARay, ThatStartsInsideOrOnAFaceEntersAtZero) {
   EXPECT_EQ(Cast({{1.5F, 1.5F, 1.5F}, {0, 0, -1}}), (std::vector{RayHit{handle_, 0}}));
   EXPECT_EQ(Cast({{2, 1.5F, 1.5F}, {1, 0, 0}}), (std::vector{RayHit{handle_, 0}}));
   EXPECT_EQ(Cast({{1.5F, 1.5F, 1.5F}, {0, 0, 0}}), (std::vector{RayHit{handle_, 0}}));
@@ -371,7 +371,7 @@ TEST_F(ARay, EndsAtItsMaximumDistance) {
   EXPECT_EQ(Cast({{1, 1.5F, 1.5F}, {1, 0, 0}, 0}).size(), 1U);
 }
 
-TEST_F(ARay, ThatIsNotFiniteOrGoesBackIsAnErrorAndLeavesTheHits) {
+TEST_F(ARay, ThatIsInvalidIsAnErrorAndKeepsTheHits) {
   const float infinity = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<RayHit> hits(3);
@@ -386,7 +386,7 @@ TEST_F(ARay, ThatIsNotFiniteOrGoesBackIsAnErrorAndLeavesTheHits) {
   }
 }
 
-TEST_F(ARay, HitsTheProxyOfTheLeastIndexFirstWhereDistancesAreEqual) {
+TEST_F(ARay, HitsTheLowestIndexFirstAtEqualDistances) {
   const ProxyHandle resting = proxies_.Add({{1, 1, 1}, {2, 2, 2}}, {.is_static = true});
   const ProxyHandle moving = proxies_.Add({{1, 1, 1}, {2, 2, 2}});
   const Ray ray{{0, 1.5F, 1.5F}, {1, 0, 0}};

@@ -85,7 +85,7 @@ TEST_P(Snapshots, RestoreANewSetForAThousandFrames) {
   ExpectTheSameAgain(game, ProxySet(GetParam()));
 }
 
-TEST_P(Snapshots, RestoreASetThatHasGoneOnForAThousandFrames) {
+TEST_P(Snapshots, RestoreASetThatContinuedForAThousandFrames) {
   ProxyGame game(GetParam(), 42);
   ProxyGame another(GetParam(), 43);
   game.AddSome(60, 40);
@@ -134,7 +134,7 @@ class ASnapshot : public testing::Test {
   std::vector<std::byte> before_;
 };
 
-TEST_F(ASnapshot, IsRefusedIfItIsCutOff) {
+TEST_F(ASnapshot, IsRefusedIfItIsTruncated) {
   const std::span whole(snapshot_);
   ExpectRefused(whole.first(whole.size() - 1), StatusCode::kDataLoss, " bytes");
   ExpectRefused(whole.first(31), StatusCode::kDataLoss, "shorter than its header");
@@ -150,7 +150,7 @@ TEST_F(ASnapshot, IsRefusedIfAnyByteHasChanged) {
   EXPECT_EQ(Saved(game_.proxies), before_);
 }
 
-TEST_F(ASnapshot, IsRefusedIfItIsOfAnotherVersionOrOfOtherOptions) {
+TEST_F(ASnapshot, IsRefusedWithAnotherVersionOrOtherOptions) {
   auto other = snapshot_;
   const uint32_t version = 77;
   std::memcpy(other.data() + 4, &version, sizeof version);
@@ -161,7 +161,7 @@ TEST_F(ASnapshot, IsRefusedIfItIsOfAnotherVersionOrOfOtherOptions) {
                 StatusCode::kInvalidArgument, "other options");
 }
 
-TEST_F(ASnapshot, NeedsAllOfItsRoomAndNoMore) {
+TEST_F(ASnapshot, WritesExactlyItsSize) {
   std::vector<std::byte> room(before_.size() - 1, std::byte{7});
   EXPECT_EQ(game_.proxies.Save(room).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(room, std::vector<std::byte>(room.size(), std::byte{7}));
@@ -171,7 +171,7 @@ TEST_F(ASnapshot, NeedsAllOfItsRoomAndNoMore) {
   EXPECT_EQ(room.back(), std::byte{7});
 }
 
-TEST_F(ASnapshot, IsTakenOutOfARoomThatIsLarger) {
+TEST_F(ASnapshot, IsRestoredFromALargerBuffer) {
   std::vector<std::byte> room(before_.size() + 100, std::byte{7});
   ASSERT_TRUE(game_.proxies.Save(room).ok());
   game_.Step();
@@ -180,7 +180,7 @@ TEST_F(ASnapshot, IsTakenOutOfARoomThatIsLarger) {
   EXPECT_EQ(Saved(game_.proxies), before_);
 }
 
-TEST_F(ASnapshot, TakesNoMemoryWhereTheSetHasHadAsMuch) {
+TEST_F(ASnapshot, AllocatesNothingIfTheSetHasEnoughMemory) {
   ASSERT_TRUE(game_.proxies.Restore(snapshot_).ok());
   const uint64_t allocations = test_support::ThreadAllocationCount();
   ASSERT_TRUE(game_.proxies.Save(snapshot_).ok());
@@ -188,7 +188,7 @@ TEST_F(ASnapshot, TakesNoMemoryWhereTheSetHasHadAsMuch) {
   EXPECT_EQ(test_support::ThreadAllocationCount(), allocations);
 }
 
-TEST(SnapshotsOfManyProxies, TakeTheBytesThatTheHeaderSays) {
+TEST(SnapshotsOfManyProxies, HaveAtMostTheDocumentedSize) {
   ProxySet proxies;
   const size_t empty = proxies.snapshot_bytes();
   std::vector<ProxyHandle> handles(10'000);

@@ -29,7 +29,7 @@ void ExpectRounded(double min, double max, float expected_min, float expected_ma
   }
 }
 
-TEST(RoundingOutward, LeavesFloatsAsTheyAre) {
+TEST(RoundingOutward, DoesNotChangeFloats) {
   ExpectRounded(-1.5, 0.25, -1.5F, 0.25F);
   ExpectRounded(-double{kLargestFloat}, double{kLargestFloat}, -kLargestFloat, kLargestFloat);
   ExpectRounded(-double{kLeastFloat}, double{kLeastFloat}, -kLeastFloat, kLeastFloat);
@@ -43,7 +43,7 @@ TEST(RoundingOutward, TakesTheNextFloatOutside) {
   ExpectRounded(1e-300, 1e-300, 0, kLeastFloat);
 }
 
-TEST(RoundingOutward, GivesAnInvalidBoxWhereNoFloatIsFarEnough) {
+TEST(RoundingOutward, GivesAnInvalidBoxBeyondTheLargestFloat) {
   ExpectRounded(1e300, 1e300, kLargestFloat, kBeyondAll);
   ExpectRounded(-1e300, -1e300, -kBeyondAll, -kLargestFloat);
   EXPECT_FALSE(IsValid(Rounded(0, 1e39)));
@@ -53,7 +53,7 @@ TEST(RoundingOutward, GivesAnInvalidBoxWhereNoFloatIsFarEnough) {
 }
 
 // Tests each axis alone, so that no other axis makes the box invalid.
-TEST(RoundingOutward, LeavesABoxInvertedWhoseFacesAreLessThanOneFloatApart) {
+TEST(RoundingOutward, KeepsABoxInvertedByLessThanOneFloatInvalid) {
   for (size_t axis = 0; axis < 3; ++axis) {
     const auto is_valid = [axis](double min, double max) {
       double mins[3] = {0, 0, 0};

@@ -72,7 +72,7 @@ uint64_t ChecksAmong(size_t static_count) {
   return found.checks;
 }
 
-TEST(AJoinOfBoxesThatStandApart, TakesHardlyMoreChecksAmongSixteenTimesAsManyBoxes) {
+TEST(AJoinOfBoxesThatStandApart, NeedsFewMoreChecksAmongSixteenTimesAsManyBoxes) {
   const uint64_t few = ChecksAmong(20'000);
   const uint64_t many = ChecksAmong(320'000);
   // The larger tree has one level more; each box passes about five levels.
@@ -80,7 +80,7 @@ TEST(AJoinOfBoxesThatStandApart, TakesHardlyMoreChecksAmongSixteenTimesAsManyBox
   EXPECT_LT(many, 200U * 600);
 }
 
-TEST(AJoin, FindsThePairsOfTheDefinitionByTheSameChecksOnEachInstructionSet) {
+TEST(AJoin, FindsAllPairsWithTheSameChecksOnEachInstructionSet) {
   const std::vector<Aabb> others = BoxesWithin(32, 20'000, 3);
   std::vector<Aabb> movers = BoxesWithin(32, 300, 4);  // apart
   for (const Aabb& box : BoxesWithin(4, 300, 5)) movers.push_back(box);
@@ -93,7 +93,8 @@ TEST(AJoin, FindsThePairsOfTheDefinitionByTheSameChecksOnEachInstructionSet) {
   const uint64_t checks = Join(mover_tree, other_tree).checks;
   test_support::OnEachSimdTarget([&] {
     Found found = Join(mover_tree, other_tree);
-    EXPECT_TRUE(Join(mover_tree, other_tree).pairs == found.pairs) << "another order";
+    EXPECT_TRUE(Join(mover_tree, other_tree).pairs == found.pairs)
+        << "the order of the pairs differs";
     EXPECT_EQ(found.checks, checks);
     std::ranges::sort(found.pairs);
     EXPECT_TRUE(found.pairs == expected);

@@ -415,7 +415,7 @@ TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
   }
 }
 
-TEST(AdaptivePolicy, TheCooldownGrowsWithWhatSwitchesCost) {
+TEST(AdaptivePolicy, TheCooldownGrowsWithTheCostOfSwitches) {
   const auto cooldown_s = [](uint64_t cost_ns) {
     Game game({20'000, 10'000, 10'500}, /*lane=*/false);
     game.RunTicks(40);  // all trials are over, which have their own budget

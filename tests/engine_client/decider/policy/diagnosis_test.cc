@@ -248,7 +248,7 @@ TEST(LogCostDiagnosis, OfKnownCostsIsCertain) {
 }
 
 // Compares the bits, which are the same on every platform.
-TEST(Diagnosis, BitsAreTheOnesRecorded) {
+TEST(Diagnosis, BitsEqualTheRecordedOnes) {
   const auto bits = [](double value) { return std::bit_cast<uint64_t>(value); };
   const Diagnosis rewards = Diagnose(Posteriors{{30.25, 20}, {3, 2}, {200, 120.5}, {0.6, 0.4}});
   EXPECT_EQ(bits(rewards.best_probability[0]), 0x3fbce88e3b2e63adu);

@@ -54,7 +54,7 @@ class FilterTest : public testing::Test {
   uint64_t sweep_ = 0;
 };
 
-TEST_F(FilterTest, KnowsNothingAtFirst) {
+TEST_F(FilterTest, HasNoBeliefsAtFirst) {
   const RelativeCostFilter filter(kArms);
   EXPECT_EQ(filter.Difference(0, 3).mean, 0);
   EXPECT_GT(Deviation(filter.Difference(0, 3)), 1);

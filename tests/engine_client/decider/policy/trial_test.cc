@@ -160,13 +160,13 @@ TEST(Trial, AnArmThatIsTooExpensiveRunsForFiveFrames) {
   EXPECT_GT(patient.frame_counts[1] + patient.frame_counts[2], 100u);
 }
 
-TEST(Trial, AnArmThatTheLaneFindsFortyPercentDearerIsTried) {
+TEST(Trial, AnArmThatCostsFortyPercentMoreInTheLaneIsTried) {
   TrialGame game({10'000, 7'000}, {10'000, 14'000});
   game.RunTicks(30);
   EXPECT_EQ(game.client.arm, 1u);
 }
 
-TEST(Trial, AnArmThatTheLaneFindsTwiceAsDearIsNotTried) {
+TEST(Trial, AnArmThatCostsTwiceAsMuchInTheLaneIsNotTried) {
   TrialGame game({10'000, 7'000}, {10'000, 20'000});
   game.RunTicks(100);
   EXPECT_EQ(game.frame_counts[1], 0u);

@@ -156,7 +156,7 @@ TEST(PriorFor, WeighsSourcesByBuildMachineClassAndVersion) {
   EXPECT_LT(evidence_of_dbvt(), other_build);
 }
 
-TEST(PriorFor, TheOwnEvidenceCountsOnlyInTheSessionsVersion) {
+TEST(PriorFor, OwnEvidenceCountsOnlyWithTheSessionsVersion) {
   std::vector<ArmRecord> records = {VisitsOf("player", "SAP", 0.5)};
   EXPECT_EQ(PriorFor(records, ComparingSession()).source_count, 1u);
   records[0].backend_version = 2;
@@ -183,7 +183,7 @@ TEST(PriorFor, ScalesDownEvidenceThatASessionWouldNotAccept) {
   EXPECT_LT(posteriors[0].alpha, kMaxPriorEvidence);
 }
 
-TEST(IsBetterVersion, TheSessionsOwnComesFirstThenTheLatest) {
+TEST(IsBetterVersion, PrefersTheSessionsVersionThenTheLatest) {
   EXPECT_TRUE(IsBetterVersion(2, 1, 5));
   EXPECT_FALSE(IsBetterVersion(1, 2, 5));
   EXPECT_TRUE(IsBetterVersion(1, 2, 1));

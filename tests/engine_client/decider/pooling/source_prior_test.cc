@@ -58,7 +58,7 @@ TEST(CombineSources, ComparesArmsOfSourcesWithDifferentArms) {
   EXPECT_NEAR(CostUs(prior[2]) / CostUs(prior[0]), 4, 0.2);
 }
 
-TEST(CombineSources, IsAsWideAsTheSourcesDisagreeHoweverManyThereAre) {
+TEST(CombineSources, IsAsWideAsTheSourcesDisagreeForAnyNumberOfSources) {
   std::vector<SourceEvidence> alike;
   std::vector<SourceEvidence> unlike;
   for (int i = 0; i < 200; ++i) {

@@ -161,7 +161,7 @@ TEST(BailOut, AtThePossibleMaximumRateIsAlwaysEvidence) {
   for (int64_t now_ns = 0; now_ns < 5'000; now_ns += 5) EXPECT_TRUE(budget.Spend(now_ns));
 }
 
-TEST(BailOut, BudgetHoldsAtTheEndsOfTheClock) {
+TEST(BailOut, BudgetIsCorrectAtTheLimitsOfTheClock) {
   constexpr int64_t kEnd = std::numeric_limits<int64_t>::max();
   BailOutBudget budget(kMaxIntervalNs, -kEnd);
   for (const int64_t now_ns : {kEnd, -kEnd}) {
