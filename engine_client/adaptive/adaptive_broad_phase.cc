@@ -1,4 +1,4 @@
-// The frame path, steps 2 to 6, in the order of BeginFrame, FindPairs, EndFrame.
+// The frame path, in the order of BeginFrame, FindPairs, EndFrame.
 //
 // Inactive backends keep their buffers, so that a switch back to them allocates nothing. A sample's
 // native_bytes is that of the active backend alone, because it is part of the active arm's cost.
@@ -108,8 +108,8 @@ Status AdaptiveBroadPhase::Impl::StartLane() {
       });
 }
 
-// Step 2: executes a pending switch, at most one per frame. A local command takes precedence over
-// the mailbox.
+// Executes a pending switch, at most one per frame. A local command takes precedence over the
+// mailbox.
 void AdaptiveBroadPhase::Impl::BeginFrame() {
   const Zone zone(kZoneBeginFrame);
   KeepBudgetOfGrowing();
@@ -252,7 +252,7 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
                        .executed = 0});
 }
 
-// Step 3, with its measurement (step 4).
+// Updates the active arm and searches, and measures both.
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
   ShadowLane* const lane = frozen() ? nullptr : lane_.get();
   const uint32_t work = lane == nullptr ? 0 : lane->cost().Begin();
@@ -319,7 +319,7 @@ uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
   return detection_ns;
 }
 
-// Steps 4 to 6: completes the frame's sample, flags a bail-out, and passes the sample to the sink.
+// Completes the frame's sample, flags a bail-out, and passes the sample to the sink.
 void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   sample_.frame_time_ns = frame.frame_time_ns;
   sample_.flags |= frame.flags & (kFramePaused | kFrameLoading);

@@ -1,5 +1,5 @@
-// Step 5 of the frame path: finds frames over the bail-out limit (paper §4). The decider judges
-// these frames by its policy. While no decider is present, the guard chooses the arm to switch to.
+// Finds frames over the bail-out limit (paper §4). The decider judges these frames by its policy.
+// While no decider is present, the guard chooses the arm to switch to.
 //
 // The setters may be called from any thread, the rest on the frame thread; nothing waits. Posterior
 // means are read one by one: a choice made while a new snapshot is written may mix the two

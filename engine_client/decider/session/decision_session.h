@@ -1,5 +1,5 @@
 // One game's decisions: from frames to rewards and posteriors, and from posteriors to switch
-// commands (step 9 of the one path in architecture.md).
+// commands.
 //
 // Deterministic: the same setup and the same calls give the same decisions bit for bit on every
 // platform. Time and randomness are arguments. Not thread-safe; distinct sessions are independent.

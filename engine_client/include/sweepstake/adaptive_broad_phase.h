@@ -1,4 +1,4 @@
-// The frame path, which an engine calls in each frame: steps 2–6 of the one path (README).
+// The frame path, which an engine calls in each frame.
 //
 //   adaptive.BeginFrame();                     // executes a pending switch, only here
 //   auto pairs = adaptive.FindPairs(boxes);    // the active backend updates and searches;

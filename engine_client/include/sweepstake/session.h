@@ -1,5 +1,5 @@
-// Connects an AdaptiveBroadPhase to its decider: a daemon (over gRPC) or the embedded decider.
-// Steps 6, 7 and 11 of the one path (README).
+// Connects an AdaptiveBroadPhase to its decider: a daemon (over gRPC) or the embedded decider. It
+// sends samples and outcomes to the decider, and switch commands to the frame path.
 //
 // A Session owns one sender thread. The frame thread only pushes into a bounded lock-free queue and
 // reads commands from the mailbox. If the queue is full, the oldest sample is dropped and counted.
