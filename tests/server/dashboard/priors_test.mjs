@@ -154,7 +154,7 @@ async function checkChanges(page, daemon, commands) {
   await page.getByRole('region', { name: 'Changes' }).waitFor();
   assert.equal(await page.getByLabel('From build').inputValue(), '1.1');
   await page.getByLabel('to build').selectOption('1.1');
-  await page.getByText('They say the same of every scene').waitFor();
+  await page.getByText('The builds agree on every scene').waitFor();
   await page.goto(`${daemon.origin}/priors?before=1.1&after=7`);
   await page.getByText('There is no evidence of build 7 here').waitFor();
 }

@@ -71,7 +71,7 @@ function Differences({ evidence, before, after }: { evidence: Evidence; before: 
   const changes = useMemo(() => buildChanges(evidence.sums.values(), before, after), [evidence, before, after]);
   const rows = useMemo(() => changes.flatMap((scene): Row[] =>
     scene.arms.map((change) => ({ ...change, scene, key: [scene.project, scene.scene, scene.machineClass, change.arm].join('\n') }))), [changes]);
-  if (rows.length === 0) return <p role="status">They say the same of every scene, to 5 %.</p>;
+  if (rows.length === 0) return <p role="status">The builds agree on every scene to within 5 %.</p>;
   return (
     <>
       <Pictures changes={changes} before={before} after={after} />
