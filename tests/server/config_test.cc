@@ -63,14 +63,14 @@ class ConfigTest : public ::testing::Test {
   std::filesystem::path path_;
 };
 
-TEST_F(ConfigTest, TheDefaultsAreValidAndThePapers) {
+TEST_F(ConfigTest, TheDefaultsAreValidAndEqualThePapers) {
   const Config config;
   EXPECT_TRUE(Validate(config).ok());
   EXPECT_EQ(config.rpc.decision.cooldown_ns, 40'000'000'000);
   EXPECT_EQ(config.rpc.max_time_scale, 1);
 }
 
-TEST_F(ConfigTest, AFileSetsWhatItNames) {
+TEST_F(ConfigTest, AFileSetsTheNamedSettings) {
   const auto config = FromFile(
       "listen = '127.0.0.1:0'\ndatabase_mb = 9\naudit_mb = 2\naudit_days = "
       "3\n[decision]\ncooldown_ms = "
@@ -103,7 +103,7 @@ TEST_F(ConfigTest, TheLaterSourceWins) {
   EXPECT_EQ(loaded.config.rpc.decision.settling_ns, 1'000'000);
 }
 
-TEST_F(ConfigTest, AnUnknownKeyIsAnErrorThatSaysWhichIsNearest) {
+TEST_F(ConfigTest, AnUnknownKeyIsAnErrorThatNamesTheNearest) {
   EXPECT_THAT(
       Error("[decision]\ncooldwn_ms = 1\n"),
       EndsWith("unknown setting 'decision.cooldwn_ms', the nearest is decision.cooldown_ms; "

@@ -92,13 +92,13 @@ TEST_F(DaemonHttpTest, ThePortFilesSecondLineIsTheHttpPort) {
             std::to_string(daemon->port()) + "\n" + std::to_string(daemon->http_port()) + "\n");
 }
 
-TEST_F(DaemonHttpTest, WithoutTheSettingNothingIsServed) {
+TEST_F(DaemonHttpTest, WithoutTheSettingThereIsNoHttpPort) {
   config_.http.clear();
   const auto daemon = Start();
   EXPECT_EQ(PortFile(), std::to_string(daemon->port()) + "\n");
 }
 
-TEST_F(DaemonHttpTest, AnHttpPortThatIsTakenStopsTheStart) {
+TEST_F(DaemonHttpTest, AnHttpPortInUseStopsTheStart) {
   const auto daemon = Start();
   config_.http = "127.0.0.1:" + std::to_string(daemon->http_port());
   config_.data = directory_.path() / "other";
@@ -106,7 +106,7 @@ TEST_F(DaemonHttpTest, AnHttpPortThatIsTakenStopsTheStart) {
   EXPECT_TRUE(absl::IsUnavailable(Daemon::Start(config_, clock).status()));
 }
 
-TEST_F(DaemonHttpTest, ADaemonThatServesIsLiveAndReady) {
+TEST_F(DaemonHttpTest, ARunningDaemonIsLiveAndReady) {
   const auto daemon = Start();
   EXPECT_EQ(Get(daemon->http_port(), "/livez").status, 200);
   EXPECT_EQ(Get(daemon->http_port(), "/readyz?verbose").body,
@@ -134,7 +134,7 @@ TEST_F(DaemonHttpTest, ADaemonThatDoesNotDecideIsNeitherLiveNorReady) {
   clock.Release();
 }
 
-TEST_F(DaemonHttpTest, ADaemonWhoseDatabaseWasDamagedServesFromABackupAndSaysSo) {
+TEST_F(DaemonHttpTest, ADaemonWithADamagedDatabaseUsesABackupAndReportsIt) {
   Start();
   const auto database = config_.data / "priors.db";
   ASSERT_TRUE(
@@ -148,7 +148,7 @@ TEST_F(DaemonHttpTest, ADaemonWhoseDatabaseWasDamagedServesFromABackupAndSaysSo)
   EXPECT_THAT(Get(daemon->http_port(), "/metrics").body, HasSubstr("sweepstake_store_damaged 1\n"));
 }
 
-TEST_F(DaemonHttpTest, MetricsAreThoseOfTheDaemon) {
+TEST_F(DaemonHttpTest, MetricsShowTheStateOfTheDaemon) {
   const auto daemon = Start();
   const auto answer = Get(daemon->http_port(), "/metrics");
   EXPECT_EQ(answer.status, 200);

@@ -106,7 +106,7 @@ std::shared_ptr<grpc::Channel> ChannelTo(const Daemon& daemon) {
                              grpc::InsecureChannelCredentials());
 }
 
-TEST_F(DaemonTest, ThePortFileHoldsThePort) {
+TEST_F(DaemonTest, ThePortFileContainsThePort) {
   const auto daemon = Start();
   int port = 0;
   std::ifstream(config_.port_file) >> port;
@@ -121,7 +121,7 @@ TEST_F(DaemonTest, APortFileThatCannotBeWrittenStopsTheStart) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("cannot write the port file"));
 }
 
-TEST_F(DaemonTest, APortFileThatIsAPipeOrADeviceStaysWhatItIs) {
+TEST_F(DaemonTest, APipeOrADeviceIsNotReplacedByAPortFile) {
   config_.port_file = directory_.path() / "pipe";
   ASSERT_EQ(mkfifo(config_.port_file.c_str(), 0600), 0);
   const auto daemon = Daemon::Start(config_, clock_);
@@ -166,7 +166,7 @@ TEST_F(DaemonTest, ASecondDaemonOnTheSameDataIsRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("another daemon"));
 }
 
-TEST_F(DaemonTest, APortThatIsTakenIsAnError) {
+TEST_F(DaemonTest, APortInUseIsAnError) {
   const auto daemon = Start();
   config_.listen = "127.0.0.1:" + std::to_string(daemon->port());
   config_.data = directory_.path() / "other";
@@ -427,14 +427,14 @@ TEST_F(DaemonTokenTest, CreationAndRevocationOfTokensAreInTheAuditLog) {
   EXPECT_THAT(text, HasSubstr("token second was made by the test: admin of all projects"));
 }
 
-TEST_F(DaemonTokenTest, ALostFileOfTokensStopsTheStartUntilThereAreTokensOrNoneAreWanted) {
+TEST_F(DaemonTokenTest, ALostTokenFileStopsTheStartUntilItsMarkIsRemoved) {
   MakeToken("first");
   const auto is_refused = [&] {
     return absl::IsFailedPrecondition(Daemon::Start(config_, clock_).status());
   };
   std::filesystem::remove(config_.data / "tokens.db");
   EXPECT_TRUE(is_refused());
-  EXPECT_TRUE(is_refused()) << "and makes no empty file";
+  EXPECT_TRUE(is_refused()) << "a refused start must not create an empty file";
   std::filesystem::remove(config_.data / "tokens-made");
   EXPECT_FALSE(is_refused());
 }
@@ -449,7 +449,7 @@ TEST_F(DaemonTokenTest, WithRequireTokensItDoesNotStartWithoutAToken) {
   EXPECT_EQ(List(*Start(), ""), grpc::StatusCode::UNAUTHENTICATED);
 }
 
-TEST_F(DaemonTokenTest, ADamagedFileOfTokensStopsTheStart) {
+TEST_F(DaemonTokenTest, ADamagedTokenFileStopsTheStart) {
   std::ofstream(config_.data / "tokens.db").close();
   EXPECT_TRUE(absl::IsDataLoss(Daemon::Start(config_, clock_).status()));
 }

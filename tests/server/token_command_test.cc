@@ -118,7 +118,7 @@ TEST_F(TokenCommandTest, AFailedCreateLeavesNoFile) {
   EXPECT_FALSE(fs::exists(file_));
 }
 
-TEST_F(TokenCommandTest, RevokeTellsWhoAndList) {
+TEST_F(TokenCommandTest, RevokeStoresTheUserAndListShowsTheState) {
   Run({"create", "game", "--role", "admin", "--days", "30"});
   EXPECT_THAT(Run({"list"}), HasSubstr("admin     valid"));
   EXPECT_THAT(Run({"revoke", "game"}), HasSubstr("game: revoked"));

@@ -7,7 +7,7 @@ namespace {
 
 using Verdict = FailureLimit::Verdict;
 
-TEST(FailureLimitTest, TheEleventhFailureOfAnAddressWithinAMinuteIsBeyond) {
+TEST(FailureLimitTest, TheEleventhFailureOfAnAddressWithinAMinuteIsOverTheLimit) {
   FailureLimit limit;
   for (int i = 1; i < 10; ++i) EXPECT_EQ(limit.Count("a", 100 + i), Verdict::kBelow) << i;
   EXPECT_EQ(limit.Count("a", 200), Verdict::kReached);

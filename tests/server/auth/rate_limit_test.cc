@@ -21,7 +21,7 @@ TEST(RateBucketTest, AllowsABurstOfTenSecondsAndThenTheRate) {
   EXPECT_TRUE(bucket.full(now_ns + RateBucket::kBurstNs));
 }
 
-TEST(RateLimitTest, EachNameHasABucketOfItsOwn) {
+TEST(RateLimitTest, EachNameHasItsOwnBucket) {
   RateLimit limit;
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(limit.Take("a", 1, 0));
   EXPECT_FALSE(limit.Take("a", 1, 0));

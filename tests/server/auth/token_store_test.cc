@@ -83,7 +83,7 @@ TEST_F(TokenStoreTest, EveryTokenIsDifferent) {
   EXPECT_EQ(tokens.size(), 100u);
 }
 
-TEST_F(TokenStoreTest, LoadReturnsWhatCreateWasGiven) {
+TEST_F(TokenStoreTest, LoadReturnsTheArgumentsOfCreate) {
   const TokenRequest request = {.name = "arcade",
                                 .role = Role::kOperator,
                                 .projects = {"arcade", "arcade 2"},

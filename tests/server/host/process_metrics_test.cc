@@ -26,7 +26,7 @@ std::map<std::string, double> ProcessValues() {
   return values;
 }
 
-TEST(ProcessMetricsTest, TheValuesAreThoseOfThisProcess) {
+TEST(ProcessMetricsTest, TheValuesDescribeThisProcess) {
   const auto values = ProcessValues();
   const auto now = static_cast<double>(std::time(nullptr));
   EXPECT_THAT(values.at("process_start_time_seconds"), AllOf(Gt(now - 86'400), Le(now + 60)));

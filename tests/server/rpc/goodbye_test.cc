@@ -156,12 +156,12 @@ TEST_F(GoodbyeTest, AMessageAfterAGoodbyeIsNotEvidence) {
   EXPECT_EQ(StoredFrames(id), 30u);
 }
 
-class FullTableGoodbyeTest : public GoodbyeTest {
+class SessionLimitGoodbyeTest : public GoodbyeTest {
  protected:
-  FullTableGoodbyeTest() { options_.max_sessions = 1; }
+  SessionLimitGoodbyeTest() { options_.max_sessions = 1; }
 };
 
-TEST_F(FullTableGoodbyeTest, AnEndedSessionWithUnstoredEvidenceStays) {
+TEST_F(SessionLimitGoodbyeTest, AnEndedSessionWithUnstoredEvidenceStays) {
   std::string id;
   {
     TelemetryClient client(channel_);
@@ -181,7 +181,7 @@ TEST_F(FullTableGoodbyeTest, AnEndedSessionWithUnstoredEvidenceStays) {
   EXPECT_FALSE(third.Open(OneArmHello()).resumed());
 }
 
-TEST_F(FullTableGoodbyeTest, AResumedSessionWithUnstoredEvidenceMakesNoRoom) {
+TEST_F(SessionLimitGoodbyeTest, AResumedSessionWithUnstoredEvidenceMakesNoRoom) {
   v1::Hello hello = OneArmHello();
   store_.Fail(true);
   {
@@ -200,7 +200,7 @@ TEST_F(FullTableGoodbyeTest, AResumedSessionWithUnstoredEvidenceMakesNoRoom) {
   EXPECT_EQ(second.Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
-TEST_F(FullTableGoodbyeTest, ALostSessionMakesRoomBecauseItsClientResendsUnstoredEvidence) {
+TEST_F(SessionLimitGoodbyeTest, ALostSessionMakesRoomBecauseItsClientResendsUnstoredEvidence) {
   v1::Hello hello = OneArmHello();
   {
     TelemetryClient client(channel_);

@@ -317,12 +317,12 @@ TEST_F(SessionsTest, ASlowWatcherReceivesSeveralChangesOfASessionOnce) {
   EXPECT_EQ(told[id], 2) << "in the list, and one update";
 }
 
-class FewWatchersTest : public SessionsTest {
+class WatcherLimitTest : public SessionsTest {
  protected:
-  FewWatchersTest() { options_.max_watchers = 1; }
+  WatcherLimitTest() { options_.max_watchers = 1; }
 };
 
-TEST_F(FewWatchersTest, TheNumberOfWatchersIsLimitedAndADrainEndsThem) {
+TEST_F(WatcherLimitTest, TheNumberOfWatchersIsLimitedAndADrainEndsThem) {
   SessionsWatch watch(*sessions_);
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
   SessionsWatch second(*sessions_);

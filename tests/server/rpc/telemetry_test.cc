@@ -423,12 +423,12 @@ TEST_F(TelemetryTest, ASessionLeavesMemoryAfterItsWindowAndIsResumedFromTheStore
   EXPECT_EQ(welcome.acknowledged_sequence(), 1u);
 }
 
-class FullTableTest : public TelemetryTest {
+class SessionLimitTest : public TelemetryTest {
  protected:
-  FullTableTest() { options_.max_sessions = 1; }
+  SessionLimitTest() { options_.max_sessions = 1; }
 };
 
-TEST_F(FullTableTest, ANewSessionIsRefusedWhileAllAreConnectedAndReplacesALostOne) {
+TEST_F(SessionLimitTest, ANewSessionIsRefusedWhileAllAreConnectedAndReplacesALostOne) {
   TelemetryClient first(channel_);
   first.Open(HelloMessage());
   TelemetryClient second(channel_);

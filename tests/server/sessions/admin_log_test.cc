@@ -119,12 +119,12 @@ TEST_F(AdminLogTest, ANameCannotForgeAFieldOfItsRow) {
                                 HasSubstr(";operator=token ben at "))));
 }
 
-class AdminLogAloneTest : public AdminLogTest {
+class AdminLogWithoutAuditTest : public AdminLogTest {
  protected:
-  AdminLogAloneTest() { options_.keeps_audit = false; }
+  AdminLogWithoutAuditTest() { options_.keeps_audit = false; }
 };
 
-TEST_F(AdminLogAloneTest, IsKeptWithoutAuditRowsOfDecisions) {
+TEST_F(AdminLogWithoutAuditTest, IsKeptWithoutAuditRowsOfDecisions) {
   Import();
   EXPECT_TRUE(LogHas(1));
 }

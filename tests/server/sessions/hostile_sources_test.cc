@@ -121,7 +121,7 @@ class HostileSourcesTest : public RpcTest {
   int source_count_ = 0;
 };
 
-TEST_F(HostileSourcesTest, ATenthOfLiarsHardlyChangesPriorsAndRevokingThemRestoresThePriors) {
+TEST_F(HostileSourcesTest, ATenthOfHostileTokensHardlyChangesPriorsUntilRevoked) {
   for (int client = 0; client < kHonest; ++client) {
     TeachHonestly("honest", client);
     TeachHonestly("attacked", client);
@@ -132,7 +132,7 @@ TEST_F(HostileSourcesTest, ATenthOfLiarsHardlyChangesPriorsAndRevokingThemRestor
   ExpectRestored("attacked");
 }
 
-TEST_F(HostileSourcesTest, ATenthOfLiarsGainsNothingByComingLast) {
+TEST_F(HostileSourcesTest, ATenthOfHostileTokensGainsNothingByTheLatestEvidence) {
   for (int client = 0; client < kHonest; ++client) {
     TeachHonestly("honest", client);
     TeachHonestly("attacked", client);

@@ -88,12 +88,12 @@ TEST_F(LastBailOutTest, ItCountsOnceIfTheGameReturnsAfterARestart) {
   EXPECT_EQ(StoredBailOuts(), 1u);
 }
 
-class FullTableLastBailOutTest : public LastBailOutTest {
+class SessionLimitLastBailOutTest : public LastBailOutTest {
  protected:
-  FullTableLastBailOutTest() { options_.max_sessions = 1; }
+  SessionLimitLastBailOutTest() { options_.max_sessions = 1; }
 };
 
-TEST_F(FullTableLastBailOutTest, ItReachesTheStoreWhenTheSessionMakesRoom) {
+TEST_F(SessionLimitLastBailOutTest, ItReachesTheStoreWhenTheSessionMakesRoom) {
   const v1::Hello hello = Dead();
   {
     TelemetryClient next(channel_);

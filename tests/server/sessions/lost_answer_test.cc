@@ -16,12 +16,12 @@ class LosingStore final : public storage::ForwardingStore {
   }
 };
 
-class LostAnswerTest : public RpcTest {
+class LostCommitResultTest : public RpcTest {
  protected:
-  LostAnswerTest() : RpcTest(std::make_unique<LosingStore>()) { options_.max_sessions = 1; }
+  LostCommitResultTest() : RpcTest(std::make_unique<LosingStore>()) { options_.max_sessions = 1; }
 };
 
-TEST_F(LostAnswerTest, AWatcherStillReceivesTheCommit) {
+TEST_F(LostCommitResultTest, AWatcherStillReceivesTheCommit) {
   const auto stub = v1::PosteriorsService::NewStub(channel_);
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));

@@ -16,9 +16,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-class WaitingTest : public RpcTest {
+class StoreOutageTest : public RpcTest {
  protected:
-  WaitingTest() {
+  StoreOutageTest() {
     options_.keep_waiting = [this](std::vector<priors::SourceUpdate> updates) {
       const std::lock_guard lock(mutex_);
       kept_ = std::move(updates);
@@ -60,7 +60,7 @@ class WaitingTest : public RpcTest {
   uint64_t kept_count_ = 0;                 // guarded by mutex_
 };
 
-TEST_F(WaitingTest, AnHourWithoutTheStoreIsKeptCompletelyAndCountsOnce) {
+TEST_F(StoreOutageTest, EvidenceOfAnHourIsKeptAndCountsOnce) {
   constexpr uint64_t kMinutes = 60;
   v1::Hello hello = OneArmHello();
   {
@@ -89,7 +89,7 @@ TEST_F(WaitingTest, AnHourWithoutTheStoreIsKeptCompletelyAndCountsOnce) {
   EXPECT_EQ(client.Open(hello).acknowledged_sequence(), 1 + kMinutes);
 }
 
-TEST_F(WaitingTest, KeepsTheEvidenceOfAnEndedSessionAtShutdown) {
+TEST_F(StoreOutageTest, KeepsTheEvidenceOfAnEndedSessionAtShutdown) {
   TelemetryClient client(channel_);
   LearnOneWindow(client, OneArmHello());
   store_.Fail(true);
@@ -106,7 +106,7 @@ TEST_F(WaitingTest, KeepsTheEvidenceOfAnEndedSessionAtShutdown) {
   EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
 }
 
-TEST_F(WaitingTest, KeepsActionsOfAdministratorsDuringTheOutage) {
+TEST_F(StoreOutageTest, KeepsActionsOfAdministratorsDuringTheOutage) {
   server_->RecordAction("action=token", "one from before");
   ASSERT_TRUE(Eventually([&] {
     bool is_stored = false;
@@ -127,7 +127,7 @@ TEST_F(WaitingTest, KeepsActionsOfAdministratorsDuringTheOutage) {
   EXPECT_THAT(rows, Not(HasSubstr("one from before")));
 }
 
-TEST_F(WaitingTest, KeepsNothingWhileTheStoreWorksAndForgetsAfterItsRecovery) {
+TEST_F(StoreOutageTest, KeepsNothingBeforeAndAfterTheOutage) {
   TelemetryClient client(channel_);
   LearnOneWindow(client, OneArmHello());
   for (int second = 0; second < 20; ++second) PassSecond();

@@ -94,7 +94,7 @@ class FencedStore final : public ForwardingStore {
   }
 };
 
-TEST_F(OutboxTest, DeliversOnceWhateverTheStoreAlreadyHas) {
+TEST_F(OutboxTest, DeliversOnceEvenIfTheStoreHasSomeUpdates) {
   FencedStore store;
   const SourceUpdate first = Update("one", 1, {Key("Grid")});
   ASSERT_TRUE(store.Commit(std::vector{first}).ok()) << "the answer was lost";

@@ -442,7 +442,7 @@ TEST(DataDirectoryTest, IsCreatedWhenMissingAndLockedByOneDaemon) {
   EXPECT_TRUE(DataDirectory::Open(path).ok());
 }
 
-TEST(DataDirectoryTest, OnlyItsOwnerCanReadItWhateverTheUmask) {
+TEST(DataDirectoryTest, OnlyItsOwnerCanReadItWithAnyUmask) {
   const test_support::TemporaryDirectory temporary;
   const auto path = temporary.path() / "data";
   const auto mode = [](const std::filesystem::path& of) {

@@ -329,7 +329,7 @@ TEST_F(StoreThreadTest, ClosingDoesNotRetryEachUpdateOnAFailingDisk) {
   EXPECT_TRUE(group_sizes_.empty());
 }
 
-TEST_F(StoreThreadTest, ClosingCommitsWhatIsQueuedAndRefusesTheRest) {
+TEST_F(StoreThreadTest, ClosingCommitsQueuedUpdatesAndRefusesLaterOnes) {
   Start({.group_interval = std::chrono::hours(1)});
   auto queued = Commit(Update("a", 1, {}));
   thread_->Close();

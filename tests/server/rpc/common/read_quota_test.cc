@@ -36,7 +36,7 @@ class ReadQuotaTest : public RpcTest {
   }
 };
 
-TEST_F(ReadQuotaTest, AnAddressHasAReadRateAndItsGamesPlayOn) {
+TEST_F(ReadQuotaTest, AnAddressHasAReadRateAndItsGamesContinue) {
   for (int i = 0; i < 10; ++i) {
     EXPECT_TRUE(List().ok());
     EXPECT_TRUE(Export().ok());
@@ -142,7 +142,7 @@ TEST_F(TransferQuotaTest, TheDaemonAndATokenHaveLimitedConcurrentTransfers) {
   EXPECT_TRUE(begin(2).ok()) << "the previous one has ended";
 }
 
-TEST_F(TransferQuotaTest, OneExportOrImportTooManyIsRefusedAndLogged) {
+TEST_F(TransferQuotaTest, AnExportOrImportOverTheLimitIsRefusedAndLogged) {
   options_.max_transfers = 0;
   server_->Adjust(options_);
   EXPECT_EQ(ReasonOf(Export("ann-token")), v1::ERROR_REASON_TOO_MANY_READS);
