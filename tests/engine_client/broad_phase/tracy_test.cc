@@ -78,7 +78,7 @@ TEST(RowGrids, ListOnlyBoxesThatChangedTheirRow) {
   EXPECT_EQ(moved[0], 61U);
 }
 
-class Lists : public testing::Test {
+class RowLists : public testing::Test {
  protected:
   void Lay() { lists_.Reset(GridsFor(boxes_)); }
   // Describes the errors of the lists: ids, order along the rows, or cells.
@@ -104,14 +104,14 @@ class Lists : public testing::Test {
   TracyLists lists_;
 };
 
-TEST_F(Lists, AreSortedAlongTheirRows) {
+TEST_F(RowLists, AreSortedAlongTheirRows) {
   Lay();
   lists_.Update(nullptr, boxes_);
   EXPECT_EQ(lists_.size(), boxes_.size());
   EXPECT_EQ(Fault(), "");
 }
 
-TEST_F(Lists, MoveOnlyBoxesThatChangedTheirRow) {
+TEST_F(RowLists, MoveOnlyBoxesThatChangedTheirRow) {
   Lay();
   lists_.Update(nullptr, boxes_);
   EXPECT_EQ(lists_.moved_count(), boxes_.size());
@@ -123,7 +123,7 @@ TEST_F(Lists, MoveOnlyBoxesThatChangedTheirRow) {
   EXPECT_EQ(Fault(), "");
 }
 
-TEST_F(Lists, AddNewObjectsAndDropTheLast) {
+TEST_F(RowLists, AddNewObjectsAndDropTheLast) {
   Lay();
   for (const size_t count : {100, 600, 599, 17, 0, 300, 600}) {
     const size_t before = lists_.size();
@@ -135,7 +135,7 @@ TEST_F(Lists, AddNewObjectsAndDropTheLast) {
   }
 }
 
-TEST_F(Lists, AreTheSameOnSeveralThreads) {
+TEST_F(RowLists, AreTheSameOnSeveralThreads) {
   BoxScene scene("brownian", 20'000, 3);
   boxes_.assign(scene.boxes().begin(), scene.boxes().end());
   Lay();
