@@ -112,8 +112,9 @@ class AdaptiveBroadPhase::Impl {
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // the command of SelectArm or of a guard
   TrialGuard trial_;
-  std::optional<TrialGuard::End> trial_end_;  // local_command_ ends this trial
-  bool keeps_structure_ = false;  // the arm before keeps its structure of the trial's begin
+  std::optional<TrialGuard::End> trial_end_;  // the trial that local_command_ ends
+  bool keeps_structure_ =
+      false;  // the previous arm keeps its structure from the start of the trial
   std::optional<PendingSwitch> pending_;
   std::atomic<bool> frozen_ = false;  // written by the frame thread
   bool manual_by_order_ = false;      // kManual was ordered by an operator and holds

@@ -20,7 +20,7 @@ void LaneCost::BeginWork() {
   work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
-// A search that overlaps the begin or the end of the work counts as a search during the work: all
+// A search that overlaps the start or the end of the work counts as a search during the work: all
 // of its extra time is then included. The expected time without the lane is capped at the work's
 // own time. A comparison needs at least as many searches before the work as during it, because the
 // few searches before the first sweep run on structures that still grow.

@@ -33,7 +33,7 @@ class LaneCost {
   // Call after the search, with the time it took. `epoch` changes whenever the active arm changes.
   void End(uint32_t begun, uint64_t detection_ns, uint32_t epoch) noexcept;
 
-  // Marks the begin of a stretch of the lane's work.
+  // Marks the start of a stretch of the lane's work.
   void BeginWork();
   // Ends a stretch that took `wall_ns` of wall-clock time. Returns the estimated extra time of the
   // frame thread: wall_ns · slowdown(), even if no search ran during the stretch.
@@ -70,7 +70,7 @@ class LaneCost {
   std::atomic<uint64_t> total_ns_{0};
   // Used by the lane's thread only.
   Searches alone_before_;   // searches up to the end of the latest work
-  Searches beside_before_;  // searches up to the begin of the current work
+  Searches beside_before_;  // searches up to the start of the current work
   Searches alone_between_;  // searches between the latest work and the current one
   uint32_t epoch_before_ = 0;
   double extra_ns_ = 0;

@@ -38,7 +38,7 @@ class ShadowLane::Watch final : public StopRequest {
   enum class End { kNone, kInterrupted, kTime, kMemory };
 
   // Watches a call made for the order `followed`, or for a visit if that is null. The call may take
-  // `time_ns` from Begin on. `held_bytes` is what backend and pairs hold before it.
+  // `time_ns` from Begin on. `held_bytes` is the memory of backend and pairs before the call.
   Watch(const ShadowLane& lane, const SwitchHandover::Order* followed, uint64_t time_ns,
         uint64_t held_bytes)
       : lane_(lane), followed_(followed), time_ns_(time_ns), held_bytes_(held_bytes) {}

@@ -66,8 +66,8 @@ struct ShadowVisit {
   uint64_t native_bytes = 0;
   uint64_t aabb_check_count = 0;  // mean over the measured frames
   bool capped = false;            // whether a cap ended the visit before the last frame
-  // Whether detection_ns was measured. If it was not, it is the time cap. With `capped`, the memory
-  // cap ended the first frame. Without, the lane's thread did not get its core, and the cost stays
+  // Whether detection_ns was measured. If not, detection_ns is the time cap: either the memory cap
+  // ended the first frame (`capped`), or the lane's thread did not get its core, and the cost stays
   // unknown.
   bool is_measured = true;
 };

@@ -10,7 +10,6 @@
 //
 // Thread safety: Want, Cancel, Take and Done on the frame thread, Offer and Decline on the lane's,
 // order() on both. Lock-free.
-// order() on both. Lock-free.
 #pragma once
 
 #include <atomic>

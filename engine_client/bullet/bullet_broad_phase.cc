@@ -28,7 +28,7 @@ CollisionFilter WrittenFilterOf(const btBroadphaseProxy& proxy) {
           .mask = static_cast<uint32_t>(proxy.m_collisionFilterMask)};
 }
 
-// Two proxies with such filters never pass each other's filters.
+// Returns whether a proxy with this filter can be static: two such proxies never form a pair.
 bool IsStatic(const CollisionFilter& filter) {
   constexpr uint32_t kStatic = btBroadphaseProxy::StaticFilter;
   return filter.category == kStatic && (filter.mask & kStatic) == 0;

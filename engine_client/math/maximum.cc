@@ -9,11 +9,11 @@
 namespace sweepstake::decision {
 namespace {
 
-// The length of a step in units of the densities' own scale. With half of it the error is 60 times
-// smaller.
+// The length of an integration step, as a multiple of the scale on which the densities change. Half
+// of this length would make the error 60 times smaller.
 constexpr double kStep = 0.5;
-// The weight of the slope in a step's scale; the curvature's weight is 1. An exponential tail needs
-// steps of 0.7 of its scale where its mass is.
+// The weight of the slope when that scale is computed; the curvature's weight is 1. An exponential
+// tail needs steps of 0.7 of its scale where its mass is.
 constexpr double kSlopeWeight = 0.5;
 // Lower probabilities are treated as 0, since they change no result.
 constexpr double kNegligibleProbability = 1e-12;
@@ -25,7 +25,7 @@ struct Jet {
   double second = 0;
 };
 
-// Returns the jet of a function whose value and whose logarithm's derivatives are given.
+// Returns the Jet of a function, given its value and the first two derivatives of its logarithm.
 Jet FromLogarithm(double value, double slope, double curvature) {
   return {value, value * slope, value * (slope * slope + curvature)};
 }
@@ -72,7 +72,7 @@ class MaximumIntegral {
   double end_;              // the highest low end: some variable is certainly above it
   double all_below_ = 1;    // P(all are below t)
   Jet shortfall_;           // P(some is above) · dv/dt
-  double value_above_ = 0;  // its integral from t upwards
+  double value_above_ = 0;  // integral of shortfall_ from t upwards
 };
 
 MaximumIntegral::MaximumIntegral(IndependentVariables& variables) : source_(variables) {

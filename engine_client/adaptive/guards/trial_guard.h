@@ -1,7 +1,7 @@
 // Ends a trial (SwitchCommand::trial_limit_percent): compares the frames of the tried arm with the
-// recent frames of the arm before, and reports when to go back.
+// recent frames of the previous arm, and reports when to switch back.
 //
-// Recent frames are the latest kBlockFrames to 2 kBlockFrames frames of the arm before, or all of
+// Recent frames are the latest kBlockFrames to 2 kBlockFrames frames of the previous arm, or all of
 // them if there are fewer. Two rules end a trial:
 // - Limit: two searches in a row exceed the longest recent search by more than the allowance. The
 //   allowance is trial_limit_percent − 100 percent of the longest recent frame, at least kLeastNs.
@@ -33,20 +33,21 @@ class TrialGuard {
   static constexpr uint64_t kLeastNs = 1'000'000;
   static constexpr uint64_t kBudgetShare = 40;
   static constexpr uint64_t kFrameShare = 8;
-  // The longest trial, in frames, after which the arm before continues with its old structure,
+  // The longest trial, in frames, after which the previous arm continues with its old structure,
   // because objects have not moved far. After a longer trial it rebuilds.
   static constexpr uint64_t kMaxKeptFrames = 8;
 
-  // How a trial ended.
+  // The measurements that ended a trial.
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns = 0;  // of the shorter of two frames, or the mean or less
-    uint64_t frame_count = 0;        // frames with a search in the trial
+    uint64_t detection_time_ns =
+        0;                     // shorter of the two frames over the limit, or at most the mean
+    uint64_t frame_count = 0;  // frames with a search in the trial
   };
 
   // Call when a switch from `arm_before` is executed. Begins a trial of `duration_ns` of frame time
-  // if the command asks for one and at least one frame of the arm before was recorded.
+  // if the command asks for one and at least one frame of the previous arm was recorded.
   void Begin(uint32_t arm_before, const SwitchCommand& command, uint64_t duration_ns) {
     trial_.reset();
     const Frames late = Frames::Of(block_, earlier_block_);
@@ -65,7 +66,7 @@ class TrialGuard {
   void Cancel() { trial_.reset(); }
 
   // Adds a finished frame. Returns the end of the trial if a rule above is broken; the next frame
-  // must then run the arm before.
+  // must then run the previous arm.
   std::optional<End> OnFrame(const FrameSample& sample) {
     if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return std::nullopt;
     const bool searches = sample.detection_time_ns > 0;
@@ -95,14 +96,14 @@ class TrialGuard {
   };
   struct Trial {
     uint32_t arm_before = 0;
-    Frames before;  // recent frames of the arm before
+    Frames before;  // recent frames of the previous arm
     uint64_t limit_ns = 0;
     uint64_t budget_ns = 0;
     uint64_t left_ns = 0;
     uint64_t frame_count = 0;
     uint64_t judged_count = 0;
     uint64_t judged_ns = 0;  // sum of the compared searches, each capped as the budget rule says
-    uint64_t over_ns = 0;    // detection time of the previous frame if over the limit
+    uint64_t over_ns = 0;    // detection time of the previous frame; 0 if within the limit
 
     // Adds a search. Returns the detection time that broke a rule, or 0.
     uint64_t Judge(uint64_t detection_ns) {

@@ -35,7 +35,7 @@ class StopPoll {
     if (stop_ != nullptr) stop_->WantsStop(NewBytes());
   }
 
-  // Returns whether to end the search, which has made `check_count` checks so far.
+  // Returns whether the search must end; it has made `check_count` checks so far.
   bool Ends(uint64_t check_count) { return check_count >= next_ && Ask(check_count); }
   // Returns the number of checks at which to call Ends next, or the maximum value without a
   // request.

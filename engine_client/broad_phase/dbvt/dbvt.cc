@@ -26,7 +26,8 @@ constexpr size_t kObjectsPerChanged = 4;
 // A frame is calm if at most one sampled object in this number moves further than
 // DbvtMargins::Step().
 constexpr size_t kSamplesPerFast = 32;
-// The maximum number of pairs per object with which margins are tried. Candidates cost memory.
+// Margins are tried only up to this number of pairs per object, because each candidate pair takes
+// memory.
 constexpr size_t kMaxPairsPerObject = 16;
 // The number of calm frames before margins are tried. It doubles up to kMaxCalmFrames each time
 // margins have held for fewer than kShortRest frames.

@@ -24,7 +24,7 @@ size_t Collect(std::span<const LeafBlock> leaves, const KdColumns& centers,
   size_t count = 0;
   for (const LeafBlock& leaf : leaves) {
     for (size_t at = 0; at < LeafBlock::kWidth; at += hn::Lanes(d)) {
-      // Sentinels are left out.
+      // Sentinels (min = +inf) are skipped.
       const auto valid = hn::Le(hn::LoadU(d, leaf.min[0] + at), max_float);
       for (size_t axis = 0; axis < 3; ++axis) {
         const auto min = hn::LoadU(d, leaf.min[axis] + at);

@@ -31,8 +31,8 @@ class PopulationJoins {
   PopulationJoins(ProxyKind& moving, ProxyKind& resting, Executor* executor)
       : moving_(moving), resting_(resting), executor_(executor) {}
 
-  // Determines which populations must be searched. Returns whether there are any, or whether pairs
-  // are kept. Must be called before FindPairs.
+  // Determines which populations must be searched. Returns false if there are none and no pairs are
+  // kept, so that FindPairs would find nothing. Must be called before FindPairs.
   bool Plan();
   // Appends all pairs that pass their filters, as ids with a < b. The order is the same for any
   // number of threads. Refreshes the trees.

@@ -31,7 +31,7 @@ constexpr size_t kBoxesPerCrossing = 128;
 // A margin is the narrowest cell divided by this. It is wide enough to hold slow boxes for many
 // frames, and narrow enough to add few pairs.
 constexpr float kMarginsPerCell = 48;
-// The maximum number of pairs per box with which margins are tried. With more, testing the kept
+// Margins are tried only up to this number of pairs per box. With more pairs, testing the kept
 // pairs costs as much as finding them.
 constexpr size_t kMaxPairsPerBox = 8;
 // Margins pay if they hold for this number of frames. Otherwise they are tried again after a wait

@@ -1,4 +1,4 @@
-// Lists of boxes, one per row of cells, that are kept between frames. They are sorted by the begin
+// Lists of boxes, one per row of cells, that are kept between frames. They are sorted by the start
 // of the boxes along the row.
 //
 // The next sweep over the lists inserts boxes that have arrived and removes those that have left.

@@ -20,11 +20,11 @@
 // switch). After half a second of frame time the switch is executed without it (a cold switch).
 //
 // A decider may command a trial. A trial ends early if the new arm is too expensive. That is so if
-// two frames in a row exceed the longest recent frame of the arm before by too much, or all frames
-// together exceed its mean. The next frame then runs the arm before again, without a command, and
-// the outcome reports it. A trial lasts for twice the settling time. Its first frames, paused and
-// loading frames do not count towards that time and do not end it; frames that rebuild do not end
-// it either. frames that rebuild.
+// two frames in a row exceed the longest recent frame of the previous arm by too much, or all
+// frames together exceed its mean. The next frame then runs the previous arm again, without a
+// command, and the outcome reports it. A trial lasts for twice the settling time. Its first frames,
+// paused and loading frames do not count towards that time and do not end it; frames that rebuild
+// do not end it either.
 #pragma once
 
 #include <atomic>
@@ -57,8 +57,8 @@ class FrameSink {
   virtual void OnFrame(const FrameSample& sample) noexcept = 0;
   virtual void OnDescriptor(const SceneDescriptor& descriptor) noexcept = 0;
   virtual void OnSwitch(const SwitchOutcome& outcome) noexcept = 0;
-  // Called when the game has executed an operator's order, and when a bail-out has ended one. Not
-  // called for SetMode.
+  // Called when the game has executed an operator's order, and when a bail-out has ended a kManual
+  // that an operator ordered. Not called for SetMode.
   virtual void OnModeChange(const ModeChange& /*change*/) noexcept {}
   // Called on the shadow lane's thread, one call at a time.
   virtual void OnShadow(const ShadowSample& /*sample*/) noexcept {}
@@ -93,10 +93,10 @@ struct AdaptiveOptions {
   // Empty: the first of `arms`, or KDTree if `arms` is empty; KDTree is seldom far from the best.
   std::string initial_arm = {};
   Mode mode = Mode::kAi;
-  // Frames longer than this are flagged (paper §4); the decider judges whether one is a bail-out.
-  // Without a decider, and to end an operator's order, a frame is one if its arm is to blame. That
-  // is so if detection took at least half of the frame, and the game was neither paused nor
-  // loading. > 0. A daemon's welcome message replaces the value.
+  // Frames longer than this are flagged (paper §4); the decider judges whether a flagged frame is a
+  // bail-out. Without a decider, and to end an operator's order, a flagged frame is a bail-out if
+  // its arm is to blame. That is so if detection took at least half of the frame, and the game was
+  // neither paused nor loading. > 0. A daemon's welcome message replaces the value.
   uint64_t bail_out_ns = 5'000'000'000;
   // The time after a switch over which its settling cost is measured. A trial lasts for twice that.
   // The embedded decider and a daemon's welcome message replace the value permanently.

@@ -111,7 +111,7 @@ class BulletBroadPhase final : public btBroadphaseInterface {
     using btBroadphaseProxy::btBroadphaseProxy;
     ProxyHandle handle;
     CollisionFilter filter;      // the group and the mask that count
-    uint32_t rest_count = 0;     // how often the same box was sent, up to the count of sleep
+    uint32_t rest_count = 0;     // how often in a row the same box was sent, up to kRestCount
     bool is_refiltered = false;  // the next search filters the pairs again
   };
 

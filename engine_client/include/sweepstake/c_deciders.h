@@ -33,9 +33,9 @@ typedef struct swp_decider_options {
   const char* build;         /* of the game; priors of other builds count less. NULL: unknown */
   /* The name under which swp_session_export_priors exports what is learnt. A game that keeps a name
    * per installation has records that grow from run to run. An installation that loses its save
-   * needs a new name: the numbers of its records begin at 1 again, and a store that has later ones
-   * ignores them. NULL: a new name each time. A save that is loaded and exported again then grows
-   * by the records of each run; above 200,000 records it is refused. */
+   * needs a new name: the sequence numbers of its records begin at 1 again, and a store that has
+   * higher numbers ignores these records. NULL: a new name each time. A save that is loaded and
+   * exported again then grows by the records of each run; above 200,000 records it is refused. */
   const char* source_id;
   /* Priors to start from, as `sweepstake priors export` and swp_session_export_priors write them: a
    * file, its content, or both, which are then merged. NULL: Beta(1,1). */

@@ -29,7 +29,7 @@ typedef struct swp_hooks {
   void* (*allocate)(uint64_t bytes, uint64_t alignment, void* user);
   /* Frees what `allocate` returned for the same `bytes` and `alignment`. */
   void (*release)(void* pointer, uint64_t bytes, uint64_t alignment, void* user);
-  /* Called at the begin and the end of a named stretch of work; zones of one thread nest. */
+  /* Called at the start and the end of a named stretch of work; zones of one thread nest. */
   void (*zone_begin)(const char* name, void* user);
   void (*zone_end)(const char* name, void* user);
   /* Called first on each thread that the library starts, so that affinity and priority can be set.

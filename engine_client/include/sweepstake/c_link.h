@@ -42,7 +42,7 @@ typedef struct swp_link swp_link;
 /* As SessionOptions in session.h. The texts are names of at most 128 bytes. */
 typedef struct swp_link_options {
   uint32_t struct_size;
-  uint32_t allow_operator_orders; /* 1: operators may choose mode and arm. Not for players. */
+  uint32_t allow_operator_orders; /* 1: operators may choose mode and arm; 0 in shipped games */
   const char* daemon;         /* name of the daemon in messages, such as its address; NULL or "":
                                  none */
   const char* project;        /* NULL: "default" */
@@ -79,13 +79,13 @@ enum {
 typedef uint32_t swp_link_state;
 enum {
   SWP_LINK_OFFLINE = 0,
-  SWP_LINK_CONNECTING = 1, /* from connected to the daemon's welcome */
+  SWP_LINK_CONNECTING = 1, /* from swp_link_connected to the daemon's welcome */
   SWP_LINK_ONLINE = 2,
   SWP_LINK_CLOSED = 4 /* after swp_link_goodbye: nothing is left to do, except to end a stream while
                          the action is SWP_LINK_CANCEL */
 };
 
-/* Since the link was made. */
+/* The statistics of a link since it was created. */
 typedef struct swp_link_stats {
   uint32_t struct_size;
   swp_link_state state;
@@ -93,13 +93,13 @@ typedef struct swp_link_stats {
   uint64_t discarded_frame_count; /* refused by the daemon */
   uint64_t sent_sequence;
   uint64_t acknowledged_sequence; /* messages up to this one are on the daemon's disk */
-  uint64_t connection_count;      /* welcomes */
+  uint64_t connection_count;      /* welcome messages received */
   uint64_t resumed_count;
   uint64_t resent_message_count;
   uint64_t command_count;          /* switches that the daemon commanded */
   uint64_t unknown_message_count;  /* of a newer protocol, ignored */
   uint64_t prior_source_count;     /* sources in the priors it started from */
-  uint64_t seed;                   /* of the daemon's draws */
+  uint64_t seed;                   /* seed of the daemon's random draws */
   uint32_t priors_unavailable;     /* 1: the daemon could not read all of its priors */
   uint32_t awaits_acknowledgement; /* 1: sending pauses until the daemon acknowledges */
 } swp_link_stats;
@@ -110,9 +110,9 @@ enum {
   SWP_LINK_LAST_ERROR = 0, /* what went wrong most recently and what to do; "": nothing */
   SWP_LINK_REFUSAL = 1, /* why the daemon refused the token, the names or the protocol of the latest
                            attempt; "": it did not (LAST_ERROR has other failures) */
-  SWP_LINK_SESSION_ID = 2,     /* "" before the first welcome, as the next two */
-  SWP_LINK_DAEMON_VERSION = 3, /* of the program */
-  SWP_LINK_POLICY = 4          /* that decides */
+  SWP_LINK_SESSION_ID = 2,     /* "" before the first welcome, like the next two */
+  SWP_LINK_DAEMON_VERSION = 3, /* version of the daemon's program */
+  SWP_LINK_POLICY = 4          /* name of the policy that decides */
 };
 
 /* Value of delay_ms: no further stream may be opened. */
@@ -159,7 +159,7 @@ SWP_API swp_result swp_link_disconnected(swp_link* link, uint32_t grpc_status_co
                                          const char* message, const void* details,
                                          uint64_t details_size, uint64_t now_ns,
                                          uint32_t* delay_ms);
-/* Begins the end: the remaining evidence is sent, then a goodbye, and the state becomes
+/* Starts to end the session: the remaining evidence is sent, then a goodbye, and the state becomes
  * SWP_LINK_CLOSED. At the deadline at the latest, SWP_LINK_CANCEL ends the stream. No further
  * stream follows. If no stream is open, or it breaks before the end, the state becomes
  * SWP_LINK_CLOSED at once and unsent evidence is dropped. An offline caller that wants to keep the

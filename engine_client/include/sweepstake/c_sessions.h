@@ -134,14 +134,14 @@ enum {
   SWP_SHADOW_STATE_TOO_BIG = 5 /* the scene does not fit in the lane's memory */
 };
 
-/* Since the session began. */
+/* The shadow lane's counters since the session began. */
 typedef struct swp_shadow_stats {
   uint32_t struct_size;
   swp_shadow_state state;
-  uint64_t sweep_count; /* over the arms that were due */
-  uint64_t visit_count; /* of one arm each */
+  uint64_t sweep_count; /* sweeps: passes over the arms that were due */
+  uint64_t visit_count; /* visits: measurements of one arm each */
   uint64_t capped_visit_count;
-  uint64_t busy_time_ns; /* of the lane's thread */
+  uint64_t busy_time_ns; /* busy time of the lane's thread */
   uint64_t memory_bytes; /* now */
   uint64_t copied_frame_count;
   uint64_t copy_time_ns;      /* on the frame thread */
@@ -192,12 +192,12 @@ typedef struct swp_decision {
   uint64_t time_ns;     /* on the clock of now_ns; the decision's age is the time since then */
   uint32_t active_arm;
   uint32_t candidate_arm;           /* the arm that the policy proposed; SWP_NO_ARM: none */
-  uint64_t command_id;              /* of the commanded switch; 0: none */
+  uint64_t command_id;              /* id of the commanded switch; 0: none */
   uint32_t command_arm;             /* SWP_NO_ARM: none */
   swp_switch_reason command_reason; /* 0: none */
   swp_verdict verdict;
-  double expected_loss_ratio;  /* of choosing the leader, relative to the best arm's cost */
-  double best_probability[32]; /* the probability of each arm to be the best; all 0: unknown */
+  double expected_loss_ratio;  /* expected loss of choosing the leader ÷ the best arm's cost */
+  double best_probability[32]; /* each arm's probability of being the best; all 0: unknown */
 } swp_decision;
 
 /* Sets the defaults: all arms, KDTree at first, SWP_MODE_AI, a bail-out limit of 5 s, 2 s of

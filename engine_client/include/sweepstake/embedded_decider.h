@@ -38,8 +38,8 @@ struct CostRatio {
 
 // A session's measurements of an arm, and the conclusions from them in readable units.
 struct ArmStanding {
-  uint64_t live_window_count = 0;  // decision windows in which the arm was active and learnt from
-  uint64_t lane_visit_count = 0;   // visits of the shadow lane that were learnt from
+  uint64_t live_window_count = 0;  // windows with this arm active that the policy learnt from
+  uint64_t lane_visit_count = 0;   // visits of the shadow lane that the policy learnt from
   // The width of the posterior, expressed as the number of live windows of an unchanging arm that
   // would give the same width. Priors and evidence of the lane are included.
   double effective_window_count = 0;
@@ -72,7 +72,7 @@ struct DecisionEvent {
   std::optional<double> reward;
   // The posteriors after the update, in the order of the arms.
   std::vector<ArmBelief> beliefs;
-  // The probability of each arm to be the best; empty while nothing is known.
+  // The probability of each arm of being the best; empty while nothing is known.
   std::vector<double> best_probability;
   // The expected loss of choosing the leader, relative to the cost of the best arm.
   double expected_loss_ratio = 0;
@@ -80,11 +80,11 @@ struct DecisionEvent {
 };
 
 struct EmbeddedOptions {
-  std::string policy = "default";  // that of AI Decides
+  std::string policy = "default";  // the policy of AI Decides
   // The priors are stored by project, scene, machine class and backend version.
   std::string project = "default";
   std::string scene = "default";
-  std::string machine_class;  // machines whose timings compare; empty: MachineClass() says it
+  std::string machine_class;  // class of comparable machines; empty: MachineClass()
   std::string build;          // of the game; evidence from other builds counts less. Empty: unknown
   // Priors to start from, as `sweepstake priors export` and ExportPriors write them: the path of a
   // file (in UTF-8), their text, or both. An example of both: priors that came with the game, and
@@ -94,9 +94,9 @@ struct EmbeddedOptions {
   std::string priors_data;
   // The name under which evidence is exported, at most 128 bytes. A game that keeps a name per
   // installation, such as a random number, has one record per arm. The record grows from run to
-  // run, and a store replaces the earlier one by it. Two installations must not share a name. An
-  // installation that loses its save needs a new name: the numbers of its records begin at 1 again,
-  // and a store that has later ones ignores them.
+  // run, and in a store the later record replaces the earlier one. Two installations must not share
+  // a name. An installation that loses its save needs a new name: the sequence numbers of its
+  // records begin at 1 again, and a store that has higher numbers ignores these records.
   //
   // Empty: a new name in each run. A save that is loaded and exported again then grows by the
   // records of each run; above 200,000 records it is refused.
@@ -109,8 +109,8 @@ struct EmbeddedOptions {
   // Minimum time from an executed switch to the next one that the policy chooses, at most 100 days.
   // Some policies wait less after a cheap switch. Bail-outs do not wait.
   uint64_t cooldown_ns = 40'000'000'000;
-  // Frame time after a switch that is not learnt from, at most 100 days. A trial lasts for twice
-  // this time; with 0 no trials are made.
+  // Frame time after a switch that is excluded from learning, at most 100 days. A trial lasts for
+  // twice this time; with 0 no trials are made.
   uint64_t settling_ns = 2'000'000'000;
   // The frame-rate floor in frames/s, 0–1000. A scene whose best arm is slower gets the verdict
   // degraded; with 0 no scene does.

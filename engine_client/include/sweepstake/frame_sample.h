@@ -80,7 +80,7 @@ struct SwitchCommand {
   uint64_t command_id = 0;  // 0: local
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
-  // Nonzero: a trial, which returns to the arm before if the new arm is too expensive. It does so
+  // Nonzero: a trial, which returns to the previous arm if the new arm is too expensive. It does so
   // after two frames in a row in which detection would make the longest recent frame longer than
   // this percentage of it, and by at least 1 ms. It also does so if all searches together exceed
   // the recent mean by a fortieth of the trial's duration. At most 255; below 100 counts as 100. 0:
@@ -102,8 +102,8 @@ struct ModeChange {
   uint64_t order_id = 0;  // the order that the game executes with it; 0: the game's own change
 };
 
-// The decider's conclusion about the scene. It changes when three decisions in a row give another
-// one. The same values as sweepstake.v1.Verdict.
+// The decider's conclusion about the scene. It changes when three decisions in a row give the same
+// other verdict. The same values as sweepstake.v1.Verdict.
 enum class Verdict : uint32_t {
   kUnknown = 0,    // nothing decided yet
   kStable = 1,     // one arm is the best with a probability of at least 0.8
@@ -139,7 +139,7 @@ enum class DecisionOutcome : uint32_t {
 struct LastDecision {
   static constexpr size_t kMaxArms = 32;
 
-  uint64_t decision_id = 0;  // from 1; 0 with a daemon
+  uint64_t decision_id = 0;  // counts from 1; 0 if a daemon decides, which does not send it
   // When it was made, or received from the daemon; its age is the time since then. The clock is
   // SteadyClock() with a Session, otherwise the one of now_ns.
   uint64_t time_ns = 0;
@@ -168,7 +168,7 @@ struct SwitchOutcome {
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
   // Set if the switch ends a trial that was too expensive; 0 for any other switch. The detection
   // time is that of the shorter of the two frames over the limit. If the budget was exceeded, it is
-  // at most the mean one. trial_arm is the arm that was tried.
+  // at most the mean of the trial. trial_arm is the arm that was tried.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

@@ -43,7 +43,7 @@ struct Hooks {
   // Frees what `allocate` returned for the same `bytes` and `alignment`.
   void (*release)(void* pointer, size_t bytes, size_t alignment, void* user) = nullptr;
 
-  // Called at the begin and the end of a named stretch of work, for a profiler. Zones of one thread
+  // Called at the start and the end of a named stretch of work, for a profiler. Zones of one thread
   // nest. `name` is one of those above. It stays the same in later versions; its pointer never
   // changes and stays valid as long as the library.
   void (*zone_begin)(const char* name, void* user) = nullptr;

@@ -300,7 +300,7 @@ class ProxySet {
   Status SweepBox(const BoxSweep& sweep, const CollisionFilter& filter, std::vector<RayHit>& hits);
   Status SweepBox(const BoxSweep& sweep, const CollisionFilter& filter, std::span<RayHit> hits,
                   size_t& count) const;
-  // Find the first of those hits; the proxy of `hit` is null if there is none.
+  // Find the nearest hit within the range; the handle in `hit` is null if nothing is hit.
   Status CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit);
   Status CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit) const;
   Status SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& filter, RayHit& hit);

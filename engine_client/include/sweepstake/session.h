@@ -63,8 +63,8 @@ struct SessionStats {
   uint64_t unknown_message_count = 0;  // of a newer protocol, ignored
   uint64_t prior_source_count = 0;     // sources in the priors the session started from
   bool priors_unavailable = false;     // the daemon could not read all of its priors
-  // The daemon's version, policy and seed; empty and 0 before the first welcome, and without a
-  // daemon. The same seed and policy give the same draws.
+  // The daemon's version, policy and seed. They are empty and 0 before the first welcome, and
+  // without a daemon. The same seed and policy give the same draws.
   std::string daemon_version;
   std::string policy;
   uint64_t seed = 0;

@@ -23,7 +23,7 @@ class BoxViewer {
   static constexpr uint32_t kMaxBytes = 64 * 1024;
   static constexpr uint32_t kMaxUntilMs = 10'000;
 
-  // The tap is borrowed.
+  // `tap` must outlive this object.
   explicit BoxViewer(ViewTap& tap) : tap_(tap) {}
 
   // Replaces the previous request. Values out of range are clamped.

@@ -140,7 +140,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_NO_FRAMES")] NoFrames = 5,
     /// <summary>
-    /// Manual mode: the window was recorded, not learnt from.
+    /// Manual mode: the window was recorded, and nothing was learnt.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_MANUAL")] Manual = 6,
     /// <summary>
@@ -1503,7 +1503,8 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A change of one scene: a posterior or decisions. Or a mark. A message with none of these is of a newer protocol.
+  /// A scene's changed posteriors, decisions of its sessions, or the mark all_told. A message with none of these comes from a newer
+  /// protocol.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class WatchPosteriorsResponse : pb::IMessage<WatchPosteriorsResponse>
@@ -1574,7 +1575,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(18, global::Sweepstake.Protocol.V1.DecisionEvent.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.DecisionEvent> decisions_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.DecisionEvent>();
     /// <summary>
-    /// The decisions of its sessions since the previous message, up to 100, in the order of time. Absent: none.
+    /// Decisions of a scene's sessions since the previous message, up to 100, in the order of time. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2000,7 +2001,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int VerdictFieldNumber = 8;
     private global::Sweepstake.Protocol.V1.Verdict verdict_ = global::Sweepstake.Protocol.V1.Verdict.Unspecified;
     /// <summary>
-    /// What the posteriors say of the scene. Absent: unknown. Never VERDICT_DEGRADED, which only a session knows.
+    /// The verdict about the scene, computed from the posteriors. Absent: unknown. Never VERDICT_DEGRADED, which depends on a
+    /// session's frame rate.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2599,8 +2601,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixLastSeenSFieldNumber = 8;
     private long unixLastSeenS_;
     /// <summary>
-    /// The latest time at which one of the arm's last 8 sources added evidence, of this arm or another, by its daemon's wall clock,
-    /// since 1970. Absent: unknown.
+    /// When one of the arm's latest 8 sources last added evidence about any arm, by the wall clock of that source's daemon, since
+    /// 1970. Absent: unknown.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2615,7 +2617,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RewardLow95FieldNumber = 9;
     private double rewardLow95_;
     /// <summary>
-    /// The central interval that contains the reward with a probability of 95 %. Always set.
+    /// The lower end of the central interval that contains the reward with a probability of 95 %. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2630,7 +2632,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RewardHigh95FieldNumber = 10;
     private double rewardHigh95_;
     /// <summary>
-    /// Its upper end. Always set.
+    /// The upper end of that interval. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2690,7 +2692,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int CostRatioFieldNumber = 13;
     private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
     /// <summary>
-    /// The cost divided by the leader's. Absent: as best_probability, or the rewards do not tell costs.
+    /// The arm's cost divided by the leader's. Absent: as best_probability, or rewards of this version do not measure costs.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3386,7 +3388,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForDouble(90);
     private readonly pbc::RepeatedField<double> bestProbability_ = new pbc::RepeatedField<double>();
     /// <summary>
-    /// Probability of each arm to be the best, in the order of arms. Absent: nothing is known.
+    /// Probability of each arm of being the best, in the order of arms. Absent: nothing is known.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3398,8 +3400,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ExpectedLossRatioFieldNumber = 12;
     private double expectedLossRatio_;
     /// <summary>
-    /// The expected loss of choosing the leader, relative to the best arm's cost. The leader is the arm with the highest probability
-    /// to be the best. Absent: 0.
+    /// The expected loss of choosing the leader, relative to the best arm's cost. The leader is the arm with the highest
+    /// probability of being the best. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

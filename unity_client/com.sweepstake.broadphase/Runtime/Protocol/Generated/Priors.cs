@@ -1201,8 +1201,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixFromSFieldNumber = 5;
     private long unixFromS_;
     /// <summary>
-    /// Only sources that began at this time or later, by the daemon's wall clock, since 1970. Imported sources began at 0. Absent:
-    /// any.
+    /// Only sources that began at this time or later, by the daemon's wall clock, since 1970. The start time of an imported source
+    /// counts as 0. Absent: any.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2450,7 +2450,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RecordCountFieldNumber = 2;
     private ulong recordCount_;
     /// <summary>
-    /// Their records. Absent: 0.
+    /// Records of these sources. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2766,7 +2766,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourcesFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.SourceFilter sources_;
     /// <summary>
-    /// Its sources. Absent: all evidence in quarantine.
+    /// Sources of the evidence. Absent: all evidence in quarantine.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3037,7 +3037,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RecordCountFieldNumber = 2;
     private ulong recordCount_;
     /// <summary>
-    /// These records. Absent: 0.
+    /// Records of these sources in quarantine. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3648,7 +3648,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int IsQuarantinedFieldNumber = 17;
     private bool isQuarantined_;
     /// <summary>
-    /// True in exports: it is in the daemon's quarantine and does not count. Ignored in imports. Absent: it counts.
+    /// True in exports: the record is in the daemon's quarantine and does not count. Ignored in imports. Absent: it counts.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3663,9 +3663,10 @@ namespace Sweepstake.Protocol.V1 {
     public const int WeightFieldNumber = 18;
     private double weight_;
     /// <summary>
-    /// In exports that request it: its weight in a new session of its scene and class of machines. That session plays the source's
-    /// build that was seen there last, and has the newest known version of the arm. For reward version 3 it is the weight of the
-    /// power prior, from 0 to 0.5; otherwise 1. Ignored in imports. Absent: 0, such a session does not use the record.
+    /// Only in exports that request weights: the record's weight in a new session of the same scene and class of machines. That
+    /// session is assumed to play the build that was seen there last, with the newest known version of the arm. For reward version
+    /// 3 it is the weight of the power prior, from 0 to 0.5; otherwise 1. Ignored in imports. Absent: 0, such a session does not
+    /// use the record.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

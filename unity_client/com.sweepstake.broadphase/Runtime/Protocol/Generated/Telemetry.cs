@@ -184,7 +184,8 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("MODE_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The game chooses the arm. Everything is recorded, but only the shadow lane is learnt from, and nothing becomes evidence.
+    /// The game chooses the arm. Everything is recorded, but the daemon learns only from the shadow lane, and nothing becomes
+    /// evidence.
     /// </summary>
     [pbr::OriginalName("MODE_MANUAL")] Manual = 1,
     /// <summary>
@@ -250,7 +251,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("SHADOW_FLAG_ACTIVE")] Active = 1,
     /// <summary>
-    /// Stopped at a cap of the lane; the times are those until then.
+    /// A cap of the lane ended the visit early; the times cover the visit up to the cap.
     /// </summary>
     [pbr::OriginalName("SHADOW_FLAG_CAPPED")] Capped = 2,
   }
@@ -312,11 +313,11 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("VERDICT_STABLE")] Stable = 1,
     /// <summary>
-    /// Less than that, and choosing the leader loses at most 0.5 %.
+    /// The leader's probability is below 0.8, and choosing the leader loses at most 0.5 %.
     /// </summary>
     [pbr::OriginalName("VERDICT_TIE")] Tie = 2,
     /// <summary>
-    /// Less than that, and choosing the leader may lose more.
+    /// The leader's probability is below 0.8, and choosing the leader may lose more than 0.5 %.
     /// </summary>
     [pbr::OriginalName("VERDICT_AMBIGUOUS")] Ambiguous = 3,
     /// <summary>
@@ -329,7 +330,7 @@ namespace Sweepstake.Protocol.V1 {
 
   #region Messages
   /// <summary>
-  /// A message of the game.
+  /// A message from the game to the daemon.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class StreamTelemetryRequest : pb::IMessage<StreamTelemetryRequest>
@@ -1010,8 +1011,8 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A message of the daemon: everything that has changed since its last response. The client processes the fields one by one in
-  /// this order, and ignores unknown ones. In version 1 of the protocol a response has one field only.
+  /// A message from the daemon to the game: everything that has changed since the previous response. The client processes the
+  /// fields one by one in this order, and ignores unknown ones. In version 1 of the protocol a response has one field only.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class StreamTelemetryResponse : pb::IMessage<StreamTelemetryResponse>
@@ -4361,8 +4362,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 9;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// Set if the switch ends a trial (SwitchCommand.trial_limit_percent) early: detection time of the shorter of two frames over the
-    /// limit, or at most the trial's mean if the budget was exceeded. Absent (0): it ended no trial.
+    /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): that of the shorter of the two frames over the
+    /// limit. If the budget was exceeded, it is at most the mean of the trial. Absent (0): the switch did not end a trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4824,7 +4825,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int FrameTimeNsFieldNumber = 4;
     private ulong frameTimeNs_;
     /// <summary>
-    /// Its whole time. Absent: 0.
+    /// Time of the whole frame. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4839,7 +4840,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DetectionTimeNsFieldNumber = 5;
     private ulong detectionTimeNs_;
     /// <summary>
-    /// Its broad-phase time. Below half of the frame time, only policy `paper` blames the arm. Absent: 0.
+    /// Broad-phase time of the frame. If it is below half of the frame time, only policy `paper` blames the arm. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5210,7 +5211,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int OrderIdFieldNumber = 3;
     private ulong orderId_;
     /// <summary>
-    /// The operator's order that the game executes with it. Absent (0): the game's own change.
+    /// The operator's order that the game executes with this change. Absent (0): the game's own change.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5993,7 +5994,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SettlingMsFieldNumber = 9;
     private uint settlingMs_;
     /// <summary>
-    /// Time after a switch whose frames are not learnt from, time scale applied. Absent: 0.
+    /// Frame time after a switch that is excluded from learning, time scale applied. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6053,7 +6054,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SeedFieldNumber = 15;
     private ulong seed_;
     /// <summary>
-    /// Seed of the session's random draws, with which it can be repeated. Absent: 0.
+    /// Seed of the session's random draws; the same seed gives the same draws. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6127,7 +6128,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProtocolVersionFieldNumber = 20;
     private uint protocolVersion_;
     /// <summary>
-    /// The protocol version in use: the newest that both sides support. A client ends a stream with another one. Absent (0): 1.
+    /// The protocol version in use: the newest that both sides support. A client ends the stream if it does not support this
+    /// version. Absent (0): 1.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7027,9 +7029,9 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialLimitPercentFieldNumber = 4;
     private uint trialLimitPercent_;
     /// <summary>
-    /// Makes the switch a trial of twice the settling time. The client returns to the arm before if two detections in a row exceed
-    /// the longest recent one by (this − 100) % of the longest recent frame, at least 1 ms. It also returns if all detections exceed
-    /// the mean by 1/40 of the trial's time in total. The first three frames do not count. Absent (0): no trial.
+    /// Makes the switch a trial of twice the settling time. The client returns to the previous arm if two detections in a row
+    /// exceed the longest recent one by (this − 100) % of the longest recent frame, at least 1 ms. It also returns if all
+    /// detections exceed the mean by 1/40 of the trial's time in total. The first three frames do not count. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7840,7 +7842,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A session's measurements of an arm since the daemon has known it, and the conclusions in readable units.
+  /// A session's measurements of an arm since the session entered the daemon's memory, and conclusions in readable units.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ArmStanding : pb::IMessage<ArmStanding>
@@ -7895,7 +7897,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LiveWindowCountFieldNumber = 1;
     private ulong liveWindowCount_;
     /// <summary>
-    /// Decision windows in which the arm was active and learnt from. Absent: 0.
+    /// Decision windows in which the arm was active and from which the session learnt. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7910,7 +7912,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LaneVisitCountFieldNumber = 2;
     private ulong laneVisitCount_;
     /// <summary>
-    /// Visits of the shadow lane that were learnt from. Absent: 0.
+    /// Visits of the shadow lane from which the session learnt. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7956,7 +7958,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int CostRatioFieldNumber = 5;
     private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
     /// <summary>
-    /// Its cost ÷ that of the leader. Absent: unknown, or the policy's reward does not depend on the cost alone.
+    /// The arm's cost ÷ the leader's cost. Absent: unknown, or the policy's reward does not depend on the cost alone.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8297,7 +8299,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int HighFieldNumber = 3;
     private double high_;
     /// <summary>
-    /// The upper bound. Absent: 0.
+    /// The upper bound of the interval. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
