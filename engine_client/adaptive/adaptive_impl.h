@@ -113,8 +113,7 @@ class AdaptiveBroadPhase::Impl {
   std::optional<SwitchCommand> local_command_;  // the command of SelectArm or of a guard
   TrialGuard trial_;
   std::optional<TrialGuard::End> trial_end_;  // the trial that local_command_ ends
-  bool keeps_structure_ =
-      false;  // the previous arm keeps its structure from the start of the trial
+  bool keeps_structure_ = false;  // whether the previous arm keeps its structure during a trial
   std::optional<PendingSwitch> pending_;
   std::atomic<bool> frozen_ = false;  // written by the frame thread
   bool manual_by_order_ = false;      // kManual was ordered by an operator and holds

@@ -94,7 +94,7 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
       !options.project.empty() || !options.scene.empty() || file->waiting_count > 0;
   if (leaves_some && file->count == 0) {
     const std::string none =
-        options.sums ? "no matching records that count" : "no matching records";
+        options.sums ? "no matching records outside the quarantine" : "no matching records";
     return FailAnswer(
         terminal,
         Status(StatusCode::kNotFound,
@@ -222,7 +222,7 @@ Status CheckNamesAny(const SourceChoice& sources) {
 
 // Describes a revocation that removes nothing.
 std::string NothingText(const PriorsOptions& options) {
-  std::string text = "no session matches that is not already revoked";
+  std::string text = "no session matches, or all that match are revoked already";
   const std::string& source = options.sources.source_id;
   if (source.empty() || options.sources != SourceChoice{.source_id = source})
     return text + "; `sweepstake audit list` and exports show the sessions\n";
@@ -306,7 +306,7 @@ void DeclareSources(CLI::App& command, PriorsOptions& options) {
 
 void AddSourceCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
   AddCommand<PriorsOptions>(
-      priors, "promote", "Make imports in a daemon's quarantine count",
+      priors, "promote", "Promote imported evidence: it leaves the quarantine and counts",
       "  sweepstake priors promote --daemon 127.0.0.1:7433\n"
       "  sweepstake priors promote --daemon 127.0.0.1:7433 --project arcade --build 1.3 --yes\n"
       "Without --yes it only shows what would count. Without a filter it promotes everything\n"
@@ -315,7 +315,7 @@ void AddSourceCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
       exit_code, DeclareSources,
       [&terminal](const PriorsOptions& options) { return RunPromote(options, terminal); });
   AddCommand<PriorsOptions>(
-      priors, "revoke", "Remove the evidence of sessions from a daemon, exactly",
+      priors, "revoke", "Remove all evidence of the selected sessions from a daemon",
       "  sweepstake priors revoke --daemon 127.0.0.1:7433 --project arcade --build 1.3\n"
       "  sweepstake priors revoke --daemon 127.0.0.1:7433 --token-id 7 --since 1760000000 --yes\n"
       "Without --yes it only shows what would be removed. A revocation is permanent: later\n"

@@ -62,7 +62,7 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake watch --daemon 127.0.0.1:7433 --json --follow\n"
       "  sweepstake watch --daemon daemon.example:7433 --tls-ca ca.pem\n"
       "95_low to 95_high: the central 95 % of an arm's posterior, and of its cost divided by the\n"
-      "leader's. best: the probability to be the best arm, as if all windows were independent.\n"
+      "leader's. best: the probability of being the best arm, as if all windows were independent.\n"
       "For the session of the latest decision: n, the effective number of live windows; live and\n"
       "lane, the live windows and shadow-lane visits in its evidence. Verdicts: stable\n"
       "(best >= 0.8), tie (less, but choosing the leader loses at most 0.5 %), ambiguous; in\n"

@@ -82,8 +82,8 @@ struct CostRatio {
 
 // What a session has measured of an arm, in units that people read.
 struct ArmStanding {
-  uint64_t live_window_count = 0;  // windows learnt
-  uint64_t lane_visit_count = 0;   // visits of the shadow lane learnt
+  uint64_t live_window_count = 0;  // windows that the session learnt from
+  uint64_t lane_visit_count = 0;   // visits of the shadow lane that it learnt from
   // The width of the posterior, as the number of live windows of an unchanging arm that would give
   // it. It includes priors and visits.
   double effective_window_count = 0;

@@ -41,9 +41,8 @@ class TrialGuard {
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns =
-        0;                     // shorter of the two frames over the limit, or at most the mean
-    uint64_t frame_count = 0;  // frames with a search in the trial
+    uint64_t detection_time_ns = 0;  // of the shorter of two long frames, or at most the mean
+    uint64_t frame_count = 0;        // frames with a search in the trial
   };
 
   // Call when a switch from `arm_before` is executed. Begins a trial of `duration_ns` of frame time

@@ -12,7 +12,7 @@ constexpr std::chrono::milliseconds kRedrawInterval{200};
 constexpr char kHomeAndClear[] = "\x1b[H\x1b[2J";
 constexpr char kLegend[] =
     "|: mean, -: central 95 % of the posterior, cost: ratio to the leader's,\n"
-    "best: probability to be the best arm, n: effective number of live windows. Ctrl-C ends.\n";
+    "best: probability of being the best arm, n: effective number of live windows. Ctrl-C ends.\n";
 
 // Returns 0 for a policy that this program does not have.
 uint32_t RewardVersionOf(const std::string& policy) {

@@ -29,7 +29,7 @@ struct SwitchEvent {
 
 // A change of the decider's verdict.
 struct VerdictEvent {
-  uint64_t frame_index = 0;  // the first frame that saw it
+  uint64_t frame_index = 0;  // the first frame with the new verdict
   uint64_t time_ns = 0;      // since the run began
   SceneVerdict verdict;
 };
@@ -44,10 +44,10 @@ struct ArmActivity {
 // The total time of all frames, by stage.
 struct FrameProfile {
   uint64_t step_ns = 0;       // the scene's motion
-  uint64_t detection_ns = 0;  // update and search, without rebuild frames
+  uint64_t detection_ns = 0;  // update and search; frames that rebuilt are excluded
   uint64_t rebuild_ns = 0;    // update and search in frames that built the structure
   uint64_t around_ns = 0;     // the rest up to EndFrame: pending switch, box copies, descriptors
-  uint64_t end_ns = 0;        // EndFrame: sample, sink, bail-out guard
+  uint64_t end_ns = 0;        // EndFrame: completing the sample, the sink, the bail-out guard
 };
 
 class GameRun final : private FrameSink {

@@ -24,7 +24,7 @@ std::vector<std::string> StandingCells(const std::optional<ArmStanding>& standin
 }
 
 std::string StandingLegend() {
-  return "cost: ratio to the leader's, with its 95 % interval; best: probability to be the best "
+  return "cost: ratio to the leader's, with its 95 % interval; best: probability of being the best "
          "arm;\n"
          "n: effective number of live windows; live, lane: live windows and shadow-lane visits in "
          "the evidence\n";

@@ -12,8 +12,8 @@
 namespace sweepstake::cli {
 
 // Returns "cost", "95_low", "95_high", "best", "n", "live" and "lane": the cost divided by the
-// leader's with its 95 % interval, the probability to be the best arm, the effective number of live
-// windows, and the live windows and shadow-lane visits in the evidence.
+// leader's with its 95 % interval, the probability of being the best arm, the effective number of
+// live windows, and the live windows and shadow-lane visits in the evidence.
 std::vector<std::string> StandingHeader();
 // Returns the cells under that header. An unknown value is "-".
 std::vector<std::string> StandingCells(const std::optional<ArmStanding>& standing);

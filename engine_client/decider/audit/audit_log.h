@@ -3,10 +3,10 @@
 //
 // A log is UTF-8 text by RFC 4180 with the header line below. A segment is the life of one
 // DecisionSession: it begins with its `setup` row, and its rows are numbered from 1. Frames are not
-// logged one by one, since a game makes some 3 kB of them in a second. Instead, each event logs
-// what the frames before it amount to, the state of the arms' runs (decision/session/arm_runs.h). A
-// log may therefore lack its last rows. Where a daemon has removed the oldest rows, or could not
-// write some, a `missing` row stands in their place: the decisions after it cannot be derived.
+// logged one by one, since a game makes some 3 kB of them in a second. Instead, each event logs a
+// summary of the frames before it: the state of the arms' runs (decider/session/arm_runs.h). A log
+// may therefore lack its last rows. Where a daemon has removed the oldest rows, or could not write
+// some, a `missing` row stands in their place: the decisions after it cannot be derived.
 //
 // Numbers are the shortest decimal text that reads back as the same bits. The last cell,
 // `log_hash`, is a hash (FNV-1a, 64 bits) of the segment up to there, so that an edit is found even
@@ -41,8 +41,8 @@ enum class AuditColumn : size_t {
   kFrame,           // bail-out: the members of Frame; switch: those of TrialEnd, if it ended one
   kShadow,          // tick: list of ShadowSample's members
   kDescriptor,      // tick: SceneDescriptor's members
-  kCommandId,       // refusal: refused; decision: commanded
-  kArm,             // switch, mode: active from now on; order: to be; decision: commanded
+  kCommandId,       // refusal: the refused command; decision: the issued one
+  kArm,             // switch, mode: now active; order: requested; decision: commanded
   kReason,          // reason of the switch or of the command
   kSwitchEpoch,     // switch
   kRebuildTimeNs,   // switch
@@ -132,8 +132,8 @@ inline constexpr std::array<std::string_view, static_cast<size_t>(AuditColumn::k
 // Returns the header line without its line end.
 std::string AuditHeader();
 
-// Returns the row that stands for rows that are not there; `row` is the number of the first of
-// them. It has no other cells.
+// Returns the `missing` row that replaces rows that were removed or not written. `row` is the
+// number of the first of these; the other cells are empty.
 std::string MissingRow(std::string_view session_id, uint32_t segment, uint64_t row);
 
 // Session id of the rows about actions of administrators. No session has this id.

@@ -1,5 +1,5 @@
 // The cells of the audit log that hold more than one value: the members of the input structs, the
-// state of the arms' runs, and a session's setup. Pure functions.
+// summary of the arms' runs (session/arm_runs.h), and a session's setup. Pure functions.
 #pragma once
 
 #include <concepts>
@@ -52,12 +52,13 @@ auto FieldsOf(T& scene) {
                   static_ratio);
 }
 
-// The cell of the arms' runs, "1 2:5:…", has whether the current tick has seen frames of the active
-// run; the members of that run, with those of its window last; and, if frames have shown a later
-// run, its members.
+// The cell of the arms' runs, such as "1 2:5:…", has up to three items. The first is 1 if the
+// current tick has had frames of the active run, otherwise 0. The second holds the members of the
+// active run, those of its window last. The third holds the members of the later run, if frames of
+// one have arrived.
 void AppendRuns(std::string& out, const ArmRuns& runs);
 
-// Returns nothing if the text is not the runs of a session with `arm_count` arms, or if a sum is
+// Returns nothing if the text cannot be the runs of a session with `arm_count` arms, or if a sum is
 // negative or not finite.
 std::optional<ArmRuns> ParseRuns(std::string_view text, uint32_t arm_count);
 

@@ -113,7 +113,7 @@ std::optional<AuditSetup> ParseSetup(std::string_view text, std::string& problem
   Parser parser(text, problem);
   VisitOrigin(parsed.origin, parser);
   VisitSetup(parsed.setup, parser);
-  if (problem.empty() && !parser.rest().empty()) problem = "it goes on after its end";
+  if (problem.empty() && !parser.rest().empty()) problem = "it has text after its last member";
   return problem.empty() ? std::optional(std::move(parsed)) : std::nullopt;
 }
 

@@ -38,7 +38,7 @@ bool CsvReader::ReadCell(std::string& cell) {
     cell.assign(text_.substr(begin, at_ - begin));
   }
   if (at_ == text_.size() || text_[at_] == ',' || AtLineEnd()) return true;
-  problem_ = "a quote is where none may be";
+  problem_ = "a quote is inside an unquoted cell, or text follows a closing quote";
   return false;
 }
 
@@ -47,7 +47,7 @@ bool CsvReader::ReadQuoted(std::string& cell) {
   while (true) {
     const size_t quote = text_.find('"', ++at_);
     if (quote == std::string_view::npos) {
-      problem_ = "a quote is never closed";
+      problem_ = "a quoted cell has no closing quote";
       return false;
     }
     for (; at_ < quote; ++at_) {

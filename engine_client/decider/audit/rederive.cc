@@ -35,7 +35,7 @@ Problem Unreadable(const Cells& cells, AuditColumn column) {
 }
 
 Problem WrongHash() {
-  return {AuditColumn::kLogHash, "does not fit: something in this row was edited"};
+  return {AuditColumn::kLogHash, "does not match: a cell of this row was edited"};
 }
 
 bool IsOfKind(const Cells& cells, AuditKind kind) {
@@ -64,7 +64,7 @@ std::string DifferenceText(std::string_view logged, std::string_view derived) {
   return "the log has " + Excerpt(logged, at) + ", derived again it is " + Excerpt(derived, at);
 }
 
-// The derivation of one segment.
+// Derives the decisions of one segment again and compares their rows with the log.
 class Segment final : public AuditSink {
  public:
   explicit Segment(PolicyRegistry policies) : policies_(policies) {}
@@ -120,7 +120,7 @@ std::optional<Problem> Segment::Apply(const Cells& cells) {
     if (Result problem = ReadTime(cells)) return problem;
   }
   if ((kind == AuditKind::kSetup) == (session_ != nullptr)) {
-    return Problem{AuditColumn::kKind, session_ ? "is setup in the middle of a segment"
+    return Problem{AuditColumn::kKind, session_ ? "is a setup row in the middle of a segment"
                                                 : "is " + name +
                                                       ", but a segment begins with its setup row; "
                                                       "rows before this one are missing"};
@@ -142,7 +142,7 @@ std::optional<Problem> Segment::Apply(const Cells& cells) {
       return ApplyOrder(cells);
     case AuditKind::kMissing:
     case AuditKind::kAdmin:
-      break;  // not of a segment that is derived
+      break;  // such rows are not derived
   }
   return Unreadable(cells, AuditColumn::kKind);
 }
@@ -248,7 +248,7 @@ std::optional<Problem> Segment::RestoreRuns(const Cells& cells) {
   if (!runs) return Unreadable(cells, AuditColumn::kRuns);
   if (!session_->RestoreRuns(*runs)) {
     return Problem{AuditColumn::kRuns,
-                   "has another arm or switch epoch active than the rows before lead to"};
+                   "has another active arm or switch epoch than follows from the rows before"};
   }
   return std::nullopt;
 }
@@ -292,7 +292,7 @@ std::optional<Problem> Segment::Compare(const Cells& cells) {
   return std::nullopt;
 }
 
-// The derivation of a whole log.
+// Derives all segments of a log again, and counts rows and decisions.
 class Rederivation {
  public:
   Rederivation(std::string_view csv, PolicyRegistry policies) : reader_(csv), policies_(policies) {}
@@ -370,7 +370,7 @@ class Rederivation {
     constexpr auto kFirstEmpty = static_cast<std::ptrdiff_t>(AuditColumn::kTimeNs);
     if (std::any_of(cells_.begin() + kFirstEmpty, cells_.end(),
                     [](const std::string& cell) { return !cell.empty(); }))
-      return Differ({{}, "stands for missing rows, but has cells of its own"});
+      return Differ({{}, "replaces missing rows, but has values in its other cells"});
     if (segment_) ++report_.incomplete_segment_count;
     segment_.reset();
     hash_.reset();
@@ -418,8 +418,8 @@ class Rederivation {
   const SegmentKeys::value_type* current_ = nullptr;
   std::unique_ptr<Segment> segment_;  // null after missing rows
   uint64_t row_in_segment_ = 0;       // the latest row's number
-  bool after_missing_ = false;        // the latest row was a `missing` one
-  std::optional<uint64_t> hash_;      // of the row before, where it cannot be derived
+  bool after_missing_ = false;        // whether the latest row was a `missing` row
+  std::optional<uint64_t> hash_;      // hash of the previous row, if that cannot be derived
 };
 
 }  // namespace

@@ -30,10 +30,10 @@ struct AuditDifference {
 };
 
 struct AuditReport {
-  // Counts up to the difference.
+  // The counts stop at the first difference.
   uint64_t session_count = 0;
-  uint64_t segment_count = 0;   // those whose first row is there
-  uint64_t row_count = 0;       // rows that are there
+  uint64_t segment_count = 0;   // segments whose first row is present
+  uint64_t row_count = 0;       // rows in the log, without `missing` ones
   uint64_t decision_count = 0;  // decisions that were derived
   uint64_t incomplete_segment_count = 0;
   uint64_t underived_decision_count = 0;      // decisions after missing rows

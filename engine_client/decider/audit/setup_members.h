@@ -44,7 +44,7 @@ void VisitSetup(Setup& setup, Visit& visit) {
   visit("decision_count", decision_count);
 }
 
-// Calls visit.IfAny for a list that is left out where it is empty.
+// Calls visit.IfAny for a list that is omitted if it is empty.
 template <EitherConst<AuditOrigin> Origin, typename Visit>
 void VisitOrigin(Origin& origin, Visit& visit) {
   visit("project", origin.project);

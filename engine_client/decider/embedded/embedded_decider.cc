@@ -23,7 +23,8 @@
 namespace sweepstake {
 namespace {
 
-// Keeps an interval that exceeds the maximum above it.
+// Converts an interval. A value above the maximum stays above it, so that the validation refuses
+// it.
 int64_t ToSigned(uint64_t interval_ns) {
   constexpr uint64_t kBeyond = decision::kMaxIntervalNs + 1;
   return static_cast<int64_t>(std::min(interval_ns, kBeyond));
@@ -80,7 +81,7 @@ std::string NewSourceId() {
   return name.data();
 }
 
-// Records that wait in a daemon's quarantine do not count in a game either.
+// Removes records that are in a daemon's quarantine; they do not count in a game either.
 std::vector<PriorRecord> WithoutQuarantined(std::vector<PriorRecord> records) {
   std::erase_if(records, [](const PriorRecord& record) { return record.is_quarantined; });
   return records;
@@ -189,7 +190,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
 };
 
 void EmbeddedDecider::Impl::Observe(std::span<const FrameSample> frames, int64_t now_ns) {
-  size_t first = 0;  // not yet observed
+  size_t first = 0;  // index of the first frame that is not yet observed
   for (size_t i = 0; i < frames.size(); ++i) {
     latest_epoch_ = frames[i].switch_epoch;
     if ((frames[i].flags & kFrameBailOut) == 0) continue;

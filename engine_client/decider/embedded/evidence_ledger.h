@@ -18,13 +18,14 @@
 
 namespace sweepstake {
 
-// Returns all records of both. If both have the same one, the higher sequence number counts.
+// Returns all records of both. If both have a record with the same KeyOf, the one with the higher
+// sequence number is kept.
 std::vector<PriorRecord> Unite(std::vector<PriorRecord> records, std::vector<PriorRecord> others);
 
 class EvidenceLedger {
  public:
-  // No two of `given` are the same evidence, as in ParsePriors and Unite. `key` names the session
-  // and its own source.
+  // REQUIRES: no two records of `given` have the same KeyOf; ParsePriors and Unite ensure that.
+  // `key` names the session and its own source.
   EvidenceLedger(std::vector<PriorRecord> given, decision::PriorKey key);
 
   // Returns the prior that follows from the given records.
@@ -33,7 +34,7 @@ class EvidenceLedger {
   // Adds what the decision learnt. REQUIRES: increments are of the key's arms.
   void Add(const decision::Decision& decision);
 
-  // Returns all that was given with all that was added.
+  // Returns the given records together with the added evidence.
   const std::vector<PriorRecord>& records() const { return records_; }
 
  private:

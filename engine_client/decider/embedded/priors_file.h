@@ -26,14 +26,14 @@
 
 namespace sweepstake {
 
-// Parses the text and checks every record. Two records with one KeyOf are an error, because the
-// evidence would count twice.
+// Parses the text and checks every record. Two records with the same KeyOf are an error, because
+// the evidence would count twice.
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text);
 // Formats version 2 if all records are sums, otherwise version 1.
 std::string FormatPriors(std::span<const PriorRecord> records);
 
 Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path);
-// Writes the file. It appears whole or not at all.
+// Writes the file atomically: after an error the previous file is unchanged.
 Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path);
 // Does the same with a text that FormatPriors or SumsWriter returned.
 Status WritePriorsText(std::string_view text, const std::filesystem::path& path);

@@ -74,7 +74,7 @@ OrderedJson CellOf(const PriorRecord& record) {
   return cell;
 }
 
-// The line of one build in a scene.
+// The evidence of one build in a scene, which becomes one line of the document.
 struct BuildLine {
   uint64_t last_seen_unix_s = 0;
   OrderedJson live;
@@ -348,7 +348,7 @@ Result<std::vector<PriorRecord>> SumsReader::Take(const Json& document) {
   if (scenes == document.end() || !scenes->is_array() || !scenes->empty())
     return Damaged("the priors have no array \"scenes\" of objects");
   if (document.value("checksum", Json()) != state_->checksum.Text())
-    return Damaged("the priors are not what was written; their checksum is another one");
+    return Damaged("the priors have a wrong checksum: the file was changed after it was written");
   if (state_->error) return Damaged(*state_->error);
   return std::move(state_->sums);
 }

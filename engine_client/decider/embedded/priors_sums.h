@@ -6,8 +6,8 @@
 //   {"project": "p", "scene": "s", "machine_class": "m", "reward_version": 3,
 //    "arms": ["Grid/1", "SAP/2"], "builds": {
 //   "1.2": [1760000000, [[5.2, 4.1, 12], null], [[80.1, 62.5, 190], [75.5, 30.1, 180]]]}}]}
-// An arm is NAME/BACKEND_VERSION. A build has the time when a source of it learnt last (seconds
-// since 1970; 0: unknown), then a cell per arm for the frame thread, then a cell per arm for the
+// An arm is NAME/BACKEND_VERSION. A build is an array: the time when one of its sources last learnt
+// (seconds since 1970; 0: unknown), a cell per arm for the frame thread, and a cell per arm for the
 // lane. A cell has the increments of alpha and beta (five digits), the number of windows or visits,
 // and the number of bail-outs if there are any. The checksum covers the scenes, independently of
 // white space.

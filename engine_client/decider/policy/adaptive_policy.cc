@@ -14,11 +14,12 @@ namespace {
 constexpr double SquareOf(double x) { return x * x; }
 
 // These constants concern priors.
-constexpr double kFlatEvidence = 2.5;              // a prior below it says nothing; Beta(1,1) has 2
+constexpr double kFlatEvidence = 2.5;  // a prior with less counts as flat; Beta(1,1) has 2
 constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
 constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost
 constexpr double kFlatShare = 0.2;         // weight of the part of a belief that ignores the prior
-// DropContradictedPriors: log-cost by which the expected best arm is too expensive
+// DropContradictedPriors drops the priors if the arm that they expect to be the cheapest exceeds
+// the cheapest measured arm by this log-cost.
 constexpr double kContradiction = 0.3;
 // These constants define the safety limit.
 constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit
@@ -26,10 +27,10 @@ constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal di
 // These constants define the gate.
 constexpr double kHorizonCooldowns = 5;
 constexpr double kTie = 0.005;  // smaller expected gains are ignored
-// the same for another trial of an arm whose first one ended early
+// kTie for another trial of an arm whose first trial ended early
 constexpr double kEndedTrialTie = 0.05;
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
-constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
+constexpr double kFirstCostShare = 0.05;  // assumed switch cost ÷ settling time, until measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
 constexpr uint32_t kTrialLimitPercent = 120;
 // An arm that was live before is chosen again if it is better by this number of standard
@@ -38,11 +39,11 @@ constexpr double kReturnDeviations = 0.25;
 // An arm is tried if the probability that it costs twice as much as the active one is below 10 %.
 constexpr double kTrialDeviations = 1.282;
 constexpr double kMaxTrialLogRatio = 0.693;
-constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the frame time
+constexpr uint64_t kShareWindows = 10;  // windows that detection's share is averaged over
 constexpr double kBanGrowth = 4;
 // The maximum time that drifts advance at once, in decision intervals. A pause is not drift.
 constexpr double kMaxAdvance = 30;
-// the lane counts as reporting for this many intervals after a visit
+// The lane counts as reporting for this number of intervals after a visit.
 constexpr int64_t kLaneIntervals = 5;
 // Arms are tried live if the lane has not reported after this many windows. In an expensive scene a
 // sweep takes long.
@@ -128,9 +129,9 @@ void AdaptivePolicy::Observe(uint32_t arm, const Visit& visit) {
   filter().ObserveShadow(arm, visit.sweep, visit.log_cost);
 }
 
-// Returns the evidence of a visit without the lane's bias. The bias is that of this arm if it was
-// live, otherwise that of the arms that were live; without this limit earlier beliefs would be
-// learnt again.
+// Returns the evidence of a visit, corrected by the lane's estimated bias. The bias of this arm is
+// used if the arm was live, otherwise the mean bias of the arms that were live. The bias of an arm
+// that was never live follows from earlier beliefs, which would then count twice.
 Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
   double bias = 0;
   double count = 0;
@@ -323,9 +324,9 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
 
 // Returns whether to consider the arm: it is believed to be better, or its live window may be worth
 // the cost. While the lane reports, the second reason holds only until the arm's first live window,
-// which shows the lane's bias for this arm. After that, the remaining uncertainty must not lead
-// back and forth. An arm that may cost twice as much as the active one, with a probability of 10 %,
-// is not tried, because a trial shows at least two of its frames.
+// which shows the lane's bias for this arm. After that, the remaining uncertainty must not make the
+// policy switch back and forth. An arm that may cost twice as much as the active one, with a
+// probability of 10 %, is not tried, because a trial shows at least two of its frames.
 bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
   const NormalBelief difference = beliefs_.Difference(input.active_arm, arm);

@@ -15,8 +15,9 @@
 //   that is believed to be worse is tried live once if the gate finds that its window is worth the
 //   cost, because the lane's bias is unknown until then. It is not tried if it costs twice as much
 //   as the active arm with a probability above 10 %. An arm that was live must be better by a
-//   quarter of the deviation of the difference, so that nothing leads back and forth. Without the
-//   lane, the value of exploration (E⁺ of an arm never seen) leads to every arm being tried live.
+//   quarter of the deviation of the difference, so that the policy does not switch back and forth.
+//   Without the lane, the value of exploration (E⁺ of an arm never seen) leads to every arm being
+//   tried live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.

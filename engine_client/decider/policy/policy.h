@@ -40,7 +40,7 @@ struct ChoiceInput {
   int64_t last_tick_ns = 0;               // start_ns before the first tick
   std::optional<int64_t> last_switch_ns;  // executed, for any reason; absent if there was none
   int64_t start_ns = 0;                   // the session's start
-  bool bailed_out = false;  // asked outside the ticks because the active arm was blamed
+  bool bailed_out = false;  // a choice between ticks, after a bail-out blamed on the active arm
 };
 
 struct Choice {
@@ -49,7 +49,7 @@ struct Choice {
   std::optional<DecisionOutcome> hold;  // why the policy itself does not want the switch now
   std::optional<GateTerms> gate;
   double propensity = 1;
-  uint32_t trial_limit_percent = 0;  // of the switch (SwitchCommand)
+  uint32_t trial_limit_percent = 0;  // trial limit of the switch (SwitchCommand)
 };
 
 class Policy {
@@ -75,9 +75,9 @@ class Policy {
   // Minimum time between two switches; if absent, that of the options.
   virtual std::optional<int64_t> cooldown_ns() const { return std::nullopt; }
 
-  // One per arm.
+  // Returns one posterior per arm.
   virtual const std::vector<BetaPosterior>& posteriors() const = 0;
-  // What one live window of the arm adds to α + β.
+  // Returns what one live window of the arm adds to α + β.
   virtual double WindowEvidence(uint32_t /*arm*/) const { return 1; }
   // How certain the policy is, by default computed from the posteriors (diagnosis.h). The session
   // adds the verdict kDegraded, which needs the frame rate.

@@ -50,7 +50,7 @@ class RegimeBeliefs {
   std::vector<RelativeCostFilter> filters_;  // per regime
   uint32_t regime_ = 0;
   Weights tick_shares_{};   // of the latest ticks, decaying; they need not add up to 1
-  double change_rate_ = 0;  // of the regime, per tick
+  double change_rate_ = 0;  // changes of the regime per tick
   bool mixes_ = false;
 };
 

@@ -8,7 +8,7 @@
 namespace sweepstake::decision {
 namespace {
 
-// The difference of a feature that separates two regimes.
+// A descriptor belongs to another regime if one of its features differs by more than this.
 constexpr double kCountStep = 0.7;  // of the logarithm
 constexpr double kSpeedStep = 1;    // of the logarithm
 constexpr double kStaticStep = 0.3;

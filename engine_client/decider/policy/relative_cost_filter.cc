@@ -36,8 +36,8 @@ constexpr double kOutlierDeviations = 3;
 constexpr double kNoiseRate = 0.05;  // step size of the noise estimates
 constexpr double kDriftRate = 0.1;   // step size of the drift estimates
 constexpr double kMaxProduct = 4;    // maximum product of two normalised innovations
-// Variances of possible changes in the live windows of the active arm: the load of the frame
-// thread's core, and the cost of this arm alone, relative to the scene.
+// The variance that a change adds, as a multiple of the squared innovation: to the load of the
+// frame thread's core, and to the cost of this arm alone.
 constexpr double kLoadShare = 3;
 constexpr double kOwnShare = 0.3;
 // Growth of the variance of a load per interval, relative to its square, because it may end.

@@ -71,7 +71,7 @@ class RelativeCostFilter {
   // The expected difference between the lane's visits of the arm and its cost. REQUIRES: there was
   // a visit.
   double LaneBias(uint32_t arm) const { return mean_[bias(arm)]; }
-  // Variances of the noise of a live window and of a visit.
+  // The noise variances of a live window and of a visit.
   double live_noise() const { return live_noise_; }
   double shadow_noise() const { return shadow_noise_; }
 

@@ -1,6 +1,6 @@
-// What the posteriors of a scene's arms say together: the verdict, and for each arm the probability
-// of being the best and the cost against the leader's. The evidence of all sessions counts as if
-// its windows were independent. Every reader of a scene's figures gets the ones computed here.
+// Compares the posteriors of a scene's arms: computes the verdict, and for each arm the probability
+// of being the best and the cost relative to the leader's. The evidence of all sessions counts as
+// if its windows were independent. Every reader of a scene's figures gets the ones computed here.
 //
 // A contender is an arm in its newest backend version. Only contenders are compared. With fewer
 // than two of them the verdict is unknown, since nothing can be better than another arm.
@@ -30,7 +30,8 @@ struct ArmDiagnosis {
   CredibleInterval reward_95;              // the central 95 % of the posterior
   bool is_outdated = false;                // not a contender: there is a newer backend version
   std::optional<double> best_probability;  // absent: the verdict is unknown, or not a contender
-  // The cost ÷ the leader's. Absent where best_probability is, or if rewards do not tell costs.
+  // The arm's cost ÷ the leader's. Absent if best_probability is, or if the rewards do not measure
+  // costs.
   std::optional<CostRatio> cost_ratio;
 };
 

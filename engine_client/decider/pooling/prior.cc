@@ -32,8 +32,8 @@ struct Source {
   std::vector<uint32_t> versions;  // of the arms; 0: no evidence
 };
 
-// Everything that records say of a project, grouped. The maps make the results independent of the
-// order of the records.
+// The evidence of a project's records, grouped by scene and by source. The maps make the results
+// independent of the order of the records.
 class ProjectEvidence {
  public:
   ProjectEvidence(std::span<const ArmRecord> records, const PriorKey& key) : key_(key) {
@@ -52,7 +52,8 @@ class ProjectEvidence {
     return prior;
   }
 
-  // Returns what the sources say about the scene, and fills the gaps from the other scenes.
+  // Returns the prior that the scene's sources give. Arms without evidence are filled in from the
+  // other scenes.
   Prior Compare() const {
     Prior prior = CompareSources();
     CompareScenes(prior);

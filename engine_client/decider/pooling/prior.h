@@ -57,16 +57,16 @@ struct SourceGroup {
 
 struct Prior {
   std::vector<EvidenceSum> evidence;  // of each arm of the key, without Beta(1,1)
-  // Sources of the scene; if they know nothing, those of the other scenes that were used. 0 if
-  // nothing is known.
+  // The number of the scene's sources or, if they have no evidence, of the sources of the other
+  // scenes that were used. 0 if there is no evidence.
   uint64_t source_count = 0;
   std::vector<SourceGroup> groups;  // the sources of the scene, by falling weight
   uint64_t other_scene_count = 0;   // scenes of the project that were compared
 
   bool is_known() const { return IsAnythingKnown(evidence); }
   // Returns Beta(1,1) plus the evidence of each arm. Evidence that exceeds the maximum of a session
-  // is scaled down in proportion. Empty if nothing is known: a policy that starts from priors would
-  // take flat ones for knowledge.
+  // is scaled down in proportion. Empty if there is no evidence, because a policy that starts from
+  // priors would treat flat priors as evidence.
   std::vector<BetaPosterior> posteriors() const;
 };
 

@@ -57,8 +57,8 @@ struct PriorRecord {
   Evidence evidence;
   std::string build = {};         // of the source; empty if unknown
   uint64_t last_seen_unix_s = 0;  // when the source learnt last, below 2^63; 0 if unknown
-  // Set by exports of a daemon and ignored by imports. Priors files do not contain the first one.
-  bool is_imported = false;     // no session of the store has the source
+  // Set by exports of a daemon and ignored by imports. Priors files do not contain is_imported.
+  bool is_imported = false;     // the source is not a session of the exporting store
   bool is_quarantined = false;  // waits to be promoted, and does not count until then
 
   friend bool operator==(const PriorRecord&, const PriorRecord&) = default;

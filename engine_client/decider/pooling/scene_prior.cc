@@ -49,7 +49,7 @@ EvidenceSum Pool(const ArmEvidence& arm, double level) {
   return SumOf(mean, of_visits + arm.live.evidence());
 }
 
-// What the scenes that know several arms have in common.
+// The common part of all scenes with evidence of several arms.
 struct CommonRewards {
   Moments level;              // the means of the scenes' arms
   std::vector<Moments> arms;  // each arm's rewards relative to that

@@ -3,7 +3,8 @@
 //
 // Windows of different arms come from different times, and a policy chooses the times: an arm that
 // is live only while the scene is cheap looks cheap. A sweep of visits measures all arms on the
-// same frames. So visits say how the arms compare, and windows say at which level. Pure functions.
+// same frames. Visits therefore determine the differences between the arms, and windows determine
+// the level. Pure functions.
 #pragma once
 
 #include <cstdint>

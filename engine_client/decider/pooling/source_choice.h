@@ -18,8 +18,8 @@ inline constexpr uint32_t kSourcesPerPlace = 8;
 // `tokens` are the tokens that began the sources, the latest source first; 0 counts as another
 // token. Returns the positions of up to `limit` sources, ascending. No token gets two more than
 // another token that has sources left. The latest sources of a token come first. If there are more
-// tokens than places in a round, a hash of their numbers decides. So nobody gains by coming last,
-// and any tenth of the tokens gets about a tenth of the places.
+// tokens than places in a round, a hash of their numbers decides. A token therefore gains nothing
+// by starting its sources last, and any tenth of the tokens gets about a tenth of the places.
 std::vector<size_t> ChooseSources(std::span<const int64_t> tokens, size_t limit);
 
 }  // namespace sweepstake::decision

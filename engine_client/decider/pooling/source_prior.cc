@@ -26,7 +26,8 @@ constexpr double kWithinShare = 0.7;
 constexpr double kWithinDeviations = 1.0364;
 // Outlier threshold in standard deviations.
 constexpr double kOutlierDeviations = 5;
-constexpr double kMedianVariance = 1.5707963267948966;  // that of a median ÷ that of a mean: π/2
+// The variance of a median ÷ the variance of a mean: π/2.
+constexpr double kMedianVariance = 1.5707963267948966;
 
 struct Weighed {
   double value = 0;
@@ -50,7 +51,7 @@ double QuantileOf(std::vector<Weighed> values, double share) {
 
 double MedianOf(std::vector<Weighed> values) { return QuantileOf(std::move(values), 0.5); }
 
-// What one source measured of one arm.
+// One source's measurements of one arm.
 struct Cell {
   size_t source = 0;
   size_t arm = 0;
@@ -84,7 +85,7 @@ class MedianPolish {
     Polish();
   }
 
-  // Returns the belief about the arm at that level; nothing if no source knows the arm.
+  // Returns the belief about the arm at that level; nothing if no source has evidence of the arm.
   std::optional<NormalBelief> BeliefAt(double level, size_t arm) const {
     const auto count =
         std::count_if(cells_.begin(), cells_.end(), [&](auto& cell) { return cell.arm == arm; });

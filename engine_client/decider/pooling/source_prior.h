@@ -28,9 +28,9 @@ struct SourceRelation {
 // M.-H. Chen, "Power prior distributions for regression models", Statistical Science 15, 2000).
 double PowerPriorWeight(const SourceRelation& relation);
 
-// What one source knows about an arm.
+// The evidence of one source about an arm.
 struct SourceArm {
-  EvidenceSum sum = {};  // from PoolEvidence; empty: nothing
+  EvidenceSum sum = {};  // from PoolEvidence; empty: no evidence
   double weight = 1;     // of the power prior: > 0, and at most 1
 };
 using SourceEvidence = std::vector<SourceArm>;

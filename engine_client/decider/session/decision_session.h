@@ -139,7 +139,7 @@ class DecisionSession {
   // The policy's diagnosis at the latest tick or bail-out. Its verdict is kDegraded if the frame
   // rate demands it (FrameRateFloor in safeguards.h).
   const Diagnosis& diagnosis() const { return diagnosis_; }
-  // One per arm, at the latest tick or bail-out.
+  // The standing of each arm at the latest tick or bail-out.
   std::span<const ArmStanding> standings() const { return standings_; }
   // The policy that "default" stands for.
   const PolicyKind& policy_kind() const { return policy_kind_; }
@@ -168,7 +168,7 @@ class DecisionSession {
   void AdoptLaterRun(int64_t now_ns);
   void Activate(const ArmRun& run, SwitchReason reason, int64_t now_ns);
 
-  // The parts of a decision.
+  // The steps of a decision.
   void ReportTick(int64_t now_ns);
   void ScheduleNextTick(int64_t now_ns);
   Decision Open(int64_t now_ns);

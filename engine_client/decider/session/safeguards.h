@@ -102,8 +102,9 @@ class FrameRateFloor {
   uint32_t contrary_count_ = 0;  // successive windows that contradict the current state
 };
 
-// Holds a verdict until another one came kTickCount times in a row, so that a game that acts on it
-// does not flicker. At the paper's interval that is 6 s. The first verdict is shown at once.
+// Holds a verdict until another one was observed kTickCount times in a row, so that a game that
+// acts on it does not flicker. At the paper's interval that is 6 s. The first verdict is shown at
+// once.
 class SteadyVerdict {
  public:
   static constexpr uint32_t kTickCount = 3;
@@ -114,7 +115,7 @@ class SteadyVerdict {
  private:
   Verdict shown_ = Verdict::kUnknown;
   Verdict latest_ = Verdict::kUnknown;
-  uint32_t latest_count_ = 0;  // how often in a row
+  uint32_t latest_count_ = 0;  // successive observations of the latest verdict
 };
 
 }  // namespace sweepstake::decision

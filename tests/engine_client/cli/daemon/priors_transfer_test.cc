@@ -160,8 +160,10 @@ TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
 TEST(PriorsCommand, ACommandThatMatchesNothingSaysSo) {
   FakeDaemonServices daemon;
   const std::string at = " --daemon " + daemon.address();
-  EXPECT_THAT(RunCommand("priors revoke --build nope --yes" + at).out,
-              HasSubstr("no session matches that is not already revoked; `sweepstake audit list`"));
+  EXPECT_THAT(
+      RunCommand("priors revoke --build nope --yes" + at).out,
+      HasSubstr(
+          "no session matches, or all that match are revoked already; `sweepstake audit list`"));
   EXPECT_THAT(RunCommand("priors revoke --source nope --yes" + at).out,
               HasSubstr("if its evidence arrives later, it will not count"));
   EXPECT_THAT(RunCommand("priors revoke --source known --build nope --yes" + at).out,

@@ -237,13 +237,13 @@ TEST(AuditLog, AnEditAfterMissingRowsIsFound) {
   EXPECT_NE(ProblemOf(TextOf(swapped)).find("comes where row"), std::string::npos);
   Rows told_twice = rows;
   CellOf(told_twice[5], AuditColumn::kTimeNs) = "1";
-  EXPECT_NE(ProblemOf(TextOf(told_twice)).find("has cells of its own"), std::string::npos);
+  EXPECT_NE(ProblemOf(TextOf(told_twice)).find("has values in its other cells"), std::string::npos);
 }
 
 TEST(AuditLog, ATruncatedLineIsReported) {
   std::string text = LogOf(1, "paper", 200).text;
   text.resize(text.size() - 3);
-  EXPECT_NE(ProblemOf(text).find("log_hash does not fit"), std::string::npos) << ProblemOf(text);
+  EXPECT_NE(ProblemOf(text).find("log_hash does not match"), std::string::npos) << ProblemOf(text);
   text.resize(text.rfind('\n') + 40);
   EXPECT_NE(ProblemOf(text).find("is it cut off?"), std::string::npos) << ProblemOf(text);
 }
@@ -339,7 +339,7 @@ TEST(AuditCsv, AnUnclosedQuoteIsAnError) {
   std::vector<std::string> cells;
   CsvReader reader("a,\"b\nc");
   EXPECT_FALSE(reader.Next(cells));
-  EXPECT_EQ(reader.problem(), "a quote is never closed");
+  EXPECT_EQ(reader.problem(), "a quoted cell has no closing quote");
 }
 
 FrameSample FrameOf(uint32_t arm, uint32_t epoch, uint64_t frame_time_ns = 0) {
