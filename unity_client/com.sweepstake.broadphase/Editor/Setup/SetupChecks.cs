@@ -25,7 +25,7 @@ namespace Sweepstake.Editor
 
         internal SetupState State { get; }
         internal string Title { get; }
-        /// <summary>What it is for and, if something is missing, what to do.</summary>
+        /// <summary>What the checked item is for and, if it is missing, what to do.</summary>
         internal string Text { get; }
     }
 

@@ -13,7 +13,7 @@ namespace Sweepstake.Editor
             Max = max;
         }
 
-        /// <summary>0 if there are no values to show.</summary>
+        /// <summary>The upper end of the scale; 0 if there are no values to show.</summary>
         internal float Max { get; }
         internal bool IsEmpty => Max <= 0;
 
@@ -32,10 +32,10 @@ namespace Sweepstake.Editor
             return new ChartScale(hasValue ? RoundUp(max) : 0);
         }
 
-        /// <summary>False for NaN.</summary>
+        /// <summary>Whether a value is drawn: it is finite and not negative.</summary>
         internal static bool IsShown(float value) => value >= 0 && value < float.PositiveInfinity;
 
-        /// <summary>0 at the bottom, 1 at the top.</summary>
+        /// <summary>The height of a value in the chart: 0 at the bottom, 1 at the top.</summary>
         internal float HeightOf(float value) => IsEmpty ? 0 : Math.Min(value / Max, 1);
 
         internal string Label(string unit) => Max.ToString("0.###", CultureInfo.InvariantCulture) + (unit.Length > 0 ? " " + unit : "");

@@ -52,7 +52,7 @@ namespace Sweepstake.Editor
         internal Series DetectionMs => detectionMs;
         internal Series Pairs => pairs;
         internal Series RoundTripMs => roundTripMs;
-        /// <summary>Index in <see cref="Backends"/>.</summary>
+        /// <summary>The active backend, as an index in <see cref="Backends"/>.</summary>
         internal Series Backend => backend;
         internal string[] Backends => backends;
 

@@ -22,7 +22,7 @@ namespace Sweepstake.Editor
         internal string Backend { get; }
         internal double Alpha { get; }
         internal double Beta { get; }
-        /// <summary>Number of windows of frames that it has learnt from.</summary>
+        /// <summary>Number of decision windows that the posterior was learnt from.</summary>
         internal ulong Windows { get; }
         /// <summary>The expected reward, 0 to 1.</summary>
         internal double Mean => Alpha / (Alpha + Beta);
@@ -45,7 +45,7 @@ namespace Sweepstake.Editor
         internal IReadOnlyList<PosteriorLine> Lines { get; }
         /// <summary>Time of a small request and its response; NaN if not known.</summary>
         internal float RoundTripMs { get; }
-        /// <summary>Why no posteriors arrive; "" if all is well.</summary>
+        /// <summary>Why no posteriors arrive; "" if they arrive.</summary>
         internal string Problem { get; }
     }
 }

@@ -18,7 +18,7 @@ namespace Sweepstake.Editor
 #if SWEEPSTAKE_GRPC
         private PosteriorRun? run;
 
-        /// <summary>After it was stopped, the last known posteriors without a round trip.</summary>
+        /// <summary>The latest posteriors. After the watcher was stopped they stay, without a round-trip time.</summary>
         internal PosteriorSnapshot Latest => run?.Latest ?? kept;
 
         /// <summary>Whether it is reading; it ends by itself only after an error that a retry cannot fix.</summary>

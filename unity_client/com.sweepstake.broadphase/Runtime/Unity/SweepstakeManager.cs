@@ -57,7 +57,7 @@ namespace Sweepstake.Unity
 
         private static readonly List<SweepstakeManager> EnabledManagers = new List<SweepstakeManager>();
 
-        /// <summary>A change takes effect when the manager is enabled the next time. Null for the defaults.</summary>
+        /// <summary>The settings; null for the defaults. A change takes effect when the manager is enabled the next time.</summary>
         public SweepstakeConfig? Config { get => config; set => config = value; }
 
         /// <summary>Provides the boxes to search; null: there is nothing to search, and no frame is run.</summary>
@@ -71,7 +71,7 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Null while the manager is not running.</summary>
+        /// <summary>The running session; null while the manager is not running.</summary>
         public BroadPhaseSession? Session => host?.Session;
         public EmbeddedDecider? Decider => host?.Decider;
         public DaemonConnection? Connection => host?.Connection;
@@ -85,7 +85,7 @@ namespace Sweepstake.Unity
         /// <summary>The names of the backends that may be selected; empty while the manager is not running.</summary>
         public IReadOnlyList<string> Backends => host == null ? Array.Empty<string>() : host.Session.Arms;
 
-        /// <summary>"" while the manager is not running.</summary>
+        /// <summary>Name of the active backend; "" while the manager is not running.</summary>
         public string ActiveBackend => host == null ? "" : host.Session.Arms[host.Session.ActiveArm];
 
         /// <summary>Whether the decider or the game selects backends. The decider never changes the backend in Manual.</summary>
@@ -108,7 +108,7 @@ namespace Sweepstake.Unity
             backend = name;
         }
 
-        /// <summary>Set it while the game loads; these frames are excluded from learning.</summary>
+        /// <summary>Whether the game is loading. Frames during which it is set are excluded from learning.</summary>
         public bool IsLoading { get => flagger.IsLoading; set => flagger.IsLoading = value; }
 
         /// <summary>The measurements of the latest frame; zeros before the first.</summary>
@@ -137,7 +137,7 @@ namespace Sweepstake.Unity
         }
 
         /// <summary>
-        /// Ends the connection. It sends what is left and takes at most half a second; then the embedded decider decides again.
+        /// Ends the connection, which first sends the remaining messages for at most half a second. Then the embedded decider decides again.
         /// </summary>
         public void Disconnect()
         {

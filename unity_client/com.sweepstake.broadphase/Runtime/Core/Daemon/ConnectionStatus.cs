@@ -17,11 +17,11 @@ namespace Sweepstake
 
         public LinkState State => Stats.State;
         public LinkStats Stats { get; }
-        /// <summary>What went wrong most recently and what to do; "": nothing.</summary>
+        /// <summary>What went wrong most recently and what to do; "" if nothing went wrong.</summary>
         public string LastError => Texts.LastError;
         /// <summary>Why the daemon refused the latest attempt (its token, names or protocol); "" if it did not refuse.</summary>
         public string Refusal => Texts.Refusal;
-        /// <summary>Like the next two properties, "" before the daemon's first welcome message.</summary>
+        /// <summary>Id of the session. Like the next two properties, it is "" before the daemon's first welcome message.</summary>
         public string SessionId => Texts.SessionId;
         public string DaemonVersion => Texts.DaemonVersion;
         /// <summary>The name of the policy that decides.</summary>

@@ -22,17 +22,17 @@ namespace Sweepstake
 
         /// <summary>The name of the daemon in messages, such as its address; null for no name.</summary>
         public string? Daemon { get; set; }
-        /// <summary>Null for "default".</summary>
+        /// <summary>Name of the project; null for "default".</summary>
         public string? Project { get; set; }
-        /// <summary>Null for "default".</summary>
+        /// <summary>Name of the scene; null for "default".</summary>
         public string? Scene { get; set; }
-        /// <summary>Null if unknown.</summary>
+        /// <summary>Build of the game; null if unknown.</summary>
         public string? Build { get; set; }
         /// <summary>
         /// Class of machines whose timings are comparable. Null: derived from processor, threads, instruction set and memory.
         /// </summary>
         public string? MachineClass { get; set; }
-        /// <summary>Null for the daemon's default.</summary>
+        /// <summary>Name of the policy; null for the daemon's default.</summary>
         public string? Policy { get; set; }
         /// <summary>Seed of the daemon's random draws; 0: the daemon chooses.</summary>
         public ulong Seed { get => native.Seed; set => native.Seed = value; }
@@ -46,16 +46,16 @@ namespace Sweepstake
         public bool AllowsOperatorOrders { get => native.AllowOperatorOrders != 0; set => native.AllowOperatorOrders = value ? 1u : 0u; }
         /// <summary>Starts from Beta(1,1) and ignores stored priors.</summary>
         public bool IgnoresPriors { get => native.IgnorePriors != 0; set => native.IgnorePriors = value ? 1u : 0u; }
-        /// <summary>A batch is sent when the first of this limit and the next two is reached: 1 to 10,000.</summary>
+        /// <summary>Maximum time in milliseconds that a frame waits for its batch to be sent, 1 to 10,000.</summary>
         public uint BatchIntervalMs { get => native.BatchIntervalMs; set => native.BatchIntervalMs = value; }
-        /// <summary>1 to 240.</summary>
+        /// <summary>Maximum number of frames in a batch, 1 to 240.</summary>
         public uint BatchFrames { get => native.BatchFrames; set => native.BatchFrames = value; }
-        /// <summary>512 to 262,144.</summary>
+        /// <summary>Maximum size of a batch in bytes, 512 to 262,144.</summary>
         public uint BatchBytes { get => native.BatchBytes; set => native.BatchBytes = value; }
-        /// <summary>1 to 4,096. At this limit nothing more is sent, and the session's queue drops its oldest samples.</summary>
+        /// <summary>Maximum number of unacknowledged messages, 1 to 4,096. At this limit sending pauses, and the session's queue drops its oldest samples.</summary>
         public uint UnacknowledgedMessages { get => native.UnacknowledgedMessages; set => native.UnacknowledgedMessages = value; }
         /// <summary>
-        /// First delay before reconnecting. It doubles after each broken stream up to the maximum, with full jitter; 1 to 3,600,000.
+        /// First delay before reconnecting, in milliseconds, 1 to 3,600,000. It doubles after each broken stream up to the maximum, with full jitter.
         /// </summary>
         public uint BackoffMinMs { get => native.BackoffMinMs; set => native.BackoffMinMs = value; }
         public uint BackoffMaxMs { get => native.BackoffMaxMs; set => native.BackoffMaxMs = value; }

@@ -19,9 +19,9 @@ namespace Sweepstake
 
         /// <summary>Name of the policy; null for the default.</summary>
         public string? Policy { get; set; }
-        /// <summary>Null for "default".</summary>
+        /// <summary>Name of the project; null for "default".</summary>
         public string? Project { get; set; }
-        /// <summary>Null for "default".</summary>
+        /// <summary>Name of the scene; null for "default".</summary>
         public string? Scene { get; set; }
         /// <summary>
         /// Class of machines whose timings are comparable. Null: derived from processor, threads, instruction set and memory.

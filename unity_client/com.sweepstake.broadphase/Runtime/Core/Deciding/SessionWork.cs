@@ -37,7 +37,7 @@ namespace Sweepstake
         /// <summary>Why its thread has failed; null while it runs or after it was stopped.</summary>
         public Exception? Failure => failure;
 
-        /// <summary>Held during native calls of this object; it is not closed while the gate is held.</summary>
+        /// <summary>Lock that is held during native calls of this object, so that none runs after it is closed.</summary>
         private protected object Gate { get; } = new object();
         private protected bool IsClosed { get; private set; }
         private protected bool IsStopping { get; private set; }
@@ -53,7 +53,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// Ends it in an orderly way if the time allows. May be called more than once; later calls do not wait again for a thread that outlived
+        /// Ends this object, in an orderly way if the time allows. May be called more than once; later calls do not wait again for a thread that outlived
         /// the first one. Not during a frame.
         /// </summary>
         /// <returns>Whether its thread has ended. A thread that has not ended makes no more native calls.</returns>

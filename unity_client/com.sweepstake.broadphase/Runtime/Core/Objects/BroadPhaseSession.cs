@@ -173,7 +173,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// A summary of the beliefs about the scene for the game. Callable from any thread and cheap enough for each frame.
+        /// The decider's conclusion about the scene. Callable from any thread and cheap enough for each frame.
         /// </summary>
         public Verdict Verdict
         {
@@ -186,7 +186,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The latest decision with its reasons, also after the decider has gone. Like all that follow, callable from any thread.
+        /// The latest decision with its reasons; it stays after the decider has ended. Like all members below, callable from any thread.
         /// </summary>
         public Decision LastDecision
         {
@@ -220,7 +220,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>What the shadow lane has done, and why it runs or does not run.</summary>
+        /// <summary>Counters of the shadow lane, and its state with the reason.</summary>
         public ShadowStats ShadowStats
         {
             get

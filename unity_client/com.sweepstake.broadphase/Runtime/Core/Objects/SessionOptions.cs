@@ -19,7 +19,7 @@ namespace Sweepstake
 
         /// <summary>Names of backends, each once, separated by commas; null or empty for all.</summary>
         public string? Arms { get; set; }
-        /// <summary>Null or empty: the first of <see cref="Arms"/>, or KDTree if Arms is empty.</summary>
+        /// <summary>Name of the first active backend. Null or empty: the first of <see cref="Arms"/>, or KDTree if Arms is empty.</summary>
         public string? InitialArm { get; set; }
         public SessionMode Mode { get => native.Mode; set => native.Mode = value; }
         /// <summary>
@@ -32,14 +32,14 @@ namespace Sweepstake
         /// the value.
         /// </summary>
         public ulong SettlingNs { get => native.SettlingNs; set => native.SettlingNs = value; }
-        /// <summary>As in <see cref="WorldOptions"/>.</summary>
+        /// <summary>Number of threads that search, as in <see cref="WorldOptions.ThreadCount"/>.</summary>
         public uint ThreadCount { get => native.ThreadCount; set => native.ThreadCount = value; }
         /// <summary>
         /// Capacity of the queue of samples for a decider or a link: a power of two, 2 to 2^20. A full queue drops and counts the oldest.
         /// </summary>
         public uint QueueFrames { get => native.QueueFrames; set => native.QueueFrames = value; }
         public ShadowMode Shadow { get => native.Shadow; set => native.Shadow = value; }
-        /// <summary>Pairs ascend with every arm, so that switches do not change the results of a lockstep game.</summary>
+        /// <summary>Sorts the pairs with every arm, so that switches do not change the results of a lockstep game.</summary>
         public bool IsSorted { get => native.SortedPairs != 0; set => native.SortedPairs = value ? 1u : 0u; }
         /// <summary>Largest share of one core that the shadow lane uses, above 0 and up to 1.</summary>
         public double ShadowDutyRatio { get => native.ShadowDutyRatio; set => native.ShadowDutyRatio = value; }

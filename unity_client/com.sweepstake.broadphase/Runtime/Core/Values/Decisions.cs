@@ -4,7 +4,7 @@ using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
-    /// <summary>A summary of the beliefs about the scene. Newer libraries may add kinds: treat those as unknown.</summary>
+    /// <summary>The decider's conclusion about the scene. Newer libraries may add kinds: treat those as unknown.</summary>
     public enum VerdictKind : uint
     {
         /// <summary>Nothing has been learnt yet.</summary>
@@ -52,7 +52,7 @@ namespace Sweepstake
         Rejected = 8,
         /// <summary>No switch: the expected gain is lower than the cost of the switch.</summary>
         HeldGate = 9,
-        /// <summary>No switch: the candidate is not better by a relevant amount.</summary>
+        /// <summary>No switch: the candidate's advantage is too small to matter.</summary>
         HeldTie = 12,
     }
 
@@ -129,7 +129,7 @@ namespace Sweepstake
         TooBig = 5,
     }
 
-    /// <summary>What the shadow lane has done since the session began.</summary>
+    /// <summary>Counters of the shadow lane since the session began.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct ShadowStats
     {

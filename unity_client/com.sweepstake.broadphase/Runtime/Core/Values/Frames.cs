@@ -63,7 +63,7 @@ namespace Sweepstake
     [StructLayout(LayoutKind.Sequential)]
     public struct SwitchCommand
     {
-        /// <summary>0: the game selected the arm itself.</summary>
+        /// <summary>Id of the decider's command; 0: the game selected the arm itself.</summary>
         public ulong CommandId;
         public uint Arm;
         public SwitchReason Reason;
@@ -83,7 +83,7 @@ namespace Sweepstake
         public SwitchReason Reason;
         internal uint Executed;
 
-        /// <summary>False: the switch was refused.</summary>
+        /// <summary>Whether the switch was executed; false: it was refused.</summary>
         public readonly bool IsExecuted => Executed != 0;
     }
 
@@ -96,7 +96,7 @@ namespace Sweepstake
         public ulong AabbCheckCount;
         /// <summary>Memory of the backend's own buffers.</summary>
         public ulong NativeBytes;
-        /// <summary>Time of the search in nanoseconds.</summary>
+        /// <summary>Time of the latest build or update plus the search, in nanoseconds.</summary>
         public ulong DetectionTimeNs;
         public ulong PairCount;
         /// <summary>Version of the backend's code; incremented by changes that may alter its cost.</summary>

@@ -44,11 +44,11 @@ namespace Sweepstake
         internal uint StructSize;
         internal uint PairEvents;
         internal uint SortedPairs;
-        /// <summary>As in <see cref="WorldOptions"/>.</summary>
+        /// <summary>Number of threads that search, as in <see cref="WorldOptions.ThreadCount"/>.</summary>
         public uint ThreadCount;
         internal IntPtr Executor;
         /// <summary>
-        /// In world units: the end event of a pair waits until the boxes are farther apart than this on one axis. Pairs stay exact.
+        /// Distance in world units: the end event of a pair waits until the boxes are farther apart than this on one axis. Pairs stay exact.
         /// </summary>
         public float EventMargin;
         internal uint Reserved;
@@ -87,7 +87,7 @@ namespace Sweepstake
     public unsafe struct SceneOptions
     {
         internal uint StructSize;
-        /// <summary>0 to 16,777,216.</summary>
+        /// <summary>Number of objects, 0 to 16,777,216.</summary>
         public uint ObjectCount;
         /// <summary>Seed of sizes and spawn positions.</summary>
         public ulong SpawnSeed;

@@ -66,7 +66,7 @@ namespace Sweepstake.Unity
         internal int Count => count;
         /// <summary>Number of colliders that are tracked or were removed since the latest search.</summary>
         internal int KnownCount => owners.Count;
-        /// <summary>False before the first search, and while pairs of the latest search contain removed proxies.</summary>
+        /// <summary>Whether the pairs may be read: not before the first search, nor while they contain removed proxies.</summary>
         internal bool HasPairs { get; private set; }
 
         /// <returns>False if it is already tracked.</returns>

@@ -59,10 +59,10 @@ namespace Sweepstake.Unity
         /// <summary>The number of tracked colliders.</summary>
         public int Count => colliders?.Count ?? 0;
 
-        /// <summary>Null while the tracker is disabled. For many queries at once, and for jobs.</summary>
+        /// <summary>The underlying proxy set, for many queries at once and for jobs. Null while the tracker is disabled.</summary>
         public ProxySet? Proxies => colliders?.Proxies;
 
-        /// <summary>Changes take effect at once.</summary>
+        /// <summary>The tracked layers. A change takes effect at once.</summary>
         public LayerMask Layers
         {
             get => layers;

@@ -48,7 +48,7 @@ namespace Sweepstake.Unity
         private float dueSeconds;
 
         public string Scenario { get => scenario; set => Change(ref scenario, value); }
-        /// <summary>From 0 to <see cref="MaxObjects"/>; other values are clamped.</summary>
+        /// <summary>Number of objects from 0 to <see cref="MaxObjects"/>; other values are clamped.</summary>
         public int ObjectCount { get => objectCount; set => Change(ref objectCount, Math.Min(Math.Max(value, 0), MaxObjects)); }
         public uint Seed { get => seed; set => Change(ref seed, value); }
         public float WorldHalfExtent { get => worldHalfExtent; set => Change(ref worldHalfExtent, value); }

@@ -29,14 +29,16 @@ namespace Sweepstake.Unity
         /// <summary>Why the latest CSV file is incomplete; "" if no loss is known.</summary>
         internal string CsvProblem { get; private set; } = "";
 
-        /// <summary>From now on the embedded decider decides.</summary>
+        /// <summary>Ends a connection and starts the embedded decider.</summary>
         internal void DecideHere()
         {
             EndWork(SessionWork.DisposeTimeoutMs);
             Decider = new EmbeddedDecider(Session, config.ToDeciderOptions(sceneName, Application.version));
         }
 
-        /// <summary>From now on a daemon decides. If the connection cannot be created, the embedded decider decides.</summary>
+        /// <summary>
+        /// Ends the embedded decider and connects to a daemon. If the connection cannot be created, the embedded decider starts again.
+        /// </summary>
         internal void DecideThere(ITelemetryTransport transport, LinkOptions options)
         {
             EndWork(SessionWork.DisposeTimeoutMs);
@@ -86,7 +88,7 @@ namespace Sweepstake.Unity
         /// <summary>Starts to finish the CSV file, without waiting.</summary>
         internal void BeginEnd() => csv?.Stop(0);
 
-        /// <summary>Ends by `endNs` of <see cref="SteadyClock"/>, or at once after <see cref="SweepstakeLibrary.Shutdown"/>.</summary>
+        /// <summary>Ends the CSV file, the decider or connection, and the session. Waits until the time `endNs` at most.</summary>
         internal void End(ulong endNs)
         {
             BeginEnd();
@@ -96,7 +98,7 @@ namespace Sweepstake.Unity
             Session.Dispose();
         }
 
-        /// <summary>The deadline of an end that begins now.</summary>
+        /// <summary>Returns the deadline for an end that starts now.</summary>
         internal static ulong DeadlineNs() => SteadyClock.NowNs + (ulong)SessionWork.DisposeTimeoutMs * 1_000_000;
 
         private static int MsUntil(ulong endNs)
