@@ -110,7 +110,7 @@ city arrivals 800 1.5 demo
 physics gather-and-scatter 1000 1.5 demo
 physics rest-and-motion 600 1.5 demo
 SCENES
-echo "== ${#games[@]} games play (log in $data/games.log) until Ctrl-C =="
+echo "== ${#games[@]} games are running (log in $data/games.log); Ctrl-C ends them =="
 wait "$daemon" || true
 daemon=
 echo "The daemon has ended. The end of its log:" >&2
