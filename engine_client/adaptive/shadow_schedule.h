@@ -115,8 +115,8 @@ class ShadowSchedule {
 
  private:
   struct Arm {
-    uint64_t cost_ns = 0;       // of the latest visit; 0 before the first
-    uint64_t reference_ns = 0;  // of the first visit since the latest Renew
+    uint64_t cost_ns = 0;       // cost by the latest visit; 0 before the first
+    uint64_t reference_ns = 0;  // cost by the first visit since the latest Renew
     uint64_t last_sweep = 0;    // the sweep of the latest visit; 0 if none since the latest Renew
     uint32_t back_off = 0;  // minimum sweeps between visits of an arm over a cap; 0: not over a cap
     bool too_big = false;   // whether the structure exceeds the memory cap

@@ -24,7 +24,7 @@ struct ViewedFrame {
   uint64_t frame_index = 0;
   size_t object_count = 0;
   size_t stride = 1;
-  std::span<const Aabb> boxes;  // of objects 0, stride, 2 · stride …; valid until the next Request
+  std::span<const Aabb> boxes;  // objects 0, stride, 2 · stride …; valid until the next Request
 };
 
 class ViewTap {

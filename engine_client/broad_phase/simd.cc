@@ -12,7 +12,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/simd.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// What follows must come after foreach_target.h.
+// The includes below must come after foreach_target.h.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -80,7 +80,7 @@ struct CostRatio {
   bool operator==(const CostRatio&) const = default;
 };
 
-// What a session has measured of an arm, in units that people read.
+// A session's measurements of an arm, in readable units.
 struct ArmStanding {
   uint64_t live_window_count = 0;  // windows that the session learnt from
   uint64_t lane_visit_count = 0;   // visits of the shadow lane that it learnt from
@@ -125,7 +125,7 @@ struct DecisionRecord {
   std::vector<BetaPosterior> posteriors;  // posteriors after the update
   std::optional<GateTerms> gate;          // absent if the policy has no gate
   double propensity = 1;                  // probability with which the policy draws this candidate
-  uint32_t trial_limit_percent = 0;       // of a switch to the candidate (SwitchCommand)
+  uint32_t trial_limit_percent = 0;       // trial limit of a switch to it (SwitchCommand)
   Diagnosis diagnosis;
   std::vector<ArmStanding> standings;  // has one per arm
 };
@@ -169,8 +169,8 @@ class ObservationSummary {
 // The result of a tick or a bail-out, which the caller persists, publishes and sends.
 struct Decision {
   DecisionRecord record;
-  std::optional<Increment> increment;      // of the frame thread's window, or of a bail-out
-  std::vector<Increment> lane_increments;  // of the lane's visits since the last tick
+  std::optional<Increment> increment;      // from the frame thread's window or a bail-out
+  std::vector<Increment> lane_increments;  // from the lane's visits since the last tick
   std::optional<SwitchCommand> command;
 };
 

@@ -81,7 +81,7 @@ class TrialGuard {
   // Sums and maxima over the compared frames of one run of an arm.
   struct Frames {
     uint64_t count = 0;
-    uint64_t detection_ns = 0;  // of all
+    uint64_t detection_ns = 0;  // total of all searches
     uint64_t longest_detection_ns = 0;
     uint64_t longest_frame_ns = 0;
 

@@ -6,7 +6,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/common/byte_scan.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// What follows must come after foreach_target.h.
+// The includes below must come after foreach_target.h.
 #include "engine_client/broad_phase/common/box_record-inl.h"
 #include "engine_client/broad_phase/common/pair_cursor.h"
 #include "engine_client/broad_phase/common/stop_poll.h"

@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/dbvt/dbvt_refit.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// What follows must come after foreach_target.h.
+// The includes below must come after foreach_target.h.
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "hwy/cache_control.h"
 

@@ -8,7 +8,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/tracy/tracy_rest.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// What follows must come after foreach_target.h.
+// The includes below must come after foreach_target.h.
 #include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 

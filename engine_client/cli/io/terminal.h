@@ -28,7 +28,7 @@ struct Terminal {
 // Prints "PROGRAM: MESSAGE" and returns the exit code of the status: kUnreachable for
 // kUnavailable, kCheckFailed for kInternal, kBadUsage for all others.
 int Fail(Terminal& terminal, const Status& status);
-// The same for the status of a call to a daemon. It returns kUnreachable also for
+// Does the same for the status of a call to a daemon. It returns kUnreachable also for
 // kResourceExhausted, because a full daemon may serve the call later. It returns kBadUsage for
 // kInvalidArgument. It returns kCheckFailed for all other errors, because the daemon understood and
 // refused the call.

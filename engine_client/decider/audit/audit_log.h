@@ -156,7 +156,7 @@ class AdminRows {
   uint64_t hash_;
 };
 
-// Where a segment comes from. This is for people; decisions do not depend on it.
+// The origin of a segment, for people. Decisions do not depend on it.
 struct AuditOrigin {
   std::string session_id;
   uint32_t segment = 1;  // a session that goes on after a restart begins a new one

@@ -139,7 +139,7 @@ class AdaptivePolicy : public Policy {
   std::vector<Ban> bans_;
   std::vector<bool> was_live_;     // arms with a live window in this session
   std::vector<bool> trial_ended_;  // arms with a trial that ended early
-  // What DropContradictedPriors compares: the cheapest arm by the priors, while they are held, and
+  // The inputs of DropContradictedPriors: the cheapest arm by the priors, while they are held, and
   // the log-cost of the lane's first visit to each arm with a prior.
   std::optional<uint32_t> expected_arm_;
   std::vector<std::optional<Visit>> first_visits_;

@@ -47,9 +47,9 @@ class RegimeBeliefs {
   Weights CostsOf(uint32_t arm) const;
 
   RegimeMemory memory_;
-  std::vector<RelativeCostFilter> filters_;  // per regime
+  std::vector<RelativeCostFilter> filters_;  // one per regime
   uint32_t regime_ = 0;
-  Weights tick_shares_{};   // of the latest ticks, decaying; they need not add up to 1
+  Weights tick_shares_{};   // decayed counts of each regime's ticks; not normalised
   double change_rate_ = 0;  // changes of the regime per tick
   bool mixes_ = false;
 };

@@ -9,8 +9,8 @@ namespace sweepstake::decision {
 namespace {
 
 // A descriptor belongs to another regime if one of its features differs by more than this.
-constexpr double kCountStep = 0.7;  // of the logarithm
-constexpr double kSpeedStep = 1;    // of the logarithm
+constexpr double kCountStep = 0.7;  // difference of ln(object count)
+constexpr double kSpeedStep = 1;    // difference of ln(mean speed)
 constexpr double kStaticStep = 0.3;
 constexpr double kMinSpeed = 1e-6;     // world units per frame
 constexpr double kUnmeasured = -1000;  // a value that no feature has

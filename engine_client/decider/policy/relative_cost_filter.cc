@@ -185,8 +185,8 @@ void RelativeCostFilter::Truncate(const Eigen::VectorXd& column, double innovati
   if (variance <= 0) return;
   const double deviation = std::sqrt(variance);
   const double z = innovation / deviation;
-  const double shift = NormalDensity(z) / NormalCdf(-z);  // in deviations
-  const double share = shift * (shift - z);               // of the variance
+  const double shift = NormalDensity(z) / NormalCdf(-z);  // shift of the mean, in deviations
+  const double share = shift * (shift - z);               // relative decrease of the variance
   if (share > 0) Update(column, deviation / (shift - z), variance / share);
 }
 

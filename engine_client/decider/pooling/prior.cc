@@ -29,7 +29,7 @@ struct Scene {
 struct Source {
   std::string_view build;
   std::vector<ArmEvidence> arms;
-  std::vector<uint32_t> versions;  // of the arms; 0: no evidence
+  std::vector<uint32_t> versions;  // one per arm; 0: no evidence
 };
 
 // The evidence of a project's records, grouped by scene and by source. The maps make the results

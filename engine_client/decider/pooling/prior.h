@@ -24,7 +24,7 @@ struct ArmRecord {
   std::string_view machine_class;  // empty: unknown
   uint32_t reward_version = 1;
   std::string_view source;  // a session, or the sum of several
-  std::string_view build;   // of the source; empty: unknown
+  std::string_view build;   // build of the source; empty: unknown
   std::string_view arm;
   uint32_t backend_version = 1;
   ArmEvidence evidence = {};
@@ -41,7 +41,7 @@ struct PriorKey {
   // The session's own source, whose evidence counts in full; empty if it has none.
   std::string source = {};
   std::vector<std::string> arms;
-  std::vector<uint32_t> backend_versions;  // of the arms
+  std::vector<uint32_t> backend_versions;  // one per arm
   // Compares sources, and scenes of the project, which requires reward version 3. Otherwise the
   // prior is the sum over the sources of the scene and machine class.
   bool compares_sources = false;
@@ -49,14 +49,14 @@ struct PriorKey {
 
 // Sources that have the same weight, build and machine class.
 struct SourceGroup {
-  double weight = 1;  // of the arms in the session's versions
+  double weight = 1;  // weight of the arms in the session's versions
   std::string build;
   std::string machine_class;
   uint64_t source_count = 0;
 };
 
 struct Prior {
-  std::vector<EvidenceSum> evidence;  // of each arm of the key, without Beta(1,1)
+  std::vector<EvidenceSum> evidence;  // one per arm of the key, without Beta(1,1)
   // The number of the scene's sources or, if they have no evidence, of the sources of the other
   // scenes that were used. 0 if there is no evidence.
   uint64_t source_count = 0;

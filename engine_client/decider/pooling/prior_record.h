@@ -55,7 +55,7 @@ struct PriorRecord {
   std::string source_id;         // a session, or the sum of a build (priors_sums.h)
   uint64_t source_sequence = 0;  // the last commit of the source that is included, from 1
   Evidence evidence;
-  std::string build = {};         // of the source; empty if unknown
+  std::string build = {};         // build of the source; empty if unknown
   uint64_t last_seen_unix_s = 0;  // when the source learnt last, below 2^63; 0 if unknown
   // Set by exports of a daemon and ignored by imports. Priors files do not contain is_imported.
   bool is_imported = false;     // the source is not a session of the exporting store

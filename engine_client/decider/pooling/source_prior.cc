@@ -172,8 +172,8 @@ class MedianPolish {
   }
 
   std::vector<Cell> cells_;
-  std::vector<double> levels_;  // by source
-  std::vector<double> arms_;    // relative to the level
+  std::vector<double> levels_;  // one per source
+  std::vector<double> arms_;    // one per arm, relative to the level
 };
 
 }  // namespace

@@ -17,11 +17,11 @@
 
 namespace sweepstake::decision {
 
-// What a source and a session have in common.
+// The common properties of a source and a session.
 struct SourceRelation {
   bool same_build = false;
   bool same_machine_class = false;
-  bool same_backend_version = true;  // of the arm
+  bool same_backend_version = true;  // version of the arm's backend
 };
 
 // Returns the weight of a source's evidence about an arm, that of a power prior (J. Ibrahim,
@@ -31,7 +31,7 @@ double PowerPriorWeight(const SourceRelation& relation);
 // The evidence of one source about an arm.
 struct SourceArm {
   EvidenceSum sum = {};  // from PoolEvidence; empty: no evidence
-  double weight = 1;     // of the power prior: > 0, and at most 1
+  double weight = 1;     // weight in the power prior, > 0 and at most 1
 };
 using SourceEvidence = std::vector<SourceArm>;
 

@@ -36,7 +36,7 @@ class BailOutBudget {
 
   // Returns whether a bail-out at this time is evidence.
   bool HasRoom(int64_t now_ns) const;
-  // Does the same and, if it is evidence, spends a part of the budget.
+  // As HasRoom. If the bail-out is evidence, it also spends a part of the budget.
   bool Spend(int64_t now_ns);
 
  private:

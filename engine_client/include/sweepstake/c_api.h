@@ -84,10 +84,11 @@ enum {
  * failure on this thread. */
 SWP_API const char* swp_last_error(void);
 
-/* The same for the latest failed call of one object, on whichever thread: jobs migrate between
- * threads. Writes one line, "" if none has failed, cut to 255 bytes and to `capacity` with its NUL.
- * Any thread, any time; it takes a lock that no frame takes. SWP_NOT_FOUND if the object does not
- * exist. If two calls of the object fail at the same moment, one of the two messages is returned.
+/* Writes one line about the latest failed call of one object, on whichever thread it ran: jobs
+ * migrate between threads. It is "" if no call has failed, and is cut to 255 bytes and to
+ * `capacity` with its NUL. Any thread, any time; it takes a lock that no frame takes. SWP_NOT_FOUND
+ * if the object does not exist. If two calls of the object fail at the same moment, one of the two
+ * messages is returned.
  */
 SWP_API swp_result swp_last_error_of(const void* object, char* text, uint32_t capacity);
 

@@ -30,7 +30,7 @@ typedef struct swp_decider_options {
   const char* project;       /* NULL: "default" */
   const char* scene;         /* NULL: "default" */
   const char* machine_class; /* NULL: detected from processor, threads and memory */
-  const char* build;         /* of the game; priors of other builds count less. NULL: unknown */
+  const char* build; /* the game's build; priors of other builds count less. NULL: unknown */
   /* The name under which swp_session_export_priors exports what is learnt. A game that keeps a name
    * per installation has records that grow from run to run. An installation that loses its save
    * needs a new name: the sequence numbers of its records begin at 1 again, and a store that has
@@ -44,7 +44,7 @@ typedef struct swp_decider_options {
   uint64_t priors_data_bytes; /* 0 if priors_data is NULL */
   uint64_t seed;
   double time_scale; /* 1 to 1000: every interval but the bail-out limit is divided by it */
-  uint64_t decision_interval_ns; /* from one decision to the next, 1 to 8.64e15 (100 days); 2 s */
+  uint64_t decision_interval_ns; /* time between decisions, 1 to 8.64e15 (100 days); 2 s */
   uint64_t cooldown_ns; /* between switches that the policy chooses, at most 100 days; 40 s */
   double fps_floor;     /* in frames/s, 0 to 1000; a slower best arm is SWP_VERDICT_DEGRADED; 30 */
 } swp_decider_options;

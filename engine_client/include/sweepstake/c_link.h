@@ -52,7 +52,7 @@ typedef struct swp_link_options {
   const char* policy;         /* NULL: the daemon's default */
   uint64_t seed;              /* 0: the daemon chooses */
   double time_scale;          /* 1 to 1000; above 1 a daemon refuses unless it is set to allow it */
-  uint64_t jitter_seed;       /* of the delays between attempts; 0: a different one for each link */
+  uint64_t jitter_seed;       /* seed of the delays between attempts; 0: another for each link */
   uint32_t ignore_priors;     /* 1: starts from Beta(1,1) whatever the store holds */
   uint32_t batch_interval_ms; /* a batch is sent at the first of these three limits: 1 to 10,000 */
   uint32_t batch_frames;      /* 1 to 240 */
@@ -97,7 +97,7 @@ typedef struct swp_link_stats {
   uint64_t resumed_count;
   uint64_t resent_message_count;
   uint64_t command_count;          /* switches that the daemon commanded */
-  uint64_t unknown_message_count;  /* of a newer protocol, ignored */
+  uint64_t unknown_message_count;  /* messages of a newer protocol, ignored */
   uint64_t prior_source_count;     /* sources in the priors it started from */
   uint64_t seed;                   /* seed of the daemon's random draws */
   uint32_t priors_unavailable;     /* 1: the daemon could not read all of its priors */

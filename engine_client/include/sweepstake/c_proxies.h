@@ -213,7 +213,7 @@ SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
 SWP_API swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
                                            uint32_t box_count, const swp_filter* filter,
                                            swp_proxy* found, uint64_t capacity, uint64_t* ends);
-/* The same for the proxies that overlap spheres. */
+/* As swp_proxies_query_boxes, for the proxies that overlap spheres. */
 SWP_API swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const swp_sphere* spheres,
                                              uint32_t sphere_count, const swp_filter* filter,
                                              swp_proxy* found, uint64_t capacity, uint64_t* ends);
@@ -222,7 +222,7 @@ SWP_API swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const s
 SWP_API swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
                                          uint32_t ray_count, const swp_filter* filter,
                                          swp_ray_hit* hits);
-/* The same for swept boxes. */
+/* As swp_proxies_cast_rays, for swept boxes. */
 SWP_API swp_result swp_proxies_sweep_boxes(const swp_proxies* proxies, const swp_box_sweep* sweeps,
                                            uint32_t sweep_count, const swp_filter* filter,
                                            swp_ray_hit* hits);

@@ -87,9 +87,9 @@ typedef struct swp_session_options {
   double shadow_duty_ratio;     /* the lane's maximum share of one core, over 0 to 1; 0.15 */
   uint64_t shadow_memory_bytes; /* the lane's maximum, half of it for copied boxes; 64 MiB. If the
                                    frames do not fit, the state is SWP_SHADOW_STATE_TOO_BIG */
-  uint64_t memory_budget_bytes; /* of all arms, the pairs and the lane, which takes at most half of
-                                   it; 0: no limit. Above it, at a switch or when the active arm
-                                   grows, inactive arms and then the lane are freed */
+  uint64_t memory_budget_bytes; /* limit for all arms, the pairs and the lane, which takes at most
+                                   half of it; 0: no limit. Above it, at a switch or when the active
+                                   arm grows, inactive arms and then the lane are freed */
 } swp_session_options;
 
 /* The cost of one frame. If it had several searches, times and checks are summed; the counts of
@@ -144,7 +144,7 @@ typedef struct swp_shadow_stats {
   uint64_t busy_time_ns; /* busy time of the lane's thread */
   uint64_t memory_bytes; /* now */
   uint64_t copied_frame_count;
-  uint64_t copy_time_ns;      /* on the frame thread */
+  uint64_t copy_time_ns;      /* time of copying boxes on the frame thread */
   uint64_t warm_switch_count; /* prepared by the lane */
   uint64_t cold_switch_count;
 } swp_shadow_stats;
@@ -188,7 +188,7 @@ enum { SWP_MAX_ARMS = 32 };
 typedef struct swp_decision {
   uint32_t struct_size;
   swp_decision_outcome outcome;
-  uint64_t decision_id; /* from 1; 0: made by a daemon, which sends only its commands */
+  uint64_t decision_id; /* counts from 1; 0: made by a daemon, which sends only commands */
   uint64_t time_ns;     /* on the clock of now_ns; the decision's age is the time since then */
   uint32_t active_arm;
   uint32_t candidate_arm;           /* the arm that the policy proposed; SWP_NO_ARM: none */

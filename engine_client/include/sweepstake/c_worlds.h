@@ -40,10 +40,10 @@ typedef struct swp_world_options {
 typedef struct swp_counters {
   uint32_t struct_size;
   uint32_t object_count;
-  uint64_t aabb_check_count;  /* of the latest build or update, and search */
+  uint64_t aabb_check_count;  /* checks of the latest build or update, and search */
   uint64_t native_bytes;      /* held by the backend's own buffers */
-  uint64_t detection_time_ns; /* of the latest build or update, plus the search */
-  uint64_t pair_count;        /* of the latest search; 0 before it */
+  uint64_t detection_time_ns; /* time of the latest build or update, plus the search */
+  uint64_t pair_count;        /* pairs of the latest search; 0 before it */
   uint32_t backend_version;   /* incremented by each change that could alter its cost */
   uint32_t reserved;          /* 0 */
 } swp_counters;

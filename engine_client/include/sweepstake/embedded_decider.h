@@ -59,7 +59,7 @@ struct ArmBelief {
 
 // One decision, as EmbeddedOptions::on_decision gets it.
 struct DecisionEvent {
-  uint64_t decision_id = 0;  // from 1
+  uint64_t decision_id = 0;  // counts from 1
   uint64_t time_ns = 0;      // on the clock of the caller's now_ns
   uint32_t active_arm = 0;
   // The arm that the policy proposed; absent if it proposed none.
@@ -85,7 +85,7 @@ struct EmbeddedOptions {
   std::string project = "default";
   std::string scene = "default";
   std::string machine_class;  // class of comparable machines; empty: MachineClass()
-  std::string build;          // of the game; evidence from other builds counts less. Empty: unknown
+  std::string build;          // the game's build; evidence from others counts less. Empty: unknown
   // Priors to start from, as `sweepstake priors export` and ExportPriors write them: the path of a
   // file (in UTF-8), their text, or both. An example of both: priors that came with the game, and
   // priors that it saved. They are merged; evidence that is in both counts once, in its later

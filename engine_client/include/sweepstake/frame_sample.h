@@ -20,7 +20,7 @@ enum FrameFlag : uint32_t {
 // A frame may search several times, once per substep. Its times and checks are then sums. Its
 // counts of bytes, pairs and objects are those of its latest search.
 struct FrameSample {
-  uint64_t frame_index = 0;        // since the session began
+  uint64_t frame_index = 0;        // counts from the start of the session
   uint64_t frame_time_ns = 0;      // unscaled, whole frame
   uint64_t detection_time_ns = 0;  // Build or Update plus FindPairs; 0 without a search
   uint64_t aabb_check_count = 0;
@@ -58,7 +58,7 @@ enum ShadowFlag : uint32_t {
 struct ShadowSample {
   uint64_t first_frame_index = 0;
   uint64_t detection_time_ns = 0;  // median over the measured frames: update and search
-  uint64_t build_time_ns = 0;      // of the first frame, which builds the structure and searches
+  uint64_t build_time_ns = 0;      // time of the first frame, which builds and searches
   uint64_t aabb_check_count = 0;   // mean over the measured frames
   uint64_t native_bytes = 0;
   uint32_t arm = 0;

@@ -310,14 +310,14 @@ class ProxySet {
   // message names it and no hit changes. REQUIRES: equal sizes.
   Status CastRays(std::span<const Ray> rays, const CollisionFilter& filter,
                   std::span<RayHit> hits) const;
-  // The same for swept boxes.
+  // As CastRays, for swept boxes.
   Status SweepBoxes(std::span<const BoxSweep> sweeps, const CollisionFilter& filter,
                     std::span<RayHit> hits) const;
   // The proxies in boxes[k] are out[ends[k − 1]] to out[ends[k]]. If `out` is too small, `ends`
   // still counts all results. REQUIRES: equal sizes of boxes and ends.
   Status QueryBoxes(std::span<const Aabb> boxes, const CollisionFilter& filter,
                     std::span<ProxyHandle> out, std::span<size_t> ends) const;
-  // The same for spheres; if one is refused, the message names it and no result changes.
+  // As QueryBoxes, for spheres. If a sphere is refused, the message names it and no result changes.
   Status QuerySpheres(std::span<const Sphere> spheres, const CollisionFilter& filter,
                       std::span<ProxyHandle> out, std::span<size_t> ends) const;
 

@@ -57,10 +57,10 @@ struct SessionStats {
   // paused at the end.
   bool awaits_acknowledgement = false;
   uint64_t connection_count = 0;  // welcomes received
-  uint64_t resumed_count = 0;     // of those, resumed
+  uint64_t resumed_count = 0;     // welcomes that resumed the session
   uint64_t resent_message_count = 0;
   uint64_t command_count = 0;          // switch commands received
-  uint64_t unknown_message_count = 0;  // of a newer protocol, ignored
+  uint64_t unknown_message_count = 0;  // messages of a newer protocol, ignored
   uint64_t prior_source_count = 0;     // sources in the priors the session started from
   bool priors_unavailable = false;     // the daemon could not read all of its priors
   // The daemon's version, policy and seed. They are empty and 0 before the first welcome, and
@@ -69,8 +69,8 @@ struct SessionStats {
   std::string policy;
   uint64_t seed = 0;
   // Times of the sender thread with an embedded decider; 0 with a daemon, which decides elsewhere.
-  uint64_t intake_time_ns = 0;    // to empty the queue and pass it to the decider
-  uint64_t decision_time_ns = 0;  // to decide, summed over all decisions
+  uint64_t intake_time_ns = 0;    // time to empty the queue and pass it to the decider
+  uint64_t decision_time_ns = 0;  // total time of all decisions
   uint64_t longest_decision_ns = 0;
   std::vector<ArmBelief> beliefs;  // the latest posterior snapshot; empty: none yet
   // Existing files of the flight recorder, the oldest first; at most 8.

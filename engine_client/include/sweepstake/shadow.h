@@ -55,12 +55,12 @@ struct ShadowStats {
   uint64_t busy_time_ns = 0;        // visits and preparations
   uint64_t memory_bytes = 0;        // copied boxes and structures, as of the latest frame it ran
   uint64_t copied_frame_count = 0;
-  uint64_t copy_time_ns = 0;  // on the frame thread
+  uint64_t copy_time_ns = 0;  // time of copying boxes on the frame thread
   // The estimated cost of the lane to the frame thread besides the copies: the measured slowdown of
   // searches during the lane's work, times the duration of that work.
   uint64_t slowdown_time_ns = 0;
   uint64_t warm_switch_count = 0;
-  uint64_t cold_switch_count = 0;  // with or without a lane
+  uint64_t cold_switch_count = 0;  // also counts switches without a lane
 };
 
 }  // namespace sweepstake

@@ -33,7 +33,7 @@
 
 namespace sweepstake {
 
-// What the owner of the stream must do.
+// The action that the owner of the stream must perform.
 enum class LinkAction : uint32_t {
   kNone = 0,    // nothing now
   kSend = 1,    // write the next message
