@@ -50,7 +50,7 @@ class LeafTree {
   static constexpr uint32_t kWidthBits = 4;
   // The slots of a block: 16 leaves, the unit of a search.
   static constexpr size_t kBlockSlots = kWidth * kWidth;
-  // 16^8 = 2^32 slots.
+  // Enough for 16^8 = 2^32 slots.
   static constexpr size_t kMaxLevels = 8;
 
   // The data that a search reads; valid until the next Refit. Level 0 holds the boxes: box k of

@@ -78,7 +78,7 @@ class BlockChoice {
   const Aabb& box_;
   Growth best_{std::numeric_limits<float>::max(), kInfinity};
   uint32_t block_ = 0;
-  uint32_t visited_ = 0;  // the number of blocks
+  uint32_t visited_ = 0;  // the number of visited blocks
 };
 
 // The minimum number of new members for separate branches. Fewer would leave most of a branch free.

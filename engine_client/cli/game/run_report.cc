@@ -23,7 +23,7 @@ std::string StateName(ShadowState state) {
     case ShadowState::kOff:
       return "off";
     case ShadowState::kOneArm:
-      return "off, there is one arm only";
+      return "off, there is only one arm";
     case ShadowState::kNoSpareCore:
       return "off, no core to spare";
     case ShadowState::kPaused:
@@ -31,7 +31,7 @@ std::string StateName(ShadowState state) {
     case ShadowState::kRunning:
       return "running";
     case ShadowState::kTooBig:
-      return "off, the scene is too big for its memory";
+      return "off, the scene is too big for the lane's memory";
   }
   return "unknown";
 }

@@ -44,9 +44,9 @@ enum class AuditColumn : size_t {
   kCommandId,       // refusal: the refused command; decision: the issued one
   kArm,             // switch, mode: now active; order: requested; decision: commanded
   kReason,          // reason of the switch or of the command
-  kSwitchEpoch,     // switch
-  kRebuildTimeNs,   // switch
-  kSettlingCostNs,  // switch
+  kSwitchEpoch,     // switch: the epoch that it began
+  kRebuildTimeNs,   // switch: SwitchCost
+  kSettlingCostNs,  // switch: SwitchCost
   kMode,            // mode, order: manual or ai
   kDecisionId,
   kPolicy,
@@ -62,19 +62,19 @@ enum class AuditColumn : size_t {
   kIncrementBeta,
   kIncrementWindowCount,
   kIncrementBailOutCount,
-  kAlpha,            // list, after the update
-  kBeta,             // list
-  kDraws,            // list
-  kBestProbability,  // list
+  kAlpha,            // list: the posteriors after the update
+  kBeta,             // list, as kAlpha
+  kDraws,            // list: the values that the policy compared
+  kBestProbability,  // list: each arm's probability of being the best
   kLeader,
   kExpectedLossRatio,
   kEntropy,
   kVerdict,
-  kGain,         // E⁺
-  kLoss,         // E⁻
-  kHorizonS,     // H
-  kCooldownS,    // D
-  kSwitchCostS,  // C
+  kGain,  // E⁺ of GateTerms, like the next four
+  kLoss,  // E⁻
+  kHorizonS,
+  kCooldownS,
+  kSwitchCostS,
   kPropensity,
   kLogHash,
 };

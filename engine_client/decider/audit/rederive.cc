@@ -356,7 +356,8 @@ class Rederivation {
     return std::nullopt;
   }
 
-  // After a `missing` row the numbers may continue anywhere.
+  // Checks that rows are numbered consecutively. After a `missing` row, any later number may
+  // follow.
   std::optional<Problem> CheckNumber() {
     const uint64_t expected = row_in_segment_ + 1;
     if (const auto problem = Read(cells_, AuditColumn::kRow, row_in_segment_)) return problem;

@@ -283,10 +283,11 @@ Result<std::string> EmbeddedDecider::ArmOfPriors(const EmbeddedOptions& options,
     if (given[arm].evidence() > 0 && (!best || mean(arm) > mean(*best))) best = arm;
   }
   if (best) return arms[*best];
-  return Status(StatusCode::kNotFound,
-                "the priors say nothing of scene \"" + options.scene + "\" of project \"" +
-                    options.project + "\" on machine class \"" + MachineClassOf(options) +
-                    "\" with these arms; sweepstake priors export writes those of a daemon");
+  return Status(
+      StatusCode::kNotFound,
+      "the priors have no evidence of scene \"" + options.scene + "\" of project \"" +
+          options.project + "\" on machine class \"" + MachineClassOf(options) +
+          "\" with these arms; export some from a daemon with `sweepstake priors export`");
 }
 
 EmbeddedDecider::EmbeddedDecider(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

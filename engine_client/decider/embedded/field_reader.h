@@ -37,14 +37,14 @@ class FieldReader {
 
   void MeasuredBy(const char* key, std::string& value) {
     Name(key, value, false);
-    if (!decision::IsMeasuredBy(value)) SetError(key, "is neither absent nor \"lane\"");
+    if (!decision::IsMeasuredBy(value)) SetError(key, "must be absent or \"lane\"");
   }
 
   // An absent field keeps its value.
   void Flag(const char* key, bool& value) {
     const nlohmann::json* field = Find(key, /*required=*/false);
     if (field == nullptr) return;
-    if (!field->is_boolean()) return SetError(key, "is neither true nor false");
+    if (!field->is_boolean()) return SetError(key, "must be true or false");
     value = field->get<bool>();
   }
 
@@ -65,7 +65,7 @@ class FieldReader {
     if (field == nullptr) return;
     if (!field->is_number()) return SetError(key, "is not a number");
     value = field->get<double>();
-    if (!IsIncrement(value)) SetError(key, "is not within 0 to 1e15");
+    if (!IsIncrement(value)) SetError(key, "must be from 0 to 1e15");
   }
 
   // Returns the array or object, or null if the field is absent.
@@ -80,7 +80,7 @@ class FieldReader {
   // Call it after all fields were read.
   void RejectUnknown() {
     for (const auto& item : object_.items()) {
-      if (!known_.contains(item.key())) return SetError(item.key(), "is not a field of it");
+      if (!known_.contains(item.key())) return SetError(item.key(), "is an unknown field");
     }
   }
 

@@ -149,29 +149,30 @@ class SceneReader {
   }
 
   const std::optional<std::string>& error() const { return error_; }
-  const PriorRecord& common() const { return common_; }  // common to the records of the scene
+  const PriorRecord& common() const { return common_; }  // the fields that all records share
 
  private:
   void ReadArm(const Json& arm) {
     const std::string text = arm.is_string() ? arm.get<std::string>() : "";
     const size_t mark = text.rfind(kVersionMark);
-    if (mark == std::string::npos) return SetError("an arm is not NAME/VERSION");
+    if (mark == std::string::npos) return SetError("an arm must be NAME/VERSION");
     std::pair<std::string, uint32_t>& read = arms_.emplace_back(text.substr(0, mark), 0);
     const char* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data() + mark + 1, end, read.second);
     if (error != std::errc() || stop != end || read.second == 0 || !text::IsName(read.first))
-      SetError("an arm is not NAME/VERSION");
+      SetError("an arm must be NAME/VERSION");
     if (std::find(arms_.begin(), arms_.end() - 1, read) != arms_.end() - 1)
       SetError("repeats an arm");
   }
 
   void ReadBuild(const std::string& build, const Json& line) {
-    if (!text::IsOptionalName(build)) return SetError("a build is over 128 bytes or no text");
+    if (!text::IsOptionalName(build))
+      return SetError("the name of a build must be text of at most 128 bytes");
     const bool whole = line.is_array() && line.size() == 3 && line[0].is_number_unsigned() &&
                        line[1].is_array() && line[2].is_array() &&
                        line[0].get<uint64_t>() <= kMaxSequence && line[1].size() == arms_.size() &&
                        line[2].size() == arms_.size();
-    if (!whole) return SetError("a build is not [time, [of each arm], [of each arm]]");
+    if (!whole) return SetError("a build must be [time, [a cell per arm], [a cell per arm]]");
     common_.build = build;
     common_.source_id = NameOfSum(build);
     common_.last_seen_unix_s = line[0].get<uint64_t>();
@@ -186,7 +187,7 @@ class SceneReader {
     const bool whole = cell.is_array() && (cell.size() == 3 || cell.size() == 4) &&
                        cell[0].is_number() && cell[1].is_number() && cell[2].is_number_unsigned() &&
                        cell.back().is_number_unsigned();
-    if (!whole) return SetError("evidence is not [alpha, beta, count] or [.., bail-outs]");
+    if (!whole) return SetError("evidence must be [alpha, beta, count] or [.., bail-outs]");
     PriorRecord& sum = sums_.emplace_back(common_);
     std::tie(sum.key.arm, sum.key.backend_version) = arms_[arm];
     sum.evidence.alpha = cell[0].get<double>();
@@ -195,7 +196,7 @@ class SceneReader {
     sum.evidence.bail_out_count = cell.size() == 4 ? cell[3].get<uint64_t>() : 0;
     sum.source_sequence = std::clamp<uint64_t>(sum.evidence.window_count, 1, kMaxSequence);
     if (!IsIncrement(sum.evidence.alpha) || !IsIncrement(sum.evidence.beta))
-      SetError("evidence is not within 0 to 1e15");
+      SetError("evidence must be from 0 to 1e15");
   }
 
   void SetError(std::string what) {

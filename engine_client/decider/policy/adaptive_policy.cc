@@ -41,7 +41,8 @@ constexpr double kTrialDeviations = 1.282;
 constexpr double kMaxTrialLogRatio = 0.693;
 constexpr uint64_t kShareWindows = 10;  // windows that detection's share is averaged over
 constexpr double kBanGrowth = 4;
-// The maximum time that drifts advance at once, in decision intervals. A pause is not drift.
+// The maximum time by which one step advances the drifts, in decision intervals: costs do not drift
+// during a pause.
 constexpr double kMaxAdvance = 30;
 // The lane counts as reporting for this number of intervals after a visit.
 constexpr int64_t kLaneIntervals = 5;

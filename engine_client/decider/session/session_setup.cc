@@ -18,12 +18,12 @@ Problem CheckArms(const SessionSetup& setup) {
   for (const std::string& arm : setup.arms) {
     if (arm.empty()) return "an arm has an empty name; give every arm a name";
     if (!seen.insert(arm).second)
-      return "the arm \"" + arm + "\" is there twice; give every arm a name of its own";
+      return "the arm \"" + arm + "\" occurs twice; give every arm a different name";
   }
   if (setup.active_arm >= setup.arms.size())
     return "the active arm is not in the list of arms; use its index there";
   if (setup.explored_arm_count > setup.arms.size())
-    return "more arms are explored than there are; use at most their number";
+    return "explored_arm_count exceeds the number of arms; use at most that number";
   return std::nullopt;
 }
 

@@ -160,7 +160,8 @@ TEST(PriorsArm, PrintsTheArmOfTheSceneOrOfTheProject) {
   EXPECT_THAT(neighbour.err, HasSubstr("has no evidence that counts here for scene \"another\""));
   const ProgramRun unknown = RunProgram(command + "q --scene s");
   EXPECT_EQ(unknown.exit_code, 1);
-  EXPECT_THAT(unknown.err, HasSubstr("the priors say nothing of scene \"s\" of project \"q\""));
+  EXPECT_THAT(unknown.err,
+              HasSubstr("the priors have no evidence of scene \"s\" of project \"q\""));
   std::filesystem::remove(file);
   EXPECT_EQ(RunProgram(command + "p --scene s").exit_code, 2) << "the file does not exist";
 }

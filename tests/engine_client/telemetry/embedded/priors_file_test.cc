@@ -83,7 +83,7 @@ TEST(PriorsFile, KeepsQuarantinedRecordsBesideOthers) {
   EXPECT_FALSE((*read)[0].is_quarantined);
   EXPECT_TRUE((*read)[1].is_quarantined);
   EXPECT_EQ(FormatPriors(*read), text);
-  EXPECT_THAT(ComplaintAbout(DocumentWith("is_quarantined", "1")), HasSubstr("true nor false"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("is_quarantined", "1")), HasSubstr("true or false"));
 }
 
 TEST(PriorsFile, MayHaveNoRecordsAndNoOptionalFields) {
@@ -109,11 +109,11 @@ TEST(PriorsFile, ErrorsNameTheInvalidRecordAndField) {
   EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "1.5")), HasSubstr("whole number"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "9223372036854775808")),
               HasSubstr("source_sequence is too large"));
-  EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "-0.5")), HasSubstr("within"));
-  EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "1e16")), HasSubstr("within"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "-0.5")), HasSubstr("0 to 1e15"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "1e16")), HasSubstr("0 to 1e15"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("beta_increment", "\"nan\"")), HasSubstr("number"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("machine_clas", "\"x\"")),
-              HasSubstr("machine_clas is not a field"));
+              HasSubstr("machine_clas is an unknown field"));
 }
 
 TEST(PriorsFile, OtherDocumentsAreRefused) {

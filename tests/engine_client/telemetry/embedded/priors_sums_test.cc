@@ -158,19 +158,19 @@ TEST(PriorsSums, ErrorsNameTheInvalidScene) {
         SumsWith([&](json& scenes) { scenes[json::json_pointer(pointer)] = value; }));
   };
   EXPECT_EQ(complaint_where("/0/project", ""), "priors scene 0: project is empty");
-  EXPECT_THAT(complaint_where("/0/scen", "x"), HasSubstr("scen is not a field"));
+  EXPECT_THAT(complaint_where("/0/scen", "x"), HasSubstr("scen is an unknown field"));
   EXPECT_THAT(complaint_where("/0/arms", 3), HasSubstr("arms is not an array"));
   EXPECT_THAT(complaint_where("/0/arms/0", "Grid"), HasSubstr("NAME/VERSION"));
   EXPECT_THAT(complaint_where("/0/arms/0", "Grid/0"), HasSubstr("NAME/VERSION"));
   EXPECT_THAT(complaint_where("/0/arms/0", "Grid/2x"), HasSubstr("NAME/VERSION"));
   EXPECT_THAT(complaint_where("/0/arms/0", "/2"), HasSubstr("NAME/VERSION"));
   EXPECT_THAT(complaint_where("/0/builds", json::array()), HasSubstr("builds is not an object"));
-  EXPECT_THAT(complaint_where("/0/builds/1.2", json::array()), HasSubstr("a build is not"));
-  EXPECT_THAT(complaint_where("/0/builds/1.2/0", -1), HasSubstr("a build is not"));
-  EXPECT_THAT(complaint_where("/0/builds/1.2/1", json::array()), HasSubstr("a build is not"));
-  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", "x"), HasSubstr("evidence is not"));
-  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {1, 2}), HasSubstr("evidence is not"));
-  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {-1, 2, 3}), HasSubstr("within 0 to 1e15"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2", json::array()), HasSubstr("a build must be"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/0", -1), HasSubstr("a build must be"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1", json::array()), HasSubstr("a build must be"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", "x"), HasSubstr("evidence must be"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {1, 2}), HasSubstr("evidence must be"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {-1, 2, 3}), HasSubstr("from 0 to 1e15"));
   EXPECT_THAT(ComplaintAboutSums(SumsWith([](json& scenes) { scenes.push_back(json(scenes[0])); })),
               HasSubstr("priors scene 1: repeats"));
   EXPECT_THAT(ComplaintAboutSums(SumsWith(

@@ -164,7 +164,7 @@ namespace Sweepstake.Unity
         /// </summary>
         public static void Shutdown()
         {
-            // End all at once, so that the time does not depend on their number; the rest of each then ends at once.
+            // End all natively at the same time: the time then does not depend on their number, and each host below ends without a wait.
             ulong endNs = SessionHost.DeadlineNs();
             foreach (SweepstakeManager manager in EnabledManagers)
                 manager.host?.BeginEnd();

@@ -10,7 +10,8 @@ namespace Sweepstake.LowLevel
 
         internal bool IsEmpty => found.Count == 0;
 
-        /// <summary>With `grows`, the struct may be larger in a newer library, but not in this runtime.</summary>
+        /// <summary>Compares the size of a struct. With `grows`, it may be larger in the library, which may be newer, but not in this
+        /// runtime.</summary>
         internal void Size(string name, uint number, int here, int inHeaders, bool grows)
         {
             uint inLibrary = NativeMethods.swp_struct_size(number);

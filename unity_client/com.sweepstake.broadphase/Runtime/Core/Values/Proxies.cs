@@ -22,7 +22,7 @@ namespace Sweepstake
         /// <summary>The id of the proxy in pairs while it exists.</summary>
         public readonly uint Id => (uint)Value;
         public readonly bool IsNone => Value == 0;
-        /// <summary>Whether it was added as static.</summary>
+        /// <summary>Whether the proxy was added as static.</summary>
         public readonly bool WasAddedStatic => (Value & 0x80000000u) != 0;
 
         public readonly bool Equals(ProxyHandle other) => Value == other.Value;
