@@ -96,15 +96,15 @@ class Daemon {
   void ReportDrained();
 
   const Config config_;
-  Config in_force_;    // as it was read last; only its live settings are applied
-  const bool shared_;  // several daemons share the store, and back it up elsewhere
+  Config in_force_;    // the configuration read last; only its live settings are applied
+  const bool shared_;  // several daemons share the store; this daemon then makes no backups of it
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   DaemonMetrics metrics_;
   std::string damage_;  // what the store had lost at the start; empty: nothing
   mutable std::mutex mutex_;
   std::string store_problem_;  // guarded by mutex_; why the store cannot write
-  std::string tls_problem_;    // guarded by mutex_; why the files of TLS cannot be used
+  std::string tls_problem_;    // guarded by mutex_; why the TLS files cannot be used
   const std::shared_ptr<std::atomic<bool>> saving_ = std::make_shared<std::atomic<bool>>(false);
   struct {
     bool done = false;
@@ -112,15 +112,15 @@ class Daemon {
   } save_;                                       // used on the store's thread
   SpaceWarning space_warning_;                   // used on the store's thread
   storage::FileId store_file_;
-  std::atomic<uint64_t> database_bytes_;  // in force
-  priors::AuditLimits audit_limits_;      // in force
+  std::atomic<uint64_t> database_bytes_;  // the limit in effect
+  priors::AuditLimits audit_limits_;      // the limits in effect
   std::unique_ptr<auth::TokenRegistry> tokens_;
   std::unique_ptr<storage::Outbox> outbox_;  // null unless shared_; used on the store's thread
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
   std::unique_ptr<tls::FilesWatch> tls_watch_;  // null without TLS
   std::unique_ptr<rpc::RpcServer> rpc_;
-  rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it records actions
+  rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it runs, else null
   std::atomic<bool> draining_ = false;
   const std::shared_ptr<web::EventCounters> events_ = std::make_shared<web::EventCounters>();
   std::unique_ptr<web::HttpServer> web_;  // its pages use the members above; null without --http

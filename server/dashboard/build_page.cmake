@@ -5,7 +5,7 @@
 #         -P build_page.cmake
 #
 # SOURCE is the folder of the page's package. Writes BUILD/STEM.cc from SOURCE/STEM.cc.in. Also writes BUILD/PAGE.stamp, except
-# after a failure that the next build may not have; the next build then tries again.
+# after a failure that may not happen again, such as a missing network; without the stamp the next build tries again.
 
 cmake_path(RELATIVE_PATH SOURCE BASE_DIRECTORY ${CMAKE_CURRENT_LIST_DIR}/../.. OUTPUT_VARIABLE folder)
 set(modules ${SOURCE}/node_modules)

@@ -61,7 +61,7 @@ std::optional<double> BootTime() {
 // Returns nothing if the folder cannot be read, for instance because no descriptor is free.
 std::optional<double> OpenDescriptorCount() {
   std::error_code error;
-  double count = -1;  // the listing itself has one
+  double count = -1;  // because listing the folder opens one descriptor
   for (std::filesystem::directory_iterator next("/proc/self/fd", error), end; !error && next != end;
        next.increment(error)) {
     ++count;

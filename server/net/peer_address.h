@@ -15,7 +15,7 @@ std::string PeerOf(int descriptor);
 bool ConnectsItself(int descriptor);
 
 // Returns the address of a gRPC peer name, without the port. For IPv6 it is the /64 network,
-// because one machine may have all of its addresses.
+// because one machine may use every address of that network.
 std::string AddressOf(std::string_view peer);
 
 // Returns whether an address returned by AddressOf is on the daemon's own machine.

@@ -17,8 +17,8 @@
 namespace sweepstake::sessions {
 
 // The store's counts for a scene that is not in the store. They are read on the writing thread and
-// posted to the loop with PostLater. They therefore include exactly the scenes that Forget has
-// removed here before they arrive.
+// posted to the loop with PostLater, so that Forget has already run for every scene that they
+// include. A scene is therefore never counted both in them and in NewScenes.
 struct UnstoredScene {
   priors::SceneCount stored = {};  // of the project
   bool new_name = true;  // whether the scene is not stored for any machine class or reward version
@@ -62,7 +62,7 @@ class NewScenes {
 
  private:
   struct Project {
-    bool stored = false;  // whether the store has other scenes of it
+    bool stored = false;  // whether the store has other scenes of the project
     // The number of sessions that hold each scene.
     std::map<std::string, uint32_t> names;
     std::map<priors::SceneKey, uint32_t> keys;

@@ -11,7 +11,7 @@ absl::Status CheckProjectCount(uint64_t count, const SessionOptions& options) {
   if (count <= max_projects) return absl::OkStatus();
   return Refused(reasons::kTooManyProjects,
                  absl::StrCat("this daemon has ", max_projects,
-                              " projects (max_projects); name the project alike in every session, "
+                              " projects, the maximum; use the same project name in every session, "
                               "or raise --max-projects"));
 }
 
@@ -19,11 +19,11 @@ absl::Status CheckSceneCount(const priors::SceneCount& count, const SessionOptio
   const uint32_t max_scenes = options.max_scenes;
   if (count.names <= max_scenes && count.keys <= uint64_t{max_scenes} * SceneQuota::kKeysPerScene)
     return absl::OkStatus();
-  return Refused(reasons::kTooManyScenes,
-                 absl::StrCat("the project has ", max_scenes, " scenes (max_scenes), of ",
-                              SceneQuota::kKeysPerScene,
-                              " machine classes on average; name scenes alike in every session, or "
-                              "raise --max-scenes"));
+  return Refused(
+      reasons::kTooManyScenes,
+      absl::StrCat("the project has ", max_scenes, " scenes, with ", SceneQuota::kKeysPerScene,
+                   " machine classes on average, the maximum; use the same scene names in "
+                   "every session, or raise --max-scenes"));
 }
 
 absl::Status SceneQuota::Add(const priors::SceneKey& scene, const ArmKey& arm) {
@@ -39,8 +39,8 @@ absl::Status SceneQuota::Add(const priors::SceneKey& scene, const ArmKey& arm) {
   }
   return Refused(
       reasons::kTooManyArms,
-      absl::StrCat("a scene may have ", decision::kMaxArms, " arms, of ", kVersionsPerArm,
-                   " versions on average; name the arms alike in every session"));
+      absl::StrCat("a scene may have ", decision::kMaxArms, " arms, with ", kVersionsPerArm,
+                   " versions on average; use the same arm names in every session"));
 }
 
 absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {

@@ -27,12 +27,13 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
       held->second >= context_.options.max_sessions_per_token && !MakeRoom(token_id)) {
     return Refused(reasons::kTooManySessions,
                    absl::StrCat("this token has ", held->second,
-                                " sessions, as many as it may (max_sessions_per_token); end some, "
+                                " sessions, the maximum (max_sessions_per_token); end some, "
                                 "or use another token"));
   }
   if (entries_.size() >= context_.options.max_sessions && !MakeRoom(std::nullopt)) {
     return Refused(reasons::kTooManySessions,
-                   "this daemon has as many sessions as it may; try again later, or use another");
+                   "this daemon has the maximum number of sessions (max_sessions); try again "
+                   "later, or use another daemon");
   }
   ++token_counts_[token_id];
   std::string id = session->identity().id;

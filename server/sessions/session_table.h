@@ -68,8 +68,8 @@ class SessionTable {
 
   // Returns null if the session is not in memory.
   std::shared_ptr<GameSession> Find(const std::string& id) const;
-  // Error: RESOURCE_EXHAUSTED (the table, or the share of the session's token, is full of sessions
-  // that cannot leave). REQUIRES: the session's id is not in the table.
+  // Error: RESOURCE_EXHAUSTED (the table, or the share of the session's token, is full, and no lost
+  // session can be removed). REQUIRES: the session's id is not in the table.
   absl::Status Add(std::shared_ptr<GameSession> session);
 
   void Attach(GameSession& session, ClientStream& link, SessionClient client);

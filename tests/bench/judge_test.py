@@ -332,7 +332,7 @@ class DecisionGoals(unittest.TestCase):
             ("stationary", "none", {"regret_after_start": 0.0101}, "stationary, after start-up"),
             ("stationary", "right", {"regret_best_fixed": 0.0051}, "stationary, with a same-class prior"),
             ("stationary", "class", {"regret_best_fixed": 0.0101}, "stationary, with a prior of another class of machines"),
-            ("stationary", "scenes", {"regret_best_fixed": 0.0051}, "stationary, cold start against a new scene of a known project"),
+            ("stationary", "scenes", {"regret_best_fixed": 0.0051}, "stationary: regret of a cold start ÷ that of a new scene with priors of other scenes"),
             ("changing", "none", {"regret_best_fixed": 0.0}, "changing: better than the best fixed arm"),
             ("changing", "none", {"headroom_captured": 0.49}, "changing: share of the oracle's headroom"),
             ("resonant", "none", {"regret_best_fixed": 0.041}, "regimes up to the cooldown"),
@@ -344,7 +344,7 @@ class DecisionGoals(unittest.TestCase):
         self.assertEqual(cold.change("stationary", "none", "paper", regret_best_fixed=0.5).missed(),
                          ["stationary, with the cold start"])
         self.assertEqual(Replays().change("stationary", "none", "paper", regret_best_fixed=0.09).missed(),
-                         ["stationary regret of paper against it"])
+                         ["stationary: regret of paper ÷ that of the policy"])
 
     def test_of_a_decisions_time_are_missed_at_the_limit(self):
         replays = Replays()

@@ -48,7 +48,7 @@ class LinkHost {
   LinkHost(const LinkHost&) = delete;
   LinkHost& operator=(const LinkHost&) = delete;
 
-  // Runs a frame, and the work of the transport.
+  // Runs one frame, then moves the bytes that wait in the link and in the stream.
   void Step() {
     const std::vector<swp_aabb> boxes(50, {{0, 0, 0}, {1, 1, 1}});
     EXPECT_EQ(swp_session_begin_frame(session_), SWP_OK);

@@ -22,7 +22,7 @@ class DaemonProcess {
   // The port of --http, or -1 without that option.
   int http_port() const { return http_port_; }
   pid_t pid() const { return process_.pid(); }
-  bool ended() { return process_.ended(); }  // without a signal
+  bool ended() { return process_.ended(); }  // whether it has ended by itself
   // Returns the daemon's log so far.
   std::string log() const { return process_.log(); }
   // Stops the process with SIGSTOP: connections stay open, but nothing is read or answered.

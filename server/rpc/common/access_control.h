@@ -65,8 +65,8 @@ class AccessControl {
   // RESOURCE_EXHAUSTED.
   absl::Status BeginHello(const std::string& address, int64_t token_id);
 
-  // Counts a bail-out like a Hello. Returns whether it is evidence. The limit is that of
-  // kBailingOutGames games, also if a client starts one session after the other.
+  // Counts a bail-out like a Hello. Returns whether it is evidence, that is, whether the token and
+  // the address are within the rate of kBailingOutGames games. New sessions do not raise the limit.
   bool SpendBailOut(const std::string& address, int64_t token_id);
 
   // A slot that is counted until the last copy is destroyed. It may outlive the server.
@@ -83,8 +83,8 @@ class AccessControl {
 
  private:
   struct Shares {
-    // Counts one for each of the holders until the returned share is destroyed. REQUIRES: mutex is
-    // locked.
+    // Adds one to the count of each holder until the returned share is destroyed. REQUIRES: mutex
+    // is locked.
     static Share Take(const std::shared_ptr<Shares>& shares, std::vector<std::string> holders);
     uint32_t Of(const std::string& holder) const;  // REQUIRES: mutex is locked
 

@@ -56,8 +56,8 @@ PaperResidual CompareDominance(uint32_t dominant_run_count, std::vector<double> 
   return Compare("dominance", paper, ours, SampleDeviation(values), kPaperRunCount);
 }
 
-// The loss of the fitted figures, in standard errors of the paper's runs alone: with ours, costs
-// that make the runs differ would reduce the loss.
+// The loss of the fitted figures, in standard errors of the paper's runs alone. If the errors of
+// our runs were included, the fit would prefer costs that make our runs differ.
 double LossOf(const std::array<PaperResidual, 5>& figures, uint32_t run_count) {
   double loss = 0;
   for (const PaperResidual& figure : figures) {

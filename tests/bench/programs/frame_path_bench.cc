@@ -215,7 +215,7 @@ void BM_CopyForTheLane(benchmark::State& state) {
 }
 BENCHMARK(BM_CopyForTheLane)->Arg(1000)->Arg(10'000);
 
-// Measures the clock's part of it: two readings per frame.
+// Measures the part of a frame's cost that reading the clock takes: two readings per frame.
 void BM_TwoReadingsOfTheClock(benchmark::State& state) {
   Clock& clock = SteadyClock();
   while (state.KeepRunning()) {

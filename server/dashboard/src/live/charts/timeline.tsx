@@ -105,8 +105,8 @@ function Bars({ intervals, geometry: { x, ms, domain }, y, height, ...rest }: { 
   return <path d={d.join('')} {...rest} />;
 }
 
-// The part that does not depend on the pointer. Bars and marks closer than a pixel or a mark's width are merged, so that long
-// sessions are drawn fast.
+// The part of the picture that does not depend on the pointer. Bars and marks closer than a pixel or a mark's width are merged, so that
+// long sessions are drawn fast.
 function Still({ timeline: { shades, spans, marks }, arms, geometry, settling }: { timeline: Timeline; arms: readonly string[]; geometry: Geometry; settling: string }) {
   const { y, ms, height, domain } = geometry;
   const shadesOf = (kind: Shade['kind']) => ({ class: kind, intervals: shades.filter((shade) => shade.kind === kind), geometry, y: 0, height: height - AXIS });
@@ -224,7 +224,7 @@ export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
         </svg>
       )}
       <p class="say" role="status"><bdi>{visible(spoken(on))}</bdi></p>
-      <p class="legend soft" aria-hidden="true">filled: the active arm · hollow: a candidate that was held back · grey: cooldown, no switch allowed · hatched: settling, frames are no evidence</p>
+      <p class="legend soft" aria-hidden="true">filled: the active arm · hollow: a candidate that was held back · grey: cooldown, no switch allowed · hatched: settling, frames are not evidence</p>
     </div>
   );
 }

@@ -37,7 +37,7 @@ export function toggleArm(arm: string): void {
   setQuery({ hide: [...next].join('\n') });
 }
 
-/** Returns the value. While the view is paused, returns the value at the beginning of the pause, or the first one that `isReady`. */
+/** Returns the value. While the view is paused, returns the value at the beginning of the pause, or the first value with `isReady`. */
 export function useFrozen<Value>(value: Value, isReady: boolean): Value {
   const held = useRef({ value, isReady });
   if (pausedMs.value === undefined || !held.current.isReady) held.current = { value, isReady };

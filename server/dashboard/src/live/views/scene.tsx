@@ -71,8 +71,8 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   });
   return (
     <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'There is no evidence of any arm yet.'}
-      note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: what was believed when you opened this view, where that was something else; the prior
-        of a build is below, under what taught it; that of a session in its own view.">
+      note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: the posterior when you opened this view, if it has changed since. The prior of a build
+        is below, under Evidence; the prior of a session is in the view of that session.">
       <Ridgeline title={title} rows={ridges} rewardVersion={posterior.rewardVersion} />
     </ChartFrame>
   );

@@ -28,7 +28,7 @@ const OUTCOMES: Readonly<Record<DecisionOutcome, Word>> = {
   [DecisionOutcome.SWITCHED]: word('switched', '→', 'The daemon commanded a switch to another arm.'),
   [DecisionOutcome.HELD_COOLDOWN]: word('held: cooldown', '○', 'Another arm looks better, but the last switch is too recent.'),
   [DecisionOutcome.HELD_SETTLING]: word('held: settling', '◌',
-    'The active arm is new, or a switch is in progress. The first frames build data structures and warm caches, so they are no evidence.'),
+    'The active arm is new, or a switch is in progress. The first frames build data structures and warm caches, so they are not evidence.'),
   [DecisionOutcome.NO_FRAMES]: word('no frames', '–', 'There was no frame with collision detection since the last decision: the game is paused, loads, or shows a menu.'),
   [DecisionOutcome.MANUAL]: word('manual', '✋', 'The game keeps an arm that a person chose. Its cost is recorded, but is not evidence.'),
   [DecisionOutcome.EXPLORING]: word('exploring', '⌕', 'At the start every arm is measured once before any is preferred.'),
