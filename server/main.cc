@@ -269,8 +269,8 @@ int Run(const Config& config, CommandLine& line) {
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   // Clients could cause any number of protobuf's lines, with text that is not UTF-8.
   google::protobuf::SetLogHandler(nullptr);
-  // Some builds of Abseil search for deadlocks by default, under one lock shared by all threads.
-  // That would slow every gRPC call down, so it is switched off.
+  // Some builds of Abseil search gRPC's mutexes for deadlocks by default, under one lock for all
+  // threads.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
   sweepstake::sessions::SteadyClock clock;
