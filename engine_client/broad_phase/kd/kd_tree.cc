@@ -129,7 +129,7 @@ void KdTree::Remove(size_t count) {
 
 // Adds the boxes from `first` on to the unsorted boxes and sorts all of these again.
 void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
-  // Moves the remaining unsorted boxes together, to separate leaves.
+  // Closes the holes between the remaining unsorted boxes, which get separate leaves.
   uint32_t* const unsorted = order_.data() + unsorted_begin_;
   const size_t old_count = static_cast<size_t>(
       std::remove(unsorted, order_.data() + slot_count_, KdOrder::kHole) - unsorted);

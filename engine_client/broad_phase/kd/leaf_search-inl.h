@@ -139,7 +139,7 @@ class LeafSearch {
   static constexpr size_t kFoundCapacity = kNearCapacity * kWidth;
   // The number of found boxes that a leaf is tested against at a time.
   static constexpr size_t kTestedTogether = 512;
-  // The number of notes for whose pairs room is claimed at a time.
+  // Room in the pair buffer is claimed for the pairs of this number of notes at a time.
   static constexpr size_t kNotesPerRoom = 32;
 
   // Places of boxes that hit lanes of a register, and the bits of those lanes. The extra room is

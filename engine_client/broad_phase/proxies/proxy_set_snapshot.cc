@@ -106,7 +106,8 @@ Status ProxySet::Impl::Restore(std::span<const std::byte> snapshot) {
   SnapshotReader reader(snapshot.first(header.bytes).subspan(sizeof header));
   Visit(*this, reader);
   if (reader.failed() || !reader.at_end()) {
-    return {StatusCode::kInternal, "the snapshot's fields do not match its version"};
+    return {StatusCode::kInternal,
+            "the snapshot has a valid checksum but wrong fields: report this bug"};
   }
   moving_.FinishRestore();
   resting_.FinishRestore();

@@ -43,8 +43,8 @@ struct SwitchRow {
   // Both are 0 if the switch had not settled when the run ended.
   uint64_t rebuild_time_ns = 0;
   uint64_t settling_cost_ns = 0;
-  uint64_t trial_detection_time_ns =
-      0;  // search time that ended a trial by this switch; 0: no trial ended
+  // Search time that ended a trial by this switch; 0 if no trial ended.
+  uint64_t trial_detection_time_ns = 0;
 };
 
 // The decider's verdict about the scene. By default it is unknown.

@@ -27,8 +27,8 @@
 //   first early end may have another cause than the arm. From the second one on it is a lower bound
 //   of the arm's cost, like a visit of the lane that a cap has ended. It limits the arm no further
 //   than that cost, but E⁺ of another trial must be ten times that of a tie.
-// - Each regime of the scene has beliefs of its own, which return with it. If regimes change faster
-//   than choices take effect, a mixture of them decides (regime_beliefs.h).
+// - Each regime of the scene has separate beliefs, which are used again when the regime returns. If
+//   regimes change faster than choices take effect, a mixture of them decides (regime_beliefs.h).
 //
 // Nothing is drawn: the same observations give the same choices for every seed. All constants that
 // are times are multiples of the options' intervals, so that a time scale changes nothing.
@@ -53,7 +53,7 @@ struct AdaptiveComponents {
   bool shadow = true;          // learns from the shadow lane
   bool gate = true;            // false: any expected gain is enough
   bool short_cooldown = true;  // false: the cooldown is that of the options
-  bool regimes = true;         // the beliefs of a regime return with it
+  bool regimes = true;         // keeps separate beliefs for each regime
 };
 
 class AdaptivePolicy : public Policy {

@@ -1,6 +1,6 @@
-// Beliefs about the arms' costs in each regime of the scene (regime_memory.h). The beliefs of a
-// regime return with it. A new regime starts from the present beliefs, which become wider, because
-// every cost may have changed.
+// Beliefs about the arms' costs in each regime of the scene (regime_memory.h). When a regime
+// returns, its beliefs are used again. A new regime starts from the present beliefs, which become
+// wider, because every cost may have changed.
 //
 // A choice that lasts for some ticks cannot follow regimes that change in two of five ticks or more
 // often. It is then made from a mixture: per arm, the logarithm of its mean cost over the regimes,

@@ -68,8 +68,8 @@ RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descripto
   return {.regime = current_};
 }
 
-// Begins a regime. It takes an empty place, that of a mixture, or that of the regime that was left
-// the longest ago.
+// Begins a regime. Replaces a mixture if there is one. Otherwise uses a free place or, if there is
+// none, replaces the regime that was left the longest ago.
 RegimeMemory::Recognition RegimeMemory::Begin(const Features& features) {
   const auto oldest =
       std::min_element(regimes_.begin(), regimes_.end(),

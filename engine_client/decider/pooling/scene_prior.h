@@ -33,7 +33,7 @@ struct EvidenceSum {
 
 struct ArmEvidence {
   EvidenceSum live = {};        // windows, and the penalties of bail-outs
-  EvidenceSum lane = {};        // visits; only reward version 3 has any
+  EvidenceSum lane = {};        // visits; empty except in reward version 3
   uint64_t bail_out_count = 0;  // penalties in `live`
 
   ArmEvidence& operator+=(const ArmEvidence& other) {

@@ -53,11 +53,11 @@ struct StreamEnd {
 struct LinkStream {
   uint64_t deadline_ns = 0;  // when the daemon's next answer is overdue
   std::optional<uint64_t> online_since_ns;
-  std::string
-      mismatch;       // why this daemon's protocol version is unsupported; empty: it is supported
+  // Why this daemon's protocol version is unsupported; empty: it is supported.
+  std::string mismatch;
   std::string fault;  // what the daemon did wrong; empty: nothing
-  std::optional<uint32_t>
-      reconnect_delay_ms;  // delay that the daemon requested for the next connection
+  // The delay that the daemon requested for the next connection.
+  std::optional<uint32_t> reconnect_delay_ms;
   bool hello_sent = false;
   bool goodbye_sent = false;
   bool finished = false;  // nothing more will be sent

@@ -15,11 +15,11 @@ namespace sweepstake::tls {
 
 // An empty path means that there is no such file.
 struct Files {
-  std::filesystem::path
-      cert;  // certificate of this endpoint, optionally followed by those of its issuers
+  // The certificate of this endpoint, optionally followed by those of its issuers.
+  std::filesystem::path cert;
   std::filesystem::path key;  // the private key of `cert`, without a passphrase
-  std::filesystem::path
-      ca;  // certificates of the authorities that must have signed the other side's certificate
+  // The certificates of the authorities that must have signed the other side's certificate.
+  std::filesystem::path ca;
 };
 
 // The contents of Files.

@@ -45,7 +45,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Discards all state and copies these boxes, which are read during the call only.</summary>
+        /// <summary>Discards all state and builds the structure from these boxes, which are read during the call only.</summary>
         public void Build(ReadOnlySpan<Aabb> boxes)
         {
             fixed (Aabb* start = boxes)
