@@ -222,7 +222,7 @@ absl::Status Validate(const Config& config) {
 absl::Status CheckFiles(const Config& config) {
   namespace fs = std::filesystem;
   Problems problems;
-  std::error_code unknown;  // what cannot be examined is treated as missing
+  std::error_code unknown;  // a path that cannot be examined is treated as missing
   for (const auto& [key, path] :
        {std::pair("data", config.data), {"port_file", config.port_file}}) {
     const fs::path parent = path.parent_path();

@@ -169,7 +169,7 @@ void AddLive(Table& table, Config& config) {
   table.Whole("resume_window_ms", rpc.resume_window_ns, 0, kYearMs,
               "time in ms that a session stays in memory after its connection is lost", kNsPerMs);
   table.Whole("database_mb", config.database_bytes, 8, 1 << 24,
-              "maximum size of priors.db in MiB; a full store acknowledges nothing more", kMiB);
+              "maximum size of priors.db in MiB; a full store accepts no new evidence", kMiB);
   table.Whole("backup_count", config.backup_count, 0, 1'000,
               "backups that are kept next to priors.db; 0 makes none");
   table.Whole("backup_hours", config.backup_hours, 1, 8'760, "hours between two backups");

@@ -71,8 +71,8 @@ class Daemon {
   std::string StoreName() const;
   void StartBackups(const Config& config);
   void LimitStore(const Config& config);
-  // These three run on the store's thread. SaveStore copies, once, a store whose file was removed.
-  // After a failure it tries again after kSavePatience, or at once if `last` is set.
+  // The next three functions run on the store's thread. SaveStore copies, once, a store whose file
+  // was removed. After a failure it tries again after kSavePatience, or at once if `last` is set.
   void LookAtSpace(priors::PriorStore& store);
   void ReportStore(const absl::Status& status);
   void SaveStore(priors::PriorStore& store, bool last);

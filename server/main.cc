@@ -72,8 +72,8 @@ struct CommandLine {
   Config config;
   Settings settings{app, config};
   std::string config_file;
-  std::string file;       // of a subcommand
-  std::string direction;  // of `migrate`
+  std::string file;       // argument FILE of a subcommand
+  std::string direction;  // argument of `migrate`
   bool verify = false;
   bool print_config = false;
   sweepstake::server::TokenCommand token;

@@ -17,7 +17,8 @@ using rpc::Counters;
 using web::CounterOf;
 using web::GaugeOf;
 
-// In seconds. An fsync takes from 20 us on a fast disk to seconds on an overloaded one.
+// Upper bounds of the buckets in seconds. An fsync takes from 20 us on a fast disk to seconds on an
+// overloaded one.
 prometheus::Histogram::BucketBoundaries DurationBuckets() {
   return {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025,
           0.05,   0.1,     0.25,   0.5,   1,      2.5,   5,    10};

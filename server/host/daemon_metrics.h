@@ -23,7 +23,7 @@ struct StoreState {
   bool healthy = true;
   size_t queued_commit_count = 0;
   size_t queued_read_count = 0;
-  std::filesystem::path database;  // its file
+  std::filesystem::path database;  // file of the store
 };
 
 // Measures durations, and collects the counters of other objects. Thread-safe.

@@ -55,7 +55,7 @@ class CallCounter final : public grpc::experimental::ServerInterceptorFactoryInt
 
  private:
   const std::shared_ptr<ConnectionCalls> calls_;
-  std::atomic<bool> made_{false};  // as in CountedCall
+  std::atomic<bool> made_{false};  // for ThreadSanitizer, as in CountedCall
 };
 
 }  // namespace

@@ -47,7 +47,7 @@ class ConnectionCalls {
   const uint32_t max_calls_;
   std::atomic<uint64_t>& ended_count_;
   std::mutex mutex_;
-  // Both are guarded by mutex_. A connection stays in them until its descriptor is reused.
+  // mutex_ guards both maps. A connection stays in them until its descriptor is reused.
   std::unordered_map<int, std::shared_ptr<Peer>> by_descriptor_;
   std::unordered_map<std::string, std::shared_ptr<Peer>> by_name_;
 };

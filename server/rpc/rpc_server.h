@@ -110,7 +110,7 @@ class RpcServer {
   AccessControl access_;
   watch::WatchHub watch_hub_;
   sessions::SessionTable sessions_;
-  ServiceContext context_;  // also refers to members below
+  ServiceContext context_;  // refers to members below, too
   WatcherSet watchers_;
   StallSweep stalls_;
   TelemetryService telemetry_;
@@ -122,7 +122,7 @@ class RpcServer {
   std::atomic<int64_t> last_beat_ns_{0};  // when the loop last ran WatchStore
   bool serving_ = true;                   // the reported health; used on the loop
   bool draining_ = false;                 // used on the loop
-  bool following_ = false;                // TakeChangedScenes is under way; used on the loop
+  bool following_ = false;                // whether TakeChangedScenes is running; used on the loop
   uint64_t lost_by_store_ = 0;            // audit rows already counted; used on the loop
   uint64_t reported_lost_rows_ = 0;       // used on the loop
   int64_t next_loss_report_ns_ = 0;       // used on the loop

@@ -30,9 +30,9 @@ struct AuditRows {
 // (engine_client/decider/audit/audit_log.h). Above them the oldest rows are removed, 1/32 of the
 // log at a time.
 struct AuditLimits {
-  // of the rows' text, about 1 kB per row of 7 arms; 0 stores nothing
+  // bytes of the rows' text, about 1 kB per row of 7 arms; 0 stores nothing
   uint64_t bytes = 256ull << 20;
-  uint64_t age_s = 30ull * 86'400;  // by the wall-clock time of the commits
+  uint64_t age_s = 30ull * 86'400;  // age since the commit, by the wall clock
   // Number of the latest rows of kAdminSession that are kept, about 200 bytes each. The other
   // limits do not apply to them, because rows of games would push them out.
   uint64_t admin_row_count = 50'000;

@@ -27,7 +27,7 @@ struct Hello {
   priors::SceneKey scene;  // with the reward version of the policy
   std::vector<ArmKey> arms;
   std::string build;         // empty if unknown
-  std::string session_id;    // of the session to resume; empty for a new one
+  std::string session_id;    // id of the session to resume; empty for a new one
   std::string resume_token;  // proves that the client owns the session
   std::string policy;        // never empty
   Mode mode = Mode::kManual;
@@ -46,7 +46,7 @@ inline std::vector<std::string> ArmNamesOf(const Hello& hello) {
   return names;
 }
 
-// In the order of the arms.
+// Returns the backend version of each arm, in the order of the arms.
 inline std::vector<uint32_t> BackendVersionsOf(const Hello& hello) {
   std::vector<uint32_t> versions;
   for (const ArmKey& arm : hello.arms) versions.push_back(arm.backend_version);
@@ -85,7 +85,7 @@ struct UnknownMessage {};
 
 // A message after Hello that changes the session.
 struct Telemetry {
-  uint64_t sequence = 0;  // from 1; a resent message keeps its number
+  uint64_t sequence = 0;  // counts from 1; a resent message keeps its number
   std::variant<UnknownMessage, FrameBatch, SwitchAnswer, BailOut, ModeChange, OrderRefusal> message;
 };
 

@@ -321,7 +321,7 @@ void GameSession::OnCommitted(const absl::Status& status,
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
   link_->Flush();
-  // If the store cannot write, do not let the client wait: it keeps what is not acknowledged.
+  // If the store cannot write, do not let the client wait: it keeps unacknowledged messages.
   if (!status.ok() && (ended() || draining_)) return CloseLink(status);
   CloseIfSettled();
 }

@@ -145,7 +145,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   const SessionIdentity& identity() const { return identity_; }
   const decision::DecisionSession& decisions() const { return decisions_; }
   uint64_t durable_sequence() const { return ledger_->durable_sequence(); }
-  // By the clock of the loop; absent before the first message.
+  // Time of the last message by the clock of the loop; absent before the first message.
   std::optional<int64_t> last_message_ns() const { return last_message_ns_; }
   uint64_t dropped_frame_count() const { return dropped_frame_count_; }
   std::optional<uint64_t> prior_source_count() const { return prior_source_count_; }
@@ -206,7 +206,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   Verdict sent_verdict_ = Verdict::kUnknown;  // the latest one sent to the client
   bool takes_orders_ = false;                 // according to the latest Hello
   BoxViews boxes_;
-  uint64_t order_id_ = 0;               // of the latest order
+  uint64_t order_id_ = 0;               // id of the latest order
   OrderAnswer order_answer_;            // empty if the game has answered it
   uint64_t timer_generation_ = 0;       // timers of an older generation are ignored
   bool commit_failed_ = false;          // whether the latest commit failed

@@ -20,7 +20,7 @@ namespace sweepstake::sessions {
 // posted to the loop with PostLater, so that Forget has already run for every scene that they
 // include. A scene is therefore never counted both in them and in NewScenes.
 struct UnstoredScene {
-  priors::SceneCount stored = {};  // of the project
+  priors::SceneCount stored = {};  // stored scenes of the project
   bool new_name = true;  // whether the scene is not stored for any machine class or reward version
   // Number of stored projects; absent if this project is stored. 0 if the store cannot be read, so
   // that at least the projects in memory count.

@@ -63,7 +63,7 @@ struct SourceProgress {
 
 // The origin of a source, stored with the source's first update.
 struct SourceOrigin {
-  std::string build;     // of the game; empty if unknown
+  std::string build;     // build of the game; empty if unknown
   int64_t token_id = 0;  // token with which the session began; 0 for none
 
   friend bool operator==(const SourceOrigin&, const SourceOrigin&) = default;
@@ -173,7 +173,7 @@ struct SceneSource {
   std::string id;
   std::string build;              // empty if unknown
   uint64_t last_seen_unix_s = 0;  // 0 if unknown
-  SceneEvidence evidence;         // of this source only
+  SceneEvidence evidence;         // evidence of this source only
 };
 
 // An empty field matches everything.
@@ -206,7 +206,7 @@ struct ExportPlace {
 
 struct ExportPage {
   std::vector<PriorRecord> records;
-  ExportPlace next;  // after the last record
+  ExportPlace next;  // position after the last record
 };
 
 struct ImportResult {

@@ -58,8 +58,8 @@ class SceneQuota {
   };
 
   struct Project {
-    priors::SceneCount count;               // stored, and added here
-    std::optional<uint64_t> project_count;  // stored projects; present if this one is not stored
+    priors::SceneCount count;               // scenes stored, plus scenes added here
+    std::optional<uint64_t> project_count;  // stored projects; absent if this one is stored
   };
 
   absl::Status AddScene(const priors::SceneKey& scene);
@@ -69,8 +69,8 @@ class SceneQuota {
   const SessionOptions& options_;
   const bool counts_;
   std::map<std::string, Project> projects_;
-  uint64_t new_project_count_ = 0;                           // in projects_
-  std::set<std::pair<std::string, std::string>> new_names_;  // of project and scene
+  uint64_t new_project_count_ = 0;                           // new projects in projects_
+  std::set<std::pair<std::string, std::string>> new_names_;  // pairs of project and scene
   std::map<priors::SceneKey, Scene> scenes_;
   std::vector<priors::SceneKey> new_scenes_;
   std::optional<UnstoredScene> unstored_;

@@ -113,7 +113,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   uint64_t audit_row_count_ = 0;                   // rows of the segment, lost ones included
   size_t audit_bytes_ = 0;                         // size of all rows held here
   bool checkpointed_ = false;                      // whether `waiting_` may be offered
-  std::unique_ptr<priors::SourceUpdate> offered_;  // not confirmed by the store yet
+  std::unique_ptr<priors::SourceUpdate> offered_;  // update that the store has not confirmed yet
   bool in_flight_ = false;                         // whether the store is writing `offered_`
   bool superseded_ = false;
 };

@@ -32,7 +32,7 @@
 namespace sweepstake::sessions {
 
 struct OpenedSession {
-  std::shared_ptr<GameSession> session;  // in the table
+  std::shared_ptr<GameSession> session;  // session, which is in the table
   bool resumed = false;
   absl::Status missing;  // why stored evidence is missing; OK if none is
 };

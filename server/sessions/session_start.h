@@ -21,7 +21,7 @@ namespace sweepstake::sessions {
 
 // What the store contains for a Hello.
 struct StoredStart {
-  decision::Prior prior;                        // for the Hello's arms
+  decision::Prior prior;                        // prior of the Hello's arms
   std::vector<std::string> prior_sources = {};  // describes its sources in the audit log
   std::optional<priors::SourceState> source;    // present if a session is resumed
   // Id of a session with no stored evidence that another daemon may own; it is restarted under the

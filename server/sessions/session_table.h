@@ -56,7 +56,7 @@ struct SessionView {
 // Sessions with evidence that the store does not have.
 struct HeldEvidence {
   size_t session_count = 0;
-  size_t ended_session_count = 0;  // those whose clients will not resend it
+  size_t ended_session_count = 0;  // sessions whose clients will not resend the evidence
 };
 
 class SessionTable {
@@ -114,9 +114,9 @@ class SessionTable {
     std::shared_ptr<GameSession> session;
     ClientStream* link = nullptr;
     SessionClient client;            // the latest one
-    std::optional<LostKey> lost;     // absent if connected or never connected
+    std::optional<LostKey> lost;     // absent if the session is connected or was never connected
     int64_t resumable_until_ns = 0;  // end of the resume window of a lost session
-    LostRank rank;                   // of its latest loss; in `leaving_` while it is lost
+    LostRank rank;  // rank of the latest loss; in `leaving_` while the session is lost
   };
 
   SessionView ViewOf(const Entry& entry) const;
@@ -137,11 +137,11 @@ class SessionTable {
   NewScenes new_scenes_;  // outlives the sessions
   std::map<std::string, Entry> entries_;
   std::map<LostKey, std::string> lost_;
-  LostSessions leaving_;  // the same, in the order in which they leave to make room
+  LostSessions leaving_;  // lost sessions in the order in which they leave to make room
   std::map<priors::SceneKey, uint32_t> active_counts_;
   std::map<int64_t, uint32_t> token_counts_;  // sessions in the table, by the token's id
   std::set<std::string> kicked_;
-  std::deque<std::string> kicks_;  // the same, the oldest first
+  std::deque<std::string> kicks_;  // kicked ids, the oldest first
   uint64_t last_lost_number_ = 0;
   bool sweep_scheduled_ = false;  // one timer for all sessions
 };

@@ -51,7 +51,7 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
   if (!sources.ok()) return sources.status();
   uint64_t last_seen_unix_s = 0;
   for (priors::SceneSource& source : *sources) {
-    if (source.evidence.key != key) continue;  // of another class
+    if (source.evidence.key != key) continue;  // source of another machine class
     // If several sources are equally recent, the last one in the order of sources wins.
     if (source.last_seen_unix_s >= last_seen_unix_s) scene.newest_build = source.build;
     last_seen_unix_s = std::max(last_seen_unix_s, source.last_seen_unix_s);

@@ -53,13 +53,13 @@ class FilesWatch {
   const Files files_;
   const FilesWatchOptions options_;
   // These are used by one thread at a time.
-  std::optional<std::string> certificates_;  // in use: the endpoint's and the authorities'
+  std::optional<std::string> certificates_;  // in use, of the endpoint and of the authorities
   std::string met_;                          // problem found by the latest check; empty if none
   std::string told_;                         // problem reported last; empty if none
   int64_t expires_unix_s_ = 0;
   std::optional<int64_t> expiry_told_unix_s_;
 
-  std::mutex mutex_;  // only for the sleep
+  std::mutex mutex_;  // used only to sleep
   std::condition_variable_any sleep_;
   std::jthread thread_;  // the last member, because it uses the others
 };

@@ -14,7 +14,7 @@ std::vector<std::string> CommandLine(const std::filesystem::path& data,
                                      const std::filesystem::path& port_file,
                                      const std::string& listen,
                                      const std::vector<std::string>& more_arguments) {
-  std::filesystem::remove(port_file);  // of the former daemon
+  std::filesystem::remove(port_file);  // a former daemon's port file
   std::vector<std::string> arguments = {SWEEPSTAKED_PATH,   "--listen",         listen,
                                         "--data",           data.string(),      "--port-file",
                                         port_file.string(), "--max-time-scale", "1000"};

@@ -40,7 +40,7 @@ export const times = (ratio: number) => (isNumber(ratio) ? `${significant(ratio)
 export const milliseconds = (ms: number) => significant(ms);
 export const microseconds = (ns: number) => `${significant(ns * 1e-3)} µs`;
 
-// Hundredths below 10 %, tenths below 100 %, whole numbers above. REQUIRES: ratio >= 0.
+// Returns a ratio as a percentage: with two decimals below 10 %, one below 100 %, none above. REQUIRES: ratio >= 0.
 export function share(ratio: number): string {
   if (!isNumber(ratio)) return NONE;
   const percent = 100 * ratio;
@@ -49,7 +49,7 @@ export function share(ratio: number): string {
   return `${grouped(percent)} %`;
 }
 
-// With a sign, unless it rounds to zero.
+// Returns a ratio as a percentage with a sign, unless it rounds to zero.
 export function percent(ratio: number | null): string {
   if (!isNumber(ratio)) return NONE;
   const size = share(Math.abs(ratio));

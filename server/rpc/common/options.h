@@ -74,7 +74,7 @@ struct RpcOptions : sessions::SessionOptions {
   // The maximum messages per second of a stream, times its time scale, with a burst of ten seconds
   // of that rate. Above it the stream ends with RESOURCE_EXHAUSTED. With the batch interval in
   // Welcome a client sends four; a game of 10,000 frames/s needs 42. After a reconnection a client
-  // also resends what was not acknowledged.
+  // also resends unacknowledged messages.
   sessions::Adjustable<uint32_t> max_messages_per_s = 200;
   // The maximum Hellos per second, per token and per address that is not on the daemon's own
   // machine, with a burst of ten seconds of that rate. One more is RESOURCE_EXHAUSTED. Each Hello
@@ -134,8 +134,9 @@ struct RpcOptions : sessions::SessionOptions {
   std::function<void(std::chrono::nanoseconds)> on_timer;
 };
 
-// Counts of events since the daemon's start, and of what is open now. The services' threads write
-// them and any thread may read them. Each counter is exact, but several are not read at one moment.
+// Counts of events since the daemon's start, and of streams and watchers that are open now. The
+// services' threads write them and any thread may read them. Each counter is exact, but several are
+// not read at one moment.
 struct Counters : sessions::SessionCounters {
   std::atomic<uint64_t> open_stream_count{0};   // streams that are open now
   std::atomic<uint64_t> open_watcher_count{0};  // watchers that are connected now

@@ -72,9 +72,9 @@ inline constexpr std::array<std::string_view, 5> kRejectionReasonNames = {
     "frame_time", "detection_time", "build_time", "check_count", "native_bytes"};
 using RejectionCounts = std::array<std::atomic<uint64_t>, kRejectionReasonNames.size()>;
 
-// Counts of events since the daemon's start, and of what exists now. The decision loop writes them
-// and any thread may read them. Each counter is exact, but several counters are not read at one
-// moment.
+// Counts of events since the daemon's start, and present numbers such as sessions in memory. The
+// decision loop writes them and any thread may read them. Each counter is exact, but several
+// counters are not read at one moment.
 struct SessionCounters {
   std::atomic<uint64_t> session_count{0};  // sessions in memory, connected or lost
   std::atomic<uint64_t> goodbye_count{0};  // sessions that the client ended
@@ -97,7 +97,7 @@ struct SessionCounters {
   std::atomic<uint64_t> refused_switch_count{0};  // commands that a client did not execute
   std::atomic<uint64_t> stored_commit_count{0};
   std::atomic<uint64_t> failed_commit_count{0};
-  std::atomic<uint64_t> waiting_audit_bytes{0};  // of audit rows that wait for the disk now
+  std::atomic<uint64_t> waiting_audit_bytes{0};  // bytes of audit rows that wait for the disk now
   // Audit rows missing in the log, because too many waited or the store could not write them.
   std::atomic<uint64_t> lost_audit_row_count{0};
 };

@@ -8,14 +8,15 @@
 
 namespace sweepstake::cli {
 
-// The predictions in the order of CheckPaper, and the rules with a minimum number of samples that
-// come closest to the paper in all cells. REQUIRES: the predictions of PaperRulesToCheck.
+// The predictions, each list in the order of CheckPaper. best_min_samples are those of
+// with_min_samples that come closest to the paper over all cells.
 struct PaperReport {
   std::span<const PaperPrediction> paper;
   std::span<const PaperPrediction> random;
   std::vector<std::span<const PaperPrediction>> with_min_samples;
   std::span<const PaperPrediction> best_min_samples;
 };
+// REQUIRES: `predictions` are those of PaperRulesToCheck.
 PaperReport ReportOf(std::span<const PaperPrediction> predictions);
 
 void PrintPaperCheckTable(const PaperReport& report, const PaperCheckOptions& options,

@@ -14,9 +14,9 @@ namespace sweepstake::test_support {
 class PostgresServer {
  public:
   // Creates the server's files and starts it. Aborts the test program if that fails. With `synced`
-  // it has Debian's default settings. Without, commits are not synced to the disk: they survive a
-  // killed process, but not a crash of the machine. It also uses little memory and runs no
-  // background work.
+  // it has Debian's default settings. Without `synced`, commits are not synced to the disk: they
+  // survive a killed process, but not a crash of the machine. It also uses little memory and runs
+  // no background work.
   explicit PostgresServer(bool synced = false);
   ~PostgresServer();
   PostgresServer(const PostgresServer&) = delete;

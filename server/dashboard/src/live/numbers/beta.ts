@@ -8,7 +8,7 @@ export type Interval = readonly [number, number];
 const MIN_SHAPE = 1;
 const MAX_SHAPE = 1e15;
 const REACH = 10; // range of the grid on each side of the mode, in standard deviations; less than 3e-4 of the mass is outside
-const STEPS = 240; // of the grid
+const STEPS = 240; // number of intervals of the grid
 
 const bound = (shape: number) => Math.min(Math.max(shape, MIN_SHAPE), MAX_SHAPE);
 export const mean = ({ alpha, beta }: Beta) => alpha / (alpha + beta);

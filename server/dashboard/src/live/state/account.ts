@@ -9,7 +9,7 @@ export interface Account {
   version: string;  // version of the daemon
   asksForTokens: boolean;
   loggedIn: boolean;
-  name: string;  // of the token, or empty
+  name: string;  // name of the token; empty without a token
   role: Role;
   projects: readonly string[];  // the projects that the token allows; empty: all
   stableProbability: number;  // a scene is stable when the leader's P(best) is at least this

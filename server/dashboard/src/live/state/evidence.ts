@@ -51,7 +51,7 @@ export interface Evidence {
   waitingCount: number;  // number of quarantined records
   records: PriorRecord[];  // up to MAX_KEPT_RECORDS
   isCut: boolean;  // records were left out because a bound was reached
-  recordCount: number;  // without quarantined records
+  recordCount: number;  // number of records that are not in quarantine
 }
 
 export const noEvidence = (): Evidence => ({ sums: new Map(), sources: new Map(), builds: new Map(), waiting: new Map(), waitingCount: 0, records: [], isCut: false,

@@ -23,7 +23,7 @@ const timeOf = (stamp: EventStamp | undefined) => (stamp ? Number(stamp.unixMs) 
 // Returns a listener of one stream. It calls `took` with each complete snapshot, and once per frame with the changes since.
 function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: readonly Message[], isSnapshot: boolean) => void): Listener<Message> {
   let snapshot: Message[] | undefined;
-  let waiting: Message[] | undefined;  // for the next frame
+  let waiting: Message[] | undefined;  // changes to apply at the next frame
   return {
     heard,
     snapshotBegan: () => { snapshot = []; },

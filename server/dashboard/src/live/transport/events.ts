@@ -5,7 +5,7 @@ import { type ApiError, asApiError, HEADERS, errorOfResponse, jsonOf, linesOf, m
 
 const FIRST_DELAY_MS = 500;
 const MAX_DELAY_MS = 30_000;
-const MAX_SILENCE_MS = 40_000;  // then it reconnects; the daemon sends a comment or an event at least every 15 s
+const MAX_SILENCE_MS = 40_000;  // silence after which it reconnects; the daemon sends a comment or an event at least every 15 s
 
 export type LinkStatus = 'connecting' | 'live' | 'offline' | 'denied';
 
