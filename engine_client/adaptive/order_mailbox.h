@@ -32,7 +32,7 @@ class OrderMailbox {
  private:
   static constexpr uint32_t kNoArm = 0xff;
 
-  // order id (48 bits) | arm (8) | mode (8); 0 is empty, since no mode is 0.
+  // Layout: order id (48 bits) | arm (8) | mode (8). The value 0 means empty, since no mode is 0.
   std::atomic<uint64_t> slot_{0};
 };
 

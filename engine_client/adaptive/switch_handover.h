@@ -50,7 +50,7 @@ class SwitchHandover {
   bool Decline(const Order& wanted) { return Replace(wanted, State::kDeclined); }
 
  private:
-  // ticket (32 bits) | arm (8) | state (8).
+  // Layout: ticket (32 bits) | arm (8) | state (8).
   static uint64_t Pack(const Order& order) {
     return uint64_t{order.ticket} << 32 | uint64_t{order.arm} << 8 |
            static_cast<uint32_t>(order.state);

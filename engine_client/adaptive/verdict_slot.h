@@ -29,7 +29,7 @@ class VerdictSlot {
   }
 
  private:
-  // probability as a float (32 bits) | arm (24) | verdict (8).
+  // Layout: probability as a float (32 bits) | arm (24) | verdict (8).
   std::atomic<uint64_t> slot_{0};
 };
 

@@ -45,7 +45,8 @@ class FilterGroups {
   }
 
  private:
-  // A filter that passes with nothing fits every group.
+  // Returns the filter that a group counts. A filter that never passes becomes {0, 0}, which fits
+  // every group.
   static CollisionFilter Counted(const CollisionFilter& filter) {
     const bool passes_never = filter.category == 0 || filter.mask == 0;
     return passes_never ? CollisionFilter{0, 0} : filter;

@@ -163,8 +163,8 @@ std::optional<Problem> Segment::Begin(const Cells& cells) {
 
 std::optional<Problem> Segment::ApplyTick(const Cells& cells) {
   if (now_ns_ < session_->next_tick_ns()) {
-    return Problem{AuditColumn::kTimeNs,
-                   "is before the tick is due, at " + std::to_string(session_->next_tick_ns())};
+    return Problem{AuditColumn::kTimeNs, "is earlier than the next tick, which is due at " +
+                                             std::to_string(session_->next_tick_ns())};
   }
   if (Result problem = RestoreRuns(cells)) return problem;
   if (Result problem = ReadShadow(cells)) return problem;

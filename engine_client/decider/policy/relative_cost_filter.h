@@ -106,7 +106,7 @@ class RelativeCostFilter {
   // the memory, and of the time of an observation.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
-  // of any two arms, before the first visit
+  // The covariance of the lane's biases of any two arms, before its first visit.
   Eigen::Matrix2d first_biases_ = Eigen::Matrix2d::Zero();
 
   // Estimated variances.

@@ -73,7 +73,8 @@ class SwitchMailbox {
   std::optional<SwitchCommand> Take() noexcept;
 
  private:
-  // command id (40 bits) | trial's limit (8) | arm (8) | reason (8); 0 is empty.
+  // Layout: command id (40 bits) | trial's limit (8) | arm (8) | reason (8). The value 0 means
+  // empty.
   std::atomic<uint64_t> slot_{0};
 };
 

@@ -123,7 +123,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixMsFieldNumber = 3;
     private long unixMs_;
     /// <summary>
-    /// When it was made, by the daemon's wall clock, since 1970. Never absent.
+    /// When the event was made, by the daemon's wall clock, since 1970. Never absent.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

@@ -3489,7 +3489,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixMsFieldNumber = 19;
     private long unixMs_;
     /// <summary>
-    /// When it was made, by the daemon's wall clock, since 1970. Always set.
+    /// When the decision was made, by the daemon's wall clock, since 1970. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

@@ -9007,7 +9007,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Requests the boxes of the game's objects at intervals. It expires by itself, unless the next request comes first.
+  /// Requests the boxes of the game's objects at intervals. The request expires by itself, unless the next request arrives first.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class BoxRequest : pb::IMessage<BoxRequest>
