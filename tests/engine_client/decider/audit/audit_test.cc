@@ -261,7 +261,8 @@ TEST(AuditLog, ATickBeforeItIsDueOrAfterTheEndOfTimeIsRejected) {
     return CellOf(row, AuditColumn::kKind) == "tick";
   });
   CellOf(*tick, AuditColumn::kTimeNs) = "5";
-  EXPECT_NE(ProblemOf(TextOf(rows)).find("time_ns is before the tick is due"), std::string::npos)
+  EXPECT_NE(ProblemOf(TextOf(rows)).find("time_ns is earlier than the next tick"),
+            std::string::npos)
       << ProblemOf(TextOf(rows));
   CellOf(*tick, AuditColumn::kTimeNs) = "9223372036854775807";
   EXPECT_NE(ProblemOf(TextOf(rows)).find("time_ns is out of the range of a clock"),
