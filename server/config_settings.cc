@@ -77,7 +77,7 @@ class Table {
         [&field] { return nlohmann::json(field).dump(); });
   }
 
-  // A whole number from `min` to `max`; the field holds it times `unit`.
+  // Adds a whole number from `min` to `max`. The field holds the number times `unit`.
   template <typename Field>
   void Whole(const std::string& key, Field& field, int64_t min, int64_t max,
              const std::string& help, int64_t unit = 1) {

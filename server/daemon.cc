@@ -235,7 +235,7 @@ void Daemon::FollowTls() {
       const std::lock_guard lock(mutex_);
       tls_problem_ = std::string(status.message());
     }
-    metrics_.SetTls(status.ok(), expires_unix_s);  // after the above, so that /readyz agrees
+    metrics_.SetTls(status.ok(), expires_unix_s);  // set after tls_problem_, so that /readyz agrees
     if (status.ok()) {
       log_->info("read the TLS files; {}", expiry(expires_unix_s));
     } else {
@@ -405,7 +405,8 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
     rpc_->Drain(patience);
   }
   if (store_ != nullptr) store_->Close();
-  // The page check of a large copy cannot be interrupted, so this comes after the store is closed.
+  // This may take long, because the page check of a large copy cannot be interrupted. The store is
+  // therefore closed first.
   backups_.reset();
   if (rpc_ != nullptr) ReportDrained();
 }

@@ -95,7 +95,7 @@ absl::Status TokenRegistry::Read() {
   auto tokens = store_->Load();
   if (!tokens.ok()) return tokens.status();
   if (tokens->empty() && (store_->WereMade() || !empty())) return store_->Lost();
-  // A file from an older version has no such note.
+  // An older version created tokens without the note that they were created. Add it.
   if (!tokens->empty()) {
     if (absl::Status status = store_->NoteMade(); !status.ok()) return status;
   }

@@ -76,7 +76,7 @@ class TokenRegistry final : public TokenDirectory {
 
   const TokenRegistryOptions options_;
   const std::filesystem::path path_;
-  // These are used by Open, then by the thread.
+  // Open uses these members first, then only the thread does.
   std::optional<TokenStore> store_;
   int64_t version_ = 0;  // version of the data that was read
   bool readable_ = true;

@@ -213,7 +213,8 @@ absl::StatusOr<TokenStore> TokenStore::Open(const fs::path& path, IfLost if_lost
     if (if_lost == IfLost::kRefuse && Exists(NoteBeside(path))) return LostFile(path);
     if (absl::Status status = CreateFile(path); !status.ok()) return status;
   }
-  // Taken before the file is opened: if the file is replaced in between, IsInPlace detects it.
+  // The identity is read before the file is opened, so that IsInPlace detects a file that was
+  // replaced in between.
   const auto file = storage::FileId::Of(path);
   if (!file.ok()) return file.status();
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
@@ -268,8 +269,8 @@ absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int6
                                                  text::PrintableLine(request.name),
                                                  "; choose another name"));
   }
-  // Before the commit, so that no token exists without the note. After all other steps that can
-  // fail, so that there is no note without a token.
+  // The note is written before the commit, so that no token exists without it, and after all other
+  // steps that can fail, so that it does not exist without a token.
   if (status = NoteMade(); !status.ok()) return status;
   if (status = transaction.Commit(); !status.ok()) return status;
   return token;

@@ -24,7 +24,7 @@ std::optional<std::chrono::milliseconds> WatchdogInterval();
 // an interval.
 class Watchdog {
  public:
-  // `alive` runs on the watchdog's thread and may take one interval.
+  // `alive` runs on the watchdog's thread, for at most one interval.
   Watchdog(std::optional<std::chrono::milliseconds> interval, std::function<bool()> alive);
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;

@@ -262,8 +262,8 @@ void RpcServer::KeepWaiting() {
   const int64_t now_ns = loop_.clock().NowNs();
   const bool is_away = !context_.store.healthy();
   if (is_away) away_at_ns_ = now_ns;
-  // A store that has recovered needs up to kKeepIntervalNs to commit what waits; keep the rest once
-  // more after that.
+  // A store that has recovered needs up to kKeepIntervalNs to commit the waiting updates. After
+  // that time, pass the updates that still wait to keep_waiting once more.
   const bool is_due =
       is_away ? now_ns >= keep_at_ns_ : is_kept_ && now_ns - away_at_ns_ >= kKeepIntervalNs;
   if (!is_due) return;

@@ -54,7 +54,7 @@ void BoxViews::Remove(BoxViewer& viewer) {
 }
 
 void BoxViews::OnView(const BoxView& view) {
-  // a copy, because a viewer that ends is removed meanwhile
+  // This is a copy, because a viewer that ends is removed meanwhile.
   const std::vector<BoxViewer*> viewers = viewers_;
   for (BoxViewer* viewer : viewers) viewer->OnView(view);
 }

@@ -211,7 +211,7 @@ struct ExportPage {
 
 struct ImportResult {
   uint64_t applied_count = 0;  // records that were new, or newer than the stored ones
-  // records that were known, or of a session of this store or a revoked source
+  // records that were known, that belong to a session of this store, or whose source is revoked
   uint64_t unchanged_count = 0;
 };
 

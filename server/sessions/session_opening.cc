@@ -52,7 +52,7 @@ std::shared_ptr<GameSession> SessionOpening::FindInMemory() {
 
 void SessionOpening::ReadStore() {
   DecisionLoop& loop = context().loop;
-  // Taken before the read, so that the time limit covers all of it.
+  // The deadline is computed before the read, so that it covers the whole read.
   const int64_t deadline_ns = loop.clock().NowNs() + context().options.load_patience_ns;
   if (!SubmitRead()) return Finish(StoreBusy());
   loop.PostAt(deadline_ns, [weak = weak_from_this()] {
@@ -67,8 +67,8 @@ void SessionOpening::ReadStore() {
 
 bool SessionOpening::SubmitRead() {
   const auto deliver = [weak = weak_from_this(), &loop = context().loop](StoredStart start) {
-    // With PostLater, like the results of commits: the loop has then seen every commit that was
-    // read.
+    // The results of commits use PostLater too. When this task runs, the loop has therefore seen
+    // every commit that the read includes.
     loop.PostLater([weak, start = std::move(start)] {
       if (const auto self = weak.lock()) self->OnRead(start);
     });

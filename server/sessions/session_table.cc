@@ -75,7 +75,7 @@ void SessionTable::Detach(GameSession& session, ClientStream& link) {
 }
 
 void SessionTable::Kick(GameSession& session, bool may_return) {
-  // A reference, because ending the stream may remove the session from the table.
+  // Keeps the session alive, because ending its stream may remove it from the table.
   const std::shared_ptr<GameSession> kept = session.shared_from_this();
   if (!may_return) RememberKick(session.identity().id);
   session.Kick(may_return);

@@ -286,7 +286,7 @@ def measure_files(daemon, scenes, builds):
     sums = daemon.data / "sums.json"
     export_s = seconds_of(daemon.sweepstake("priors", "export", "--sums", "--out", sums))
     whole_s = seconds_of(daemon.sweepstake("priors", "export", "--out", daemon.data / "whole.json"))
-    # A game with this file reads and checks all of it at its start, and uses one scene.
+    # A game that ships with this file reads and checks the whole file at its start, and uses one scene.
     read_s = seconds_of([daemon.programs / "sweepstake", "priors", "arm", "--in", sums, "--project", "load", "--scene", "level 0",
                          "--machine-class", "desktop"])
     return {"scenes": scenes, "builds": builds, "records": len(records), "import_s": import_s, "promote_s": promote_s, "export_s": export_s,

@@ -44,10 +44,10 @@ void RefusalLog::TellLeftOut() {
       left_out_counts.at(reason) = std::exchange(line.left_out_count, 0);
     }
   }
-  // Outside the lock: writing a line may be slow, and calls wait for the lock.
+  // The lines are written without the lock, because that may be slow and calls wait for the lock.
   for (size_t reason = 0; reason < left_out_counts.size(); ++reason) {
     if (left_out_counts.at(reason) == 0) continue;
-    log_.warn("refused {} more ({})", left_out_counts.at(reason),
+    log_.warn("refused {} more calls ({})", left_out_counts.at(reason),
               std::string(NameOf(static_cast<v1::ErrorReason>(reason))));
   }
 }

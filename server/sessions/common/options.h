@@ -25,7 +25,7 @@ inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
 
 // Adjustable members may change at any time.
 struct SessionOptions {
-  // Its policy applies to sessions that name none.
+  // The policy in it applies to sessions that name none.
   decision::DecisionOptions decision;
   std::string daemon_version;  // version of the program, as in Welcome and the audit log
   // Whether new sessions write rows of the audit log.

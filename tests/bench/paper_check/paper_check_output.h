@@ -21,7 +21,7 @@ PaperReport ReportOf(std::span<const PaperPrediction> predictions);
 
 void PrintPaperCheckTable(const PaperReport& report, const PaperCheckOptions& options,
                           std::ostream& out);
-// "rows": one per rules and cell; "scores": one per rules.
+// Prints a JSON document: "rows" has an entry per rules and cell, "scores" has one per rules.
 void PrintPaperCheckJson(const PaperReport& report, const PaperCheckOptions& options,
                          std::ostream& out);
 

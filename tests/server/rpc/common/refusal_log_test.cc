@@ -48,7 +48,7 @@ TEST_F(RefusalLogTest, LogsOneLinePerReasonAndTheNumberOfOmittedLines) {
   EXPECT_EQ(Said(), "");
   clock_.Advance(1);
   refusals_.TellLeftOut();
-  EXPECT_EQ(Said(), "refused 999 more (INVALID_MESSAGE)\n");
+  EXPECT_EQ(Said(), "refused 999 more calls (INVALID_MESSAGE)\n");
   clock_.Advance(10 * RefusalLog::kIntervalNs);
   refusals_.TellLeftOut();
   EXPECT_EQ(Said(), "") << "no line was omitted";

@@ -9,8 +9,8 @@ export const MAX_SCENE_DECISIONS = 500;
 export interface SceneState {
   key: string;
   posterior: ScenePosterior;
-  // When the page received the last change, by the browser's clock. Before the first change: when a session last added evidence, by the
-  // daemon's clock. 0: unknown.
+  // Time at which the page received the last change, by the browser's clock. Before the first change: time at which a session last added
+  // evidence, by the daemon's clock. 0: unknown.
   changedMs: number;
   history: SceneHistory;
   decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SCENE_DECISIONS, fewer if there are many scenes
