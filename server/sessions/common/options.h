@@ -37,13 +37,14 @@ struct SessionOptions {
   // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
   // new session is RESOURCE_EXHAUSTED.
   Adjustable<uint32_t> max_sessions = 20'000;
-  // The maximum number of sessions per token, with the same consequences. The default leaves half
-  // of the daemon to other tokens.
+  // The maximum number of sessions per token. At this limit the token's own lost sessions leave
+  // memory. The default leaves half of the daemon to other tokens.
   Adjustable<uint32_t> max_sessions_per_token = 10'000;
   // The maximum number of projects. A Hello or an import that adds another one is
   // RESOURCE_EXHAUSTED. A Hello also counts projects that only sessions in memory have.
   Adjustable<uint32_t> max_projects = 100;
-  // The maximum number of scene names per project, with the same consequences.
+  // The maximum number of scene names per project. A Hello or an import that adds another one is
+  // RESOURCE_EXHAUSTED.
   Adjustable<uint32_t> max_scenes = 1'000;
   // The secret of all resume tokens: 32 random bytes. If it changes, earlier sessions cannot be
   // resumed.

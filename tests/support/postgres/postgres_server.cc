@@ -66,7 +66,7 @@ void PostgresServer::Start() {
   const std::string socket = directory_.path().string();
   const std::string url = "host=" + socket + " user=sweepstake dbname=postgres";
   for (int attempt = 0; attempt < kStartAttempts; ++attempt) {
-    // The server ends at once while processes of a killed server still exist.
+    // A server refuses to start, and ends at once, while processes of a killed server still exist.
     if (!process_ || process_->ended()) {
       process_ = std::make_unique<ChildProcess>(
           Command("postgres", {"-D", socket + "/data", "-k", socket, "-c",

@@ -27,7 +27,7 @@ export interface SceneName {
 const held = signal<ReadonlyMap<string, SceneState>>(new Map());
 export const scenes: ReadonlySignal<ReadonlyMap<string, SceneState>> = held;
 
-// Key of the scene that a view shows; it keeps MAX_SCENE_DECISIONS decisions for any number of scenes. '': none.
+// Key of the scene that a view shows; '': none. This scene keeps MAX_SCENE_DECISIONS decisions even if there are many scenes.
 export const sceneInView = signal('');
 
 // Names contain no control characters, so '\n' separates them.

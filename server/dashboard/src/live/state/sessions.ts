@@ -18,7 +18,7 @@ export interface SessionState {
 const held = signal<ReadonlyMap<string, SessionState>>(new Map());
 export const sessions: ReadonlySignal<ReadonlyMap<string, SessionState>> = held;
 
-// Id of the session that a view shows; it keeps MAX_SESSION_DECISIONS decisions for any number of sessions. '': none.
+// Id of the session that a view shows; '': none. This session keeps MAX_SESSION_DECISIONS decisions even if there are many sessions.
 export const sessionInView = signal('');
 
 export const isConnected = ({ info, ended }: SessionState) => !ended && info.state === Link.CONNECTED;
