@@ -38,7 +38,8 @@ struct SessionOptions {
   // new session is RESOURCE_EXHAUSTED.
   Adjustable<uint32_t> max_sessions = 20'000;
   // The maximum number of sessions per token. At this limit the token's own lost sessions leave
-  // memory. The default leaves half of the daemon to other tokens.
+  // memory; if there are none, a new session is RESOURCE_EXHAUSTED. The default leaves half of the
+  // daemon to other tokens.
   Adjustable<uint32_t> max_sessions_per_token = 10'000;
   // The maximum number of projects. A Hello or an import that adds another one is
   // RESOURCE_EXHAUSTED. A Hello also counts projects that only sessions in memory have.
