@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs missing packages, builds, runs every test and prints ctest's summary last.
+# Installs missing packages, builds, runs the tests and prints ctest's summary last.
 #
 #   tests/run.sh                    the default suite (preset dev)
+#   tests/run.sh --long             also the long tests: benchmarks, C# of the Unity package, pages in a browser
 #   tests/run.sh asan tsan          the same tests under AddressSanitizer + UBSan, then under ThreadSanitizer
 #   tests/run.sh release --quick    builds the shipped parts, and runs only basic tests of programs and package
 #   tests/run.sh dev -R Grid        the first other option and all after it are passed to ctest
@@ -19,17 +20,19 @@ readonly quick_targets=(proto/all server/all engine_client/all tests/engine_clie
 
 presets=()
 quick=
+long=()
 while (($# > 0)); do
   case $1 in
     dev | release | asan | tsan) presets+=("$1") ;;
     --quick) quick=yes ;;
+    --long) long=(-C long) ;;
     --help)
       sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
       exit 0
       ;;
     -*) break ;;
     *)
-      echo "Unknown preset '$1'. Presets: dev release asan tsan. Options: --quick, --help, and those of ctest." >&2
+      echo "Unknown preset '$1'. Presets: dev release asan tsan. Options: --quick, --long, --help, and those of ctest." >&2
       exit 2
       ;;
   esac
@@ -72,6 +75,6 @@ if ! command -v dotnet >/dev/null; then
 fi
 # Build all presets first, so that ctest's summary is the last output.
 for preset in "${presets[@]}"; do
-  ctest --preset "$preset" -j "$jobs" "$@"
+  ctest --preset "$preset" -j "$jobs" "${long[@]}" "$@"
   [[ -n $narrowed || -n $quick ]] || leave_passed "$preset" "$tree"
 done
