@@ -105,9 +105,12 @@ void SessionOpening::OnRead(const StoredStart& start) {
     return Finish(kicked);
   if (std::shared_ptr<GameSession> session = FindInMemory())
     return Finish(OpenedSession{std::move(session), /*resumed=*/true, absl::OkStatus()});
-  // Another connection has resumed the session with other arms, so this one gets a new session. The
-  // evidence must be read again, without that of the resumed session.
-  if (start.source && hello_.session_id.empty()) return ReadStore();
+  // Another connection has resumed the session with other arms. The evidence that was read includes
+  // that session's own, so it cannot start a new one; the game connects again by itself.
+  if (start.source && hello_.session_id.empty()) {
+    return Finish(Refused(reasons::kStoreBusy,
+                          "another connection has just resumed this session; connect again"));
+  }
   Finish(Begin(start));
 }
 

@@ -182,7 +182,7 @@ TEST_F(SessionOpeningTest, ASessionInMemoryIsResumedWithoutTheStore) {
   EXPECT_EQ((*opened_)->session, first.session);
 }
 
-TEST_F(SessionOpeningTest, ANewSessionBeginsIfAnotherConnectionEndedTheOldOneMeanwhile) {
+TEST_F(SessionOpeningTest, ASessionThatEndsWhileTheStoreIsReadIsRefusedOnce) {
   Store("harbour");
   const OpenedSession first = Begin(HelloOf("harbour"));
   priors::SourceUpdate update;
@@ -199,7 +199,9 @@ TEST_F(SessionOpeningTest, ANewSessionBeginsIfAnotherConnectionEndedTheOldOneMea
   ASSERT_TRUE(table_.Add(first.session).ok());
   first.session->End();
   loop_.RunReady();
-  EXPECT_FALSE(opened_) << "the evidence is read again";
+  ASSERT_TRUE(opened_);
+  EXPECT_EQ(ReasonOfEnd(), "STORE_BUSY");
+  const auto again = Open(hello);
   store_.RunRead();
   loop_.RunReady();
   ASSERT_TRUE(opened_ && opened_->ok());
