@@ -63,7 +63,7 @@ namespace {
 
 constexpr uint64_t kMaxTextBytes = 1 << 20;
 
-swp_link_options DefaultOptions() {
+swp_link_options DefaultLinkOptions() {
   const SessionOptions defaults;
   swp_link_options options{};
   options.struct_size = sizeof options;
@@ -202,13 +202,13 @@ const std::string* TextOf(const SessionStats& stats, swp_link_text which) {
 }  // namespace
 
 swp_result swp_link_options_init(swp_link_options* options) {
-  return Guard([&] { return Give("swp_link_options", DefaultOptions(), options); });
+  return Guard([&] { return Give("swp_link_options", DefaultLinkOptions(), options); });
 }
 
 swp_result swp_link_create(swp_session* session, const swp_link_options* options, swp_link** link) {
   return Use(session, [&](Session& /*live*/) {
     if (link == nullptr) return NullArgument("link");
-    swp_link_options known = DefaultOptions();
+    swp_link_options known = DefaultLinkOptions();
     swp_result wrong = TakeOptions("swp_link_options", options, known);
     if (wrong == SWP_OK) wrong = CheckOptions(known);
     return wrong != SWP_OK ? wrong : CreateLink(*session, known, link);

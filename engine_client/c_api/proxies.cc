@@ -73,7 +73,7 @@ swp_result CheckOptions(const swp_proxies_options& options) {
   return CheckTruth("sorted_pairs must be 0 or 1", options.sorted_pairs);
 }
 
-constexpr swp_proxies_options kDefaults = {sizeof(swp_proxies_options), 0, 0, 0, nullptr, 0, 0};
+constexpr swp_proxies_options kProxyDefaults = {sizeof(swp_proxies_options), 0, 0, 0, nullptr, 0, 0};
 
 swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxies) {
   std::unique_ptr<sweepstake::Executor> executor;
@@ -159,13 +159,13 @@ struct swp_proxies final : Handle<Proxies> {
 };
 
 swp_result swp_proxies_options_init(swp_proxies_options* options) {
-  return Give("swp_proxies_options", kDefaults, options);
+  return Give("swp_proxies_options", kProxyDefaults, options);
 }
 
 swp_result swp_proxies_create(const swp_proxies_options* options, swp_proxies** proxies) {
   if (proxies == nullptr) return NullArgument("proxies");
   return Guard([&] {
-    swp_proxies_options known = kDefaults;
+    swp_proxies_options known = kProxyDefaults;
     swp_result wrong = TakeOptions("swp_proxies_options", options, known);
     if (wrong == SWP_OK) wrong = CheckOptions(known);
     return wrong != SWP_OK ? wrong : CreateProxies(known, proxies);

@@ -36,7 +36,7 @@ SceneOptions ToSceneOptions(const swp_scene_options& given) {
   return options;
 }
 
-swp_scene_options DefaultOptions() {
+swp_scene_options DefaultSceneOptions() {
   const SceneOptions defaults;
   return {sizeof(swp_scene_options), defaults.object_count,         defaults.spawn_seed,
           defaults.motion_seed,      defaults.world_half_extent,    defaults.fixed_step_s,
@@ -63,13 +63,13 @@ const char* swp_scene_name(uint32_t index) {
 }
 
 swp_result swp_scene_options_init(swp_scene_options* options) {
-  return Give("swp_scene_options", DefaultOptions(), options);
+  return Give("swp_scene_options", DefaultSceneOptions(), options);
 }
 
 swp_result swp_scene_create(const char* scene, const swp_scene_options* options, swp_scene** out) {
   if (scene == nullptr || out == nullptr) return NullArgument("scene and out");
   return Guard([&] {
-    swp_scene_options known = DefaultOptions();
+    swp_scene_options known = DefaultSceneOptions();
     swp_result wrong = TakeOptions("swp_scene_options", options, known);
     if (wrong == SWP_OK && known.reserved != 0) {
       wrong = Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");

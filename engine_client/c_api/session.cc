@@ -26,7 +26,7 @@ swp_result WrongMode() {
   return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
 }
 
-swp_session_options DefaultOptions() {
+swp_session_options DefaultSessionOptions() {
   const AdaptiveOptions defaults;
   swp_session_options options{};
   options.struct_size = sizeof options;
@@ -103,13 +103,13 @@ swp_result CreateSession(const swp_session_options& options, swp_session** sessi
 }  // namespace
 
 swp_result swp_session_options_init(swp_session_options* options) {
-  return Guard([&] { return Give("swp_session_options", DefaultOptions(), options); });
+  return Guard([&] { return Give("swp_session_options", DefaultSessionOptions(), options); });
 }
 
 swp_result swp_session_create(const swp_session_options* options, swp_session** session) {
   if (session == nullptr) return NullArgument("session");
   return Guard([&] {
-    swp_session_options known = DefaultOptions();
+    swp_session_options known = DefaultSessionOptions();
     swp_result wrong = TakeOptions("swp_session_options", options, known);
     if (wrong == SWP_OK) wrong = CheckOptions(known);
     return wrong != SWP_OK ? wrong : CreateSession(known, session);

@@ -39,7 +39,7 @@ EmbeddedOptions ToEmbeddedOptions(const swp_decider_options& given) {
   return options;
 }
 
-swp_decider_options DefaultOptions() {
+swp_decider_options DefaultDeciderOptions() {
   const EmbeddedOptions defaults;
   swp_decider_options options{};
   options.struct_size = sizeof options;
@@ -52,7 +52,7 @@ swp_decider_options DefaultOptions() {
 }
 
 swp_result Take(const swp_decider_options* given, EmbeddedOptions& options) {
-  swp_decider_options known = DefaultOptions();
+  swp_decider_options known = DefaultDeciderOptions();
   if (swp_result wrong = TakeOptions("swp_decider_options", given, known); wrong != SWP_OK)
     return wrong;
   if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
@@ -101,7 +101,7 @@ swp_result NoDecider() {
 }  // namespace
 
 swp_result swp_decider_options_init(swp_decider_options* options) {
-  return Guard([&] { return Give("swp_decider_options", DefaultOptions(), options); });
+  return Guard([&] { return Give("swp_decider_options", DefaultDeciderOptions(), options); });
 }
 
 swp_result swp_session_attach_decider(swp_session* session, const swp_decider_options* options,

@@ -57,7 +57,7 @@ void Search(World& world) {
   world.searched = true;
 }
 
-constexpr swp_world_options kDefaults = {sizeof(swp_world_options), 0, nullptr, 0, 0};
+constexpr swp_world_options kWorldDefaults = {sizeof(swp_world_options), 0, nullptr, 0, 0};
 
 swp_result CreateWorld(const char* backend, const swp_world_options& options, swp_world** world) {
   if (options.sorted_pairs > 1 || options.reserved != 0) {
@@ -91,14 +91,14 @@ const char* swp_backend_name(uint32_t index) {
 }
 
 swp_result swp_world_options_init(swp_world_options* options) {
-  return Give("swp_world_options", kDefaults, options);
+  return Give("swp_world_options", kWorldDefaults, options);
 }
 
 swp_result swp_world_create(const char* backend, const swp_world_options* options,
                             swp_world** world) {
   if (backend == nullptr || world == nullptr) return NullArgument("backend and world");
   return Guard([&] {
-    swp_world_options known = kDefaults;
+    swp_world_options known = kWorldDefaults;
     const swp_result wrong = TakeOptions("swp_world_options", options, known);
     return wrong != SWP_OK ? wrong : CreateWorld(backend, known, world);
   });
