@@ -9,7 +9,7 @@
 #include "engine_client/decider/policy/paper_policy.h"
 #include "engine_client/decider/session/decision_session.h"
 #include "engine_client/math/random.h"
-#include "tests/laboratory/policies/reward_baselines.h"
+#include "tests/laboratory/policies/baselines.h"
 #include "tests/laboratory/policies/study_policies.h"
 
 namespace sweepstake::cli {

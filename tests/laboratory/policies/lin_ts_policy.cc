@@ -1,4 +1,4 @@
-#include "tests/laboratory/policies/lin_ts_policy.h"
+#include "tests/laboratory/policies/baselines.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>

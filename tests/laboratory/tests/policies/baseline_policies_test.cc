@@ -9,10 +9,8 @@
 
 #include "engine_client/math/random.h"
 #include "tests/engine_client/decider/scripted_client.h"
-#include "tests/laboratory/policies/lin_ts_policy.h"
-#include "tests/laboratory/policies/reward_baselines.h"
+#include "tests/laboratory/policies/baselines.h"
 #include "tests/laboratory/policies/study_policies.h"
-#include "tests/laboratory/policies/thompson_baselines.h"
 
 namespace sweepstake::decision {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/laboratory/policies/thompson_baselines.h"
+#include "tests/laboratory/policies/baselines.h"
 
 #include <gtest/gtest.h>
 
