@@ -55,6 +55,6 @@ export default defineConfig({
     rollupOptions: { input: 'report.html' },
   },
   // The numbers, colours and theme are the dashboard's own files.
-  server: { fs: { allow: ['.', '../../../server/dashboard/src'] } },
-  test: { include: ['src/**/*.test.ts'], testTimeout: 60_000, pool: 'threads', isolate: false },
+  server: { fs: { allow: ['.', '../tests/report', '../../../server/dashboard/src'] } },
+  test: { include: ['../tests/report/*.test.ts'], globals: true, testTimeout: 60_000, pool: 'threads', isolate: false },
 });

@@ -24,8 +24,8 @@ export const small = (...children: Child[]) => h('small', {}, ...children);
 export const bold = (...children: Child[]) => h('b', {}, ...children);
 export const list = (items: Child[]) => h('ul', {}, ...items.filter(Boolean).map((item) => h('li', {}, item)));
 
-export function terms(entries: [string, string][], className = ''): HTMLElement {
-  return h('dl', { class: className }, ...entries.map(([term, meaning]) => [h('dt', {}, term), h('dd', {}, meaning)]));
+export function terms(entries: [string, string][]): HTMLElement {
+  return h('dl', {}, ...entries.map(([term, meaning]) => [h('dt', {}, term), h('dd', {}, meaning)]));
 }
 
 export function details(summary: string, ...children: Child[]): HTMLElement {

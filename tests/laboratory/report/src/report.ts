@@ -3,7 +3,7 @@ import { append, h } from './dom';
 import type { BenchDocument } from './model/bench';
 import type { ExperimentDocument } from './model/experiment';
 import type { ReplayDocument } from './model/replay';
-import { drawPage, themeSwitch, type Page } from './page';
+import { drawPage, type Page } from './page';
 import { benchPage } from './pages/bench';
 import { experimentPage } from './pages/experiment';
 import { replayPage } from './pages/replay';
@@ -39,9 +39,8 @@ const main = document.getElementById('report')!;
 try {
   const pages = readDocuments().map(pageOrError);
   document.title = [...new Set(pages.map(({ title }) => title))].join(', ');
-  const theme = themeSwitch();
   main.replaceChildren();
-  append(main, pages.map((page, i) => drawPage(page, i === 0 ? '' : `d${i + 1}-`, i === 0 && theme)));
+  append(main, pages.map((page, i) => drawPage(page, i === 0 ? '' : `d${i + 1}-`)));
 } catch (error) {
   main.replaceChildren(h('h1', {}, 'Sweepstake report'), h('p', {}, `This page cannot be drawn: ${(error as Error).message}.`));
 }

@@ -74,7 +74,7 @@ export function partialExperiment(whole) {
   const truths = whole.truths.map((truth) => ({ ...truth, control_ratio: 1.2, players: [], comparisons: [], agreements: [] }));
   const cells = whole.cells.map((cell) => ({ ...cell, scene: 'brownian', objects: 1000 }));
   const rows = whole.rows.map((each) => ({ ...each, scene: 'brownian', objects: 1000, dominance: 'KDTree 1/2; SAP 1/2' }));
-  return { ...whole, complete: false, finished_runs: 5, planned_runs: 8, rows, runs, truths, cells, over_cells: [], over_live: [] };
+  return { ...whole, complete: false, finished_runs: 5, planned_runs: 8, rows, runs, truths, cells, over_cells: [] };
 }
 
 // JSON has null in place of values that are not numbers. Computed figures can be null, counts cannot.
@@ -82,13 +82,13 @@ const COUNTS = ['runs', 'objects', 'seeds'];
 const noNumbers = (values) => Object.fromEntries(Object.entries(values).map(([key, value]) =>
   [key, typeof value === 'number' && !COUNTS.includes(key) ? null : value]));
 export function degenerateExperiments(whole) {
-  const none = { rows: [], runs: [], truths: [], over_cells: [], over_live: [] };
-  const runs = whole.runs.map((run) => ({ ...run, periods: [], held_back_s: [], posteriors: [], verdicts: {}, time_ns: noNumbers(run.time_ns) }));
+  const none = { rows: [], runs: [], truths: [], over_cells: [] };
+  const runs = whole.runs.map((run) => ({ ...run, periods: [], held_back_s: [], posteriors: [], verdicts: {}, time: noNumbers(run.time) }));
   const nan = (run) => ({ ...run, posteriors: run.posteriors.map(({ time_s, means }) => ({ time_s, means: means.map(() => null) })) });
   const one = (run) => ({ ...run, posteriors: run.posteriors.slice(0, 1), active_shares: run.active_shares.map(() => 0) });
   return {
     'nothing is in': { ...whole, ...none, complete: false, finished_runs: 0 },
-    'no truth': { ...whole, truths: [], over_cells: [], over_live: [] },
+    'no truth': { ...whole, truths: [], over_cells: [] },
     'empty runs': { ...whole, runs },
     'no means': { ...whole, runs: whole.runs.map(nan) },
     'one mean': { ...whole, runs: whole.runs.map(one) },
@@ -99,7 +99,7 @@ export function degenerateExperiments(whole) {
 
 export const degenerateReplays = (whole) => ({
   'no rows': { ...whole, rows: [], scenes: [] },
-  'of an older program': { ...whole, rows: whole.rows.map(({ ms_per_frame, reliability, regret_detection, regret_60hz, ...rest }) => rest) },
+  'of an older program': { ...whole, calibration: undefined, rows: whole.rows.map(({ ms_per_frame, reliability, regret_detection, regret_60hz, ...rest }) => rest) },
   'no numbers': { ...whole, rows: whole.rows.map((each) => ({ ...noNumbers(each), ci95: [null, null], verdicts: {} })) },
 });
 export const judgedReplay = (whole) => ({ ...whole, goals: [

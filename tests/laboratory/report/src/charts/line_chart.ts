@@ -1,22 +1,18 @@
-// Lines on two logarithmic axes, each named at its end; the legend hides and shows them.
+// Lines on two logarithmic axes, each named at its end.
 import * as Plot from '@observablehq/plot';
-import { h } from '../dom';
 import { compact, significant } from '../../../../../server/dashboard/src/format';
-import { figure, show } from './figure';
-import { swatch } from './swatch';
+import { figure } from './figure';
 import { axes, logDomain, logTicks, spreadOut } from './scales';
 
 export interface Point { x: number; y: number; text: string }
 export interface Series {
-  name: string; group: string; colour: string; symbol: Plot.SymbolType; solid: boolean; points: Point[];
+  name: string; colour: string; symbol: Plot.SymbolType; solid: boolean; points: Point[];
 }
 export interface LineChart { id: string; title: string; note?: string | undefined; xLabel: string; yLabel: string; series: Series[] }
 
 const WIDTH = 1080;
 const MARGIN = { top: 16, right: 190, bottom: 48, left: 64 };
 const NAME_HEIGHT = 15;
-
-const classOf = ({ name }: Series) => `series-${name.replace(/\W+/g, '_')}`;
 
 // The names at the right edge, as near to their lines' ends as they can be without touching; a dotted line leads to each.
 function endNames(series: Series[], height: number, edge: number, [low, high]: [number, number]): Plot.Markish[] {
@@ -27,18 +23,17 @@ function endNames(series: Series[], height: number, edge: number, [low, high]: [
   const placed = spreadOut(last.map(({ y }) => pixels(y)), NAME_HEIGHT, MARGIN.top, bottom).map(value);
   return series.flatMap((each, index) => [
     Plot.link([last[index]!], { x1: 'x', y1: 'y', x2: () => edge, y2: () => placed[index]!, stroke: each.colour, strokeDasharray: '1 4',
-      className: `${classOf(each)} leader` }),
+      className: 'leader' }),
     Plot.text([each.name], { x: () => edge, y: () => placed[index]!, text: (name: string) => name, dx: 6, textAnchor: 'start',
-      fill: `color-mix(in srgb, ${each.colour} 75%, var(--text))`, fontWeight: each.solid ? 650 : 400, className: `${classOf(each)} name` })]);
+      fill: `color-mix(in srgb, ${each.colour} 75%, var(--text))`, fontWeight: each.solid ? 650 : 400 })]);
 }
 
 function lineMarks(series: Series): Plot.Markish[] {
   const { name, colour, symbol, solid, points } = series;
-  const className = classOf(series);
   return [
-    Plot.line(points, { x: 'x', y: 'y', stroke: colour, strokeWidth: solid ? 2.3 : 1.5, className, ...(!solid && { strokeDasharray: '6 4' }) }),
+    Plot.line(points, { x: 'x', y: 'y', stroke: colour, strokeWidth: solid ? 2.3 : 1.5, ...(!solid && { strokeDasharray: '6 4' }) }),
     Plot.dot(points, {
-      x: 'x', y: 'y', symbol, r: 4.5, stroke: colour, strokeWidth: 1.6, fill: solid ? colour : 'var(--card)', className,
+      x: 'x', y: 'y', symbol, r: 4.5, stroke: colour, strokeWidth: 1.6, fill: solid ? colour : 'var(--card)',
       title: ({ text }: Point) => `${name}\n${text}`,
     })];
 }
@@ -58,24 +53,4 @@ function picture({ xLabel, yLabel, series }: LineChart): SVGElement | HTMLElemen
   });
 }
 
-function legendEntry(series: Series, onChange: (shown: boolean) => void): HTMLElement {
-  const box = h('input', { type: 'checkbox' });
-  box.checked = true;
-  box.addEventListener('change', () => onChange(box.checked));
-  return h('label', {}, box, swatch(series), h('span', {}, series.name));
-}
-
-export function lineChart(chart: LineChart): HTMLElement {
-  const hidden = new Set<Series>();
-  const groups = [...new Set(chart.series.map(({ group }) => group))].map((group) =>
-    h('div', {}, h('span', { class: 'group' }, group), h('div', {},
-      ...chart.series.filter((series) => series.group === group).map((series) => legendEntry(series, (shown) => {
-        if (shown) hidden.delete(series);
-        else hidden.add(series);
-        const series_ = chart.series.filter((each) => !hidden.has(each));
-        const plot = element.querySelector<HTMLElement>('.plot')!;
-        if (series_.length > 0) show(plot, chart.title, picture({ ...chart, series: series_ }));
-      })))));
-  const element = figure(chart, picture(chart), h('fieldset', { class: 'legend' }, h('legend', {}, 'Show or hide'), ...groups));
-  return element;
-}
+export const lineChart = (chart: LineChart): HTMLElement => figure(chart, picture(chart));

@@ -16,10 +16,10 @@ export interface Run {
   periods: { arm: number; from_s: number; to_s: number; reason: string }[];
   held_back_s: number[]; bail_outs: { time_s: number; arm: number }[];
   posteriors: { time_s: number; means: number[] }[];
-  verdicts: Record<string, number>; time_ns: Record<TimePart, number>;
-  decisions: number; longest_decision_ns: number; dropped_frames: number;
+  verdicts: Record<string, number>; time: Record<TimePart | 'longest_decision_ns', number>;
+  decisions: number; dropped_frames: number;
 }
-export type TimePart = 'scene_step' | 'detection' | 'rebuild' | 'copying' | 'around' | 'frame_end' | 'intake' | 'decision' | 'lane';
+export type TimePart = 'scene_step_ns' | 'detection_ns' | 'rebuild_ns' | 'copying_ns' | 'around_ns' | 'frame_end_ns' | 'intake_ns' | 'decision_ns' | 'lane_ns';
 export interface Player {
   name: string; is_policy: boolean; regret: number; ci95: Interval; after_start_up: number | null; switches: number; active_share: number;
   regret_60hz?: number; ms_per_frame?: FrameMs;
@@ -46,15 +46,15 @@ export interface ExperimentDocument {
   options: { policies: string[]; run_count: number; window: string; seed: number; trace_frame_count: number; replay_seed_count: number };
   sittings: { command_line: string; start_utc: string; end_utc: string }[];
   cells: { cell: string; scene: string; objects: number }[];
-  rows: ExperimentRow[]; runs: Run[]; truths: Truth[]; over_cells: Comparison[]; over_live: Comparison[];
+  rows: ExperimentRow[]; runs: Run[]; truths: Truth[]; over_cells: Comparison[];
   paper?: PaperCell[]; // Tables 3 and 4 as printed
 }
 
 export const VERDICTS = ['unknown', 'stable', 'tie', 'ambiguous', 'degraded'];
 export const TIME_PARTS: [TimePart, string][] = [
-  ['scene_step', 'Scene step'], ['detection', 'Steady detection'], ['rebuild', 'Rebuilds'], ['copying', 'Copying in'],
-  ['around', 'Descriptors, switching'], ['frame_end', 'Frame end'],
-  ['intake', 'Intake'], ['decision', 'Selector'], ['lane', 'Shadow lane']];
+  ['scene_step_ns', 'Scene step'], ['detection_ns', 'Steady detection'], ['rebuild_ns', 'Rebuilds'], ['copying_ns', 'Copying in'],
+  ['around_ns', 'Descriptors, switching'], ['frame_end_ns', 'Frame end'],
+  ['intake_ns', 'Intake'], ['decision_ns', 'Selector'], ['lane_ns', 'Shadow lane']];
 export const FRAME_PARTS = 6; // of TIME_PARTS: those of the frame thread
 
 const TIE_RATIO = 1.03; // an algorithm this much slower than the fastest counts as equal
@@ -102,7 +102,7 @@ export const noisyCells = ({ truths }: ExperimentDocument) =>
 
 // Sums over runs, by the order of TIME_PARTS.
 export function timeParts(runs: Run[]): number[] {
-  return TIME_PARTS.map(([part]) => runs.reduce((sum, { time_ns }) => sum + time_ns[part], 0));
+  return TIME_PARTS.map(([part]) => runs.reduce((sum, { time }) => sum + time[part], 0));
 }
 
 export const frameTime = (parts: number[]) => parts.slice(0, FRAME_PARTS).reduce((a, b) => a + b, 0);

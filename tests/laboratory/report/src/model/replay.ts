@@ -4,13 +4,15 @@ import { mean, type Interval } from '../../../../../server/dashboard/src/format'
 // The decisions in which P(best) of the leader was in a range: the mean of P(best), and the share in which the leader was the fastest
 // algorithm, or within the tie ratio of it.
 export interface ReliabilityBin { low: number; high: number; decisions: number; predicted: number; best: number; best_or_tie: number }
+// The bins of a policy over all traces, and the mean distance between a probability and how often it was right.
+export interface Calibration { policy: string; error: number; bins: ReliabilityBin[] }
 // Milliseconds per frame as recorded, without other work. `lane` is time on another core.
 export interface FrameMs { detection: number; best: number; median: number; worst: number; paper: number | null; regret: number; lane: number }
 export interface ReplayRow {
   costs: string; policy: string; regret_best_fixed: number; regret_oracle: number; ci95: Interval; switches: number; active_share: number;
   bail_outs: number | null; regret_after_start: number | null; headroom: number; headroom_frame: number; headroom_captured: number | null;
   dominant: string; seeds: number; first_best_s: number | null; shadow_share: number; verdicts: Record<string, number>;
-  regret_detection?: number; regret_60hz?: number; ms_per_frame?: FrameMs; reliability?: ReliabilityBin[];
+  regret_detection?: number; regret_60hz?: number; ms_per_frame?: FrameMs;
   against_paper?: { difference: number; ci95: Interval; wilcoxon_p: number };
 }
 export interface ReplayScene {
@@ -21,6 +23,7 @@ export interface ReplayScene {
 export interface ReplayGoal { goal: string; limit_text: string; reached: number | null; met: boolean; cells: { cell: string; value: number; met: boolean }[] }
 export interface ReplayDocument {
   command: 'replay'; command_line?: string; seeds: number; own_policy?: string; scenes?: ReplayScene[]; rows: ReplayRow[]; goals?: ReplayGoal[];
+  calibration?: Calibration[];
 }
 
 export const isFixed = (policy: string) => policy.startsWith('fixed:') || policy === 'oracle';
@@ -31,22 +34,4 @@ export const fileName = (path: string) => path.split(/[\\/]/).at(-1)!.replace(/\
 export function meanRegretOf({ rows }: ReplayDocument, policy: string): number | undefined {
   const regrets = rows.filter((row) => row.policy === policy).map((row) => row.regret_best_fixed);
   return regrets.length > 0 ? mean(regrets) : undefined;
-}
-
-// The bins of all traces together, in ascending order.
-export function reliabilityOf({ rows }: ReplayDocument, policy: string): ReliabilityBin[] {
-  const sums = new Map<number, ReliabilityBin>();
-  for (const bin of rows.filter((row) => row.policy === policy).flatMap(({ reliability = [] }) => reliability)) {
-    const sum = sums.get(bin.low) ?? { ...bin, decisions: 0, predicted: 0, best: 0, best_or_tie: 0 };
-    const decisions = sum.decisions + bin.decisions;
-    const pooled = (key: 'predicted' | 'best' | 'best_or_tie') => (sum[key] * sum.decisions + bin[key] * bin.decisions) / decisions;
-    sums.set(bin.low, { ...sum, decisions, predicted: pooled('predicted'), best: pooled('best'), best_or_tie: pooled('best_or_tie') });
-  }
-  return [...sums.values()].sort((a, b) => a.low - b.low);
-}
-
-// The mean distance between a probability and how often it was right.
-export function calibrationError(bins: ReliabilityBin[]): number {
-  const decisions = bins.reduce((sum, bin) => sum + bin.decisions, 0);
-  return bins.reduce((sum, bin) => sum + bin.decisions * Math.abs(bin.predicted - bin.best), 0) / decisions;
 }

@@ -3,12 +3,12 @@ import { lineChart, type Series } from '../charts/line_chart';
 import { byValue, rangeChart } from '../charts/range_chart';
 import { grouped, milliseconds, times } from '../../../../../server/dashboard/src/format';
 import { contestantTitle, indexBench, sceneTitle, type BenchDocument, type BenchIndex, type BenchRow, type Cell, type Contestant, type Scene } from '../model/bench';
-import { commandLine, machineList, rawRows, type Page } from '../page';
-import { colourOf, familyTitle, symbolOf } from '../../../../../server/dashboard/src/palette';
-import { h } from '../dom';
-import { familyTable, fastestTable, goalTable, overallTable } from './bench_comparisons';
+import { commandLine, machineList, type Page } from '../page';
+import { colourOf, symbolOf } from '../../../../../server/dashboard/src/palette';
+import { details, h } from '../dom';
+import { familyTable, goalTable, overallTable } from './bench_comparisons';
 import { checkTable, growthTable, memoryTable, rowTable, simdTable, spikeTable, threadTable, timeTable } from './bench_tables';
-import { glossary, lead, method, resultHeadline, SCENE_NOTES, warnings } from './bench_words';
+import { lead, method, resultHeadline, warnings } from './bench_words';
 
 function described(index: BenchIndex, row: BenchRow): string {
   const fastest = index.fastest(row)!.ms_median;
@@ -21,14 +21,14 @@ function seriesOf(index: BenchIndex, scene: Scene, contestant: Contestant): Seri
   const { name, family, kind, threads, simd } = contestant;
   const rows = scene.cells.map((at) => index.rowOf(at, contestant)).filter((row) => row !== undefined);
   return {
-    name: contestantTitle(name, threads, simd), group: familyTitle(family), colour: colourOf(family), symbol: symbolOf(family), solid: kind === 'arm',
+    name: contestantTitle(name, threads, simd), colour: colourOf(family), symbol: symbolOf(family), solid: kind === 'arm',
     points: rows.filter((row) => row.ms_median > 0).map((row) => ({ x: row.objects, y: row.ms_median, text: described(index, row) })),
   };
 }
 
 function growthChart(index: BenchIndex, scene: Scene, id: string): HTMLElement {
   const series = index.contestants.map((each) => seriesOf(index, scene, each)).filter(({ points }) => points.length > 0);
-  return lineChart({ id, title: sceneTitle(index, scene.name), note: SCENE_NOTES[scene.name], xLabel: 'Objects',
+  return lineChart({ id, title: sceneTitle(index, scene.name), xLabel: 'Objects',
     yLabel: 'Milliseconds per frame, median', series });
 }
 
@@ -39,7 +39,7 @@ function rankingChart(index: BenchIndex, at: Cell, id: string): HTMLElement {
       solid: each.kind === 'arm', low: row.ms_min, value: row.ms_median, high: row.ms_p99,
       label: `${milliseconds(row.ms_median)} ms`, text: described(index, row) }] : [];
   });
-  return rangeChart({ id, title: `${sceneTitle(index, at.scene)}, ${grouped(at.objects)} objects`, note: SCENE_NOTES[at.scene], rows: byValue(rows),
+  return rangeChart({ id, title: `${sceneTitle(index, at.scene)}, ${grouped(at.objects)} objects`, rows: byValue(rows),
     xLabel: 'Milliseconds per frame: the mark is the median, the bar reaches from the fastest frame to the p99' });
 }
 
@@ -55,7 +55,7 @@ export function benchPage(document: BenchDocument): Page {
     title: 'Sweepstake bench',
     lead: lead(index),
     sections: [
-      { id: 'results', heading: 'Results', body: [resultHeadline(index), compared ? overallTable(index) : fastestTable(index), warnings(index)] },
+      { id: 'results', heading: 'Results', body: [resultHeadline(index), compared && overallTable(index), warnings(index)] },
       { id: 'judged', heading: 'Goals', body: [goalTable(index)] },
       { id: 'time', heading: 'Time against objects', body: [timeCharts(index), timeTable(index)] },
       { id: 'by-family', heading: 'Against the same family', body: [familyTable(index)] },
@@ -68,8 +68,7 @@ export function benchPage(document: BenchDocument): Page {
       { id: 'machine', heading: 'Machine and versions', body: [machineList(document.machine),
         document.command_line && [h('h3', {}, 'Command line'), commandLine(document.command_line)]] },
       { id: 'method', heading: 'How it was measured', body: [method(index)] },
-      { id: 'terms', heading: 'What the words mean', body: [glossary()] },
-      { id: 'raw', heading: 'All rows', body: rawRows(document, rowTable(index)) },
+      { id: 'raw', heading: 'All rows', body: [details('Show all rows', rowTable(index))] },
     ],
   };
 }

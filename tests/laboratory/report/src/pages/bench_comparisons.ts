@@ -44,19 +44,6 @@ export function overallTable(index: BenchIndex): HTMLElement {
     head: [columns('Objects', text('Best of ours'), 'Than the peers that ran', 'By the mean', 'Than published ones')] });
 }
 
-export function fastestTable(index: BenchIndex): HTMLElement {
-  const groups = index.scenes.map(({ name, cells }) => ({
-    title: sceneTitle(index, name),
-    rows: cells.flatMap((at) => {
-      const row = index.fastest(at);
-      return row ? [[cell(grouped(at.objects), at.objects), textCell(contestantTitle(row.arm, row.threads, row.simd)),
-        cell(milliseconds(row.ms_median), row.ms_median), cell(grouped(row.pairs_mean), row.pairs_mean)]] : [];
-    }),
-  }));
-  return drawTable({ id: 'fastest', groups, caption: 'The fastest of each scene and number of objects, by the median frame.',
-    head: [columns('Objects', text('Fastest'), 'Milliseconds', 'Pairs per frame')] });
-}
-
 function missedList(index: BenchIndex, missed: Ratio[]): Child {
   if (missed.length === 0) return h('span', { class: 'none' }, 'none');
   return details('Show which', list(missed.map((ratio) => {

@@ -2,8 +2,7 @@
 import { bold, h, small, type Child } from '../dom';
 import { bytes, compact, grouped, milliseconds, significant, times } from '../../../../../server/dashboard/src/format';
 import { contestantTitle, hasGoal, largeIsGood, sceneTitle, type BenchIndex, type BenchRow, type Contestant, type Ratio, type RatioKind } from '../model/bench';
-import { swatch } from '../charts/swatch';
-import { colourOf, familyTitle, symbolOf } from '../../../../../server/dashboard/src/palette';
+import { familyTitle } from '../../../../../server/dashboard/src/palette';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type HeadCell } from '../table';
 
 export function cellHead(index: BenchIndex, corner: string): HeadCell[][] {
@@ -39,10 +38,8 @@ export function goalVerdict(ratio: Ratio): Child {
 
 export const goalClass = (ratio: Ratio) => (hasGoal(ratio) ? (ratio.met ? 'met' : 'missed') : '');
 
-const familySwatch = (family: string, solid: boolean) => swatch({ colour: colourOf(family), symbol: symbolOf(family), solid });
-
-function contestantName({ name, family, kind, threads, simd }: Contestant): Cell {
-  const title = [familySwatch(family, kind === 'arm'), ' ', contestantTitle(name, threads, simd)];
+function contestantName({ name, kind, threads, simd }: Contestant): Cell {
+  const title = contestantTitle(name, threads, simd);
   return cell(kind === 'arm' ? bold(title) : [title, ' ', h('span', { class: 'none' }, 'peer')], name);
 }
 

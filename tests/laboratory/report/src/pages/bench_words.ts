@@ -1,36 +1,7 @@
 // Texts of the page of a bench.
-import { details, headline, list, paragraph, terms, verdict, type Child } from '../dom';
+import { details, h, headline, list, paragraph, verdict, type Child } from '../dom';
 import { compact, grouped, significant, times } from '../../../../../server/dashboard/src/format';
 import { contestantTitle, overallSpan, sceneTitle, type BenchIndex, type BenchRow, type RatioKind } from '../model/bench';
-import { h } from '../dom';
-
-export const SCENE_NOTES: Record<string, string> = {
-  'suite-b': 'Brownian motion: every box jitters about its place. Evenly filled space, few pairs.',
-  'suite-g': 'Rotating gravity: all boxes fall together and pile up at the walls. Crowded, many pairs.',
-  'suite-h': 'Hurricane: boxes circle an axis at different speeds.',
-  brownian: 'Boxes that jitter about their places.',
-  'rotating-gravity': 'Boxes that fall towards a direction that turns.',
-  hurricane: 'Boxes that circle an axis.',
-  'free-fall': 'Boxes that fall and rest.',
-  'nearly-resting': 'Boxes that move by ±0.001 in a frame: what an incremental structure is for.',
-  'few-moving': 'One box in a hundred moves in a frame.',
-  beams: 'Boxes ten to 160 times as long as they are thin.',
-  'long-thin': 'Boxes half as long as the world, and longer.',
-  clusters: 'Moving clusters of boxes with empty space between them.',
-  planar: 'All boxes near one plane.',
-  'sizes-1-to-1000': 'The largest box is a thousand times as large as the smallest.',
-  'all-coincident': 'Every box overlaps every other.',
-  teleporting: 'Boxes that jump to other places.',
-  spawning: 'Boxes come and go.',
-  'count-changing': 'Every frame has another number of boxes.',
-  'rest-and-motion': 'Boxes that hardly move, then jitter, in turn.',
-  waves: 'Few boxes, then many that jump to other places, then many that hardly move.',
-  storms: 'Boxes that jump to other places, then jitter, in turn.',
-  'gather-and-scatter': 'Boxes that gather, rest, scatter and rest.',
-  'day-and-night': 'Boxes that circle an axis; then one in a hundred moves.',
-  arrivals: 'Boxes come and go; then all rest; then all fly straight on.',
-  'random-gravity': 'Boxes that fall towards a direction that changes at random.',
-};
 
 export const GOAL_WORDS: Record<RatioKind, [string, string]> = {
   overall: ['Best against best', 'our fastest backend is so many times faster than the fastest peer'],
@@ -92,18 +63,3 @@ export function method({ document, sets }: BenchIndex): HTMLElement {
     peers && 'Peers are other libraries as Debian packages them, called the fastest way that their interfaces offer. Their pairs were ' +
     `compared with ours. A peer that took more than ${compact(peer_cap_s)} s of its own in a cell was cut short or left out there.`]);
 }
-
-export const glossary = () => terms([
-  ['Scene, objects', 'what moves, and how many boxes there are'],
-  ['Family', 'algorithms that work alike: a backend is compared with the best peer of its own family, too'],
-  ['Median', 'half of the frames took less: the usual frame. All comparisons use it unless they say otherwise'],
-  ['Mean', 'all time divided by the frames: rare slow frames are in it'],
-  ['Min', 'the fastest frame: what the code can do when nothing disturbs it'],
-  ['p99', '99 of 100 frames took no longer: what a player notices as a stutter'],
-  ['Pairs', 'overlapping pairs per frame, mean'],
-  ['AABB checks', 'comparisons of two boxes per frame, mean; a lane of a vector comparison is one'],
-  ['Bytes', 'the most memory that the backend itself held in a measured frame; “with pairs” adds the buffer of the pairs'],
-  ['Published', 'peers that Debian has no package of did not run: their time is that of one that ran, times the quotient of their ' +
-    'published times in the same scene'],
-  ['Times faster', 'the other’s time divided by ours, over the frames that both measured'],
-  ['✓ met, ✗ missed', 'whether the comparison reaches the project’s goal for it']], 'terms');

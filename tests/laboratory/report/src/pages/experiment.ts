@@ -1,13 +1,12 @@
 // The page of `sweepstake-lab experiment`.
 import { h, paragraph, type Child } from '../dom';
-import { compact, grouped, percent, share, significant } from '../../../../../server/dashboard/src/format';
+import { compact, percent } from '../../../../../server/dashboard/src/format';
 import type { ExperimentDocument } from '../model/experiment';
-import { commandLine, machineList, rawRows, type Page, type Section } from '../page';
-import { cell, columns, drawTable, text, textCell } from '../table';
+import { commandLine, machineList, type Page, type Section } from '../page';
 import { activeShareChart, dominanceGrid, paperTables, timeSection, verdictChart } from './experiment_cells';
 import { posteriorPanels, switchTimelines } from './experiment_runs';
 import { comparisonTables, liveAgainstReplay, regretCharts, trueRanking } from './experiment_truth';
-import { glossary, lead, method, summary, wordsOf, type Words } from './experiment_words';
+import { lead, method, summary, wordsOf } from './experiment_words';
 
 function manifest({ machine, time_scale, options, sittings }: ExperimentDocument): Child[] {
   return [
@@ -16,14 +15,6 @@ function manifest({ machine, time_scale, options, sittings }: ExperimentDocument
     sittings.map(({ command_line, start_utc, end_utc }) => [commandLine(command_line),
       h('p', { class: 'soft small' }, `From ${start_utc} to ${end_utc || 'an unknown end'}`)]),
     paragraph('All seeds and every parameter of the decider are in ', h('code', {}, 'manifest.json'), ' beside this page, the raw rows in its CSV files.')];
-}
-
-function rowTable({ rows }: ExperimentDocument, words: Words): HTMLElement {
-  return drawTable({ id: 'rows', caption: 'A row per cell and policy.',
-    head: [columns('Cell', text('Policy'), 'Runs', text('Dominant'), text('Verdict'), 'Switches', 'Active', 'μ*', 'n*')],
-    groups: [{ rows: rows.map((row) => [cell(words.cellName(row.cell)), textCell(words.policyTitle(row.policy)), cell(grouped(row.runs), row.runs),
-      textCell(row.dominance), textCell(row.verdict), cell(significant(row.switches), row.switches), cell(share(row.active_percent / 100)),
-      cell(significant(row.mu), row.mu), cell(significant(row.n), row.n)]) }] });
 }
 
 // A section with an explanation, which goes where the body is empty.
@@ -60,9 +51,7 @@ export function experimentPage(document: ExperimentDocument): Page {
       explained('time', 'Where the time went', 'The paper left open what its selector costs. Copying in hands boxes to the shadow lane, which measures ' +
         'the other algorithms on a thread of its own; rebuilds are what switches cost the frame thread.', some(runs, () => timeSection(document, words))),
       { id: 'method', heading: 'How it was measured', body: [method(document)] },
-      { id: 'terms', heading: 'What the words mean', body: [glossary()] },
       { id: 'manifest', heading: 'Machine, versions, commands', body: manifest(document) },
-      { id: 'raw', heading: 'Summary rows', body: rawRows(document, rowTable(document, words)) },
     ],
   };
 }

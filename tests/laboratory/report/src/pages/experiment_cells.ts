@@ -88,7 +88,7 @@ function timeRow(document: ExperimentDocument, words: Words, row: ExperimentRow)
   const frames = frameTime(parts);
   const sum = (value: (run: (typeof runs)[number]) => number) => runs.reduce((total, run) => total + value(run), 0);
   const decisionNs = parts[7]! / Math.max(sum(({ decisions }) => decisions), 1);
-  const longestNs = Math.max(...runs.map((run) => run.longest_decision_ns));
+  const longestNs = Math.max(...runs.map((run) => run.time.longest_decision_ns));
   return [cell(words.cellName(row.cell)),
     ...parts.map((ns, i) => cell(`${significant((100 * ns) / frames)} %`, ns / frames, i === FRAME_PARTS ? 'first' : '')),
     cell(microseconds(decisionNs), decisionNs, 'first'), cell(microseconds(longestNs), longestNs), cell(grouped(sum((run) => run.dropped_frames)))];

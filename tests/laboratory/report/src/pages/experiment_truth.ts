@@ -26,33 +26,24 @@ function overviewRows(document: ExperimentDocument, words: Words): RangeRow[] {
   });
 }
 
-function cellRows(truth: Truth, document: ExperimentDocument, words: Words): RangeRow[] {
-  return truth.players.map(({ name, is_policy, regret, ci95, after_start_up, ms_per_frame: ms, regret_60hz }) => regretRow(is_policy ? words.policyTitle(name) : name,
-    styleOf(name, is_policy, document.own_policy), regret, ci95, `${percent(regret)} (95 %: ${interval(ci95)})\nafter start-up ${percent(after_start_up)}` +
-      (ms ? `\n${significant(ms.regret)} ms per frame, ${percent(regret_60hz ?? null)} of one at 60 Hz` : '')));
-}
-
 function regretTable(truths: Truth[], words: Words): HTMLElement {
   const best = (truth: Truth) => Math.min(...truth.players.filter((each) => each.is_policy).map(({ regret }) => regret));
   const rows = truths[0]!.players.map(({ name, is_policy }, i) => [cell(is_policy ? words.policyTitle(name) : name),
     ...truths.map((truth) => {
-      const { regret, after_start_up } = truth.players[i]!;
-      return cell([percent(regret), small(percent(after_start_up))], regret, is_policy && regret === best(truth) ? 'best' : '');
+      const { regret, ci95, after_start_up } = truth.players[i]!;
+      return cell([percent(regret), small(interval(ci95)), small(percent(after_start_up))], regret, is_policy && regret === best(truth) ? 'best' : '');
     })]);
   return drawTable({ id: 'regret-table', groups: [{ rows }], head: [columns('Player', ...truths.map(({ cell: name }) => words.cellName(name)))],
-    caption: 'Mean regret of each player over its games, start and exploration included; below it after the start-up. The lowest policy of ' +
-      'each cell is marked' });
+    caption: 'Mean regret of each player over its games, start and exploration included; below it the 95 % interval, and the mean after ' +
+      'the start-up. The lowest policy of each cell is marked' });
 }
 
 export function regretCharts(document: ExperimentDocument, words: Words): Child[] {
   const truths = replayed(document);
-  if (truths.length === 0) return [];
-  return [
+  return truths.length === 0 ? [] : [
     rangeChart({ id: 'regret-over-cells', title: 'All cells together', xLabel: REGRET_AXIS, rows: byValue(overviewRows(document, words)),
       note: 'The mark is the mean over the cells; the bar reaches from the best cell to the worst.' }),
-    regretTable(truths, words),
-    details('Each cell', ...truths.map((truth, i) => rangeChart({ id: `regret-${i + 1}`, title: words.cellName(truth.cell),
-      xLabel: `${REGRET_AXIS}; the bar is the 95 % interval`, rows: byValue(cellRows(truth, document, words)) })))];
+    regretTable(truths, words)];
 }
 
 function comparisonGroup(title: string, comparisons: Comparison[], words: Words): Group {
@@ -62,15 +53,13 @@ function comparisonGroup(title: string, comparisons: Comparison[], words: Words)
 }
 
 export function comparisonTables(document: ExperimentDocument, words: Words): Child[] {
-  const { over_cells, over_live } = document;
+  const { over_cells } = document;
   if (over_cells.length === 0) return [];
   const draw = (id: string, groups: Group[]) => drawTable({ id, groups,
     head: [columns('Baseline', 'Pairs', 'Difference', '95 % interval', 'p', 'p, corrected', 'Effect')],
     caption: `${words.policyTitle('default')} against each baseline, paired: the difference of regret (negative: loses less), its 95 % bootstrap ` +
       'interval, Wilcoxon’s signed-rank test, its probability by Holm’s correction, and the rank-biserial effect size' });
-  const all = [comparisonGroup('Replay, all cells; a pair per cell', over_cells, words)];
-  if (over_live.length > 0) all.push(comparisonGroup('Live runs at the trace’s costs; a pair per run', over_live, words));
-  return [draw('comparisons', all), details('Each cell', draw('comparisons-by-cell', replayed(document).map((truth) =>
+  return [draw('comparisons', [comparisonGroup('All cells; a pair per cell', over_cells, words)]), details('Each cell', draw('comparisons-by-cell', replayed(document).map((truth) =>
     comparisonGroup(`${words.cellName(truth.cell)}; a pair per seed`, truth.comparisons, words))))];
 }
 

@@ -1,5 +1,5 @@
 // Texts of the page of an experiment.
-import { h, headline, list, paragraph, terms, verdict, type Child } from '../dom';
+import { h, headline, list, paragraph, verdict, type Child } from '../dom';
 import { compact, counted, grouped, percent, significant } from '../../../../../server/dashboard/src/format';
 import { agreementCounts, chosenWell, frameTime, meanRegret, noisyCells, timeParts, type ExperimentDocument } from '../model/experiment';
 
@@ -102,19 +102,3 @@ export function method({ options, time_scale: scale }: ExperimentDocument): HTML
     scale > 1 && 'With the time scale all of the decider’s intervals and the window are shorter by the same factor: as many decisions and ' +
     'switches as in full length, from shorter measurements.']);
 }
-
-export const glossary = () => terms([
-  ['Arm', 'an algorithm that the decider may choose'],
-  ['Policy', 'how it chooses. “paper” is the paper’s Thompson sampling; AI Decides is what Sweepstake ships'],
-  ['Cell', 'a scene with a number of objects'],
-  ['Exploration', 'the first part of a run: every arm once, 2 s to warm up, 4 s measured'],
-  ['Observation window', 'what follows: 15 minutes in the paper'],
-  ['Dominant', 'active for the largest share of the observation window'],
-  ['Posterior, μ, n', 'what is believed of an arm’s reward, a Beta distribution: its mean, and how much evidence it rests on; μ* and n* are ' +
-    'the dominant arm’s'],
-  ['Held back', 'the policy would have switched, but the cooldown or a safeguard forbade it'],
-  ['Bail-out', 'a switch because a frame took longer than 5 s'],
-  ['Verdict', 'stable: one arm is the best with a probability of 0.8 or more. Tie: several are as good as equal. Ambiguous: not known, and it ' +
-    'matters. Degraded: even the best is too slow'],
-  ['Regret', 'frame time ÷ that of the best fixed arm, minus 1'],
-  ['Headroom', 'what one could win over the best fixed arm by always switching in time']], 'terms');

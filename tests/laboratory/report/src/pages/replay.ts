@@ -3,11 +3,11 @@ import { byValue, rangeChart } from '../charts/range_chart';
 import { chip } from '../charts/figure';
 import { reliabilityChart } from '../charts/reliability_chart';
 import { stackedBars } from '../charts/stacked_bars';
-import { headline, list, paragraph, small, terms, verdict, type Child } from '../dom';
+import { headline, list, paragraph, small, verdict, type Child } from '../dom';
 import { grouped, interval, mean, percent, probability, share, significant, spread } from '../../../../../server/dashboard/src/format';
 import { VERDICTS } from '../model/experiment';
-import { calibrationError, costsOf, fileName, isFixed, meanRegretOf, reliabilityOf, type ReplayDocument, type ReplayRow } from '../model/replay';
-import { commandLine, rawRows, type Page } from '../page';
+import { costsOf, fileName, isFixed, meanRegretOf, type ReplayDocument, type ReplayRow } from '../model/replay';
+import { commandLine, type Page } from '../page';
 import { colourOf } from '../../../../../server/dashboard/src/palette';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell } from '../table';
 import { verdictKinds } from './experiment_cells';
@@ -114,8 +114,7 @@ function msTable(document: ReplayDocument): Child[] {
 }
 
 function calibration(document: ReplayDocument): Child[] {
-  const known = [...new Set(document.rows.map(({ policy }) => policy))]
-    .map((policy) => ({ policy, bins: reliabilityOf(document, policy) })).filter(({ bins }) => bins.length > 0);
+  const known = document.calibration ?? [];
   if (known.length === 0) return [];
   return [reliabilityChart({ id: 'reliability', title: 'How often the leader was the fastest', xLabel: 'Probability that the policy gave its leader',
     yLabel: 'Share in which it was the fastest algorithm', note: 'Judged by the frames since the decision before; the area of a mark grows with the ' +
@@ -124,7 +123,7 @@ function calibration(document: ReplayDocument): Child[] {
       predicted: bin.predicted, observed: bin.best, weight: bin.decisions, text: `said ${share(bin.predicted)}, was the fastest in ${share(bin.best)}, or ` +
         `within 0.5 % of it in ${share(bin.best_or_tie)} of ${grouped(bin.decisions)} decisions` })) })) }),
   drawTable({ id: 'calibration', caption: 'The same figures.', head: [columns('Probability', 'Decisions', 'Said on average', 'Was the fastest', 'Or within 0.5 %')],
-    groups: known.map(({ policy, bins }) => ({ title: `${policy}: ${share(calibrationError(bins))} off on average`, rows: bins.map((bin) => [
+    groups: known.map(({ policy, error, bins }) => ({ title: `${policy}: ${share(error)} off on average`, rows: bins.map((bin) => [
       cell(`${significant(100 * bin.low, 2)} to ${significant(100 * bin.high, 2)} %`, bin.low), cell(grouped(bin.decisions), bin.decisions),
       cell(share(bin.predicted), bin.predicted), cell(share(bin.best), bin.best), cell(share(bin.best_or_tie), bin.best_or_tie)]) })) })];
 }
@@ -136,15 +135,6 @@ function sceneTable({ scenes = [] }: ReplayDocument): Child {
     groups: [{ rows: scenes.map((scene) => [cell(scene.costs), cell(String(scene.arms.length)), cell(grouped(scene.trace_frames)), cell(grouped(scene.frames)),
       cell(`${significant(scene.frame_ns * 1e-6)} ms`, scene.frame_ns), seconds(scene.run_ns), seconds(scene.pass_ns), cell(percent(Math.abs(scene.control_regret)))]) }] });
 }
-
-const glossary = () => terms([
-  ['Regret', 'frame time ÷ that of the best fixed algorithm on the same frames, minus 1; negative is better'],
-  ['After start-up', 'without the first minute and the exploration'],
-  ['Oracle', 'the best sequence of algorithms, known beforehand, that pays for its switches'],
-  ['Headroom, captured', 'what the oracle gains over the best fixed algorithm, and how much of that gain was reached'],
-  ['Active share', 'of the dominant algorithm, of the game’s time'],
-  ['Of a 60 Hz frame', 'the regret as a share of 16.67 ms: what it means to a game whose other work fills the rest'],
-  ['Shadow lane', 'the share of time in which another thread measured the other algorithms; in milliseconds, of another core']], 'terms');
 
 export function replayPage(document: ReplayDocument): Page {
   const traces = costsOf(document);
@@ -166,8 +156,6 @@ export function replayPage(document: ReplayDocument): Page {
       { id: 'method', heading: 'How it was measured', body: [list(['All policies played the same frames with the same seeds; intervals are bootstrapped over ' +
         'the seeds, probabilities are Wilcoxon’s signed-rank test.', 'Recorded times are multiplied by one factor, so that the mean frame of the best fixed ' +
         'algorithm has the length that the table of traces names.'])] },
-      { id: 'terms', heading: 'What the words mean', body: [glossary()] },
-      { id: 'raw', heading: 'All rows', body: rawRows(document, null) },
     ],
   };
 }

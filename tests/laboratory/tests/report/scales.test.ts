@@ -1,6 +1,5 @@
-import { describe, expect, it } from 'vitest';
-import { logDomain, logTicks, spreadOut } from './scales';
-import { segmentsOf } from './stacked_bars';
+import { logDomain, logTicks, spreadOut } from '../../report/src/charts/scales';
+import { segmentsOf } from '../../report/src/charts/stacked_bars';
 
 describe('a logarithmic axis', () => {
   it('reaches beyond its values, and far enough for one value', () => {

@@ -1,5 +1,4 @@
-import { describe, expect, it } from 'vitest';
-import { contestantTitle, familyLines, goalLines, indexBench, overallAt, overallSpan, sceneTitle, type BenchDocument, type BenchRow, type Ratio } from './bench';
+import { contestantTitle, familyLines, goalLines, indexBench, overallAt, overallSpan, sceneTitle, type BenchDocument, type BenchRow, type Ratio } from '../../report/src/model/bench';
 
 const row = (more: Partial<BenchRow>): BenchRow => ({
   scene: 'suite-b', objects: 1000, arm: 'SAP', threads: 1, frames: 40, ms_median: 1, ms_mean: 1, ms_min: 1, ms_p99: 2, pairs_mean: 9,

@@ -1,12 +1,11 @@
-import { describe, expect, it } from 'vitest';
-import { activeShares, agreementCounts, chosenWell, meanRegret, noisyCells, timeParts, verdictCounts, type ExperimentDocument, type Run, type Truth } from './experiment';
+import { activeShares, agreementCounts, chosenWell, meanRegret, noisyCells, timeParts, verdictCounts, type ExperimentDocument, type Run, type Truth } from '../../report/src/model/experiment';
 
 const player = (name: string, regret: number) => ({ name, is_policy: true, regret, ci95: [0, 0] as [number, number], after_start_up: 0, switches: 0, active_share: 1 });
 const truth = (cell: string, regret: number, more: Partial<Truth> = {}): Truth => ({
   cell, ranking: [{ arm: 'KDTree', mean_ns: 20, ratio: 1 }, { arm: 'SAP', mean_ns: 20.4, ratio: 1.02 }], control_ratio: 1, headroom: 0,
   players: [player('adaptive', regret)], comparisons: [], agreements: [], ...more });
-const time = { scene_step: 1, detection: 2, rebuild: 3, copying: 4, around: 5, frame_end: 6, intake: 7, decision: 8, lane: 9 };
-const run = (active_shares: number[]) => ({ arms: ['SAP', 'KDTree'], active_shares, verdicts: { stable: 2 }, time_ns: time }) as unknown as Run;
+const time = { scene_step_ns: 1, detection_ns: 2, rebuild_ns: 3, copying_ns: 4, around_ns: 5, frame_end_ns: 6, intake_ns: 7, decision_ns: 8, lane_ns: 9 };
+const run = (active_shares: number[]) => ({ arms: ['SAP', 'KDTree'], active_shares, verdicts: { stable: 2 }, time }) as unknown as Run;
 const document = { arms: ['KDTree', 'SAP'], truths: [truth('a', 0.1), truth('b', 0.3, { control_ratio: 1.05 })], rows: [
   { policy: 'paper', cell: 'a', dominant: 'KDTree' }, { policy: 'paper', cell: 'b', dominant: 'SAP' }] } as unknown as ExperimentDocument;
 
