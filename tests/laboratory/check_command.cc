@@ -3,10 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
-#include "tests/laboratory/game/scene_check.h"
+#include "tests/laboratory/game/pair_oracle.h"
 #include "tests/laboratory/laboratory.h"
 
 namespace sweepstake::cli {
@@ -145,21 +144,12 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
           SceneHelp(),
       exit_code,
       [](CLI::App& command, CheckOptions& options) {
-        command
-            .add_option("--scene", options.scenes,
-                        "Scenes or .aabbs files, or all, changing, degenerate, mixtures")
-            ->delimiter(',')
-            ->required();
-        command.add_option("--objects", options.object_counts, "Object counts")
-            ->delimiter(',')
-            ->capture_default_str();
+        AddSceneOptions(command, options.scenes, options.object_counts)->required();
+        AddArmsOption(command, options.arms);
         command.add_option("--frames", options.frames, "Steps after the first frame")
             ->check(WholeUpTo(1'000'000))
             ->capture_default_str();
         AddSeedOption(command, options.seed, "the scenes");
-        command.add_option("--arms", options.arms, "all, or names of backends")
-            ->delimiter(',')
-            ->capture_default_str();
         AddJsonFlag(command, options.json);
       },
       [&terminal](const CheckOptions& options) { return RunCheck(options, terminal); });

@@ -8,6 +8,7 @@
 #include "tests/laboratory/experiment/experiment_output.h"
 #include "tests/laboratory/experiment/experiment_run.h"
 #include "tests/laboratory/io/report_file.h"
+#include "tests/laboratory/io/time_left.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -16,15 +17,14 @@ struct CommandOptions {
   ExperimentOptions experiment;
   std::string out;
   std::string resume;
-  std::string report;
   bool json = false;
 };
 
-// A new experiment, or the one that the folder already contains.
+// A new experiment, or the one that the folder already contains. The report has only the plan and
+// the earlier sessions.
 struct Opened {
   ExperimentFolder folder;
-  ExperimentPlan plan;
-  std::vector<ExperimentSession> sessions;
+  ExperimentReport report;
 };
 
 Result<Opened> OpenExperiment(const CommandOptions& options) {
@@ -32,24 +32,21 @@ Result<Opened> OpenExperiment(const CommandOptions& options) {
     return Status(StatusCode::kInvalidArgument,
                   "give either --out DIR for a new experiment, or --resume DIR to continue one");
   }
-  const ExperimentFolder folder(options.out.empty() ? options.resume : options.out);
+  Opened opened{ExperimentFolder(options.out.empty() ? options.resume : options.out), {}};
   ExperimentManifest manifest{options.experiment, {}};
   if (!options.resume.empty()) {
-    auto read = folder.ReadManifest();
+    auto read = opened.folder.ReadManifest();
     if (!read.ok()) return read.status();
     manifest = std::move(*read);
   }
   auto plan = MakePlan(manifest.options);
   if (!plan.ok()) return plan.status();
+  opened.report.plan = std::move(*plan);
+  opened.report.sessions = std::move(manifest.sessions);
   if (options.resume.empty()) {
-    if (Status status = folder.Create(); !status.ok()) return status;
+    if (Status status = opened.folder.Create(); !status.ok()) return status;
   }
-  return Opened{folder, std::move(*plan), std::move(manifest.sessions)};
-}
-
-std::filesystem::path ReportPath(const CommandOptions& options, const ExperimentFolder& folder) {
-  if (!options.report.empty()) return options.report;
-  return folder.path() / "report.html";
+  return opened;
 }
 
 Status WriteText(const std::string& text, const std::filesystem::path& path) {
@@ -59,9 +56,10 @@ Status WriteText(const std::string& text, const std::filesystem::path& path) {
   return (*file)->Commit();
 }
 
-// Writes all outputs of the finished runs; without a report if `page` is null.
+// Writes all outputs of the finished runs. Without the report's page there is no report;
+// `sweepstake-lab report` can make it later.
 Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& report,
-                    ReportFile* page, Terminal& terminal) {
+                    Terminal& terminal) {
   const std::filesystem::path& path = folder.path();
   std::ostringstream text, json;
   PrintExperiment(report, path, text);
@@ -69,63 +67,51 @@ Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& repo
   Status status = WriteExperimentCsv(report, path);
   if (status.ok()) status = WriteText(text.str(), path / "tables.txt");
   if (status.ok()) status = WriteText(json.str(), path / "experiment.json");
-  if (status.ok() && page != nullptr) status = page->Commit(std::array{json.str()}, terminal);
+  if (status.ok() && ReportPageStatus().ok()) {
+    status = WriteReport(path / "report.html", std::array{json.str()}, terminal);
+  }
   if (!status.ok()) return status;
-  return folder.WriteManifest(ManifestJson(report.plan, report.sessions, report.records.size()));
+  return folder.WriteManifest(report.plan, report.sessions, report.records.size());
 }
 
-Result<ExperimentReport> MakeReport(Opened opened, Terminal& terminal) {
-  ExperimentReport report;
+// Traces, plays and judges what is missing.
+Status Run(const ExperimentFolder& folder, ExperimentReport& report, Terminal& terminal) {
+  // The manifest is written before the first run, so that an experiment that is killed can be
+  // resumed.
+  Status status = folder.WriteManifest(report.plan, report.sessions, 0);
+  if (!status.ok()) return status;
+  InstallStopSignal();
+  status = TraceCells(report.plan, folder, Progress(terminal, "trace").OnShare());
+  if (!status.ok()) return status;
+  {
+    Progress progress(terminal, "experiment");
+    status = PlayGrid(report.plan, folder, OnShareWithTimeLeft(progress));
+    if (!status.ok()) return status;
+  }
   report.machine = DescribeMachine();
-  report.records = opened.folder.ReadRecords(opened.plan);
-  report.cells = SummarizeCells(opened.plan, report.records);
-  auto truths =
-      Assess(opened.plan, opened.folder, report.cells, Progress(terminal, "replay").OnShare());
+  report.records = folder.ReadRecords(report.plan);
+  report.cells = SummarizeCells(report.plan, report.records);
+  auto truths = Assess(report.plan, folder, report.cells, Progress(terminal, "replay").OnShare());
   if (!truths.ok()) return truths.status();
   report.truths = std::move(*truths);
-  report.plan = std::move(opened.plan);
-  report.sessions = std::move(opened.sessions);
   report.sessions.back().end_utc = DescribeMachine().date_utc;
-  return report;
-}
-
-int Finish(const CommandOptions& options, Opened opened, ReportFile* page, Terminal& terminal) {
-  const ExperimentFolder folder = opened.folder;
-  const auto report = MakeReport(std::move(opened), terminal);
-  if (!report.ok()) return Fail(terminal, report.status());
-  const Status status = WriteResults(folder, *report, page, terminal);
-  if (!status.ok()) return Fail(terminal, status);
-  if (options.json) {
-    PrintExperimentJson(*report, folder.path(), terminal.out);
-  } else {
-    PrintExperiment(*report, folder.path(), terminal.out);
-  }
-  return report->complete() ? kDone : kCheckFailed;
+  return WriteResults(folder, report, terminal);
 }
 
 int RunExperiment(const CommandOptions& options, const std::string& command_line,
                   Terminal& terminal) {
   auto opened = OpenExperiment(options);
   if (!opened.ok()) return Fail(terminal, opened.status());
-  const auto page = ReportFile::Create(ReportPath(options, opened->folder).string());
-  if (!page.ok()) {
-    const int exit_code = Fail(terminal, page.status());
-    // Without --report, a missing report page is not an error: `sweepstake-lab report` can make the
-    // report later.
-    if (!options.report.empty()) return exit_code;
+  auto& [folder, report] = *opened;
+  if (const Status page = ReportPageStatus(); !page.ok()) Say(terminal, page.message());
+  report.sessions.push_back({command_line, DescribeMachine().date_utc, ""});
+  if (Status status = Run(folder, report, terminal); !status.ok()) return Fail(terminal, status);
+  if (options.json) {
+    PrintExperimentJson(report, folder.path(), terminal.out);
+  } else {
+    PrintExperiment(report, folder.path(), terminal.out);
   }
-  opened->sessions.push_back({command_line, DescribeMachine().date_utc, ""});
-  // The manifest is written before the first run, so that an experiment that is killed can be
-  // resumed.
-  Status status = opened->folder.WriteManifest(ManifestJson(opened->plan, opened->sessions, 0));
-  if (!status.ok()) return Fail(terminal, status);
-  InstallStopSignal();
-  status = TraceCells(opened->plan, opened->folder, Progress(terminal, "trace").OnShare());
-  if (status.ok()) {
-    status = PlayGrid(opened->plan, opened->folder, Progress(terminal, "experiment").OnShare());
-  }
-  if (!status.ok()) return Fail(terminal, status);
-  return Finish(options, std::move(*opened), page.ok() ? page->get() : nullptr, terminal);
+  return report.complete() ? kDone : kCheckFailed;
 }
 
 void Declare(CLI::App& command, CommandOptions& options) {
@@ -146,13 +132,9 @@ void Declare(CLI::App& command, CommandOptions& options) {
                   "Scenes or .aabbs files (default: brownian,rotating-gravity,hurricane)")
       ->delimiter(',');
   command
-      .add_option("--objects", experiment.object_counts, "Object counts (default: 1000,2000,3000)")
+      .add_option("--objects", experiment.object_counts,
+                  "Object counts (default: the paper's 1000,2000,3000, and 10000,50000)")
       ->check(CLI::Range(1U, 1'000'000U))
-      ->delimiter(',');
-  command
-      .add_option("--sizes-beyond", experiment.large_object_counts,
-                  "More object counts, beyond the paper's (default: 10000,50000; none if "
-                  "--objects is given)")
       ->delimiter(',');
   command
       .add_option("--policies", experiment.policies,
@@ -174,10 +156,7 @@ void Declare(CLI::App& command, CommandOptions& options) {
       ->capture_default_str();
   command.add_flag("--quick", experiment.quick,
                    "Run only six cells (1000 and 3000 objects) once each, as a quick test");
-  command.add_flag("--frames", experiment.frames, "Write the metrics of every frame, some GB");
-  command.add_option("--report", options.report,
-                     "Charts and tables as one HTML file (default: report.html in the folder)");
-  command.add_flag("--json", options.json, "One JSON document on stdout");
+  AddJsonFlag(command, options.json);
 }
 
 }  // namespace

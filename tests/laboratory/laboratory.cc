@@ -25,4 +25,29 @@ int RunLaboratory(std::span<char* const> words, Terminal& terminal) {
                     words, terminal);
 }
 
+CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes,
+                             std::vector<uint32_t>& object_counts) {
+  command.add_option("--objects", object_counts, "Object counts")
+      ->delimiter(',')
+      ->check(WholeFrom(1, 10'000'000))
+      ->capture_default_str();
+  return command
+      .add_option("--scene", scenes,
+                  "Scenes or .aabbs files, or all, changing, degenerate, mixtures")
+      ->delimiter(',');
+}
+
+void AddArmsOption(CLI::App& command, std::vector<std::string>& arms) {
+  command.add_option("--arms", arms, "all, or names of backends")
+      ->delimiter(',')
+      ->capture_default_str();
+}
+
+void AddSceneChoice(CLI::App& command, SceneChoice& scene) {
+  command.add_option("--scene", scene.name, "Scene or .aabbs file")->required();
+  command.add_option("--objects", scene.object_count, "Object count; a file has its own")
+      ->capture_default_str();
+  AddSeedOption(command, scene.seed, "spawn and motion");
+}
+
 }  // namespace sweepstake::cli

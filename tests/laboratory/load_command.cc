@@ -6,7 +6,7 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/stop_signal.h"
 #include "tests/laboratory/laboratory.h"
-#include "tests/laboratory/load/load_summary.h"
+#include "tests/laboratory/load/load_run.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -52,14 +52,6 @@ void Declare(CLI::App& command, LoadOptions& options) {
   command.add_option("--duration", options.duration, "Measured time after all games have begun")
       ->capture_default_str();
   command.add_option("--project", plan.project, "Project of the games")->capture_default_str();
-  command
-      .add_option("--channels", plan.channel_count,
-                  "Connections; 0: one per 100 streams, the maximum of a connection")
-      ->check(WholeUpTo(10'000))
-      ->capture_default_str();
-  command.add_option("--scenes", plan.scene_count, "Scenes, assigned to the games in turn")
-      ->check(WholeFrom(1, 100'000))
-      ->capture_default_str();
   command
       .add_option("--bail-out-share", plan.bail_out_share,
                   "Share of the batches that are followed by a bail-out")

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/json_output.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/laboratory/laboratory.h"
@@ -72,11 +71,7 @@ void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
           SceneHelp(),
       exit_code,
       [](CLI::App& command, PairsOptions& options) {
-        command.add_option("--scene", options.scene.name, ".aabbs file or scene")->required();
-        command
-            .add_option("--objects", options.scene.object_count, "Object count; a file has its own")
-            ->capture_default_str();
-        AddSeedOption(command, options.scene.seed, "spawn and motion");
+        AddSceneChoice(command, options.scene);
         command.add_option("--frame", options.frame, "Frame to show")
             ->check(WholeUpTo(1'000'000))
             ->required();

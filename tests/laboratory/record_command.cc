@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/json_output.h"
 #include "tests/laboratory/laboratory.h"
 
@@ -78,13 +77,10 @@ void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
           SceneHelp(),
       exit_code,
       [](CLI::App& command, RecordOptions& options) {
-        command.add_option("--scene", options.scene.name, "Scene or .aabbs file")->required();
-        command.add_option("--objects", options.scene.object_count, "Object count")
-            ->capture_default_str();
+        AddSceneChoice(command, options.scene);
         command.add_option("--frames", options.frames, "Frames after the spawn state")
             ->check(WholeUpTo(2'147'483'647))
             ->required();
-        AddSeedOption(command, options.scene.seed, "spawn and motion");
         command.add_option("--out", options.out, "File to write")->required();
         AddJsonFlag(command, options.json);
       },

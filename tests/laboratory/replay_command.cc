@@ -1,100 +1,43 @@
 #include "tests/laboratory/laboratory.h"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <sstream>
 #include <thread>
 
 #include "engine_client/cli/io/json_output.h"
 #include "tests/laboratory/bench/flight_replay.h"
-#include "tests/laboratory/io/report_file.h"
+#include "tests/laboratory/io/time_left.h"
 #include "tests/laboratory/policies/study_policies.h"
-#include "tests/laboratory/replay/replay_log.h"
 #include "tests/laboratory/replay/replay_output.h"
-#include "tests/laboratory/replay/replay_plan.h"
 
 namespace sweepstake::cli {
 namespace {
 
 struct ReplayCommandOptions {
-  ReplayRequest request{.thread_count = std::max(std::thread::hardware_concurrency(), 1U)};
+  ReplayRequest request;
   std::string log_file;
   std::string recording;
-  std::string csv_file;
-  std::string report_file;
   bool json = false;
 };
-
-// Shows the progress and the estimated remaining time.
-class StudyProgress {
- public:
-  explicit StudyProgress(Terminal& terminal) : terminal_(terminal) {}
-
-  std::function<void(uint64_t done, uint64_t all)> listener() {
-    return [this](uint64_t done, uint64_t all) { Show(done, all); };
-  }
-
- private:
-  void Show(uint64_t done, uint64_t all) {
-    if (!progress_) progress_.emplace(terminal_, "replay", all);
-    if (!progress_->due()) return;
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
-    const double left_s =
-        spent.count() * static_cast<double>(all - done) / static_cast<double>(done);
-    progress_->Show(done, std::to_string(done) + " of " + std::to_string(all) + " games, " +
-                              std::to_string(static_cast<uint64_t>(left_s) + 1) + " s left");
-  }
-
-  Terminal& terminal_;
-  std::optional<Progress> progress_;
-  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
-void Print(const ReplayReport& report, bool json, Terminal& terminal) {
-  if (json) {
-    PrintReplayJson(report, terminal.out);
-  } else {
-    PrintReplayTable(report, terminal.out);
-  }
-}
-
-Status WriteReport(const ReplayReport& report, ReportFile& file, Terminal& terminal) {
-  std::ostringstream json;
-  PrintReplayJson(report, json);
-  return file.Commit(std::array{json.str()}, terminal);
-}
 
 int ReplayTraces(const ReplayCommandOptions& options, Terminal& terminal) {
   const auto plan = MakeReplayPlan(options.request);
   if (!plan.ok()) return Fail(terminal, plan.status());
-  std::unique_ptr<CsvFile> csv;
-  if (!options.csv_file.empty()) {
-    auto created = CreateReplayCsv(options.csv_file);
-    if (!created.ok()) return Fail(terminal, created.status());
-    csv = std::move(*created);
+  ReplayReport report{plan->scenes, plan->study, {}};
+  {
+    Progress progress(terminal, "replay");
+    const auto show = OnShareWithTimeLeft(progress);
+    report.rows = RunStudy(plan->scenes, plan->study, [&](uint64_t done, uint64_t all) {
+      show(static_cast<double>(done) / static_cast<double>(all),
+           std::to_string(done) + " of " + std::to_string(all) + " games");
+    });
   }
-  std::unique_ptr<ReportFile> file;
-  if (!options.report_file.empty()) {
-    auto created = ReportFile::Create(options.report_file);
-    if (!created.ok()) return Fail(terminal, created.status());
-    file = std::move(*created);
+  if (options.json) {
+    PrintReplayJson(report, terminal.out);
+  } else {
+    PrintReplayTable(report, terminal.out);
   }
-  std::optional<StudyProgress> progress(terminal);
-  const std::vector<StudyRow> rows = RunStudy(plan->scenes, plan->study, progress->listener());
-  progress.reset();
-  const ReplayReport report{plan->scenes, plan->study, rows};
-  Print(report, options.json, terminal);
-  Status status;
-  if (csv != nullptr) {
-    WriteReplayCsv(report, *csv);
-    status = csv->Commit();
-  }
-  if (status.ok() && file != nullptr) status = WriteReport(report, *file, terminal);
-  return status.ok() ? kDone : Fail(terminal, status);
+  return kDone;
 }
 
 int RederiveLog(const ReplayCommandOptions& options, Terminal& terminal) {
@@ -108,8 +51,7 @@ int RederiveLog(const ReplayCommandOptions& options, Terminal& terminal) {
 int ReplayRecording(const ReplayCommandOptions& options, Terminal& terminal) {
   const auto replay = ReplayFlight(options.recording);
   if (!replay.ok()) return Fail(terminal, replay.status());
-  PrintResult(terminal, options.json, FlightReplayJson(*replay, options.recording),
-              FlightReplayText(*replay, options.recording));
+  PrintResult(terminal, options.json, *replay, FlightReplayText(*replay));
   return kDone;
 }
 
@@ -128,20 +70,21 @@ int RunReplay(const ReplayCommandOptions& options, Terminal& terminal) {
 
 void Declare(CLI::App& command, ReplayCommandOptions& options) {
   ReplayRequest& request = options.request;
+  StudyOptions& study = request.study;
+  study.thread_count = std::max(std::thread::hardware_concurrency(), 1U);
   command.add_option("--costs", request.costs, "Cost traces, made by `sweepstake-lab trace`")
       ->delimiter(',');
-  CLI::Option* log = command.add_option(
-      "--log", options.log_file, "Derive every decision of this audit log again and compare");
-  CLI::Option* recording =
-      command.add_option("--recording", options.recording,
-                         "Time every arm on the frames of a flight recorder, and show its switches "
-                         "and decisions");
+  command.add_option("--log", options.log_file,
+                     "Derive every decision of this audit log again and compare");
+  command.add_option("--recording", options.recording,
+                     "Time every arm on the frames of a flight recorder, and show its switches "
+                     "and decisions");
   command
       .add_option("--policy", request.policies,
                   "Policies, or all; fixed for every arm, fixed:ARM, oracle")
       ->delimiter(',')
       ->capture_default_str();
-  command.add_option("--seeds", request.seed_count, "Games of each policy on each trace")
+  command.add_option("--seeds", study.seed_count, "Games of each policy on each trace")
       ->check(CLI::Range(uint32_t{1}, uint32_t{100'000}))
       ->capture_default_str();
   command.add_option("--run", request.run, "Virtual time of a game on the best fixed arm")
@@ -151,13 +94,9 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
                   "Virtual time of one pass through the trace (default: the run), for all traces "
                   "or one for each")
       ->delimiter(',');
-  command.add_option("--frame", request.frame, "Mean frame of the best fixed arm")
-      ->capture_default_str();
-  command.add_option("--other-work", request.other_work,
-                     "Time of other work in each frame (default: none)");
   command.add_flag("--no-shadow", request.no_shadow,
                    "Disable the shadow lane of the policies that learn from it");
-  LaneErrors& errors = request.lane_errors;
+  LaneErrors& errors = study.lane_errors;
   command
       .add_option("--lane-ratio", request.lane_ratios,
                   "Time of an arm on the lane ÷ on the frame thread (default: 1)")
@@ -183,13 +122,13 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       ->check(CLI::Range(1.0, 10.0))
       ->capture_default_str();
   command
-      .add_option("--frame-load", request.frame_load.ratio,
+      .add_option("--frame-load", study.frame_load.ratio,
                   "Frame time with other work on the frame thread's core ÷ without it; not counted "
                   "in the regret")
       ->check(CLI::Range(1.0, 100.0))
       ->capture_default_str();
   command
-      .add_option("--frame-load-share", request.frame_load.share,
+      .add_option("--frame-load-share", study.frame_load.share,
                   "Share of the time with that work, in stretches of 10 s on average")
       ->check(CLI::Range(0.001, 0.999))
       ->capture_default_str();
@@ -202,18 +141,10 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
           "there is only one trace)")
       ->check(OneOf(kReplayPriorsNames))
       ->capture_default_str();
-  command.add_option("--threads", request.thread_count, "Games played in parallel")
+  command.add_option("--threads", study.thread_count, "Games played in parallel")
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
-  command.add_option("--csv", options.csv_file, "Write a row per game to this file")
-      ->excludes(log)
-      ->excludes(recording);
-  command
-      .add_option("--report", options.report_file,
-                  "Charts and tables as one HTML file that needs no network")
-      ->excludes(log)
-      ->excludes(recording);
-  command.add_flag("--json", options.json, "One JSON document on stdout");
+  AddJsonFlag(command, options.json);
 }
 
 }  // namespace
@@ -228,8 +159,8 @@ void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake-lab replay --costs hurricane.costs --policy default,paper,fixed --seeds 200\n"
       "  sweepstake-lab replay --costs a.costs,b.costs --policy default,oracle --priors wrong "
       "--json\n"
-      "  sweepstake-lab replay --costs a.costs --policy fixed:SAP,default --pass 3m --csv "
-      "games.csv\n"
+      "  sweepstake-lab replay --costs a.costs --policy fixed:SAP,default --pass 3m "
+      "--json\n"
       "  sweepstake-lab replay --log decisions.csv\n"
       "  sweepstake-lab replay --recording flight-20261123-234641-250.aabbs\n"
       "Policies:" +

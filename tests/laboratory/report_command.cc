@@ -15,27 +15,15 @@ struct ReportOptions {
   std::string out;
 };
 
-// Returns the lists that the page needs to draw the document of `command`.
-std::vector<std::string> ListsOf(const std::string& command) {
-  if (command == "bench") return {"rows", "ratios"};
-  if (command == "replay") return {"rows"};
-  if (command == "experiment") {
-    return {"arms", "sittings", "cells", "rows", "runs", "truths", "over_cells", "over_live"};
-  }
-  return {};
-}
-
-// Returns what is wrong with a document; empty if it can be drawn.
+// Returns what is wrong with a document; empty if the page can draw it.
 std::string ErrorOf(const nlohmann::json& document) {
-  const bool named = document.is_object() && document.contains("command");
-  const auto lists = named && document["command"].is_string()
-                         ? ListsOf(document["command"].get<std::string>())
-                         : std::vector<std::string>();
-  if (lists.empty()) return "is not a document of `sweepstake-lab bench|experiment|replay --json`";
-  for (const std::string& list : lists) {
-    if (!document.contains(list) || !document[list].is_array()) return "has no list '" + list + "'";
+  const nlohmann::json command =
+      document.is_object() ? document.value("command", nlohmann::json()) : nlohmann::json();
+  if (command != "bench" && command != "experiment" && command != "replay") {
+    return "is not a document of `sweepstake-lab bench|experiment|replay --json`";
   }
-  return document["rows"].empty() ? "has no rows, so there is nothing to draw" : "";
+  const bool has_rows = document.contains("rows") && document["rows"].is_array();
+  return has_rows && !document["rows"].empty() ? "" : "has no rows, so there is nothing to draw";
 }
 
 Result<std::string> ReadDocument(const std::string& path) {
@@ -47,7 +35,7 @@ Result<std::string> ReadDocument(const std::string& path) {
   return Status(StatusCode::kInvalidArgument, path + ' ' + error);
 }
 
-Status WriteReport(const ReportOptions& options, Terminal& terminal) {
+Status Report(const ReportOptions& options, Terminal& terminal) {
   std::vector<std::string> documents;
   for (const std::string& path : options.documents) {
     std::error_code none_there;
@@ -60,8 +48,7 @@ Status WriteReport(const ReportOptions& options, Terminal& terminal) {
     if (!document.ok()) return document.status();
     documents.push_back(std::move(*document));
   }
-  auto file = ReportFile::Create(options.out);
-  return file.ok() ? (*file)->Commit(documents, terminal) : file.status();
+  return WriteReport(options.out, documents, terminal);
 }
 
 void Declare(CLI::App& command, ReportOptions& options) {
@@ -81,7 +68,7 @@ void AddReportCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake-lab report bench.json --out bench.html\n"
       "  sweepstake-lab report results/experiment.json bench.json --out all.html\n",
       exit_code, Declare, [&terminal](const ReportOptions& options) {
-        const Status status = WriteReport(options, terminal);
+        const Status status = Report(options, terminal);
         return status.ok() ? kDone : Fail(terminal, status);
       });
 }

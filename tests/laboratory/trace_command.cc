@@ -1,24 +1,19 @@
 #include "tests/laboratory/laboratory.h"
 
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
-#include "tests/laboratory/trace/cost_trace.h"
-#include "tests/laboratory/trace/trace_output.h"
-#include "tests/laboratory/trace/trace_pass.h"
+#include "tests/laboratory/io/time_left.h"
 #include "tests/laboratory/trace/trace_run.h"
+#include "tests/laboratory/trace/trace_summary.h"
 
 namespace sweepstake::cli {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using std::chrono::steady_clock;
 
 constexpr uint32_t kMaxFrames = 200'000;
 
@@ -31,7 +26,6 @@ struct TraceCommandOptions {
   std::vector<std::string> arms{"all"};
   std::string out;
   std::vector<std::string> costs;
-  std::string csv;
   bool json = false;
 };
 
@@ -43,14 +37,13 @@ struct TraceJob {
 
 Status Invalid(const std::string& message) { return {StatusCode::kInvalidArgument, message}; }
 
-Status CheckWords(const TraceCommandOptions& options, size_t job_count) {
+Status CheckWords(const TraceCommandOptions& options) {
   if (options.scenes.empty() == options.costs.empty()) {
     return Invalid("give --scene to trace a scene, or --costs to show a trace");
   }
   if (options.scenes.empty() != options.out.empty()) {
     return Invalid("--scene needs --out FILE.costs, and --costs takes no --out");
   }
-  if (!options.csv.empty() && job_count != 1) return Invalid("--csv takes one trace at a time");
   return {};
 }
 
@@ -90,24 +83,14 @@ Status CheckPlaces(const TraceCommandOptions& options, const std::vector<TraceJo
   return {};
 }
 
-std::string TimeLeft(steady_clock::time_point start, double share) {
-  if (share <= 0) return "";
-  const double used_s = std::chrono::duration<double>(steady_clock::now() - start).count();
-  return ", " + Fixed(used_s / share * (1 - share), 0) + " s left";
-}
-
 Result<CostTrace> Measure(const TraceCommandOptions& options, const TraceJob& job,
                           const std::vector<std::string>& arms, Terminal& terminal) {
-  constexpr uint64_t kParts = 1000;
-  Progress progress(terminal, "trace", kParts);
+  Progress progress(terminal, "trace");
   const std::string label =
       job.scene.name + ", " + std::to_string(job.scene.object_count) + " objects";
-  const auto start = steady_clock::now();
-  auto trace = RunTrace({job.scene, arms, options.frames, options.repeats}, [&](double share) {
-    if (progress.due()) {
-      progress.Show(static_cast<uint64_t>(share * kParts), label + TimeLeft(start, share));
-    }
-  });
+  auto trace =
+      RunTrace({job.scene, arms, options.frames, options.repeats},
+               [&, show = OnShareWithTimeLeft(progress)](double share) { show(share, label); });
   if (!trace.ok()) return trace;
   if (const Status status = WriteCosts(job.file, *trace); !status.ok()) return status;
   return trace;
@@ -115,7 +98,7 @@ Result<CostTrace> Measure(const TraceCommandOptions& options, const TraceJob& jo
 
 int Trace(const TraceCommandOptions& options, Terminal& terminal) {
   const std::vector<TraceJob> jobs = JobsOf(options);
-  if (const Status status = CheckWords(options, jobs.size()); !status.ok()) {
+  if (const Status status = CheckWords(options); !status.ok()) {
     return Fail(terminal, status);
   }
   const auto arms = ChooseArms(options.arms);
@@ -133,46 +116,29 @@ int Trace(const TraceCommandOptions& options, Terminal& terminal) {
       PrintTrace(*trace, summary, job.file, terminal.out);
     }
     PrintControlWarning(*trace, summary, terminal.err);
-    if (options.csv.empty()) continue;
-    if (const Status status = WriteTraceCsv(*trace, options.csv); !status.ok()) {
-      return Fail(terminal, status);
-    }
   }
   if (options.json) PrintJson({{"command", "trace"}, {"rows", std::move(rows)}}, terminal.out);
   return kDone;
 }
 
 void Declare(CLI::App& command, TraceCommandOptions& options) {
-  command
-      .add_option("--scene", options.scenes,
-                  "Scenes or .aabbs files, or all, changing, degenerate, mixtures")
-      ->delimiter(',');
-  command.add_option("--objects", options.object_counts, "Object counts")
-      ->check(CLI::Range(1U, 1'000'000U))
-      ->delimiter(',')
-      ->capture_default_str();
+  AddSceneOptions(command, options.scenes, options.object_counts);
+  AddArmsOption(command, options.arms);
   command.add_option("--frames", options.frames, "Frames of the trace")
       ->check(CLI::Range(kBurstFrames, kMaxFrames))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "Seed of the scenes")
-      ->check(NotNegative())
-      ->capture_default_str();
+  AddSeedOption(command, options.seed, "the scenes");
   command
       .add_option("--repeats", options.repeats,
                   "Runs of the scene; the trace contains the lower quartiles over the runs, to "
                   "exclude disturbances")
       ->check(CLI::Range(uint32_t{1}, uint32_t{99}))
       ->capture_default_str();
-  command.add_option("--arms", options.arms, "all, or names of backends")
-      ->delimiter(',')
-      ->capture_default_str();
   command.add_option("--out", options.out,
                      "File to write; for several scenes or counts the folder of their files");
   command.add_option("--costs", options.costs, "Show these traces instead of making one")
       ->delimiter(',');
-  command.add_option("--csv", options.csv,
-                     "Write the trace as a table with a line per frame and arm");
-  command.add_flag("--json", options.json, "One JSON document on stdout");
+  AddJsonFlag(command, options.json);
 }
 
 }  // namespace
@@ -182,8 +148,7 @@ void AddTraceCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       app, "trace", "Time every arm on every frame of a scene, for `sweepstake-lab replay`",
       "  sweepstake-lab trace --scene hurricane --objects 3000 --out hurricane.costs\n"
       "  sweepstake-lab trace --scene brownian,suite-g --objects 1000,10000 --out traces/ --json\n"
-      "  sweepstake-lab trace --scene suite-b --out b.costs --csv b.csv\n"
-      "  sweepstake-lab trace --costs b.costs --csv b.csv\n"
+      "  sweepstake-lab trace --costs b.costs\n"
       "All arms see the same frames and take turns; a second structure of one of them is the A/A\n"
       "control. In bursts, every 60 frames, fresh structures show what a switch costs. An arm 16\n"
       "times as slow as the cheapest is measured on one frame in 20 or fewer; the other frames "

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "tests/bench/paper_check/paper_game.h"
-#include "tests/laboratory/experiment/paper_tables.h"
+#include "tests/laboratory/experiment/experiment_summary.h"
 
 namespace sweepstake::cli {
 

@@ -8,10 +8,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/io/statistics.h"
+#include "sweepstake/status.h"
 #include "tests/laboratory/game/machine.h"
 
 namespace sweepstake::cli {
@@ -31,21 +35,19 @@ struct BenchOptions {
   bool peers = false;
   double peer_cap_s = 5;  // maximum of a peer's own time in a cell
   bool json = false;
-  std::optional<std::string> report_file;  // an HTML file with charts and tables
-  std::string command_line;                // as it was given
+  std::string command_line;  // as it was given
 };
 
 // One scene with one object count. All contestants of a cell saw the same frames.
 struct BenchCell {
   std::string scene;
   uint32_t object_count = 0;  // in the first frame
-  bool is_file = false;       // `scene` is the path of a recording
 };
 
 enum class ContestantKind { kArm, kPeer };
 
 // The result of one contestant in one cell.
-struct BenchRow {
+struct BenchRow : TimeSummary {
   size_t cell = 0;  // index in BenchReport::cells
   ContestantKind kind = ContestantKind::kArm;
   std::string family;  // BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy or KDTree
@@ -53,10 +55,6 @@ struct BenchRow {
   std::string simd;    // the instruction set; empty for peers, which have their own
   uint32_t thread_count = 1;
   uint64_t frame_count = 0;  // measured; 0: it was left out, and `note` says why
-  double ms_median = 0;
-  double ms_mean = 0;
-  double ms_min = 0;
-  double ms_p99 = 0;
   double pairs_mean = 0;
   std::optional<double> aabb_checks_mean;    // arms only
   std::optional<uint64_t> bytes;             // arms only: maximum over the measured frames
@@ -75,8 +73,9 @@ enum class RatioKind {
   kSpike,    // the 99th percentile frame and the median
   kSimd,     // an instruction set and the next better one that was measured
 };
-// Returns the kind's name in JSON and tables.
-const char* RatioKindName(RatioKind kind);
+// The names in JSON, by RatioKind.
+inline constexpr const char* kRatioKindNames[] = {"family",  "overall", "growth",
+                                                  "threads", "spike",   "simd"};
 
 // A comparison between rows of one run. In kFamily, kOverall and kThreads `value` is how many times
 // faster `ours` is than `other` by the median over the frames that both measured; in the other
@@ -119,5 +118,23 @@ std::vector<BenchRatio> RatiosOf(const BenchReport& report);
 
 // Returns how many times faster each arm is than each peer of its cell, with one thread each.
 std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report);
+
+// Runs the cells of a bench: every arm with every thread count and every peer on the same frames.
+// Calls `on_progress` with the finished share and the name of the current cell. Afterwards the best
+// measured instruction set is the chosen one. If an arm or a peer finds wrong pairs, its row
+// contains the difference; this is not an error. Errors: those of UseSimdTarget, ChooseArms and
+// OpenScene. Not thread-safe. Cost: the contestants' own time; a peer exceeds its cap by at most
+// one frame. Memory: all contestants of a cell exist at once.
+Result<BenchReport> RunBench(
+    const BenchOptions& options,
+    const std::function<void(double share, const std::string& text)>& on_progress);
+
+// Returns whether any row has a difference.
+bool AnyDiffers(const BenchReport& report);
+
+void PrintBenchJson(const BenchReport& report, std::ostream& out);
+// Prints the rows. `tests/bench/judge.py bench` prints the ratios of the document, with their
+// goals.
+void PrintBenchTable(const BenchReport& report, std::ostream& out);
 
 }  // namespace sweepstake::cli

@@ -1,4 +1,4 @@
-#include "tests/laboratory/bench/bench_run.h"
+#include "tests/laboratory/bench/bench_report.h"
 
 #include <algorithm>
 #include <map>
@@ -9,7 +9,7 @@
 #include "engine_client/cli/io/text_table.h"
 #include "sweepstake/simd.h"
 #include "tests/laboratory/bench/scene_timing.h"
-#include "tests/laboratory/peers/peer_registry.h"
+#include "tests/laboratory/peers/peer.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -111,11 +111,7 @@ class CellRun {
     row.step_ms = timing.step_ms;
     row.frame_count = timing.measured_count;
     const auto measured = std::span(row.step_ms).last(row.frame_count);
-    const TimeSummary summary = Summarize(measured);
-    row.ms_median = summary.ms_median;
-    row.ms_mean = summary.ms_mean;
-    row.ms_min = summary.ms_min;
-    row.ms_p99 = summary.ms_p99;
+    static_cast<TimeSummary&>(row) = Summarize(measured);
     for (const PairFingerprint& pairs : std::span(timing.step_pairs).last(row.frame_count)) {
       row.pairs_mean += static_cast<double>(pairs.count) / static_cast<double>(row.frame_count);
     }
@@ -197,7 +193,7 @@ Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
   auto scene = OpenScene(choice);
   if (!scene.ok()) return scene.status();
   const auto object_count = static_cast<uint32_t>((*scene)->aabbs().size());
-  report.cells.push_back({choice.name, object_count, choice.name.ends_with(".aabbs")});
+  report.cells.push_back({choice.name, object_count});
   CellRun cell(report, pools);
   AddContestants(arms, peers, report.options, cell);
   const std::string label = choice.name + ", " + std::to_string(object_count) + " objects, ";

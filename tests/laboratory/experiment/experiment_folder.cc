@@ -1,35 +1,69 @@
 #include "tests/laboratory/experiment/experiment_folder.h"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/options.h"
 #include "sweepstake/machine_class.h"
 #include "tests/laboratory/game/machine.h"
+#include "tests/laboratory/io/document_file.h"
 
 namespace sweepstake::cli {
 
 // The JSON library finds these functions by the structs' namespace. The field names are those of
-// the manifest.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentOptions, scenes, object_counts, large_object_counts,
-                                   policies, run_count, window, time_scale, seed, trace_frame_count,
-                                   replay_seed_count, quick, frames)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentSession, command_line, start_utc, end_utc)
+// the file.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentCell, scene, object_count, scene_seed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedSwitch, time_s, frame, from, to, reason, rebuild_ns,
+                                   settling_ns)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedDecision, time_s, active_arm, candidate, outcome, reason,
+                                   reward, leader, expected_loss_ratio, verdict, alpha, beta,
+                                   best_probability)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MetricWindow, time_s, arm, frame_count, frame_us_mean,
+                                   frame_us_max, detection_us_mean, check_count_mean,
+                                   pair_count_mean, native_bytes_max, object_count)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ArmActivity, frame_count, active_ns, detection_ns)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord, cell, policy, run, seed, initial_arm, time_scale,
+                                   start_utc, arms, exploration_s, end_s, switches, decisions,
+                                   windows, explored, observed, controls, time, shadow_visit_count,
+                                   warm_switch_count, dropped_frame_count)
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifestName = "manifest.json";
-constexpr const char* kFolderFormat = "sweepstake-experiment";
-constexpr int kFolderVersion = 1;
+constexpr DocumentFormat kFormat{.name = "sweepstake-experiment",
+                                 .version = 1,
+                                 .kind = "manifest of an experiment",
+                                 .is_indented = true};
 
-bool IsOfRun(const RunRecord& record, const PlannedRun& run) {
-  return record.cell == run.cell && record.policy == run.policy && record.run == run.run &&
-         record.seed == run.seed;
+constexpr DocumentFormat kRunFormat{
+    .name = "sweepstake-experiment-run", .version = 1, .kind = "record of a run"};
+
+// Returns whether all lists and arm indices match the number of arms, since later code indexes by
+// arm without checks.
+bool IsConsistent(const RunRecord& record) {
+  const size_t arms = record.arms.size();
+  if (arms == 0 || record.explored.size() != arms || record.observed.size() != arms ||
+      record.controls.size() != arms || record.initial_arm >= arms) {
+    return false;
+  }
+  for (const RecordedSwitch& each : record.switches) {
+    if (each.from >= arms || each.to >= arms) return false;
+  }
+  for (const MetricWindow& window : record.windows) {
+    if (window.arm >= arms) return false;
+  }
+  for (const RecordedDecision& each : record.decisions) {
+    const bool has_chances = each.best_probability.empty() || each.best_probability.size() == arms;
+    if (each.active_arm >= arms || each.leader >= arms || !has_chances ||
+        each.candidate >= static_cast<int64_t>(arms) || each.alpha.size() != arms ||
+        each.beta.size() != arms) {
+      return false;
+    }
+  }
+  return true;
 }
 
 Json ClassedMachineJson() {
@@ -74,10 +108,6 @@ std::filesystem::path ExperimentFolder::RunFile(const PlannedRun& run) const {
   return path_ / "runs" / (run.label() + ".json");
 }
 
-std::filesystem::path ExperimentFolder::FramesFile(const PlannedRun& run) const {
-  return path_ / "frames" / (run.label() + ".csv");
-}
-
 std::filesystem::path ExperimentFolder::TraceFile(const ExperimentCell& cell) const {
   return path_ / "traces" / (cell.label() + ".costs");
 }
@@ -88,7 +118,7 @@ Status ExperimentFolder::Create() const {
             path_.string() + " already contains an experiment; continue it with --resume " +
                 path_.string() + ", or choose another folder"};
   }
-  for (const char* part : {"runs", "traces", "frames"}) {
+  for (const char* part : {"runs", "traces"}) {
     std::error_code error;
     std::filesystem::create_directories(path_ / part, error);
     if (error) {
@@ -100,57 +130,53 @@ Status ExperimentFolder::Create() const {
 }
 
 Result<ExperimentManifest> ExperimentFolder::ReadManifest() const {
-  const std::filesystem::path file_path = path_ / kManifestName;
-  std::ifstream file(file_path, std::ios::binary);
-  if (!file) {
-    return Status(StatusCode::kNotFound,
-                  "there is no experiment in " + path_.string() + ": it has no " + kManifestName);
-  }
-  try {
-    const nlohmann::json document = nlohmann::json::parse(file);
-    if (document.at("format") != kFolderFormat || document.at("version") != kFolderVersion) {
-      return Status(StatusCode::kDataLoss,
-                    file_path.string() + " is the manifest of another program");
-    }
-    return ExperimentManifest{document.at("options").get<ExperimentOptions>(),
-                              document.at("sittings").get<std::vector<ExperimentSession>>()};
-  } catch (const nlohmann::json::exception& error) {
-    return Status(StatusCode::kDataLoss, file_path.string() + " is broken: " + error.what());
-  }
+  ExperimentManifest manifest;
+  Status status = ReadDocument(path_ / kManifestName, kFormat, [&](const nlohmann::json& document) {
+    document.at("options").get_to(manifest.options);
+    document.at("sittings").get_to(manifest.sessions);
+    return "";
+  });
+  if (!status.ok()) return status;
+  return manifest;
 }
 
-Status ExperimentFolder::WriteManifest(const std::string& json) const {
-  auto file = WholeFile::Create(path_ / kManifestName);
-  if (!file.ok()) return file.status();
-  (*file)->Write(json);
-  return (*file)->Commit();
+Status ExperimentFolder::WriteManifest(const ExperimentPlan& plan,
+                                       const std::vector<ExperimentSession>& sessions,
+                                       size_t finished_count) const {
+  return WriteDocument(path_ / kManifestName, kFormat,
+                       {{"state", finished_count == plan.runs.size() ? "complete" : "partial"},
+                        {"finished_runs", finished_count},
+                        {"planned_runs", plan.runs.size()},
+                        {"options", nlohmann::json(plan.options)},
+                        {"window_ns", plan.window_ns},
+                        {"decider", DecisionJson(plan.options.time_scale)},
+                        {"machine", ClassedMachineJson()},
+                        {"sittings", nlohmann::json(sessions)},
+                        {"runs", RunsJson(plan)}});
 }
 
 std::vector<RunRecord> ExperimentFolder::ReadRecords(const ExperimentPlan& plan) const {
   std::vector<RunRecord> records;
   for (const PlannedRun& run : plan.runs) {
     auto record = ReadRecord(RunFile(run));
-    if (record.ok() && IsOfRun(*record, run)) records.push_back(std::move(*record));
+    if (record.ok() && *record == run) records.push_back(std::move(*record));
   }
   return records;
 }
 
-std::string ManifestJson(const ExperimentPlan& plan, const std::vector<ExperimentSession>& sessions,
-                         size_t finished_count) {
-  const Json manifest = {
-      {"format", kFolderFormat},
-      {"version", kFolderVersion},
-      {"state", finished_count == plan.runs.size() ? "complete" : "partial"},
-      {"finished_runs", finished_count},
-      {"planned_runs", plan.runs.size()},
-      {"options", Json(nlohmann::json(plan.options))},
-      {"window_ns", plan.window_ns},
-      {"decider", DecisionJson(plan.options.time_scale)},
-      {"machine", ClassedMachineJson()},
-      {"sittings", Json(nlohmann::json(sessions))},
-      {"runs", RunsJson(plan)},
-  };
-  return manifest.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+Status WriteRecord(const RunRecord& record, const std::filesystem::path& path) {
+  return WriteDocument(path, kRunFormat, {{"run", nlohmann::json(record)}});
+}
+
+Result<RunRecord> ReadRecord(const std::filesystem::path& path) {
+  RunRecord record;
+  Status status =
+      ReadDocument(path, kRunFormat, [&](const nlohmann::json& document) -> std::string {
+        document.at("run").get_to(record);
+        return IsConsistent(record) ? "" : "the lengths of its lists do not match";
+      });
+  if (!status.ok()) return status;
+  return record;
 }
 
 }  // namespace sweepstake::cli

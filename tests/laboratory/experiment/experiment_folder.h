@@ -5,19 +5,110 @@
 //   manifest.json   options, seeds, machine, versions, command lines, state
 //   runs/           one record per finished run
 //   traces/         the costs of every arm on every frame of a cell's scene
-//   frames/         every frame of a run, if --frames is given
 //   *.csv, tables.txt, experiment.json, report.html
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/game/game_run.h"
 #include "sweepstake/status.h"
 #include "tests/laboratory/experiment/experiment_plan.h"
-#include "tests/laboratory/experiment/experiment_record.h"
 
 namespace sweepstake::cli {
+
+// The record of one live run, from which the tables, the CSV files and the report are made: plain
+// data, stored as a JSON file. Times are seconds or nanoseconds of real time since the run began
+// (not multiplied by the time scale). Arms are indices in `arms`. Enumerations have the numbers of
+// engine_client/decider/types.h.
+
+struct RecordedSwitch {
+  double time_s = 0;
+  uint64_t frame = 0;  // the first frame on the new arm
+  uint32_t from = 0;
+  uint32_t to = 0;
+  uint32_t reason = 0;       // SwitchReason
+  uint64_t rebuild_ns = 0;   // building the structure on the frame thread
+  uint64_t settling_ns = 0;  // frame time above the settled mean; 0 also if it did not settle
+};
+
+// One decision: a tick or a bail-out.
+struct RecordedDecision {
+  double time_s = 0;
+  uint32_t active_arm = 0;
+  int64_t candidate = -1;  // −1: there was none
+  uint32_t outcome = 0;    // DecisionOutcome
+  uint32_t reason = 0;     // SwitchReason of the commanded switch; 0: none
+  double reward = -1;      // −1: there was no window to learn from
+  uint32_t leader = 0;     // the arm with the highest P(best)
+  double expected_loss_ratio = 0;
+  uint32_t verdict = 0;  // Verdict
+  // One value per arm; best_probability is empty if nothing was learnt yet.
+  std::vector<double> alpha;
+  std::vector<double> beta;
+  std::vector<double> best_probability;
+};
+
+// The frames of one arm within about one decision interval.
+struct MetricWindow {
+  double time_s = 0;  // the window's end
+  uint32_t arm = 0;
+  uint64_t frame_count = 0;
+  double frame_us_mean = 0;
+  double frame_us_max = 0;
+  double detection_us_mean = 0;
+  double check_count_mean = 0;
+  double pair_count_mean = 0;
+  uint64_t native_bytes_max = 0;
+  uint32_t object_count = 0;
+};
+
+// How the time of a run was spent. The first six values add up to the frames' time; the next two
+// are of the sender thread, and the last one is of the shadow lane.
+struct TimeShares {
+  uint64_t scene_step_ns = 0;
+  uint64_t detection_ns = 0;  // update and search, without rebuild frames
+  uint64_t rebuild_ns = 0;    // update and search in frames that built the structure
+  uint64_t copying_ns = 0;    // boxes for the shadow lane
+  uint64_t around_ns = 0;     // rest of the frame path: descriptors, switches
+  uint64_t frame_end_ns = 0;  // sample, queue, bail-out guard
+  uint64_t intake_ns = 0;     // queue to the decider's window
+  uint64_t decision_ns = 0;   // the selector
+  uint64_t longest_decision_ns = 0;
+  uint64_t lane_ns = 0;  // the shadow lane's visits and preparations
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimeShares, scene_step_ns, detection_ns, rebuild_ns, copying_ns,
+                                   around_ns, frame_end_ns, intake_ns, decision_ns,
+                                   longest_decision_ns, lane_ns)
+
+struct RunRecord : PlannedRun {
+  double time_scale = 1;
+  std::string start_utc;
+  std::vector<std::string> arms;
+
+  double exploration_s = 0;  // when the observation window began
+  double end_s = 0;          // when it ended
+  std::vector<RecordedSwitch> switches;
+  std::vector<RecordedDecision> decisions;
+  std::vector<MetricWindow> windows;
+  std::vector<ArmActivity> explored;  // per arm, before the observation window
+  std::vector<ArmActivity> observed;  // per arm, in the observation window
+  // Per arm: each arm alone on the same scene, right after the run.
+  std::vector<ArmActivity> controls;
+  TimeShares time;
+  uint64_t shadow_visit_count = 0;
+  uint64_t warm_switch_count = 0;    // prepared by the shadow lane
+  uint64_t dropped_frame_count = 0;  // dropped because the queue was full
+
+  double observed_s() const { return end_s - exploration_s; }
+};
+
+// Writes and reads the file, as WriteDocument and ReadDocument do (io/document_file.h).
+Status WriteRecord(const RunRecord& record, const std::filesystem::path& path);
+Result<RunRecord> ReadRecord(const std::filesystem::path& path);
 
 // One execution of the program on this experiment.
 struct ExperimentSession {
@@ -25,6 +116,13 @@ struct ExperimentSession {
   std::string start_utc;
   std::string end_utc;  // empty if the program was killed
 };
+
+// The JSON library finds these functions by the structs' namespace. The field names are those of
+// the manifest.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentOptions, scenes, object_counts, policies, run_count,
+                                   window, time_scale, seed, trace_frame_count, replay_seed_count,
+                                   quick)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentSession, command_line, start_utc, end_utc)
 
 struct ExperimentManifest {
   ExperimentOptions options;  // defaults filled in
@@ -37,16 +135,17 @@ class ExperimentFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path RunFile(const PlannedRun& run) const;
-  std::filesystem::path FramesFile(const PlannedRun& run) const;
   std::filesystem::path TraceFile(const ExperimentCell& cell) const;
 
   // Creates the folders. Error: kInvalidArgument (a folder cannot be created, or the folder already
   // contains an experiment).
   Status Create() const;
-  // Reads the manifest. Errors: kNotFound (it is missing), kDataLoss (it is invalid).
+  // Writes and reads the manifest, as WriteDocument and ReadDocument do (io/document_file.h): the
+  // options, every run's seeds, the decider's scaled parameters, machine and versions.
+  // `finished_count` is how many of the plan's runs are finished.
+  Status WriteManifest(const ExperimentPlan& plan, const std::vector<ExperimentSession>& sessions,
+                       size_t finished_count) const;
   Result<ExperimentManifest> ReadManifest() const;
-  // Writes the manifest; `json` is the whole document.
-  Status WriteManifest(const std::string& json) const;
   // Returns the records of the finished runs in the plan's order. A record that does not match its
   // file name is skipped, so its run is repeated.
   std::vector<RunRecord> ReadRecords(const ExperimentPlan& plan) const;
@@ -54,10 +153,5 @@ class ExperimentFolder {
  private:
   std::filesystem::path path_;
 };
-
-// Returns the manifest: options, every run's seeds, the decider's scaled parameters, machine and
-// versions. `finished_count` is how many of the plan's runs are finished.
-std::string ManifestJson(const ExperimentPlan& plan, const std::vector<ExperimentSession>& sessions,
-                         size_t finished_count);
 
 }  // namespace sweepstake::cli

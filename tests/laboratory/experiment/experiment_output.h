@@ -30,16 +30,15 @@ struct ExperimentReport {
 // Returns "12.2±2.8" with this number of decimals, or only "12.2" for a single value.
 std::string SpreadText(const Spread& spread, int decimals);
 
-// Prints Tables 3 and 4 in the paper's layout for each policy, beside the paper's own figures, then
-// the true ranking, the regret by policy, live against replay, and the comparisons. Parts without
-// data are left out. `folder` is the path of the experiment.
+// Prints Tables 3 and 4 in the paper's layout for each policy, beside the paper's own figures.
+// `folder` is the path of the experiment.
 void PrintExperiment(const ExperimentReport& report, const std::filesystem::path& folder,
                      std::ostream& out);
 
-// Writes the tables (table3.csv, table4.csv), the raw rows of the runs (activations.csv,
-// switches.csv, decisions.csv, posteriors.csv, final.csv, metrics.csv, time.csv) and the truth
-// (ranking.csv, regret.csv, live_regret.csv, agreement.csv, comparisons.csv) into `folder`.
-// Errors: those of CsvFile.
+// Writes Tables 3 and 4 (tables.csv), the rows of the runs (activations.csv, switches.csv,
+// decisions.csv, posteriors.csv, final.csv, metrics.csv, time.csv) and the truth (ranking.csv,
+// regret.csv, live_regret.csv, agreement.csv, comparisons.csv) into `folder`. A file without rows
+// is empty. Errors: those of WholeFile.
 Status WriteExperimentCsv(const ExperimentReport& report, const std::filesystem::path& folder);
 
 // Prints the document of `--json`: a row per cell and policy, then the runs and the truths from

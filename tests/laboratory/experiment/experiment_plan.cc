@@ -10,13 +10,11 @@
 #include "engine_client/decider/session/session_setup.h"
 #include "engine_client/math/hash.h"
 #include "sweepstake/broad_phase.h"
-#include "tests/laboratory/experiment/paper_tables.h"
+#include "tests/laboratory/experiment/experiment_summary.h"
 #include "tests/laboratory/policies/study_policies.h"
 
 namespace sweepstake::cli {
 namespace {
-
-constexpr double kControlShare = 1.0 / 15;  // of the window, as in experiment_live.cc
 
 template <typename Value>
 void Default(std::vector<Value>& values, std::vector<Value> defaults) {
@@ -24,14 +22,10 @@ void Default(std::vector<Value>& values, std::vector<Value> defaults) {
 }
 
 ExperimentOptions WithDefaults(ExperimentOptions options) {
-  const bool own_sizes = !options.object_counts.empty();
   Default(options.scenes, {"brownian", "rotating-gravity", "hurricane"});
-  if (options.quick) {
-    Default(options.object_counts, {1000, 3000});
-  } else {
-    Default(options.object_counts, {1000, 2000, 3000});
-    if (!own_sizes) Default(options.large_object_counts, {10'000, 50'000});
-  }
+  if (options.quick) Default(options.object_counts, {1000, 3000});
+  // The paper's counts, and two beyond them, where a wrong choice costs more.
+  Default(options.object_counts, {1000, 2000, 3000, 10'000, 50'000});
   Default(options.policies, {"paper", "default"});
   if (options.run_count == 0) options.run_count = options.quick ? 1 : kPaperRunCount;
   if (options.window.empty()) options.window = "15m";
@@ -64,12 +58,10 @@ Status CheckPolicies(std::span<const std::string> policies) {
 }
 
 Result<std::vector<ExperimentCell>> MakeCells(const ExperimentOptions& options) {
-  std::vector<uint32_t> counts = options.object_counts;
-  counts.insert(counts.end(), options.large_object_counts.begin(),
-                options.large_object_counts.end());
   std::vector<ExperimentCell> cells;
   std::set<std::string> labels;
-  for (const SceneChoice& choice : ExpandScenes(options.scenes, counts, options.seed)) {
+  for (const SceneChoice& choice :
+       ExpandScenes(options.scenes, options.object_counts, options.seed)) {
     const auto scene = OpenScene(choice);
     if (!scene.ok()) return scene.status();
     cells.push_back({choice.name, static_cast<uint32_t>((*scene)->aabbs().size()), choice.seed});
@@ -104,16 +96,6 @@ std::string ExperimentCell::label() const {
 
 std::string PlannedRun::label() const {
   return cell.label() + "-" + policy + "-" + std::to_string(run);
-}
-
-uint64_t ExperimentPlan::expected_run_ns() const {
-  const decision::DecisionOptions decisions;
-  const auto slot_ns =
-      static_cast<double>(decisions.exploration_warm_up_ns + decisions.exploration_measure_ns);
-  const double exploration_ns =
-      slot_ns * static_cast<double>(BroadPhaseNames().size()) / options.time_scale;
-  return static_cast<uint64_t>(exploration_ns +
-                               static_cast<double>(window_ns) * (1 + kControlShare));
 }
 
 Result<ExperimentPlan> MakePlan(const ExperimentOptions& options) {

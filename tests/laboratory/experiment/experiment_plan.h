@@ -15,7 +15,6 @@ namespace sweepstake::cli {
 struct ExperimentOptions {
   std::vector<std::string> scenes;
   std::vector<uint32_t> object_counts;
-  std::vector<uint32_t> large_object_counts;  // a second grid, where a wrong choice costs more
   std::vector<std::string> policies;
   uint32_t run_count = 0;
   std::string window;     // length of the observation after the exploration
@@ -23,8 +22,7 @@ struct ExperimentOptions {
   uint64_t seed = 1;
   uint32_t trace_frame_count = 0;
   uint32_t replay_seed_count = 0;
-  bool quick = false;   // six cells, one run each
-  bool frames = false;  // every frame's metrics are written to a file
+  bool quick = false;  // six cells, one run each
 };
 
 struct ExperimentCell {
@@ -46,6 +44,7 @@ struct PlannedRun {
 
   // Returns "brownian-1000-paper-1".
   std::string label() const;
+  friend bool operator==(const PlannedRun&, const PlannedRun&) = default;
 };
 
 // The options with the defaults filled in, and the runs.
@@ -56,9 +55,6 @@ struct ExperimentPlan {
   // Ordered by cell, then run, then policy. Runs that are compared follow one another, so that a
   // disturbance of the machine affects them alike.
   std::vector<PlannedRun> runs;
-
-  // Returns the real time of one run: exploration of all arms, window and controls.
-  uint64_t expected_run_ns() const;
 };
 
 // Makes the plan. Errors: kInvalidArgument or kNotFound (a policy, window or scene is not valid).

@@ -3,14 +3,15 @@
 // thread.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sweepstake/frame_sample.h"
-#include "tests/laboratory/experiment/experiment_record.h"
+#include "tests/laboratory/experiment/experiment_folder.h"
 
 namespace sweepstake::cli {
 
@@ -35,10 +36,9 @@ std::vector<ArmPeriod> ArmPeriods(const RunRecord& record);
 
 struct PlayedRun {
   const RunRecord* record = nullptr;
-  std::vector<double> active_shares;   // per arm, in the observation window; sum 1
-  uint32_t dominant = 0;               // the arm with the largest share
-  std::array<uint32_t, 5> switches{};  // executed in the window, by SwitchReason
-  uint32_t switch_count = 0;
+  std::vector<double> active_shares;    // per arm, in the observation window; sum 1
+  uint32_t dominant = 0;                // the arm with the largest share
+  uint32_t switch_count = 0;            // executed in the window
   double posterior_mean = 0;            // μ* of the dominant arm at the end of the run
   double evidence = 0;                  // n*
   Verdict verdict = Verdict::kUnknown;  // that of the last decision that has one
@@ -73,5 +73,37 @@ struct CellSummary {
 // out. The result keeps pointers to `records`.
 std::vector<CellSummary> SummarizeCells(const ExperimentPlan& plan,
                                         const std::vector<RunRecord>& records);
+
+// Tables 3 and 4 of the paper as printed (section 7), for comparison with an experiment's results.
+
+struct PaperFigure {
+  double mean = 0;
+  double deviation = 0;  // sample standard deviation
+};
+
+// A cell of the paper's grid: 5 runs of 15 minutes.
+struct PaperCell {
+  std::string_view scene;  // as --scene takes it
+  uint32_t object_count = 0;
+  std::string_view dominance;       // Table 3's column, as "KDTree 3/5; AxisSweep 2/5"
+  std::string_view interpretation;  // Table 3's
+  std::string_view dominant;        // Table 4: the most frequent dominant arm
+  uint32_t dominant_run_count = 0;  // of kPaperRunCount
+  PaperFigure switches;             // after the exploration, over all runs
+  PaperFigure active_percent;       // over the dominant runs
+  PaperFigure posterior_mean;       // μ* = α ÷ (α + β), over the dominant runs
+  PaperFigure evidence;             // n* = α + β, over the dominant runs
+};
+
+inline constexpr uint32_t kPaperRunCount = 5;
+
+// Returns the cells in the paper's order.
+std::span<const PaperCell> PaperCells();
+
+// Returns null if the paper does not have this cell.
+const PaperCell* FindPaperCell(std::string_view scene, uint32_t object_count);
+inline const PaperCell* PaperOf(const CellSummary& summary) {
+  return FindPaperCell(summary.cell.scene, summary.cell.object_count);
+}
 
 }  // namespace sweepstake::cli

@@ -9,7 +9,6 @@
 #include "engine_client/decider/options.h"
 #include "engine_client/decider/session/policy_registry.h"
 #include "tests/laboratory/policies/study_policies.h"
-#include "tests/laboratory/replay/replay_plan.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -24,48 +23,6 @@ std::vector<ReplayPlayer> JudgedPlayers(std::span<const std::string> arms) {
   }
   words.insert(words.end(), {"fixed", "oracle"});
   return *ReplayPlayers(words, arms);
-}
-
-std::vector<double> Regrets(const StudyRow& row) {
-  std::vector<double> regrets;
-  for (const StudyGame& game : row.games) regrets.push_back(game.regret_best_fixed);
-  return regrets;
-}
-
-std::vector<double> Shares(const StudyRow& row) {
-  std::vector<double> shares;
-  for (const StudyGame& game : row.games) shares.push_back(game.active_share);
-  return shares;
-}
-
-ReplayedPlayer PlayerOf(const ReplayPlayer& player, const StudyRow& row) {
-  ReplayedPlayer replayed;
-  replayed.name = player.name;
-  replayed.is_policy = player.kind == ReplayPlayer::Kind::kPolicy;
-  replayed.regrets = Regrets(row);
-  replayed.regret = row.regret_best_fixed;
-  replayed.ci95 = row.ci95;
-  replayed.after_start_up = row.regret_after_start_up;
-  replayed.switches = row.switches;
-  replayed.active_share = row.active_share;
-  replayed.ms = row.ms;
-  replayed.paper_ms = row.paper_ms;
-  return replayed;
-}
-
-PairedComparison Compare(const std::string& policy, std::span<const double> ours,
-                         const std::string& baseline, std::span<const double> theirs) {
-  std::vector<double> differences;
-  differences.reserve(ours.size());
-  for (size_t i = 0; i < ours.size(); ++i) differences.push_back(ours[i] - theirs[i]);
-  PairedComparison comparison;
-  comparison.policy = policy;
-  comparison.baseline = baseline;
-  comparison.difference = Mean(differences);
-  comparison.ci95 = BootstrapMean(differences);
-  comparison.wilcoxon = WilcoxonSignedRank(differences);
-  comparison.corrected_probability = comparison.wilcoxon.probability;
-  return comparison;
 }
 
 void CorrectByHolm(std::vector<PairedComparison>& family) {
@@ -84,7 +41,8 @@ std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& p
                                  [&](const ReplayedPlayer& each) { return each.name == own; });
   for (const ReplayedPlayer& theirs : players) {
     if (!theirs.is_policy || theirs.name == own) continue;
-    comparisons.push_back(Compare(own, ours->regrets, theirs.name, theirs.regrets));
+    comparisons.push_back(Compare(own, ours->row.Values(&StudyGame::regret_best_fixed), theirs.name,
+                                  theirs.row.Values(&StudyGame::regret_best_fixed)));
   }
   CorrectByHolm(comparisons);
   return comparisons;
@@ -100,16 +58,21 @@ struct LiveScale {
 
 uint64_t Whole(double value) { return static_cast<uint64_t>(std::max(1.0, std::round(value))); }
 
+double MeanNs(uint64_t ns, const ArmActivity& activity) {
+  return static_cast<double>(ns) / static_cast<double>(std::max<uint64_t>(activity.frame_count, 1));
+}
+double FrameNs(const ArmActivity& activity) { return MeanNs(activity.active_ns, activity); }
+double DetectionNs(const ArmActivity& activity) { return MeanNs(activity.detection_ns, activity); }
+
 LiveScale ScaleOf(const std::vector<PlayedRun>& runs) {
   std::vector<double> frame_ns, other_ns, run_ns;
   for (const PlayedRun& run : runs) {
     const auto& controls = run.record->controls;
-    const auto best = std::min_element(controls.begin(), controls.end(),
-                                       [](const ArmControl& a, const ArmControl& b) {
-                                         return a.detection_ns_mean < b.detection_ns_mean;
-                                       });
-    frame_ns.push_back(best->frame_ns_mean);
-    other_ns.push_back(best->frame_ns_mean - best->detection_ns_mean);
+    const ArmActivity& best = *std::min_element(
+        controls.begin(), controls.end(),
+        [](const auto& a, const auto& b) { return DetectionNs(a) < DetectionNs(b); });
+    frame_ns.push_back(FrameNs(best));
+    other_ns.push_back(FrameNs(best) - DetectionNs(best));
     run_ns.push_back(run.record->end_s * 1e9);
   }
   const uint64_t frame = std::max<uint64_t>(2, Whole(Median(frame_ns)));
@@ -118,13 +81,14 @@ LiveScale ScaleOf(const std::vector<PlayedRun>& runs) {
 
 // Returns the mean regret over the frames of the whole run, exploration included.
 double MeasuredRegret(const RunRecord& record, uint32_t best_arm) {
-  double frame_ns = 0, frames = 0;
-  for (size_t arm = 0; arm < record.arms.size(); ++arm) {
-    frame_ns += static_cast<double>(record.explored[arm].frame_ns + record.observed[arm].frame_ns);
-    frames +=
-        static_cast<double>(record.explored[arm].frame_count + record.observed[arm].frame_count);
+  ArmActivity all;
+  for (const auto* activities : {&record.explored, &record.observed}) {
+    for (const ArmActivity& each : *activities) {
+      all.frame_count += each.frame_count;
+      all.active_ns += each.active_ns;
+    }
   }
-  return frame_ns / frames / record.controls[best_arm].frame_ns_mean - 1;
+  return FrameNs(all) / FrameNs(record.controls[best_arm]) - 1;
 }
 
 double RegretByTrace(const RunRecord& record, std::span<const double> costs_ns,
@@ -204,8 +168,10 @@ Result<Agreement> Agree(const CostTrace& trace, const CellSummary& cell,
   const std::vector<StudyScene> scenes{{cell.cell.label(), std::move(*scene)}};
   const auto rows = RunStudy(scenes, study, [](uint64_t, uint64_t) {});
   Agreement agreement = LiveFigures(cell, trace, static_cast<double>(scale.other_work_ns));
-  agreement.replayed_regret = Predicted(Regrets(rows.front()), cell.runs.size());
-  agreement.replayed_active_share = Predicted(Shares(rows.front()), cell.runs.size());
+  agreement.replayed_regret =
+      Predicted(rows.front().Values(&StudyGame::regret_best_fixed), cell.runs.size());
+  agreement.replayed_active_share =
+      Predicted(rows.front().Values(&StudyGame::active_share), cell.runs.size());
   agreement.replayed_active_share.low = std::max(0.0, agreement.replayed_active_share.low);
   agreement.replayed_active_share.high = std::min(1.0, agreement.replayed_active_share.high);
   return agreement;
@@ -260,7 +226,8 @@ Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> ce
   });
   truth.players.clear();
   for (const StudyRow& row : rows) {
-    truth.players.push_back(PlayerOf(study.players[row.player], row));
+    const ReplayPlayer& player = study.players[row.player];
+    truth.players.push_back({player.name, player.kind == ReplayPlayer::Kind::kPolicy, row});
     truth.headroom = row.headroom;
   }
   truth.comparisons = CompareInCell(truth.players);
@@ -273,32 +240,6 @@ Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> ce
   return {};
 }
 
-std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths) {
-  const std::string own = OwnPolicyName("default");
-  // The key is policy, then cell and run.
-  std::map<std::string, std::map<std::string, double>> regrets;
-  for (const CellTruth& truth : truths) {
-    for (const Agreement& each : truth.agreements) {
-      for (const LiveRegret& run : each.runs) {
-        regrets[OwnPolicyName(each.policy)][truth.cell.label() + " " + std::to_string(run.run)] =
-            run.by_trace;
-      }
-    }
-  }
-  std::vector<PairedComparison> comparisons;
-  for (const auto& [policy, theirs] : regrets) {
-    std::vector<double> ours, others;
-    for (const auto& [run, regret] : theirs) {
-      if (policy == own || !regrets[own].contains(run)) continue;
-      ours.push_back(regrets[own][run]);
-      others.push_back(regret);
-    }
-    if (!ours.empty()) comparisons.push_back(Compare(own, ours, policy, others));
-  }
-  CorrectByHolm(comparisons);
-  return comparisons;
-}
-
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths) {
   const std::string own = OwnPolicyName("default");
   std::vector<std::string> order;                    // the baselines, as they first appear
@@ -307,7 +248,7 @@ std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths
     for (const ReplayedPlayer& player : truth.players) {
       if (!player.is_policy) continue;
       if (means[player.name].empty() && player.name != own) order.push_back(player.name);
-      means[player.name].push_back(player.regret);
+      means[player.name].push_back(player.row.regret_best_fixed);
     }
   }
   std::vector<PairedComparison> comparisons;

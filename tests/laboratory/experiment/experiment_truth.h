@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,25 +30,7 @@ struct ArmCost {
 struct ReplayedPlayer {
   std::string name;
   bool is_policy = false;
-  std::vector<double> regrets;           // by seed
-  double regret = 0;                     // the mean of `regrets`
-  Interval ci95;                         // by bootstrap
-  std::optional<double> after_start_up;  // absent if nothing was measured after it
-  double switches = 0;
-  double active_share = 0;  // of the dominant arm
-  FrameMs ms;
-  std::optional<double> paper_ms;  // detection of the policy paper
-};
-
-// Compares a policy with a baseline on the same seeds by the paired differences of regret, which
-// are negative if the policy loses less.
-struct PairedComparison {
-  std::string policy;
-  std::string baseline;
-  double difference = 0;
-  Interval ci95;
-  WilcoxonResult wilcoxon;
-  double corrected_probability = 1;  // Holm's correction over all comparisons
+  StudyRow row;
 };
 
 // The regret of one live run.
@@ -88,8 +69,7 @@ struct CellTruth {
 // All traced cells, and the comparisons of AI Decides with each baseline over them.
 struct ExperimentTruths {
   std::vector<CellTruth> cells;
-  std::vector<PairedComparison> over_cells;  // by replay
-  std::vector<PairedComparison> over_live;   // by the live runs
+  std::vector<PairedComparison> over_cells;
 
   // Returns null if the cell was not traced.
   const CellTruth* Of(const ExperimentCell& cell) const;
@@ -109,9 +89,6 @@ CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace);
 Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> cells,
                   const TruthOptions& options, const std::function<void(double share)>& done,
                   CellTruth& truth);
-
-// Compares the live runs of AI Decides with those of each other policy, paired by cell and number.
-std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths);
 
 // Compares AI Decides with each other policy over the cells; the mean regrets of a cell are a pair.
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths);

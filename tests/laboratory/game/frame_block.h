@@ -4,6 +4,8 @@
 // Not thread-safe. Memory: at most 32 MiB of boxes plus one frame.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,10 +21,26 @@ class FrameBlock {
  public:
   // Steps the scene `step_count` times, or fewer times if a bound above is reached. REQUIRES:
   // `step_count` > 0.
-  void Fill(Scene& scene, uint64_t step_count);
+  void Fill(Scene& scene, uint64_t step_count) {
+    using std::chrono::steady_clock;
+    boxes_.clear();
+    ends_.clear();
+    step_ns_.clear();
+    while (ends_.size() < std::min<uint64_t>(step_count, kMaxStepsInBlock) &&
+           boxes_.size() * sizeof(Aabb) < kMaxBlockBytes) {
+      const auto start = steady_clock::now();
+      scene.Step();
+      step_ns_.push_back(static_cast<uint64_t>((steady_clock::now() - start).count()));
+      boxes_.insert(boxes_.end(), scene.aabbs().begin(), scene.aabbs().end());
+      ends_.push_back(boxes_.size());
+    }
+  }
 
   size_t step_count() const { return ends_.size(); }
-  std::span<const Aabb> BoxesOf(size_t step) const;
+  std::span<const Aabb> BoxesOf(size_t step) const {
+    const size_t begin = step == 0 ? 0 : ends_[step - 1];
+    return std::span(boxes_).subspan(begin, ends_[step] - begin);
+  }
   // The time that the scene took for the step.
   uint64_t step_ns(size_t step) const { return step_ns_[step]; }
 

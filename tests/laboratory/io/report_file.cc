@@ -1,7 +1,6 @@
 #include "tests/laboratory/io/report_file.h"
 
-#include <utility>
-
+#include "engine_client/cli/io/whole_file.h"
 #include "tests/laboratory/report/report_page.h"
 
 namespace sweepstake::cli {
@@ -13,11 +12,8 @@ constexpr std::string_view kMarker = "SWEEPSTAKE_DOCUMENTS";
 // the same meaning.
 void AppendWithoutTags(std::string& text, std::string_view json) {
   for (const char character : json) {
-    if (character == '<') {
-      text += "\\u003c";
-    } else {
-      text += character;
-    }
+    if (character == '<') text += "\\u003c";
+    if (character != '<') text += character;
   }
 }
 
@@ -37,20 +33,20 @@ std::string FillReportPage(std::string_view page, std::span<const std::string> d
   return filled;
 }
 
-Result<std::unique_ptr<ReportFile>> ReportFile::Create(const std::string& path) {
-  if (ReportPage().empty()) {
-    return Status(StatusCode::kUnavailable,
-                  "the report cannot be written: " + std::string(ReportPageProblem()));
-  }
-  auto file = WholeFile::Create(path);
-  if (!file.ok()) return file.status();
-  return std::unique_ptr<ReportFile>(new ReportFile(path, std::move(*file)));
+Status ReportPageStatus() {
+  if (!ReportPage().empty()) return {};
+  return {StatusCode::kUnavailable,
+          "the report cannot be written: " + std::string(ReportPageProblem())};
 }
 
-Status ReportFile::Commit(std::span<const std::string> documents, Terminal& terminal) {
-  file_->Write(FillReportPage(ReportPage(), documents));
-  Status status = file_->Commit();
-  if (status.ok()) terminal.err << "The report is in " << path_ << '\n';
+Status WriteReport(const std::string& path, std::span<const std::string> documents,
+                   Terminal& terminal) {
+  if (Status status = ReportPageStatus(); !status.ok()) return status;
+  auto file = WholeFile::Create(path);
+  if (!file.ok()) return file.status();
+  (*file)->Write(FillReportPage(ReportPage(), documents));
+  Status status = (*file)->Commit();
+  if (status.ok()) terminal.err << "The report is in " << path << '\n';
   return status;
 }
 

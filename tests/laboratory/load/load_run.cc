@@ -1,24 +1,31 @@
 #include "tests/laboratory/load/load_run.h"
 
+#include <grpcpp/grpcpp.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <sstream>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "engine_client/cli/daemon/daemon_client.h"
+#include "engine_client/cli/io/statistics.h"
+#include "engine_client/cli/io/text_table.h"
 #include "engine_client/telemetry/error_reason.h"
-#include "tests/laboratory/load/load_stream.h"
+#include "sweepstake/v1/telemetry.grpc.pb.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -71,22 +78,112 @@ v1::FrameBatch MakeBatch(uint32_t frame_count) {
   return batch;
 }
 
+// The steady clock of the run.
+int64_t NowNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+inline constexpr uint32_t kLoadArms = 7;
+
+class LoadRun;
+
+// One client of the run: a session with made-up frames, on gRPC's callback API, so that thousands
+// need no thread of their own. The run's timer thread sends, gRPC's threads receive. It keeps no
+// unacknowledged message, since a load measures the daemon and not the evidence. After a lost
+// connection it resumes its session.
+class LoadStream {
+ public:
+  // Maximum number of messages that wait for the connection; further batches are not sent.
+  static constexpr size_t kMaxWaiting = 16;
+
+  LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string project, std::string scene,
+             LoadRun& run);
+
+  // Opens a connection. REQUIRES: there is none.
+  void Connect();
+  // Sends `frames` with the arm, epoch and indices of this stream, and a bail-out after them if
+  // wanted. Returns false if there is no welcome yet or kMaxWaiting messages wait.
+  bool SendBatch(const v1::FrameBatch& frames, bool with_bail_out);
+  // Messages sent between these two calls are measured.
+  void BeginMeasuring();
+  void EndMeasuring();
+  // Returns whether measured messages have no acknowledgement yet and the connection can still
+  // deliver it.
+  bool AwaitsAcknowledgement();
+  // Ends the session. The connection ends when the daemon has written everything to disk.
+  void SayGoodbye();
+  // Ends the connection at once.
+  void Cancel();
+
+ private:
+  class Call;
+
+  v1::StreamTelemetryRequest HelloRequest() const;
+  // These are called with mutex_ held.
+  void Send(v1::StreamTelemetryRequest request);
+  void WriteNext();
+  void OnResponse(const v1::StreamTelemetryResponse& response);
+  void OnWelcome(const v1::Welcome& welcome);
+  void OnAcknowledgement(uint64_t sequence);
+  void OnSwitch(const v1::SwitchCommand& command);
+  void SendBailOut();
+  uint64_t NextSequence();
+  bool IsMeasured(uint64_t sequence) const;
+
+  const std::unique_ptr<v1::TelemetryService::Stub> stub_;
+  const std::string project_;
+  const std::string scene_;
+  LoadRun& run_;
+
+  std::mutex mutex_;  // guards all below
+  Call* call_ = nullptr;
+  std::deque<v1::StreamTelemetryRequest> waiting_;  // the front message is being written
+  std::string session_id_;
+  std::string resume_token_;
+  uint64_t acknowledged_sequence_ = 0;
+  uint64_t sequence_ = 0;
+  uint64_t frame_index_ = 0;
+  uint64_t bail_out_ns_ = 0;  // the daemon's limit
+  uint32_t arm_ = 0;
+  uint32_t switch_epoch_ = 0;
+  uint32_t reconnect_delay_ms_ = 0;
+  bool measuring_ = false;
+  uint64_t first_measured_ = 1;   // range of sequence numbers that are measured
+  uint64_t last_measured_ = 0;    // 0: nothing
+  int64_t begun_ns_ = 0;          // of the connection
+  int64_t bail_out_sent_ns_ = 0;  // 0: none is unanswered
+  uint64_t timed_sequence_ = 0;   // of the batch whose commit is timed
+  int64_t timed_sent_ns_ = 0;     // 0: none is
+  bool up_ = false;               // the welcome has come
+  bool leaving_ = false;          // the goodbye was sent; no message may follow
+};
+
 // The streams of a run and their timer. The owner's thread calls Run. mutex_ guards the state that
 // gRPC's threads change.
-class LoadRun final : public LoadEvents {
+class LoadRun {
  public:
   LoadRun(const LoadPlan& plan, const std::function<bool()>& stop,
           const std::function<void(const std::string&)>& progress)
       : plan_(plan), stop_(stop), progress_(progress), batch_(MakeBatch(plan.batch_frames)) {}
-  ~LoadRun() override;
+  ~LoadRun();
 
   Result<LoadResult> Run();
 
-  void OnWelcome(int64_t latency_ns) override;
-  void OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) override;
-  void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
-             uint32_t delay_ms) override;
-  void OnSwitch(std::optional<int64_t> latency_ns) override;
+  // Events of the streams; called on any thread. `latency_ns` is the time since the start of the
+  // connection.
+  void OnWelcome(int64_t latency_ns);
+  // The daemon has written `message_count` more of the measured messages to disk. `lag_ns` is the
+  // time since one of their batches was sent. It is absent if none of them was timed; at most one
+  // batch in flight is timed.
+  void OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns);
+  // `delay_ms` is the minimum time before the next connection, as requested by the daemon. `was_up`
+  // is true if the stream had its welcome.
+  void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up, uint32_t delay_ms);
+  // A switch command was received and its outcome sent. `latency_ns` is the time since the bail-out
+  // that it answers, if any.
+  void OnSwitch(std::optional<int64_t> latency_ns);
 
  private:
   struct Timer {
@@ -139,6 +236,226 @@ class LoadRun final : public LoadEvents {
   bool ending_ = false;
   grpc::Status last_error_;
 };
+
+// One connection. It deletes itself when gRPC has finished the call. A hold keeps the call alive
+// until the last read, so that the timer thread may write until then.
+class LoadStream::Call final
+    : public grpc::ClientBidiReactor<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse> {
+ public:
+  explicit Call(LoadStream& stream) : stream_(stream) {
+    stream.stub_->async()->StreamTelemetry(&context_, this);
+    AddHold();
+  }
+
+  void OnReadDone(bool ok) override {
+    const std::lock_guard lock(stream_.mutex_);
+    if (!ok) {
+      stream_.call_ = nullptr;
+      return RemoveHold();
+    }
+    stream_.OnResponse(response_);
+    StartRead(&response_);
+  }
+  void OnWriteDone(bool ok) override {
+    const std::lock_guard lock(stream_.mutex_);
+    if (!ok || stream_.call_ != this) return;
+    stream_.waiting_.pop_front();
+    stream_.WriteNext();
+  }
+  void OnDone(const grpc::Status& status) override {
+    LoadStream& stream = stream_;
+    delete this;
+    bool was_up = false;
+    uint32_t delay_ms = 0;
+    {
+      const std::lock_guard lock(stream.mutex_);
+      was_up = std::exchange(stream.up_, false);
+      delay_ms = std::exchange(stream.reconnect_delay_ms_, 0);
+      stream.waiting_.clear();
+      stream.bail_out_sent_ns_ = 0;
+      stream.timed_sent_ns_ = 0;
+    }
+    stream.run_.OnEnd(stream, status, was_up, delay_ms);
+  }
+
+  grpc::ClientContext context_;
+  v1::StreamTelemetryResponse response_;  // the latest
+
+ private:
+  LoadStream& stream_;
+};
+
+LoadStream::LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string project,
+                       std::string scene, LoadRun& run)
+    : stub_(v1::TelemetryService::NewStub(channel)),
+      project_(std::move(project)),
+      scene_(std::move(scene)),
+      run_(run) {}
+
+void LoadStream::Connect() {
+  const std::lock_guard lock(mutex_);
+  begun_ns_ = NowNs();
+  call_ = new Call(*this);
+  call_->StartRead(&call_->response_);
+  Send(HelloRequest());
+  call_->StartCall();
+}
+
+v1::StreamTelemetryRequest LoadStream::HelloRequest() const {
+  v1::StreamTelemetryRequest request;
+  v1::Hello& hello = *request.mutable_hello();
+  hello.set_min_protocol_version(2);
+  hello.set_protocol_version(2);
+  hello.set_project(project_);
+  hello.set_scene(scene_);
+  for (uint32_t arm = 0; arm < kLoadArms; ++arm) {
+    v1::Arm& added = *hello.add_arms();
+    added.set_name("arm " + std::to_string(arm));
+    added.set_backend_version(1);
+  }
+  hello.set_active_arm(arm_);
+  hello.set_switch_epoch(switch_epoch_);
+  hello.set_mode(v1::MODE_AI);
+  hello.set_session_id(session_id_);
+  hello.set_resume_token(resume_token_);
+  return request;
+}
+
+bool LoadStream::SendBatch(const v1::FrameBatch& frames, bool with_bail_out) {
+  const std::lock_guard lock(mutex_);
+  if (call_ == nullptr || !up_ || waiting_.size() >= kMaxWaiting) return false;
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(NextSequence());
+  v1::FrameBatch& batch = *request.mutable_frame_batch();
+  batch = frames;
+  for (int i = 0; i < batch.arm_size(); ++i) {
+    batch.set_arm(i, arm_);
+    batch.set_switch_epoch(i, switch_epoch_);
+  }
+  frame_index_ += static_cast<uint64_t>(batch.arm_size());
+  if (timed_sent_ns_ == 0) {
+    timed_sequence_ = sequence_;
+    timed_sent_ns_ = NowNs();
+  }
+  Send(std::move(request));
+  if (with_bail_out) SendBailOut();
+  return true;
+}
+
+void LoadStream::SendBailOut() {
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(NextSequence());
+  v1::BailOut& bail_out = *request.mutable_bail_out();
+  bail_out.set_frame_index(frame_index_++);
+  bail_out.set_arm(arm_);
+  bail_out.set_switch_epoch(switch_epoch_);
+  bail_out.set_frame_time_ns(2 * bail_out_ns_);
+  bail_out.set_detection_time_ns(2 * bail_out_ns_);
+  bail_out.set_flags(v1::FRAME_FLAG_BAIL_OUT);
+  bail_out_sent_ns_ = NowNs();
+  Send(std::move(request));
+}
+
+uint64_t LoadStream::NextSequence() {
+  ++sequence_;
+  if (measuring_) last_measured_ = sequence_;
+  return sequence_;
+}
+
+bool LoadStream::IsMeasured(uint64_t sequence) const {
+  return first_measured_ <= sequence && sequence <= last_measured_;
+}
+
+void LoadStream::BeginMeasuring() {
+  const std::lock_guard lock(mutex_);
+  measuring_ = true;
+  first_measured_ = sequence_ + 1;
+}
+
+void LoadStream::EndMeasuring() {
+  const std::lock_guard lock(mutex_);
+  measuring_ = false;
+}
+
+bool LoadStream::AwaitsAcknowledgement() {
+  const std::lock_guard lock(mutex_);
+  return up_ && acknowledged_sequence_ < last_measured_;
+}
+
+void LoadStream::SayGoodbye() {
+  const std::lock_guard lock(mutex_);
+  if (call_ == nullptr) return;
+  v1::StreamTelemetryRequest request;
+  request.mutable_goodbye();
+  Send(std::move(request));
+  leaving_ = true;
+}
+
+void LoadStream::Cancel() {
+  const std::lock_guard lock(mutex_);
+  if (call_ != nullptr) call_->context_.TryCancel();
+}
+
+void LoadStream::Send(v1::StreamTelemetryRequest request) {
+  waiting_.push_back(std::move(request));
+  if (waiting_.size() == 1) WriteNext();
+}
+
+void LoadStream::WriteNext() {
+  if (!waiting_.empty()) call_->StartWrite(&waiting_.front());
+}
+
+void LoadStream::OnResponse(const v1::StreamTelemetryResponse& response) {
+  if (response.has_welcome()) OnWelcome(response.welcome());
+  if (response.has_acknowledgement()) OnAcknowledgement(response.acknowledgement().sequence());
+  if (response.has_switch_command()) OnSwitch(response.switch_command());
+  if (response.has_reconnect()) reconnect_delay_ms_ = response.reconnect().delay_ms();
+}
+
+void LoadStream::OnWelcome(const v1::Welcome& welcome) {
+  session_id_ = welcome.session_id();
+  resume_token_ = welcome.resume_token();
+  acknowledged_sequence_ = welcome.acknowledged_sequence();
+  if (!welcome.resumed()) {
+    sequence_ = 0;
+    first_measured_ = 1;
+    last_measured_ = 0;
+  }
+  bail_out_ns_ = uint64_t{1'000'000} * welcome.bail_out_ms();
+  up_ = true;
+  run_.OnWelcome(NowNs() - begun_ns_);
+}
+
+void LoadStream::OnAcknowledgement(uint64_t sequence) {
+  const uint64_t before = std::exchange(acknowledged_sequence_, sequence);
+  const uint64_t first = std::max(before + 1, first_measured_);
+  const uint64_t last = std::min(sequence, last_measured_);
+  std::optional<int64_t> lag_ns;
+  if (timed_sent_ns_ != 0 && sequence >= timed_sequence_) {
+    const int64_t sent_ns = std::exchange(timed_sent_ns_, 0);
+    if (IsMeasured(timed_sequence_)) lag_ns = NowNs() - sent_ns;
+  }
+  run_.OnAcknowledged(last >= first ? last - first + 1 : 0, lag_ns);
+}
+
+void LoadStream::OnSwitch(const v1::SwitchCommand& command) {
+  if (leaving_) return;
+  std::optional<int64_t> latency_ns;
+  if (command.reason() == v1::SWITCH_REASON_BAIL_OUT && bail_out_sent_ns_ != 0)
+    latency_ns = NowNs() - std::exchange(bail_out_sent_ns_, 0);
+  run_.OnSwitch(latency_ns);
+  arm_ = command.arm();
+  ++switch_epoch_;
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(NextSequence());
+  v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
+  outcome.set_command_id(command.command_id());
+  outcome.set_arm(arm_);
+  outcome.set_switch_epoch(switch_epoch_);
+  outcome.set_executed(true);
+  outcome.set_reason(command.reason());
+  Send(std::move(request));
+}
 
 LoadRun::~LoadRun() {
   {
@@ -196,9 +513,7 @@ void LoadRun::OnSwitch(std::optional<int64_t> latency_ns) {
 
 Status LoadRun::OpenStreams() {
   const uint64_t per_channel = LoadPlan::kMaxStreamsPerChannel;
-  const uint64_t channel_count = plan_.channel_count != 0
-                                     ? plan_.channel_count
-                                     : (plan_.stream_count + per_channel - 1) / per_channel;
+  const uint64_t channel_count = (plan_.stream_count + per_channel - 1) / per_channel;
   std::vector<std::shared_ptr<grpc::Channel>> channels;
   for (uint64_t i = 0; i < channel_count; ++i) {
     auto channel = OpenChannel(plan_.daemon, /*own_connection=*/true);
@@ -395,6 +710,44 @@ Result<LoadResult> LoadRun::Run() {
 Result<LoadResult> RunLoad(const LoadPlan& plan, const std::function<bool()>& stop,
                            const std::function<void(const std::string&)>& progress) {
   return LoadRun(plan, stop, progress).Run();
+}
+
+nlohmann::ordered_json LoadJson(const LoadPlan& plan, const LoadResult& result) {
+  const double batches_per_s = static_cast<double>(result.measured_batch_count) / result.measured_s;
+  nlohmann::ordered_json json = {
+      {"streams", plan.stream_count},
+      {"batches_per_s", batches_per_s},
+      {"frames_per_s", batches_per_s * plan.batch_frames},
+      {"acknowledged_per_s", static_cast<double>(result.acknowledged_count) / result.measured_s},
+      {"batches", result.batch_count},
+      {"bail_outs", result.bail_out_count},
+      {"unsent_batches", result.unsent_count},
+      {"rejected", result.rejected_count},
+      {"finished", result.finished_count},
+      {"measured_s", result.measured_s}};
+  const auto add_quantile = [&](const char* name, const std::vector<double>& sorted, double ratio) {
+    if (!sorted.empty()) json[name] = Quantile(sorted, ratio);
+  };
+  add_quantile("hello_latency_ms_p50", result.hello_latency_ms, 0.5);
+  add_quantile("hello_latency_ms_p99", result.hello_latency_ms, 0.99);
+  add_quantile("decision_latency_ms_p50", result.decision_latency_ms, 0.5);
+  add_quantile("decision_latency_ms_p99", result.decision_latency_ms, 0.99);
+  add_quantile("commit_lag_ms_p50", result.commit_lag_ms, 0.5);
+  add_quantile("commit_lag_ms_p99", result.commit_lag_ms, 0.99);
+  add_quantile("tick_lateness_ms_p99", result.tick_lateness_ms, 0.99);
+  if (result.reconnect_s) json["reconnect_s"] = *result.reconnect_s;
+  if (result.server_cpu_s) json["server_cpu_s"] = *result.server_cpu_s;
+  if (result.generator_cpu_s) json["generator_cpu_s"] = *result.generator_cpu_s;
+  return json;
+}
+
+std::string LoadText(const LoadPlan& plan, const LoadResult& result) {
+  TextTable table({"figure", "value"});
+  const nlohmann::ordered_json figures = LoadJson(plan, result);
+  for (const auto& [name, value] : figures.items()) {
+    table.AddRow({name, value.is_number_float() ? Fixed(value.get<double>(), 2) : value.dump()});
+  }
+  return table.Text();
 }
 
 }  // namespace sweepstake::cli

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,8 +24,7 @@ struct LoadPlan {
   DaemonOptions daemon;
   std::string project = "load";
   uint64_t stream_count = 1000;
-  uint64_t channel_count = 0;  // connections; 0: as few as can carry the streams
-  uint64_t scene_count = 10;   // assigned to the streams in turn
+  uint64_t scene_count = 10;  // assigned to the streams in turn
   double batches_per_second = 1;
   uint32_t batch_frames = 60;
   uint64_t duration_ns = 30'000'000'000;  // from the moment when all streams have begun
@@ -63,5 +63,9 @@ struct LoadResult {
 // stream).
 Result<LoadResult> RunLoad(const LoadPlan& plan, const std::function<bool()>& stop,
                            const std::function<void(const std::string&)>& progress);
+
+// Return the measured figures as JSON and as a table with one per line.
+nlohmann::ordered_json LoadJson(const LoadPlan& plan, const LoadResult& result);
+std::string LoadText(const LoadPlan& plan, const LoadResult& result);
 
 }  // namespace sweepstake::cli

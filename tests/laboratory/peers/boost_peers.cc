@@ -1,4 +1,4 @@
-#include "tests/laboratory/peers/peer_registry.h"
+#include "tests/laboratory/peers/peer.h"
 
 #include <boost/function_output_iterator.hpp>
 #include <boost/geometry.hpp>
@@ -49,16 +49,12 @@ class RtreePeer final : public Peer {
   Tree tree_;
 };
 
-std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
-  return std::make_unique<RtreePeer>(name);
-}
-
 }  // namespace
 
 void AddBoostPeers(PeerLibrary& library) {
   library.version =
       std::to_string(BOOST_VERSION / 100'000) + "." + std::to_string(BOOST_VERSION / 100 % 1000);
-  library.kinds = {{"BoostRtree", "KDTree", 10'000'000, false, Make}};
+  library.kinds = {{"BoostRtree", "KDTree", 10'000'000, false, MakePeer<RtreePeer>}};
 }
 
 }  // namespace sweepstake::cli

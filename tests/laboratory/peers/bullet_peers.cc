@@ -1,4 +1,4 @@
-#include "tests/laboratory/peers/peer_registry.h"
+#include "tests/laboratory/peers/peer.h"
 
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -174,11 +174,6 @@ constexpr size_t kMax16BitHandles = 16'000;
 using AxisSweep16Peer = AxisSweepPeer<btAxisSweep3, unsigned short, kMax16BitHandles>;
 using AxisSweep32Peer = AxisSweepPeer<bt32BitAxisSweep3, unsigned int, 1'000'000>;
 
-template <typename T>
-std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
-  return std::make_unique<T>(name);
-}
-
 }  // namespace
 
 void AddBulletPeers(PeerLibrary& library) {
@@ -187,10 +182,10 @@ void AddBulletPeers(PeerLibrary& library) {
   library.version =
       std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
   library.kinds = {
-      {"BulletAxisSweep3", "AxisSweep", kMax16BitHandles, false, Make<AxisSweep16Peer>},
-      {"Bullet32BitAxisSweep3", "AxisSweep", kMaxInSweep, false, Make<AxisSweep32Peer>},
-      {"BulletDbvt", "DBVT", 200'000, false, Make<DbvtPeer>},
-      {"BulletDbvtDeferred", "DBVT", 1'000'000, false, Make<DeferredDbvtPeer>},
+      {"BulletAxisSweep3", "AxisSweep", kMax16BitHandles, false, MakePeer<AxisSweep16Peer>},
+      {"Bullet32BitAxisSweep3", "AxisSweep", kMaxInSweep, false, MakePeer<AxisSweep32Peer>},
+      {"BulletDbvt", "DBVT", 200'000, false, MakePeer<DbvtPeer>},
+      {"BulletDbvtDeferred", "DBVT", 1'000'000, false, MakePeer<DeferredDbvtPeer>},
   };
 }
 

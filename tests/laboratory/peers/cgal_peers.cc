@@ -1,4 +1,4 @@
-#include "tests/laboratory/peers/peer_registry.h"
+#include "tests/laboratory/peers/peer.h"
 
 #include <CGAL/box_intersection_d.h>
 #include <CGAL/version.h>
@@ -41,15 +41,11 @@ class CgalPeer final : public Peer {
   std::vector<HandledBox> boxes_;
 };
 
-std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
-  return std::make_unique<CgalPeer>(name);
-}
-
 }  // namespace
 
 void AddCgalPeers(PeerLibrary& library) {
   library.version = CGAL_VERSION_STR;
-  library.kinds = {{"CgalBoxes", "KDTree", 10'000'000, false, Make}};
+  library.kinds = {{"CgalBoxes", "KDTree", 10'000'000, false, MakePeer<CgalPeer>}};
 }
 
 }  // namespace sweepstake::cli

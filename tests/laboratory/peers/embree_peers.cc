@@ -1,4 +1,4 @@
-#include "tests/laboratory/peers/peer_registry.h"
+#include "tests/laboratory/peers/peer.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>

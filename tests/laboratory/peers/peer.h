@@ -68,4 +68,24 @@ inline bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
 // there are no boxes.
 Aabb RoomyBounds(std::span<const Aabb> boxes);
 
+// Returns all known libraries in a fixed order, including those that this build leaves out. Safe
+// from any thread.
+std::vector<PeerLibrary> PeerLibraries();
+
+// Makes a peer of a library that takes no threads.
+template <typename T>
+std::unique_ptr<Peer> MakePeer(std::string_view name, uint32_t /*thread_count*/) {
+  return std::make_unique<T>(name);
+}
+
+// Each function fills in the version and the kinds of its library and is defined in that library's
+// file. If the build leaves a library out, CMakeLists.txt generates a function that fills in
+// nothing.
+void AddBulletPeers(PeerLibrary& library);  // the dynamic tree and the sweep along sorted axes
+void AddFclPeers(PeerLibrary& library);     // broad-phase managers in double precision
+void AddOdePeers(PeerLibrary& library);     // collision spaces on boxes in double precision
+void AddEmbreePeers(PeerLibrary& library);  // rtcCollide of a scene with itself
+void AddBoostPeers(PeerLibrary& library);   // an R-tree that is packed again every frame
+void AddCgalPeers(PeerLibrary& library);    // box_self_intersection_d, a streamed segment tree
+
 }  // namespace sweepstake::cli

@@ -1,4 +1,4 @@
-#include "tests/laboratory/peers/peer_registry.h"
+#include "tests/laboratory/peers/peer.h"
 
 namespace sweepstake::cli {
 

@@ -12,6 +12,8 @@ namespace {
 // The real lane (shadow_lane.h) builds the next arm on one frame and follows it over three more.
 constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 
+constexpr double kMeanBusyNs = 10e9;  // of a stretch of other work, exponentially distributed
+
 constexpr double kSpikeShape = 1.5;
 constexpr double kMaxSpike = 100;
 
@@ -142,6 +144,18 @@ int64_t ReplayLane::WarmUp(uint32_t arm, const Place& place) {
   Charge(ready_ns - work_ns, ready_ns);
   next_event_ns_ = std::max(next_event_ns_, place.now_ns) + (ready_ns - place.now_ns);
   return ready_ns;
+}
+
+double ReplayLoad::RatioAt(int64_t now_ns) {
+  if (load_.ratio == 1) return 1;
+  while (now_ns >= stretch_end_ns_) {
+    ++stretch_count_;
+    decision::RandomStream random(seed_, decision::RandomPurpose::kReplayLoad, stretch_count_, 0);
+    const double mean_ns =
+        stretch_count_ % 2 == 0 ? kMeanBusyNs : kMeanBusyNs * (1 - load_.share) / load_.share;
+    stretch_end_ns_ += static_cast<int64_t>(-mean_ns * math::Log(random.NextUniform())) + 1;
+  }
+  return stretch_count_ % 2 == 0 ? load_.ratio : 1;
 }
 
 }  // namespace sweepstake::cli

@@ -1,6 +1,9 @@
 #include "tests/laboratory/replay/replay_output.h"
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -8,11 +11,14 @@
 #include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/decider/session/policy_registry.h"
+#include "tests/laboratory/policies/study_policies.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using decision::AuditDifference;
+using decision::AuditReport;
 
 const std::string& ArmName(const ReplayReport& report, uint32_t scene, uint32_t arm) {
   return report.scenes[scene].scene.arms()[arm];
@@ -48,6 +54,7 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
                {"priors", kReplayPriorsNames[static_cast<size_t>(report.options.priors)]},
                {"pass_ns", report.scenes[row.scene].scene.options().pass_ns},
                {"regret_best_fixed", row.regret_best_fixed},
+               {"regrets", row.Values(&StudyGame::regret_best_fixed)},
                {"regret_oracle", row.regret_oracle},
                {"ci95", IntervalJson(row.ci95)},
                {"switches", row.switches},
@@ -74,26 +81,9 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
   if (row.against_paper) {
     json["against_paper"] = {{"difference", row.against_paper->difference},
                              {"ci95", IntervalJson(row.against_paper->ci95)},
-                             {"wilcoxon_p", row.against_paper->probability}};
+                             {"wilcoxon_p", row.against_paper->wilcoxon.probability}};
   }
   return json;
-}
-
-// Formats a number with its sign, as "+1.23". Values that round to 0 get a plus.
-std::string Signed(double value, int decimals) {
-  const std::string text = Fixed(value, decimals);
-  if (!text.starts_with('-')) return '+' + text;
-  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
-  return is_zero ? '+' + text.substr(1) : text;
-}
-
-// Formats a ratio as "+1.23%".
-std::string SignedPercent(double ratio, int decimals = 2) {
-  return Signed(100 * ratio, decimals) + '%';
-}
-
-std::string IntervalText(const Interval& interval) {
-  return SignedPercent(interval.low) + " to " + SignedPercent(interval.high);
 }
 
 std::string AgainstPaperText(const StudyRow& row) {
@@ -108,7 +98,77 @@ std::string SceneTitle(const StudyScene& scene, const StudyRow& first_row) {
          SignedPercent(first_row.frame_headroom) + " frame by frame";
 }
 
-void PrintRegret(const ReplayReport& report, std::ostream& out) {
+// Returns the reliability of each policy that states P(best), over all scenes.
+Json CalibrationJson(const ReplayReport& report) {
+  Json json = Json::array();
+  for (uint32_t player = 0; player < report.options.players.size(); ++player) {
+    Reliability sum;
+    for (const StudyRow& row : report.rows)
+      if (row.player == player) sum += row.reliability;
+    if (sum.decision_count() == 0) continue;
+    json.push_back({{"policy", report.options.players[player].name},
+                    {"error", sum.error()},
+                    {"bins", ReliabilityJson(sum)}});
+  }
+  return json;
+}
+
+Result<std::string> ReadLog(const std::string& path) {
+  std::error_code unknown;
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path, unknown)) {
+    return Status(StatusCode::kNotFound, path + " cannot be read");
+  }
+  return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::string Counted(uint64_t count, const std::string& what) {
+  return Grouped(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+Json DifferenceJson(const std::optional<AuditDifference>& difference) {
+  if (!difference) return nullptr;
+  return {{"line", difference->line},       {"session", difference->session},
+          {"segment", difference->segment}, {"row", difference->row},
+          {"column", difference->column},   {"message", difference->message}};
+}
+
+std::string UnderivedText(const AuditReport& report) {
+  if (report.incomplete_segment_count == 0) return "";
+  return Counted(report.underived_decision_count, "decision") + " in " +
+         Counted(report.incomplete_segment_count, "segment") +
+         " cannot be re-derived: earlier rows are missing, because the log is bounded or a "
+         "write failed\n";
+}
+
+}  // namespace
+
+std::string Signed(double value, int decimals) {
+  const std::string text = Fixed(value, decimals);
+  if (!text.starts_with('-')) return '+' + text;
+  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
+  return is_zero ? '+' + text.substr(1) : text;
+}
+
+std::string SignedPercent(double ratio, int decimals) {
+  return Signed(100 * ratio, decimals) + '%';
+}
+
+std::string IntervalText(const Interval& interval) {
+  return SignedPercent(interval.low) + " to " + SignedPercent(interval.high);
+}
+
+Json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper) {
+  return {{"detection", ms.detection},
+          {"best", ms.best},
+          {"median", ms.median},
+          {"worst", ms.worst},
+          {"paper", OrNull(paper)},
+          {"regret", ms.regret()},
+          {"lane", ms.lane}};
+}
+
+void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
   TextTable table({"policy", "regret", "ci95", "after_start", "vs_oracle", "captured", "switches",
                    "share", "dominant", "bail_outs", "vs_paper"});
   const StudyRow* before = nullptr;
@@ -135,106 +195,14 @@ void PrintRegret(const ReplayReport& report, std::ostream& out) {
          "time. Noise floor: the same arm measured twice.\n";
 }
 
-std::string SignedMs(double ms) { return Signed(ms, 4); }
-
-std::string MsTitle(const StudyScene& scene, const FrameMs& ms) {
-  return scene.name + ": " + GroupedWhole(scene.scene.mean_object_count()) +
-         " objects, best fixed arm " + Fixed(ms.best, 4) + " ms, median " + Fixed(ms.median, 4) +
-         ", worst " + Fixed(ms.worst, 4);
-}
-
-void PrintMs(const ReplayReport& report, std::ostream& out) {
-  out << "\nMilliseconds per frame as recorded\n\n";
-  TextTable table({"policy", "detection", "regret", "of_detection", "of_60hz", "vs_worst",
-                   "vs_median", "vs_paper", "lane"});
-  const StudyRow* before = nullptr;
-  for (const StudyRow& row : report.rows) {
-    if (before == nullptr || before->scene != row.scene) {
-      table.AddTitle(MsTitle(report.scenes[row.scene], row.ms));
-    }
-    before = &row;
-    const double ms = row.ms.detection;
-    table.AddRow({report.options.players[row.player].name, Fixed(ms, 4), SignedMs(row.ms.regret()),
-                  SignedPercent(row.ms.regret_ratio()),
-                  SignedPercent(row.ms.regret() / kFrameMsAt60Hz, 3), SignedMs(ms - row.ms.worst),
-                  SignedMs(ms - row.ms.median), row.paper_ms ? SignedMs(ms - *row.paper_ms) : "-",
-                  Fixed(row.ms.lane, 4)});
-  }
-  table.Print(out);
-  out << "\nof_detection, of_60hz: the regret as a share of the best fixed arm's detection, and of "
-         "the\n16.67 ms of a frame at 60 Hz; vs: the difference to the worst and the median fixed "
-         "arm, and to\nthe policy paper, negative is better; lane: CPU time of the shadow lane on "
-         "another core.\n";
-}
-
-// Returns the reliability over all scenes for each policy that reports P(best).
-std::vector<std::pair<std::string, Reliability>> ReliabilityOfPolicies(const ReplayReport& report) {
-  std::vector<std::pair<std::string, Reliability>> policies;
-  for (uint32_t player = 0; player < report.options.players.size(); ++player) {
-    Reliability sum;
-    for (const StudyRow& row : report.rows)
-      if (row.player == player) sum += row.reliability;
-    if (sum.decision_count() > 0) policies.push_back({report.options.players[player].name, sum});
-  }
-  return policies;
-}
-
-std::vector<std::string> ReliabilityHeader() {
-  std::vector<std::string> header{"policy"};
-  for (size_t i = 0; i < Reliability::kBinCount; ++i)
-    header.push_back(Fixed(Reliability::kEdges[i], 2) + "-" + Fixed(Reliability::kEdges[i + 1], 2));
-  header.push_back("error");
-  return header;
-}
-
-void PrintReliability(const ReplayReport& report, std::ostream& out) {
-  const auto policies = ReliabilityOfPolicies(report);
-  if (policies.empty()) return;
-  out << "\nShare of decisions in which the leader was the fastest arm, by range of its "
-         "P(best)\n\n";
-  TextTable table(ReliabilityHeader());
-  for (const auto& [policy, reliability] : policies) {
-    std::vector<std::string> cells{policy};
-    for (const ReliabilityBin& bin : reliability.bins()) {
-      const auto count = static_cast<double>(bin.decision_count);
-      cells.push_back(bin.decision_count == 0
-                          ? "-"
-                          : Fixed(100 * static_cast<double>(bin.best_count) / count, 0) + "% (" +
-                                Grouped(bin.decision_count) + ")");
-    }
-    cells.push_back(Fixed(reliability.error(), 3));
-    table.AddRow(std::move(cells));
-  }
-  table.Print(out);
-  out << "\nJudged by the frames since the previous decision. In brackets: number of decisions. "
-         "error: mean\ndifference between P(best) and that share.\n";
-}
-
-}  // namespace
-
-Json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper) {
-  return {{"detection", ms.detection},
-          {"best", ms.best},
-          {"median", ms.median},
-          {"worst", ms.worst},
-          {"paper", OrNull(paper)},
-          {"regret", ms.regret()},
-          {"lane", ms.lane}};
-}
-
-void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
-  PrintRegret(report, out);
-  PrintMs(report, out);
-  PrintReliability(report, out);
-}
-
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
   Json document = {
       {"command", "replay"},
       {"seeds", report.options.seed_count},
       {"own_policy", decision::PolicyKindOf("default", decision::ShippedPolicies()).name},
       {"scenes", Json::array()},
-      {"rows", Json::array()}};
+      {"rows", Json::array()},
+      {"calibration", CalibrationJson(report)}};
   for (const StudyScene& each : report.scenes) {
     const GameOptions& game = each.scene.options();
     document["scenes"].push_back({{"costs", each.name},
@@ -252,26 +220,36 @@ void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
   PrintJson(document, out);
 }
 
-Result<std::unique_ptr<CsvFile>> CreateReplayCsv(const std::string& path) {
-  return CsvFile::Create(
-      path, {"costs", "policy", "seed", "regret_best_fixed", "regret_oracle", "regret_after_start",
-             "headroom", "switches", "active_share", "dominant", "bail_outs", "first_best_s"});
+Result<AuditReport> ReplayLog(const std::string& file) {
+  const auto text = ReadLog(file);
+  if (!text.ok()) return text.status();
+  AuditReport report = decision::Rederive(*text, decision::StudyPolicies());
+  if (!report.difference && report.decision_count + report.underived_decision_count == 0) {
+    return Status(
+        StatusCode::kInvalidArgument,
+        file + " contains no decisions; `sweepstake audit list` shows the sessions that have some");
+  }
+  return report;
 }
 
-void WriteReplayCsv(const ReplayReport& report, CsvFile& csv) {
-  for (const StudyRow& row : report.rows) {
-    for (size_t i = 0; i < row.games.size(); ++i) {
-      const StudyGame& game = row.games[i];
-      csv.Row({report.scenes[row.scene].name, report.options.players[row.player].name,
-               std::to_string(i + 1), Fixed(game.regret_best_fixed, 9),
-               Fixed(game.regret_oracle, 9),
-               game.regret_after_start_up ? Fixed(*game.regret_after_start_up, 9) : "",
-               Fixed(game.headroom, 9), std::to_string(game.switch_count),
-               Fixed(game.active_share, 9), ArmName(report, row.scene, game.dominant_arm),
-               game.bail_out_count ? std::to_string(*game.bail_out_count) : "",
-               game.first_best_s ? Fixed(*game.first_best_s, 3) : ""});
-    }
-  }
+Json ReplayLogJson(const AuditReport& report, const std::string& file) {
+  return {{"command", "replay"},
+          {"log", file},
+          {"sessions", report.session_count},
+          {"segments", report.segment_count},
+          {"rows", report.row_count},
+          {"decisions", report.decision_count},
+          {"incomplete_segments", report.incomplete_segment_count},
+          {"underived_decisions", report.underived_decision_count},
+          {"equal", !report.difference},
+          {"difference", DifferenceJson(report.difference)}};
+}
+
+std::string ReplayLogText(const AuditReport& report) {
+  return Counted(report.decision_count, "decision") + " in " +
+         Counted(report.segment_count, "segment") + " re-derived, " +
+         (report.difference ? "then a difference\n" + report.difference->Text() : "all equal") +
+         '\n' + UnderivedText(report);
 }
 
 }  // namespace sweepstake::cli

@@ -1,15 +1,15 @@
-// The outputs of `sweepstake-lab replay`: a text table, one JSON document, and a CSV file of all
-// games.
+// The outputs of `sweepstake-lab replay`: a text table and one JSON document; and the
+// derivation of an audit log (`replay --log`).
 #pragma once
 
-#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <ostream>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "engine_client/cli/io/csv_file.h"
+#include "engine_client/decider/audit/rederive.h"
 #include "tests/laboratory/replay/replay_study.h"
 
 namespace sweepstake::cli {
@@ -17,8 +17,14 @@ namespace sweepstake::cli {
 struct ReplayReport {
   std::span<const StudyScene> scenes;
   const StudyOptions& options;
-  std::span<const StudyRow> rows;
+  std::vector<StudyRow> rows;
 };
+
+// Formats a number with its sign, as "+1.23", a ratio as "+1.23%", and an interval of ratios as
+// "+1.23% to +4.56%". Values that round to 0 get a plus.
+std::string Signed(double value, int decimals);
+std::string SignedPercent(double ratio, int decimals = 2);
+std::string IntervalText(const Interval& interval);
 
 void PrintReplayTable(const ReplayReport& report, std::ostream& out);
 void PrintReplayJson(const ReplayReport& report, std::ostream& out);
@@ -26,8 +32,13 @@ void PrintReplayJson(const ReplayReport& report, std::ostream& out);
 // Returns the times of a frame; `paper` is the detection time of the policy paper.
 nlohmann::ordered_json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper);
 
-// Writes one row per game. Errors: those of CsvFile.
-Result<std::unique_ptr<CsvFile>> CreateReplayCsv(const std::string& path);
-void WriteReplayCsv(const ReplayReport& report, CsvFile& csv);
+// Derives every decision of an audit log again and compares it with the logged one.
+// Reads the file into memory and returns the result of the derivation, with the first difference.
+// Errors: kNotFound (the file cannot be read), kInvalidArgument (it contains no decisions).
+Result<decision::AuditReport> ReplayLog(const std::string& file);
+
+// Return the report as one JSON document and as lines of text.
+nlohmann::ordered_json ReplayLogJson(const decision::AuditReport& report, const std::string& file);
+std::string ReplayLogText(const decision::AuditReport& report);
 
 }  // namespace sweepstake::cli

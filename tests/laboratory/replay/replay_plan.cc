@@ -1,4 +1,4 @@
-#include "tests/laboratory/replay/replay_plan.h"
+#include "tests/laboratory/replay/replay_study.h"
 
 #include <algorithm>
 #include <charconv>
@@ -54,12 +54,9 @@ Result<GameOptions> GameOf(const ReplayRequest& request, size_t trace) {
   const std::string pass = request.passes.empty()       ? ""
                            : request.passes.size() == 1 ? request.passes.front()
                                                         : request.passes[trace];
-  for (const auto& [text, ns] : {std::pair(&request.run, &game.run_ns),
-                                 {&pass, &game.pass_ns},
-                                 {&request.frame, &game.frame_ns},
-                                 {&request.other_work, &game.other_work_ns}}) {
-    if (const Status status = ReadDuration(*text, *ns); !status.ok()) return status;
-  }
+  Status status = ReadDuration(request.run, game.run_ns);
+  if (status.ok()) status = ReadDuration(pass, game.pass_ns);
+  if (!status.ok()) return status;
   return game;
 }
 
@@ -156,15 +153,11 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   if (!ratios.ok()) return ratios.status();
   const auto priors =
       std::find(kReplayPriorsNames.begin(), kReplayPriorsNames.end(), request.priors);
-  ReplayPlan plan{.scenes = std::move(*scenes), .study = {}};
+  ReplayPlan plan{.scenes = std::move(*scenes), .study = request.study};
   plan.study.players = std::move(*players);
-  plan.study.seed_count = request.seed_count;
   plan.study.priors = static_cast<ReplayPriors>(priors - kReplayPriorsNames.begin());
   if (request.no_shadow) plan.study.shadow_lane = false;
-  plan.study.lane_errors = request.lane_errors;
-  plan.study.frame_load = request.frame_load;
   plan.study.lane_errors.arm_ratios = std::move(*ratios);
-  plan.study.thread_count = request.thread_count;
   return plan;
 }
 

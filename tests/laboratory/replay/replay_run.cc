@@ -1,6 +1,7 @@
 #include "tests/laboratory/replay/replay_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "engine_client/adaptive/guards/trial_guard.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/decider/embedded/decision_conversion.h"
+#include "engine_client/decider/policy/diagnosis.h"
 #include "tests/laboratory/policies/study_policies.h"
 
 namespace sweepstake::cli {
@@ -25,6 +27,25 @@ decision::SessionSetup SetupOf(const ReplayScene& scene, const ReplaySetup& setu
           .seed = setup.seed,
           .active_arm = static_cast<uint32_t>(setup.seed % scene.arm_count())};
 }
+
+// Sums the times of the arms from one decision to the next.
+class ArmTimes {
+ public:
+  explicit ArmTimes(size_t arm_count) : ns_(arm_count) {}
+
+  void Add(size_t arm, double ns) { ns_[arm] += ns; }
+  // Returns the arm's time ÷ the fastest arm's, minus 1. If the fastest arm's time is 0, returns
+  // the arm's time.
+  double LossRatioOf(size_t arm) const {
+    const double fastest_ns = *std::min_element(ns_.begin(), ns_.end());
+    return fastest_ns > 0 ? ns_[arm] / fastest_ns - 1 : ns_[arm];
+  }
+  bool empty() const { return std::count(ns_.begin(), ns_.end(), 0.0) == std::ssize(ns_); }
+  void Clear() { ns_.assign(ns_.size(), 0); }
+
+ private:
+  std::vector<double> ns_;
+};
 
 // Plays a game: simulates the client and its clock, and calls the real session.
 class Game {
@@ -103,7 +124,6 @@ Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
   result_.active_ns.resize(scene.arm_count());
   result_.taught.resize(scene.arm_count());
   result_.first_active_ns.resize(scene.arm_count());
-  result_.timeline.initial_arm = arm_;
   batch_.reserve(kBatchFrames);
 }
 
@@ -154,9 +174,6 @@ void Game::ExecuteSwitch() {
   ++result_.switch_counts[static_cast<size_t>(pending.command.reason)];
   if (!starting_up_) ++result_.after_start_up_switch_count;
   NoteArm();
-  if (setup_.keep_timeline) {
-    result_.timeline.activations.push_back({now_ns_, arm_, pending.command.reason});
-  }
 }
 
 FrameSample Game::NextFrame() {
@@ -229,7 +246,7 @@ void Game::TickUntil(int64_t now_ns) {
 }
 
 void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
-  if (setup_.keep_timeline) result_.timeline.decisions.push_back(decision.record);
+  if (setup_.on_decision) setup_.on_decision(decision.record);
   NoteTaught(decision);
   if (!decision.command) return;
   if (decision.command->arm == arm_) {
@@ -333,9 +350,6 @@ void Game::Judge(const decision::Diagnosis& diagnosis) {
 ReplayResult Game::Finish() {
   if (starting_up_) result_.start_up_frame_count = scene_.frame_count();
   result_.observation = session_.observation(now_ns_);
-  const auto posteriors = session_.posteriors();
-  result_.posteriors.assign(posteriors.begin(), posteriors.end());
-  result_.decision_count = session_.decision_count();
   if (lane_) {
     result_.shadow_visit_count = lane_->visit_count();
     result_.shadow_ns = lane_->busy_ns();
@@ -344,6 +358,38 @@ ReplayResult Game::Finish() {
 }
 
 }  // namespace
+
+void Reliability::Add(double probability, double loss_ratio) {
+  const auto above = std::upper_bound(kEdges.begin() + 1, kEdges.end() - 1, probability);
+  ReliabilityBin& bin = bins_[static_cast<size_t>(above - kEdges.begin()) - 1];
+  ++bin.decision_count;
+  bin.probability_sum += probability;
+  if (loss_ratio <= 0) ++bin.best_count;
+  if (loss_ratio <= decision::kTieLossRatio) ++bin.tie_count;
+}
+
+Reliability& Reliability::operator+=(const Reliability& other) {
+  for (size_t i = 0; i < kBinCount; ++i) {
+    bins_[i].decision_count += other.bins_[i].decision_count;
+    bins_[i].probability_sum += other.bins_[i].probability_sum;
+    bins_[i].best_count += other.bins_[i].best_count;
+    bins_[i].tie_count += other.bins_[i].tie_count;
+  }
+  return *this;
+}
+
+uint64_t Reliability::decision_count() const {
+  uint64_t count = 0;
+  for (const ReliabilityBin& bin : bins_) count += bin.decision_count;
+  return count;
+}
+
+double Reliability::error() const {
+  double sum = 0;
+  for (const ReliabilityBin& bin : bins_)
+    sum += std::abs(bin.probability_sum - static_cast<double>(bin.best_count));
+  return sum / static_cast<double>(std::max<uint64_t>(decision_count(), 1));
+}
 
 uint32_t ReplayResult::dominant_arm() const {
   const auto& active = observation.active_ns;

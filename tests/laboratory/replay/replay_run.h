@@ -17,14 +17,13 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "engine_client/decider/pooling/scene_prior.h"
 #include "engine_client/decider/session/decision_session.h"
 #include "tests/laboratory/replay/replay_lane.h"
-#include "tests/laboratory/replay/replay_load.h"
-#include "tests/laboratory/replay/replay_reliability.h"
 #include "tests/laboratory/replay/replay_scene.h"
 
 namespace sweepstake::cli {
@@ -35,24 +34,48 @@ struct ReplaySetup {
   uint64_t seed = 1;
   std::optional<bool> shadow_lane;                // absent: on if the policy learns from it
   std::vector<decision::BetaPosterior> priors{};  // one per arm; empty: none
-  bool keep_timeline = false;
+  // Called with each tick and bail-out, in order.
+  std::function<void(const decision::DecisionRecord&)> on_decision = nullptr;
   // For the lane, if there is one.
   ShadowScheduleOptions shadow = {};
   LaneErrors lane_errors = {};
   FrameLoad frame_load = {};
 };
 
-struct Activation {
-  int64_t time_ns = 0;
-  uint32_t arm = 0;
-  SwitchReason reason = SwitchReason::kPolicy;
+// Compares the probabilities that a policy states with the frequency at which it is right: a
+// reliability table (A. Murphy, "Reliability of subjective probability forecasts", Applied
+// Statistics 26, 1977). A decision states the arm with the highest P(best), the leader, and that
+// probability. It is judged by the frames since the previous decision, for which the trace contains
+// the time of every arm.
+struct ReliabilityBin {
+  uint64_t decision_count = 0;
+  double probability_sum = 0;
+  uint64_t best_count = 0;  // the leader was the fastest arm
+  uint64_t tie_count = 0;   // or took at most kTieLossRatio (decision/policy/diagnosis.h) more time
+  bool operator==(const ReliabilityBin&) const = default;
 };
 
-// Events of a run over time, for a report.
-struct ReplayTimeline {
-  uint32_t initial_arm = 0;
-  std::vector<Activation> activations;              // executed switches
-  std::vector<decision::DecisionRecord> decisions;  // ticks and bail-outs, in order
+class Reliability {
+ public:
+  // A bin begins at its edge and ends before the next one; the last one includes its end, 1.
+  static constexpr std::array kEdges = {0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0};
+  static constexpr size_t kBinCount = kEdges.size() - 1;
+
+  // Adds a decision. `loss_ratio` is the leader's time ÷ the fastest arm's, minus 1. REQUIRES: the
+  // probability is 0–1.
+  void Add(double probability, double loss_ratio);
+  Reliability& operator+=(const Reliability& other);
+
+  const std::array<ReliabilityBin, kBinCount>& bins() const { return bins_; }
+  uint64_t decision_count() const;
+  // Returns the calibration error: the mean over the decisions of |mean probability of the
+  // decision's bin − share of that bin in which the leader was the fastest arm|. 0 without
+  // decisions.
+  double error() const;
+  bool operator==(const Reliability&) const = default;
+
+ private:
+  std::array<ReliabilityBin, kBinCount> bins_{};
 };
 
 struct ReplayResult {
@@ -71,14 +94,11 @@ struct ReplayResult {
   std::vector<std::optional<int64_t>> first_active_ns;  // per arm, outside of the exploration
   // The choice of the first tick: the commanded arm, or else the active one. Absent without a tick.
   std::optional<uint32_t> first_choice;
-  std::vector<decision::BetaPosterior> posteriors;  // at the end
-  std::vector<decision::ArmEvidence> taught;        // evidence for the store, per arm
-  std::array<uint64_t, 5> verdict_counts{};         // of ticks, by Verdict
-  Reliability reliability;                          // of the diagnoses at the ticks
-  uint64_t decision_count = 0;
+  std::vector<decision::ArmEvidence> taught;  // evidence for the store, per arm
+  std::array<uint64_t, 5> verdict_counts{};   // of ticks, by Verdict
+  Reliability reliability;                    // of the diagnoses at the ticks
   uint64_t shadow_visit_count = 0;
   uint64_t shadow_ns = 0;  // time that the lane worked
-  ReplayTimeline timeline;
 
   // The arm with the most active time after the exploration, and its share of that time.
   uint32_t dominant_arm() const;

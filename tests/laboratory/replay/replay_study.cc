@@ -5,7 +5,6 @@
 
 #include "engine_client/decider/policy/diagnosis.h"
 #include "tests/laboratory/io/parallel.h"
-#include "tests/laboratory/replay/replay_fixed.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -34,9 +33,10 @@ class SeedGames {
       case ReplayPlayer::Kind::kFixed:
         return Fixed(player.arm);
       case ReplayPlayer::Kind::kOracle:
-        return Judged(oracle_.regime_ns, StudyGame{.switch_count = oracle_.switch_count,
-                                                   .active_share = oracle_.active_share,
-                                                   .dominant_arm = oracle_.dominant_arm});
+        return Judged(oracle_.regime_ns,
+                      StudyGame{.switches = static_cast<double>(oracle_.switch_count),
+                                .active_share = oracle_.active_share,
+                                .dominant_arm = oracle_.dominant_arm});
       case ReplayPlayer::Kind::kPolicy:
         break;
     }
@@ -115,30 +115,33 @@ class SeedGames {
     setup.priors = Priors(policy);
     const ReplayResult result = Replay(scene_, setup);
     const double total_ns = static_cast<double>(result.total_ns);
-    StudyGame game{.active_share = result.active_share(),
-                   .dominant_arm = result.dominant_arm(),
-                   .bail_out_count = result.bail_out_count,
-                   .shadow_share = static_cast<double>(result.shadow_ns) / total_ns};
     const auto& switches = result.observation.switch_counts;
+    const auto best = std::min_element(totals_.begin(), totals_.end()) - totals_.begin();
+    StudyGame game{
+        .switches = std::accumulate(switches.begin(), switches.end(), 0.0),
+        .after_start_up_switches = static_cast<double>(result.after_start_up_switch_count),
+        .active_share = result.active_share(),
+        .shadow_share = static_cast<double>(result.shadow_ns) / total_ns,
+        .regret_after_start_up =
+            RegretFrom(result.start_up_frame_count, static_cast<double>(result.after_start_up_ns)),
+        .bail_outs = static_cast<double>(result.bail_out_count),
+        .opening_regret = OpeningRegret(result),
+        .reliability = result.reliability,
+        .dominant_arm = result.dominant_arm()};
     game.ms.lane =
         static_cast<double>(result.shadow_ns) / scene_.frame_count() / scene_.time_ratio() * 1e-6;
-    game.reliability = result.reliability;
-    game.switch_count = std::accumulate(switches.begin(), switches.end(), uint64_t{0});
-    game.after_start_up_switch_count = result.after_start_up_switch_count;
-    game.regret_after_start_up =
-        RegretFrom(result.start_up_frame_count, static_cast<double>(result.after_start_up_ns));
-    const auto tick_count =
-        std::accumulate(result.verdict_counts.begin(), result.verdict_counts.end(), uint64_t{0});
+    const double tick_count =
+        std::accumulate(result.verdict_counts.begin(), result.verdict_counts.end(), 0.0);
     for (const uint64_t count : result.verdict_counts) {
-      game.verdict_shares.push_back(static_cast<double>(count) /
-                                    static_cast<double>(std::max<uint64_t>(tick_count, 1)));
+      game.verdict_shares.push_back(static_cast<double>(count) / std::max(tick_count, 1.0));
     }
-    const auto best = std::min_element(totals_.begin(), totals_.end()) - totals_.begin();
     if (const auto first_ns = result.first_active_ns[static_cast<size_t>(best)]) {
       game.first_best_s = static_cast<double>(*first_ns) * 1e-9;
     }
-    if (result.first_choice) game.first_loss = totals_[*result.first_choice] / best_ns_ - 1;
-    game.opening_regret = OpeningRegret(result);
+    if (result.first_choice) {
+      const double loss = totals_[*result.first_choice] / best_ns_ - 1;
+      game.first_right = loss <= decision::kTieLossRatio ? 1 : 0;
+    }
     return Judged(total_ns, game);
   }
 
@@ -153,10 +156,14 @@ class SeedGames {
   const FixedCosts::OracleCost oracle_;
 };
 
-std::vector<double> Column(const std::vector<StudyGame>& games, double StudyGame::*column) {
+// Returns the figure of all games that have it.
+template <typename Figure>
+std::vector<double> Column(const std::vector<StudyGame>& games, Figure StudyGame::*figure) {
   std::vector<double> values;
-  values.reserve(games.size());
-  for (const StudyGame& game : games) values.push_back(game.*column);
+  for (const StudyGame& game : games) {
+    const std::optional<double> value = game.*figure;
+    if (value) values.push_back(*value);
+  }
   return values;
 }
 
@@ -172,61 +179,60 @@ uint32_t MostOften(const std::vector<StudyGame>& games) {
 
 void Summarize(StudyRow& row) {
   const auto& games = row.games;
-  const auto regret = Column(games, &StudyGame::regret_best_fixed);
-  row.regret_best_fixed = Mean(regret);
-  row.ci95 = Interval95(regret);
-  row.regret_oracle = Mean(Column(games, &StudyGame::regret_oracle));
-  row.headroom = Mean(Column(games, &StudyGame::headroom));
-  row.frame_headroom = Mean(Column(games, &StudyGame::frame_headroom));
+  for (double StudyGame::*const figure :
+       {&StudyGame::regret_best_fixed, &StudyGame::regret_oracle, &StudyGame::headroom,
+        &StudyGame::frame_headroom, &StudyGame::switches, &StudyGame::after_start_up_switches,
+        &StudyGame::active_share, &StudyGame::shadow_share}) {
+    row.*figure = Mean(Column(games, figure));
+  }
+  for (std::optional<double> StudyGame::*const figure :
+       {&StudyGame::regret_after_start_up, &StudyGame::bail_outs, &StudyGame::first_right,
+        &StudyGame::opening_regret}) {
+    const std::vector<double> values = Column(games, figure);
+    if (!values.empty()) row.*figure = Mean(values);
+  }
+  if (const auto first_best_s = Column(games, &StudyGame::first_best_s); !first_best_s.empty()) {
+    row.first_best_s = Median(first_best_s);
+  }
+  row.ci95 = Interval95(row.Values(&StudyGame::regret_best_fixed));
+  if (row.regret_after_start_up) {
+    row.after_start_up_ci95 = Interval95(Column(games, &StudyGame::regret_after_start_up));
+  }
   if (row.headroom >= kMinHeadroom) row.headroom_captured = -row.regret_best_fixed / row.headroom;
-  row.active_share = Mean(Column(games, &StudyGame::active_share));
-  row.shadow_share = Mean(Column(games, &StudyGame::shadow_share));
   row.dominant_arm = MostOften(games);
   row.verdict_shares.resize(games.front().verdict_shares.size());
   const double share = 1.0 / static_cast<double>(games.size());
-  std::vector<double> after_start_up;
-  std::vector<double> first_best_s;
-  std::vector<double> first_right;
-  std::vector<double> opening_regret;
   for (const StudyGame& game : games) {
     for (double FrameMs::*const time :
          {&FrameMs::detection, &FrameMs::best, &FrameMs::median, &FrameMs::worst, &FrameMs::lane})
       row.ms.*time += game.ms.*time * share;
     row.reliability += game.reliability;
-    row.switches += static_cast<double>(game.switch_count) * share;
-    row.after_start_up_switches += static_cast<double>(game.after_start_up_switch_count) * share;
     for (size_t i = 0; i < row.verdict_shares.size(); ++i) {
       row.verdict_shares[i] += game.verdict_shares[i] * share;
     }
-    if (game.bail_out_count) {
-      row.bail_outs = row.bail_outs.value_or(0) + static_cast<double>(*game.bail_out_count) * share;
-    }
-    if (game.regret_after_start_up) after_start_up.push_back(*game.regret_after_start_up);
-    if (game.first_best_s) first_best_s.push_back(*game.first_best_s);
-    if (game.first_loss) first_right.push_back(*game.first_loss <= decision::kTieLossRatio ? 1 : 0);
-    if (game.opening_regret) opening_regret.push_back(*game.opening_regret);
   }
-  if (!after_start_up.empty()) {
-    row.regret_after_start_up = Mean(after_start_up);
-    row.after_start_up_ci95 = Interval95(after_start_up);
-  }
-  if (!first_best_s.empty()) row.first_best_s = Median(first_best_s);
-  if (!first_right.empty()) row.first_right = Mean(first_right);
-  if (!opening_regret.empty()) row.opening_regret = Mean(opening_regret);
-}
-
-void Compare(StudyRow& row, const StudyRow& paper) {
-  row.paper_ms = paper.ms.detection;
-  std::vector<double> differences;
-  for (size_t seed = 0; seed < row.games.size(); ++seed) {
-    differences.push_back(row.games[seed].regret_best_fixed - paper.games[seed].regret_best_fixed);
-  }
-  row.against_paper = {.difference = Mean(differences),
-                       .ci95 = Interval95(differences),
-                       .probability = WilcoxonSignedRank(differences).probability};
 }
 
 }  // namespace
+
+PairedComparison Compare(const std::string& policy, std::span<const double> ours,
+                         const std::string& baseline, std::span<const double> theirs) {
+  std::vector<double> differences;
+  differences.reserve(ours.size());
+  for (size_t i = 0; i < ours.size(); ++i) differences.push_back(ours[i] - theirs[i]);
+  PairedComparison comparison;
+  comparison.policy = policy;
+  comparison.baseline = baseline;
+  comparison.difference = Mean(differences);
+  comparison.ci95 = BootstrapMean(differences);
+  comparison.wilcoxon = WilcoxonSignedRank(differences);
+  comparison.corrected_probability = comparison.wilcoxon.probability;
+  return comparison;
+}
+
+std::vector<double> StudyRow::Values(double StudyGame::*figure) const {
+  return Column(games, figure);
+}
 
 std::vector<StudyRow> RunStudy(std::span<const StudyScene> scenes, const StudyOptions& options,
                                const std::function<void(uint64_t, uint64_t)>& on_game) {
@@ -254,7 +260,13 @@ std::vector<StudyRow> RunStudy(std::span<const StudyScene> scenes, const StudyOp
   for (StudyRow& row : rows) Summarize(row);
   if (paper == options.players.end()) return rows;
   const auto paper_player = static_cast<size_t>(paper - options.players.begin());
-  for (StudyRow& row : rows) Compare(row, rows[row.scene * player_count + paper_player]);
+  for (StudyRow& row : rows) {
+    const StudyRow& of_paper = rows[row.scene * player_count + paper_player];
+    row.paper_ms = of_paper.ms.detection;
+    row.against_paper =
+        Compare(options.players[row.player].name, row.Values(&StudyGame::regret_best_fixed),
+                paper->name, of_paper.Values(&StudyGame::regret_best_fixed));
+  }
   return rows;
 }
 

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine_client/cli/io/statistics.h"
@@ -61,65 +62,57 @@ struct FrameMs {
 // The time of a frame at 60 Hz.
 inline constexpr double kFrameMsAt60Hz = 1000.0 / 60;
 
-// The result of one player's game with one seed.
+// The figures of one player's game with one seed, and their means over the games of a row.
 struct StudyGame {
   double regret_best_fixed = 0;
-  double regret_oracle = 0;  // regret against the oracle that pays for its switches
+  double regret_oracle = 0;   // regret against the oracle that pays for its switches
+  double headroom = 0;        // of that oracle: 1 − its time ÷ the best fixed arm's
+  double frame_headroom = 0;  // of an oracle with the best arm in every frame and free switches
+  double switches = 0;        // after the exploration
+  double after_start_up_switches = 0;  // policies only: after the first minute, too
+  double active_share = 1;             // the dominant arm's
+  double shadow_share = 0;             // share of the time that the shadow lane worked
   // Without the first minute and the exploration. Absent if nothing came after them, and for the
   // oracle.
   std::optional<double> regret_after_start_up{};
-  double headroom = 0;        // of that oracle: 1 − its time ÷ the best fixed arm's
-  double frame_headroom = 0;  // of an oracle with the best arm in every frame and free switches
-  uint64_t switch_count = 0;  // after the exploration
-  uint64_t after_start_up_switch_count = 0;  // policies only: after the first minute, too
-  double active_share = 1;                   // the dominant arm's
-  uint32_t dominant_arm = 0;
-  std::optional<uint64_t> bail_out_count{};  // policies only
-  std::vector<double> verdict_shares{};      // policies only: of ticks, by Verdict
-  std::optional<double> first_best_s{};      // when a policy first chose the best fixed arm
-  std::optional<double> first_loss{};        // regret of the first choice, if kept
-  std::optional<double> opening_regret{};    // policies only: regret of the first 10 s
-  double shadow_share = 0;                   // share of the time that the shadow lane worked
+  // These are absent for fixed arms and the oracle.
+  std::optional<double> bail_outs{};
+  std::optional<double> first_best_s{};    // when the policy first chose the best fixed arm
+  std::optional<double> first_right{};     // 1 if the first choice loses at most kTieLossRatio
+  std::optional<double> opening_regret{};  // regret of the first 10 s
+  std::vector<double> verdict_shares{};    // of ticks, by Verdict
   FrameMs ms{};
-  Reliability reliability{};  // of a policy's decisions
+  Reliability reliability{};  // of a policy's decisions; the sum in a row
+  uint32_t dominant_arm = 0;  // the most frequent one in a row
   bool operator==(const StudyGame&) const = default;
 };
 
-// The results of one player on one scene.
-struct StudyRow {
+// Compares a policy with a baseline on the same seeds by the paired differences of regret, which
+// are negative if the policy loses less.
+struct PairedComparison {
+  std::string policy;
+  std::string baseline;
+  double difference = 0;
+  Interval ci95;
+  WilcoxonResult wilcoxon;
+  double corrected_probability = 1;  // Holm's correction over all comparisons of a family
+};
+PairedComparison Compare(const std::string& policy, std::span<const double> ours,
+                         const std::string& baseline, std::span<const double> theirs);
+
+// The results of one player on one scene: means over the games that have the figure, but the median
+// of first_best_s.
+struct StudyRow : StudyGame {
   uint32_t scene = 0;
   uint32_t player = 0;
-  std::vector<StudyGame> games;  // by seed, from 1
+  std::vector<StudyGame> games;                   // by seed, from 1
+  Interval ci95;                                  // 95 % interval of regret_best_fixed
+  std::optional<Interval> after_start_up_ci95;    // of regret_after_start_up
+  std::optional<double> headroom_captured;        // absent if the headroom is below kMinHeadroom
+  std::optional<double> paper_ms;                 // the paper's detection on the same scene
+  std::optional<PairedComparison> against_paper;  // by seed
 
-  // The means over the games of the members of StudyGame with these names.
-  double regret_best_fixed = 0;
-  double regret_oracle = 0;
-  double headroom = 0;
-  double frame_headroom = 0;
-  double active_share = 0;
-  std::vector<double> verdict_shares;
-  double shadow_share = 0;
-  FrameMs ms;
-
-  Reliability reliability;                      // of the decisions of all games
-  std::optional<double> paper_ms;               // the paper's detection on the same scene
-  Interval ci95;                                // 95 % interval of regret_best_fixed
-  std::optional<double> regret_after_start_up;  // mean over the games that have one
-  std::optional<Interval> after_start_up_ci95;  // its 95 % interval
-  std::optional<double> headroom_captured;      // absent if the headroom is below kMinHeadroom
-  double switches = 0;                          // mean of StudyGame::switch_count
-  double after_start_up_switches = 0;           // mean
-  uint32_t dominant_arm = 0;                    // in the largest number of games
-  std::optional<double> bail_outs;              // mean of StudyGame::bail_out_count
-  std::optional<double> first_best_s;           // median over the games that have one
-  std::optional<double> first_right;            // share with a first_loss of at most kTieLossRatio
-  std::optional<double> opening_regret;         // mean
-  struct AgainstPaper {
-    double difference = 0;  // of regret_best_fixed, paired by seed
-    Interval ci95;
-    double probability = 1;  // by Wilcoxon's test
-  };
-  std::optional<AgainstPaper> against_paper;
+  std::vector<double> Values(double StudyGame::*figure) const;  // of the games
 };
 
 inline constexpr double kMinHeadroom = 0.005;
@@ -129,5 +122,34 @@ inline constexpr double kMinHeadroom = 0.005;
 // scenes have the same arms.
 std::vector<StudyRow> RunStudy(std::span<const StudyScene> scenes, const StudyOptions& options,
                                const std::function<void(uint64_t done, uint64_t all)>& on_game);
+
+// The command line's words for a study.
+struct ReplayRequest {
+  std::vector<std::string> costs{};  // cost trace files
+  std::vector<std::string> policies = {"default", "paper"};
+  std::string run = "15m";            // a duration in the form of ParseDuration
+  std::vector<std::string> passes{};  // durations: none, one for all traces, or one for each
+  std::string priors = "none";        // REQUIRES: one of kReplayPriorsNames
+  bool no_shadow = false;
+  std::vector<std::pair<std::string, std::string>> lane_ratios{};  // arm and number
+  // Players, priors, the lane and its ratios are taken from the words above.
+  StudyOptions study{};
+};
+
+struct ReplayPlan {
+  std::vector<StudyScene> scenes;  // one per trace, in order
+  StudyOptions study;
+};
+
+// Reads the traces. Errors: those of ReadCosts and ReplayScene::Create, and kInvalidArgument (a
+// duration or player is not valid, or the traces have different arms). The message lists the valid
+// values. REQUIRES: at least one trace.
+Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request);
+
+// Returns the players that `words` names: a policy, `all` policies (`default` is among them under
+// its own name), `fixed` for every arm, `fixed:ARM`, `oracle`. Error: kInvalidArgument (lists what
+// is valid).
+Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> words,
+                                                std::span<const std::string> arms);
 
 }  // namespace sweepstake::cli

@@ -3,20 +3,8 @@
 //
 // Times are nanoseconds on the measuring machine; trace_run.h says how they are measured.
 // "Frame-major" columns hold frame_count × arm_count values: that of arm a in frame f is at
-// f · arm_count + a. The layout of the file is:
-//
-//   at  bytes
-//    0      8  "SWPCOSTS"
-//    8      4  version, now 1
-//   12      4  0
-//   16      8  size of the rest, P
-//   24      8  FNV-1a, 64 bits, of the rest
-//   32      P  a sweepstake.costs.CostTrace (costs.proto)
-//
-// Numbers are little-endian; the file has exactly 32 + P bytes. Reading checks all of it, including
-// the lengths of the columns, so a trace that was read is valid. Reading takes about ten times the
-// memory of the file, which has at most kMaxCostsBytes. The functions are safe from any thread on
-// different files.
+// f · arm_count + a. The file is a CBOR document (io/document_file.h) with the fields of CostTrace.
+// A trace that was read is valid. The functions are safe from any thread on different files.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +17,6 @@
 
 namespace sweepstake::cli {
 
-inline constexpr uint64_t kMaxCostsBytes = uint64_t{256} << 20;
-inline constexpr uint32_t kMaxTracedArms = 64;
 inline constexpr uint32_t kMaxTracedFrames = 1'000'000;
 inline constexpr uint32_t kMaxBurstFrames = 64;
 inline constexpr uint64_t kMaxTracedNs = 3'600'000'000'000;  // one hour, the maximum of a frame
@@ -87,17 +73,12 @@ struct CostTrace {
   }
 };
 
-// Returns why the trace is invalid, or an empty text if it is valid: a column has the wrong length,
-// a number is out of bounds, or bursts or descriptors are out of order.
+// Returns why the trace is invalid, or an empty text if it is valid.
 std::string ErrorOf(const CostTrace& trace);
 
-// Writes the file, which appears whole or not at all. Errors: those of WholeFile, and
-// kResourceExhausted (the file would have more than kMaxCostsBytes). REQUIRES:
+// Writes and reads the file, as WriteDocument and ReadDocument do. WriteCosts REQUIRES:
 // ErrorOf(trace).empty().
 Status WriteCosts(const std::filesystem::path& path, const CostTrace& trace);
-
-// Reads the file. Errors: kNotFound (there is no such file), kDataLoss (it holds no valid cost
-// trace). Every message names the file, what is wrong and what to do.
 Result<CostTrace> ReadCosts(const std::filesystem::path& path);
 
 }  // namespace sweepstake::cli

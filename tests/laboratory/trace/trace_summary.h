@@ -1,18 +1,19 @@
-// Summarizes a cost trace in a few numbers. Pure functions, safe from any thread. Times are in
+// Summarizes a cost trace in a few numbers, and shows it as text and JSON. Times are in
 // milliseconds.
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <ostream>
+#include <string>
 #include <vector>
 
+#include "engine_client/cli/io/statistics.h"
 #include "tests/laboratory/trace/cost_trace.h"
 
 namespace sweepstake::cli {
 
-struct TracedArmSummary {
-  double ms_mean = 0;
-  double ms_median = 0;
-  double ms_p99 = 0;
+struct TracedArmSummary : TimeSummary {
   double best_ratio = 0;  // share of the windows in which it is the cheapest
   double held_ratio = 0;  // share of the frames in which it was not measured
   double build_ms = 0;    // a fresh structure's first frame, median over the bursts
@@ -47,5 +48,16 @@ struct TraceSummary {
 
 // REQUIRES: ErrorOf(trace).empty().
 TraceSummary SummarizeTrace(const CostTrace& trace);
+
+// Returns a row of the command's --json; `file` is the path of the trace.
+nlohmann::ordered_json TraceJson(const CostTrace& trace, const TraceSummary& summary,
+                                 const std::string& file);
+
+// Prints a table of the arms and a few lines about the whole trace.
+void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::string& file,
+                std::ostream& out);
+
+// Prints a warning if the A/A control differs by too much, else nothing.
+void PrintControlWarning(const CostTrace& trace, const TraceSummary& summary, std::ostream& err);
 
 }  // namespace sweepstake::cli

@@ -1,5 +1,5 @@
 // The JSON document and the tables of a bench.
-#include "tests/laboratory/bench/bench_output.h"
+#include "tests/laboratory/bench/bench_report.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ BenchReport SmallReport() {
   report.options.frames = 40;
   report.options.thread_counts = {1, 2};
   report.options.simd = {"avx2"};
-  report.cells = {{"suite-b", 1000, false}};
+  report.cells = {{"suite-b", 1000}};
   report.rows = {Row(ContestantKind::kArm, "SAP", 0.5), Row(ContestantKind::kPeer, "Ode", 2)};
   report.rows[1].note = "stopped by the cap of 5.0 s";
   BenchRatio ratio;
@@ -85,16 +85,16 @@ TEST(BenchJson, HoldsEveryRowAndRatioWithItsCell) {
   EXPECT_EQ(document["ratios"][0]["simd"], "avx2");
 }
 
-TEST(BenchTables, NameCellsNotesAndDifferences) {
+TEST(BenchTable, NameCellsNotesAndDifferences) {
   BenchReport report = SmallReport();
   std::ostringstream right;
-  PrintBenchTables(report, right);
+  PrintBenchTable(report, right);
   EXPECT_THAT(right.str(), HasSubstr("suite-b, 1000 objects, 9.0 pairs per frame"));
   EXPECT_THAT(right.str(), HasSubstr("Ode in suite-b (1000 objects): stopped by the cap"));
   EXPECT_THAT(right.str(), Not(HasSubstr("FAILED")));
   report.rows[0].difference = "step 1: other pairs";
   std::ostringstream wrong;
-  PrintBenchTables(report, wrong);
+  PrintBenchTable(report, wrong);
   EXPECT_THAT(wrong.str(), HasSubstr("FAILED SAP in suite-b (1000 objects): step 1"));
 }
 
@@ -114,10 +114,10 @@ TEST(BenchJson, SaysNullWhereNothingWasMeasured) {
   EXPECT_EQ(document["speedups"][0]["simd"], "avx2");
 }
 
-TEST(BenchTables, HaveTheFamilyAndTheFramesWithPeersOnly) {
+TEST(BenchTable, HaveTheFamilyAndTheFramesWithPeersOnly) {
   BenchReport report = SmallReport();
   std::ostringstream alone;
-  PrintBenchTables(report, alone);
+  PrintBenchTable(report, alone);
   EXPECT_THAT(alone.str(), testing::StartsWith("arm "));
   EXPECT_THAT(alone.str(), HasSubstr("Some CPU, 0 cores"));
   EXPECT_THAT(alone.str(), Not(HasSubstr("cold caches")));
@@ -125,57 +125,31 @@ TEST(BenchTables, HaveTheFamilyAndTheFramesWithPeersOnly) {
   report.options.cold = true;
   report.machine.absent_peers = {"Bullet, libbullet-dev"};
   std::ostringstream beside;
-  PrintBenchTables(report, beside);
+  PrintBenchTable(report, beside);
   EXPECT_THAT(beside.str(), testing::ContainsRegex("^family +arm +thr +frames +ms_median"));
   EXPECT_THAT(beside.str(), HasSubstr("cold caches"));
   EXPECT_THAT(beside.str(), HasSubstr("\nHighway 1.0.3\nLeft out: Bullet, libbullet-dev\n"));
 }
 
-TEST(BenchTables, HaveTheInstructionSetWhereSeveralWereMeasured) {
+TEST(BenchTable, HaveTheInstructionSetWhereSeveralWereMeasured) {
   BenchReport report = SmallReport();
   std::ostringstream one;
-  PrintBenchTables(report, one);
+  PrintBenchTable(report, one);
   EXPECT_THAT(one.str(), Not(HasSubstr("simd")));
   report.options.simd = {"avx2", "sse4"};
   report.rows.insert(report.rows.begin() + 1, Row(ContestantKind::kArm, "SAP", 0.75));
   report.rows[1].simd = "sse4";
   report.rows[1].difference = "step 1: other pairs";
   std::ostringstream several;
-  PrintBenchTables(report, several);
+  PrintBenchTable(report, several);
   EXPECT_THAT(several.str(), testing::ContainsRegex("^arm +simd +thr +ms_median"));
   EXPECT_THAT(several.str(), testing::ContainsRegex("\nSAP +sse4 +1 +0.7500"));
   EXPECT_THAT(several.str(), testing::ContainsRegex("\nOde +- +1 +2.0000"));
-  EXPECT_THAT(several.str(), testing::ContainsRegex("overall +SAP +avx2 +1 +Ode"));
   EXPECT_THAT(several.str(), HasSubstr("FAILED SAP with sse4 in suite-b (1000 objects): step 1"));
   report.options.peers = true;
   std::ostringstream beside;
-  PrintBenchTables(report, beside);
+  PrintBenchTable(report, beside);
   EXPECT_THAT(beside.str(), testing::ContainsRegex("^family +arm +simd +thr +frames +ms_median"));
-}
-
-TEST(BenchTables, HaveTheRatiosUnderTheCellThatTheyAreOf) {
-  BenchReport report = SmallReport();
-  report.cells.push_back({"hurricane", 500, false});
-  report.ratios.push_back(report.ratios[0]);
-  report.ratios[1].cell = 1;
-  report.ratios[1].kind = RatioKind::kGrowth;
-  report.ratios[1].value_mean = 2.25;
-  std::ostringstream out;
-  PrintBenchTables(report, out);
-  EXPECT_THAT(out.str(), testing::ContainsRegex("overall +SAP +1 +Ode +4.00 +-"));
-  EXPECT_THAT(out.str(), testing::ContainsRegex("growth +SAP +1 +Ode +4.00 +2.25"));
-  EXPECT_LT(out.str().find("overall"), out.str().find("hurricane, 500 objects"));
-  report.ratios.clear();
-  std::ostringstream without;
-  PrintBenchTables(report, without);
-  EXPECT_THAT(without.str(), Not(HasSubstr("compared")));
-}
-
-TEST(RatioKindName, IsTheWordOfTheContract) {
-  EXPECT_STREQ(RatioKindName(RatioKind::kFamily), "family");
-  EXPECT_STREQ(RatioKindName(RatioKind::kThreads), "threads");
-  EXPECT_STREQ(RatioKindName(RatioKind::kSpike), "spike");
-  EXPECT_STREQ(RatioKindName(RatioKind::kSimd), "simd");
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ class InterruptedExperiment : public testing::Test {
 
   RunRecord RecordOf(const PlannedRun& run) const {
     RunRecord record = MakeRecord(run.cell, run.policy, run.run, 1, 60);
-    record.seed = run.seed;
+    static_cast<PlannedRun&>(record) = run;
     return record;
   }
   void Finish(const PlannedRun& run) {
@@ -72,9 +72,9 @@ class InterruptedExperiment : public testing::Test {
     }
   }
   void WriteManifest(size_t finished_count) {
-    const std::string text =
-        ManifestJson(plan_, {{"sweepstake-lab experiment", "start", ""}}, finished_count);
-    EXPECT_TRUE(folder_.WriteManifest(text).ok());
+    EXPECT_TRUE(
+        folder_.WriteManifest(plan_, {{"sweepstake-lab experiment", "start", ""}}, finished_count)
+            .ok());
   }
   json Manifest() const { return json::parse(FileText(folder_.path() / "manifest.json")); }
 
@@ -89,9 +89,9 @@ TEST_F(InterruptedExperiment, FindsItsRunsInTheOrderOfThePlan) {
   Finish(plan_.runs[4]);
   const auto records = folder_.ReadRecords(plan_);
   ASSERT_EQ(records.size(), 3U);
-  EXPECT_EQ(RunLabel(records[0]), "brownian-60-random-1");
-  EXPECT_EQ(RunLabel(records[1]), "brownian-80-paper-1");
-  EXPECT_EQ(RunLabel(records[2]), "brownian-80-paper-2");
+  EXPECT_EQ(records[0].label(), "brownian-60-random-1");
+  EXPECT_EQ(records[1].label(), "brownian-80-paper-1");
+  EXPECT_EQ(records[2].label(), "brownian-80-paper-2");
 }
 
 TEST_F(InterruptedExperiment, PlaysAgainWhatIsOfAnotherRun) {
@@ -142,7 +142,8 @@ TEST_F(InterruptedExperiment, ARecordOfAnotherFormatIsRefusedAndNamed) {
               HasSubstr("its format or version is not supported"));
   EXPECT_THAT(message([](json& d) { d["run"].erase("switches"); }), HasSubstr("switches"));
   EXPECT_THAT(message([](json& d) { d["run"]["arms"] = 3; }), StartsWith(path.string()));
-  EXPECT_THAT(message([](json& d) { d = json::array(); }), HasSubstr("is not a record of a run"));
+  EXPECT_THAT(message([](json& d) { d = json::array(); }),
+              HasSubstr("is not a valid record of a run"));
 }
 
 TEST_F(InterruptedExperiment, ARecordWhoseListsDoNotFitIsRefused) {
@@ -174,13 +175,11 @@ TEST_F(InterruptedExperiment, ARecordWhoseListsDoNotFitIsRefused) {
 
 TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
   ExperimentOptions options = plan_.options;
-  options.large_object_counts = {200};
   options.time_scale = 12.5;
   options.seed = 9;
-  options.frames = true;
   auto plan = MakePlan(options);
   ASSERT_TRUE(plan.ok());
-  ASSERT_TRUE(folder_.WriteManifest(ManifestJson(*plan, {}, plan->runs.size())).ok());
+  ASSERT_TRUE(folder_.WriteManifest(*plan, {}, plan->runs.size()).ok());
   const auto read = folder_.ReadManifest();
   ASSERT_TRUE(read.ok()) << read.status().message();
   const auto again = MakePlan(read->options);
@@ -192,7 +191,6 @@ TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
     EXPECT_EQ(again->runs[i].label(), plan->runs[i].label());
     EXPECT_EQ(again->runs[i].seed, plan->runs[i].seed);
   }
-  EXPECT_TRUE(read->options.frames);
   EXPECT_EQ(read->options.replay_seed_count, 2U);
   EXPECT_EQ(Manifest()["state"], "complete");
 }
@@ -227,10 +225,12 @@ TEST_F(InterruptedExperiment, ABrokenManifestIsNamed) {
   }
   json document = json::parse(whole);
   document["options"].erase("window");
-  EXPECT_THAT(status(document.dump()).message(), HasSubstr("manifest.json is broken: "));
+  EXPECT_THAT(status(document.dump()).message(),
+              HasSubstr("manifest.json is not a valid manifest"));
   document = json::parse(whole);
   document["format"] = "sweepstake-experiment-run";
-  EXPECT_THAT(status(document.dump()).message(), HasSubstr("the manifest of another program"));
+  EXPECT_THAT(status(document.dump()).message(),
+              HasSubstr("its format or version is not supported"));
 }
 
 // All runs and traces exist, so nothing is played or timed.
@@ -260,7 +260,7 @@ TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
   EXPECT_EQ(FileText(folder_.RunFile(plan_.runs[5])), record);
   EXPECT_EQ(FileText(folder_.TraceFile(plan_.cells[1])), trace);
   EXPECT_EQ(json::parse(FileText(folder_.path() / "experiment.json")), document);
-  EXPECT_THAT(FileText(folder_.path() / "tables.txt"), StartsWith("\nTable 3 with policy paper"));
+  EXPECT_THAT(FileText(folder_.path() / "tables.txt"), StartsWith("\nTable 3. Dominant"));
   EXPECT_EQ(Manifest()["state"], "complete");
   ASSERT_EQ(Manifest()["sittings"].size(), 2U);
   EXPECT_EQ(Manifest()["sittings"][0]["end_utc"], "") << "the first session was killed";
@@ -272,10 +272,10 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   const TemporaryDirectory root;
   const std::filesystem::path out = root.path() / "out";
   const std::string line =
-      "experiment --scenes brownian,hurricane --objects 60 --sizes-beyond 80 --policies "
+      "experiment --scenes brownian,hurricane --objects 60,80 --policies "
       "paper,adaptive-without-gate --runs 3 --window 2m --time-scale 500 --seed 5 --trace-frames "
       "64 "
-      "--replay-seeds 2 --frames --out " +
+      "--replay-seeds 2 --out " +
       out.string();
   EXPECT_EXIT(
       {
@@ -295,7 +295,6 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   EXPECT_EQ(plan->window_ns, 240'000'000U);
   EXPECT_EQ(plan->options.trace_frame_count, 64U);
   EXPECT_EQ(plan->options.replay_seed_count, 2U);
-  EXPECT_TRUE(plan->options.frames);
   const json document = json::parse(FileText(out / "experiment.json"));
   EXPECT_EQ(document["complete"], false);
   EXPECT_EQ(document["finished_runs"], 0);

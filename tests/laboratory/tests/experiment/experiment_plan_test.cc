@@ -8,8 +8,7 @@
 
 #include "engine_client/decider/embedded/study_maker.h"
 #include "sweepstake/broad_phase.h"
-#include "tests/laboratory/experiment/experiment_live.h"
-#include "tests/laboratory/experiment/paper_tables.h"
+#include "tests/laboratory/experiment/experiment_run.h"
 #include "tests/laboratory/policies/study_policies.h"
 #include "tests/laboratory/tests/experiment/experiment_records.h"
 #include "tests/laboratory/tests/lab_command.h"
@@ -88,14 +87,12 @@ TEST(ExperimentPlan, RunsByCellThenNumberThenPolicy) {
                           "brownian-60-paper-2", "brownian-60-random-2"));
 }
 
-TEST(ExperimentPlan, SizesBeyondFollowTheSizes) {
+TEST(ExperimentPlan, KeepsTheOrderOfTheCountsAndRejectsACellTwice) {
   ExperimentOptions options = SmallOptions();
   options.scenes = {"brownian"};
   options.object_counts = {80, 60};
-  options.large_object_counts = {200};
-  EXPECT_THAT(Labels(PlanOf(options).cells),
-              ElementsAre("brownian-80", "brownian-60", "brownian-200"));
-  options.large_object_counts = {60};
+  EXPECT_THAT(Labels(PlanOf(options).cells), ElementsAre("brownian-80", "brownian-60"));
+  options.object_counts = {60, 60};
   EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("two cells called brownian-60"));
 }
 
@@ -104,8 +101,6 @@ TEST(ExperimentPlan, DividesTheWindowByTheTimeScale) {
   options.time_scale = 60;
   const ExperimentPlan plan = PlanOf(options);
   EXPECT_EQ(plan.window_ns, 15'000'000'000U);
-  // 42 s of exploration ÷ 60, the window, and a fifteenth of it for the controls.
-  EXPECT_EQ(plan.expected_run_ns(), 16'700'000'000U);
   options.window = "30m";
   EXPECT_EQ(PlanOf(options).window_ns, 30'000'000'000U);
 }
@@ -224,12 +219,11 @@ TEST(PlayLive, StartsARunOfAnAblationAndEndsItWhenItMayNotGoOn) {
   options.policies = {"adaptive-without-shadow"};
   const ExperimentPlan plan = PlanOf(options);
   int asked_count = 0;
-  const auto record = PlayLive(
-      plan.runs[0],
-      {.window_ns = 1'000'000, .time_scale = 1000, .frames_file = {}, .go_on = [&](uint64_t) {
-         ++asked_count;
-         return false;
-       }});
+  const auto record =
+      PlayLive(plan.runs[0], {.window_ns = 1'000'000, .time_scale = 1000, .go_on = [&](uint64_t) {
+                                ++asked_count;
+                                return false;
+                              }});
   ASSERT_TRUE(record.ok()) << record.status().message();
   EXPECT_FALSE(*record) << "an unfinished run has no record";
   EXPECT_EQ(asked_count, 1);

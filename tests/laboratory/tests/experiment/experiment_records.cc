@@ -57,7 +57,7 @@ RunRecord MakeRecord(const ExperimentCell& cell, const std::string& policy, uint
   for (size_t i = 0; i < kRecordArms.size(); ++i) {
     record.explored.push_back({10, 400'000, 300'000});
     record.observed.push_back({1000, 40'000'000, 30'000'000});
-    record.controls.push_back({100, i == arm ? 25'000.0 : 50'000.0, 60'000.0});
+    record.controls.push_back({100, 6'000'000, i == arm ? 2'500'000U : 5'000'000U});
   }
   record.time = {.scene_step_ns = 30'000'000,
                  .detection_ns = 80'000'000,

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/laboratory/experiment/experiment_plan.h"
-#include "tests/laboratory/experiment/experiment_record.h"
+#include "tests/laboratory/experiment/experiment_folder.h"
 
 namespace sweepstake::test_support {
 

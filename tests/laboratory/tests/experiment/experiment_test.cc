@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
-#include "tests/laboratory/experiment/experiment_live.h"
 #include "tests/laboratory/experiment/experiment_output.h"
 #include "tests/laboratory/experiment/experiment_run.h"
 #include "tests/laboratory/tests/experiment/experiment_records.h"
@@ -20,7 +18,6 @@ using test_support::FileText;
 using test_support::MakeRecord;
 using test_support::PlanOf;
 using test_support::TemporaryDirectory;
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 const ExperimentCell kCell{"brownian", 1000, 1};
@@ -109,13 +106,15 @@ TEST(ExperimentTables, StandInThePapersLayoutWithItsFiguresBeside) {
   std::ostringstream out;
   PrintExperiment(report, "out", out);
   EXPECT_EQ(out.str(),
-            "\nTable 3 with policy paper. Dominant algorithms across the runs.\n\n"
+            "\nTable 3. Dominant algorithms across the runs.\n\n"
             "Scenario       Objects  Dominance frequency  Interpretation              Paper\n"
+            "\nPolicy paper\n"
             "Rotating Grav  1,000    SAP 2/2              Stable preference for SAP.  SAP 3/5; "
             "AxisSweep 2/5\n"
-            "\nTable 4 with policy paper. Switches over all runs; active time, μ* and n* over the "
+            "\nTable 4. Switches over all runs; active time, μ* and n* over the "
             "dominant runs; mean ± sample standard deviation.\n\n"
             "Scenario       Obj.   Dominant  Freq.  Switches  Active (%)  μ* / n*\n"
+            "\nPolicy paper\n"
             "Rotating Grav  1,000  SAP       2 / 2  2.0±0.0   65.0±7.1    0.900±0.000 / 10.0±0.0\n"
             "  paper               SAP       3 / 5  20.0±1.2  42.3±2.9    0.905±0.006 / "
             "179.0±13.0\n");
@@ -124,71 +123,6 @@ TEST(ExperimentTables, StandInThePapersLayoutWithItsFiguresBeside) {
 TEST(ExperimentTables, OfOneRunHaveNoDeviation) {
   EXPECT_EQ(SpreadText({12.25, 0, 1}, 1), "12.2");
   EXPECT_EQ(SpreadText({12.25, 0, 2}, 1), "12.2±0.0");
-}
-
-TEST(ExperimentFolder, FindsTheRunsThatAreThereAndFit) {
-  const TemporaryDirectory root;
-  const ExperimentFolder folder(root.path() / "out");
-  ASSERT_TRUE(folder.Create().ok());
-  ExperimentOptions options;
-  options.scenes = {"brownian"};
-  options.object_counts = {1000};
-  options.run_count = 2;
-  const ExperimentPlan plan = PlanOf(options);
-  EXPECT_TRUE(folder.ReadRecords(plan).empty());
-  RunRecord record = MakeRecord(plan.cells[0], "default", 2, 1, 60);
-  record.seed = plan.runs[3].seed;
-  ASSERT_TRUE(WriteRecord(record, folder.RunFile(plan.runs[3])).ok());
-  // A record with another seed, and a file that is not a record.
-  ASSERT_TRUE(
-      WriteRecord(MakeRecord(plan.cells[0], "paper", 1, 1, 60), folder.RunFile(plan.runs[0])).ok());
-  std::ofstream(folder.RunFile(plan.runs[1])) << "{";
-  const auto records = folder.ReadRecords(plan);
-  ASSERT_EQ(records.size(), 1U);
-  EXPECT_EQ(RunLabel(records[0]), "brownian-1000-default-2");
-}
-
-TEST(ExperimentFolder, ItsManifestBringsTheOptionsBack) {
-  const TemporaryDirectory root;
-  const ExperimentFolder folder(root.path() / "out");
-  EXPECT_THAT(folder.ReadManifest().status().message(), HasSubstr("there is no experiment in"));
-  ASSERT_TRUE(folder.Create().ok());
-  ExperimentOptions options;
-  options.quick = true;
-  options.seed = ~uint64_t{0};
-  options.time_scale = 60;
-  const ExperimentPlan plan = PlanOf(options);
-  ASSERT_TRUE(
-      folder.WriteManifest(ManifestJson(plan, {{"sweepstake-lab experiment", "start", ""}}, 2))
-          .ok());
-  const auto manifest = folder.ReadManifest();
-  ASSERT_TRUE(manifest.ok());
-  EXPECT_EQ(manifest->options.seed, options.seed);
-  EXPECT_THAT(manifest->options.object_counts, ElementsAre(1000, 3000));
-  EXPECT_EQ(manifest->sessions[0].command_line, "sweepstake-lab experiment");
-  EXPECT_THAT(FileText(folder.path() / "manifest.json"), HasSubstr("\"state\": \"partial\""));
-  EXPECT_THAT(folder.Create().message(), HasSubstr("--resume"));
-}
-
-TEST(RawCsv, HasEveryRunAndQuotesWhatNeedsIt) {
-  const TemporaryDirectory folder;
-  const ExperimentCell odd{"a,b.aabbs", 7, 1};
-  ExperimentReport report;
-  report.records = {MakeRecord(kCell, "paper", 1, 1, 60), MakeRecord(odd, "paper", 1, 0, 60)};
-  ASSERT_TRUE(WriteExperimentCsv(report, folder.path()).ok());
-  const std::string final_rows = FileText(folder.path() / "final.csv");
-  EXPECT_THAT(final_rows, HasSubstr("\r\nbrownian-1000-paper-1,KDTree,9.000000000,1.000000000,"
-                                    "0.900000000,10.000000000,0.600000000,1,"));
-  EXPECT_THAT(final_rows, HasSubstr("\r\n\"a,b-7-paper-1\",SAP,"));
-  EXPECT_THAT(FileText(folder.path() / "switches.csv"),
-              HasSubstr("\r\nbrownian-1000-paper-1,66.000000,70,KDTree,Grid,policy,1,1000,10"));
-  EXPECT_THAT(FileText(folder.path() / "activations.csv"),
-              HasSubstr("\r\nbrownian-1000-paper-1,KDTree,6.000000,66.000000,policy,1"));
-  EXPECT_THAT(
-      FileText(folder.path() / "decisions.csv"),
-      HasSubstr(
-          "\r\nbrownian-1000-paper-1,105.000000,Grid,KDTree,held-cooldown,,0.900000000,KDTree,"
-          "0.900000000,0.001000000,stable"));
 }
 
 TEST(MetricWindowMeter, ClosesAWindowPerIntervalAndPerArm) {
@@ -210,12 +144,6 @@ TEST(MetricWindowMeter, ClosesAWindowPerIntervalAndPerArm) {
   EXPECT_EQ(windows[2].arm, 1U);
   EXPECT_EQ(windows[2].frame_count, 3U);
   EXPECT_TRUE(meter.Take(150).empty());
-}
-
-TEST(DurationText, IsAsExactAsOneWantsToKnow) {
-  EXPECT_EQ(DurationText(40'400'000'000), "40 s");
-  EXPECT_EQ(DurationText(600'000'000'000), "10 min");
-  EXPECT_EQ(DurationText(7'300'000'000'000), "2 h 2 min");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The core of `sweepstake-lab check`: its oracle agrees with the definition, and it detects wrong
 // backends.
-#include "tests/laboratory/game/scene_check.h"
+#include "tests/laboratory/game/pair_oracle.h"
 
 #include <gtest/gtest.h>
 

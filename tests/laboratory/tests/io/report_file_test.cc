@@ -5,12 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "tests/laboratory/report/report_page.h"
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
@@ -46,26 +45,17 @@ TEST(ReportPage, IsThereOrSaysWhatIsMissing) {
   }
 }
 
-TEST(ReportFile, AppearsWholeOrNotAtAll) {
+TEST(WriteReport, WritesThePageOrFailsWithTheReason) {
   const test_support::TemporaryDirectory folder;
-  const std::filesystem::path path = folder.path() / "report.html";
-  {
-    const auto dropped = ReportFile::Create(path.string());
-    if (ReportPage().empty()) {
-      EXPECT_EQ(dropped.status().code(), StatusCode::kUnavailable);
-      return;
-    }
-    ASSERT_TRUE(dropped.ok());
-  }
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-  const auto file = ReportFile::Create(path.string());
+  const std::string path = (folder.path() / "report.html").string();
   std::ostringstream out, err;
   Terminal terminal{.out = out, .err = err};
-  ASSERT_TRUE((*file)->Commit(std::array<std::string, 1>{"{\"rows\":[]}"}, terminal).ok());
-  EXPECT_THAT(err.str(), HasSubstr(path.string()));
-  std::stringstream text;
-  text << std::ifstream(path).rdbuf();
-  EXPECT_THAT(text.str(), HasSubstr("[{\"rows\":[]}]"));
+  const Status status = WriteReport(path, std::array<std::string, 1>{"{\"rows\":[]}"}, terminal);
+  EXPECT_EQ(status.code(), ReportPageStatus().code());
+  if (!status.ok()) return;
+  EXPECT_THAT(err.str(), HasSubstr(path));
+  EXPECT_THAT(test_support::FileText(path), HasSubstr("[{\"rows\":[]}]"));
+  EXPECT_FALSE(WriteReport("/nonexistent/x.html", {}, terminal).ok());
 }
 
 }  // namespace

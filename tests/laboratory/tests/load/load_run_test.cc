@@ -61,7 +61,6 @@ class LoadRunTest : public ::testing::Test {
   std::unique_ptr<RpcServer> server_;
   LoadPlan plan_{.daemon = {},
                  .stream_count = 50,
-                 .channel_count = 3,
                  .scene_count = 4,
                  .batches_per_second = 10,
                  .batch_frames = 30,

@@ -1,8 +1,10 @@
 // The figures of a load run contain the measured values and omit the others.
-#include "tests/laboratory/load/load_summary.h"
+#include "tests/laboratory/load/load_run.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
 
 namespace sweepstake::cli {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "engine_client/cli/game/scene_choice.h"
 #include "tests/laboratory/game/pair_oracle.h"
-#include "tests/laboratory/peers/peer_registry.h"
+#include "tests/laboratory/peers/peer.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -32,34 +32,18 @@ class ExperimentProgram : public testing::Test {
 };
 
 TEST_F(ExperimentProgram, WritesTablesRawRowsAndManifest) {
-  const ProgramRun run =
-      RunLab(kTiny + std::string("--runs 2 --frames --json --out ") + folder_.string());
+  const ProgramRun run = RunLab(kTiny + std::string("--runs 2 --json --out ") + folder_.string());
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json document = json::parse(run.out);
   EXPECT_EQ(document["complete"], true);
   ASSERT_EQ(document["rows"].size(), 1U);
   EXPECT_EQ(document["rows"][0]["runs"], 2);
   EXPECT_TRUE(document["rows"][0].contains("replay_regret"));
-  for (const char* name : {"manifest.json",
-                           "tables.txt",
-                           "table3.csv",
-                           "table4.csv",
-                           "activations.csv",
-                           "switches.csv",
-                           "decisions.csv",
-                           "posteriors.csv",
-                           "final.csv",
-                           "metrics.csv",
-                           "time.csv",
-                           "ranking.csv",
-                           "regret.csv",
-                           "agreement.csv",
-                           "comparisons.csv",
-                           "experiment.json",
-                           "traces/brownian-60.costs",
-                           "runs/brownian-60-paper-1.json",
-                           "runs/brownian-60-paper-2.json",
-                           "frames/brownian-60-paper-1.csv"}) {
+  for (const char* name : {"manifest.json", "tables.txt", "tables.csv", "activations.csv",
+                           "switches.csv", "decisions.csv", "posteriors.csv", "final.csv",
+                           "metrics.csv", "time.csv", "ranking.csv", "regret.csv", "agreement.csv",
+                           "comparisons.csv", "experiment.json", "traces/brownian-60.costs",
+                           "runs/brownian-60-paper-1.json", "runs/brownian-60-paper-2.json"}) {
     EXPECT_GT(FileText(folder_ / name).size(), 60U) << name;
   }
   EXPECT_EQ(json::parse(FileText(folder_ / "experiment.json")), document);
@@ -112,7 +96,7 @@ TEST_F(ExperimentProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
   } cases[] = {
       {"experiment", "--out DIR"},
       {"experiment --resume a --out b", "either --out"},
-      {"experiment --resume " + folder_.string(), "there is no experiment in"},
+      {"experiment --resume " + folder_.string(), "there is no manifest of an experiment"},
       {"experiment --policies coin" + out, "paper"},
       {"experiment --scenes nowhere" + out, "hurricane"},
       {"experiment --window soon" + out, "60s"},

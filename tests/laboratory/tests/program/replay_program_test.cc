@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -81,20 +80,6 @@ TEST_F(ReplayProgram, TheSameWhateverTheNumberOfThreads) {
   EXPECT_EQ(RunLab(words + "1").out, RunLab(words + "3").out);
 }
 
-TEST_F(ReplayProgram, WritesEveryGameAsARow) {
-  const std::string csv = folder() + "/games.csv";
-  const ProgramRun run = RunLab("replay --costs " + Costs() +
-                                " --policy random,fixed:Grid --seeds 4 --run 20s --csv " + csv);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  std::ifstream file(csv);
-  std::string line;
-  std::getline(file, line);
-  EXPECT_THAT(line, testing::StartsWith("costs,policy,seed,regret_best_fixed,regret_oracle,"));
-  int rows = 0;
-  while (std::getline(file, line)) ++rows;
-  EXPECT_EQ(rows, 8);
-}
-
 TEST_F(ReplayProgram, RowsSayTheirPriorsAndTheirPassOfWhichEachTraceMayHaveItsOwn) {
   const ProgramRun run =
       RunLab("replay --costs " + Costs() + "," + Costs() +
@@ -114,14 +99,11 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
   } cases[] = {
       {"", "give exactly one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
       {"--costs " + Costs() + " --log x.csv", "give exactly one of --costs"},
-      {"--log x.csv --report x.html", "--log excludes --report"},
-      {"--log x.csv --csv y.csv", "--log excludes --csv"},
       {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},
       {"--costs " + Costs() + " --pass soon", "'soon' is not a duration"},
       {"--costs " + Costs() + " --policy pape", "must be one of paper, default, "},
       {"--costs " + Costs() + " --policy fixed:KDTree", "unknown arm of the traces 'KDTree'"},
       {"--costs " + Costs() + " --run 1", "'1' is not a duration"},
-      {"--costs " + Costs() + " --other-work 10ms", "--other-work"},
       {"--costs " + Costs() + " --priors wright",
        "--priors: unknown value 'wright', must be one of right, none"},
       {"--costs " + Costs() + " --seeds 0", "--seeds"},

@@ -1,6 +1,6 @@
 // `sweepstake-lab replay --log`: derives the decisions of an audit log again and finds changed
 // rows.
-#include "tests/laboratory/replay/replay_log.h"
+#include "tests/laboratory/replay/replay_output.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,21 +4,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "tests/laboratory/replay/replay_plan.h"
 #include "tests/laboratory/tests/replay/replay_fixtures.h"
-#include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using nlohmann::json;
-using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -34,8 +30,7 @@ class ReplayOutput : public testing::Test {
 
   static StudyRow PaperRow() {
     StudyRow row;
-    row.games = {{.regret_best_fixed = 0.5, .switch_count = 3, .bail_out_count = 1},
-                 {.regret_best_fixed = 0.25, .dominant_arm = 1, .first_best_s = 12.5}};
+    row.games = {{.regret_best_fixed = 0.5}, {.regret_best_fixed = 0.25}};
     row.regret_best_fixed = 0.375;
     row.ci95 = {0.25, 0.5};
     row.regret_after_start_up = -0.00001;
@@ -48,7 +43,7 @@ class ReplayOutput : public testing::Test {
     row.first_best_s = 12.5;
     row.first_right = 0.5;
     row.opening_regret = 0.25;
-    row.against_paper = StudyRow::AgainstPaper{};
+    row.against_paper = PairedComparison{};
     row.ms = {.detection = 0.75, .best = 0.5, .median = 1, .worst = 2, .lane = 0.0625};
     row.paper_ms = 0.75;
     row.reliability.Add(0.85, 0);
@@ -91,6 +86,7 @@ TEST_F(ReplayOutput, JsonHasARowForEachSceneAndPlayer) {
   EXPECT_EQ(row["priors"], "none");
   EXPECT_EQ(row["pass_ns"], 60'000'000'000);
   EXPECT_EQ(row["regret_best_fixed"], 0.375);
+  EXPECT_EQ(row["regrets"], json({0.5, 0.25}));
   EXPECT_EQ(row["ci95"], json({0.25, 0.5}));
   EXPECT_EQ(row["headroom_captured"], -3.75);
   EXPECT_EQ(row["dominant"], "AxisSweep");
@@ -148,11 +144,6 @@ TEST_F(ReplayOutput, RegretIsAlsoAShareOfDetectionAndOfAFrameAndInMilliseconds) 
       "worst": 2.0, "paper": 0.75, "regret": 0.25, "lane": 0.0625})"));
   EXPECT_TRUE(document["rows"][1]["ms_per_frame"]["paper"].is_null());
   EXPECT_EQ(document["scenes"][0]["objects"], 1000);
-  const std::string table = Table();
-  EXPECT_THAT(table, HasSubstr("a.costs: 1,000 objects, best fixed arm 0.5000 ms, median 1.0000, "
-                               "worst 2.0000"));
-  EXPECT_THAT(table, ContainsRegex("paper +0.7500 +\\+0.2500 +\\+50.00% +\\+1.500% +-1.2500 +"
-                                   "-0.2500 +\\+0.0000 +0.0625"));
 }
 
 TEST_F(ReplayOutput, ProbabilitiesAreComparedWithHowOftenTheyAreRight) {
@@ -167,25 +158,10 @@ TEST_F(ReplayOutput, ProbabilitiesAreComparedWithHowOftenTheyAreRight) {
   EXPECT_DOUBLE_EQ(bins[0]["best_or_tie"], 2.0 / 3);
   EXPECT_EQ(bins[1]["high"], 1);
   EXPECT_TRUE(document["rows"][1]["reliability"].empty());
-  EXPECT_THAT(Table(), ContainsRegex("paper +- +- +- +- +33% .3. +- +- +100% .1. +0.387"));
-}
-
-TEST_F(ReplayOutput, TheCsvFileHasALineForEachGame) {
-  const test_support::TemporaryDirectory folder;
-  const std::string path = (folder.path() / "games.csv").string();
-  auto csv = CreateReplayCsv(path);
-  ASSERT_TRUE(csv.ok());
-  WriteReplayCsv(Report(), **csv);
-  ASSERT_TRUE((*csv)->Commit().ok());
-  std::ifstream file(path);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(file, line);) lines.push_back(line);
-  ASSERT_EQ(lines.size(), 5U);
-  EXPECT_EQ(lines[1],
-            "a.costs,paper,1,0.500000000,0.000000000,,0.000000000,3,1.000000000,"
-            "AxisSweep,1,\r");
-  EXPECT_THAT(lines[2], testing::EndsWith(",KDTree,,12.500\r"));
-  EXPECT_THAT(lines[3], testing::StartsWith("a.costs,oracle,1,"));
+  ASSERT_EQ(document["calibration"].size(), 1U);
+  EXPECT_EQ(document["calibration"][0]["policy"], "paper");
+  EXPECT_EQ(document["calibration"][0]["bins"], bins);
+  EXPECT_NEAR(document["calibration"][0]["error"].get<double>(), 0.387, 0.001);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The plan that `sweepstake-lab replay` makes from its options.
-#include "tests/laboratory/replay/replay_plan.h"
+#include "tests/laboratory/replay/replay_study.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,22 +41,17 @@ class ReplayPlanTest : public testing::Test {
 
 TEST_F(ReplayPlanTest, HasASceneForEachTraceAndAPlayerForEachWord) {
   ReplayRequest request = Request();
-  request.seed_count = 7;
-  request.thread_count = 3;
+  request.study.seed_count = 7;
   request.run = "2m";
-  request.frame = "20ms";
-  request.other_work = "5ms";
   const auto plan = MakeReplayPlan(request);
   ASSERT_TRUE(plan.ok()) << plan.status().message();
   ASSERT_EQ(plan->scenes.size(), 2U);
   EXPECT_EQ(plan->scenes[1].name, request.costs[1]);
-  EXPECT_EQ(plan->scenes[0].scene.frame_count(), 6'000U);
-  EXPECT_EQ(plan->scenes[0].scene.options().other_work_ns, 5'000'000U);
+  EXPECT_EQ(plan->scenes[0].scene.frame_count(), 12'000U);
   ASSERT_EQ(plan->study.players.size(), 3U);
   EXPECT_EQ(plan->study.players[2].name, "fixed:KDTree");
   EXPECT_EQ(plan->study.players[2].arm, 1U);
   EXPECT_EQ(plan->study.seed_count, 7U);
-  EXPECT_EQ(plan->study.thread_count, 3U);
   EXPECT_EQ(plan->study.priors, ReplayPriors::kNone);
   EXPECT_FALSE(plan->study.shadow_lane) << "the policy decides whether there is a lane";
 }
@@ -95,7 +90,7 @@ TEST_F(ReplayPlanTest, NamesTheWordThatIsWrong) {
     return Problem(request);
   };
   EXPECT_THAT(with(&ReplayRequest::run, "soon"), HasSubstr("'soon' is not a duration"));
-  EXPECT_THAT(with(&ReplayRequest::other_work, "10ms"), HasSubstr("a.costs: the other work"));
+  EXPECT_THAT(with(&ReplayRequest::run, "1ms"), HasSubstr("a.costs: the run is shorter"));
   EXPECT_THAT(with(&ReplayRequest::passes, std::vector<std::string>{"1m", "2m", "3m"}),
               HasSubstr("3 durations for 2 traces"));
   EXPECT_THAT(with(&ReplayRequest::policies, std::vector<std::string>{"pape"}),
@@ -104,7 +99,7 @@ TEST_F(ReplayPlanTest, NamesTheWordThatIsWrong) {
 
 TEST_F(ReplayPlanTest, TheLaneMisjudgesTheArmsThatAreNamed) {
   ReplayRequest request = Request();
-  request.lane_errors.noise_deviation = 0.15;
+  request.study.lane_errors.noise_deviation = 0.15;
   auto plan = MakeReplayPlan(request);
   ASSERT_TRUE(plan.ok());
   EXPECT_EQ(plan->study.lane_errors.noise_deviation, 0.15);

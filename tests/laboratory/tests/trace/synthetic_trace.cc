@@ -20,7 +20,6 @@ CostTrace MakeTrace(const SyntheticTrace& synthetic) {
       trace.aabb_check_count.push_back(2000);
       trace.native_bytes.push_back(4096);
       trace.held.push_back(0);
-      // HELD
     }
   }
   for (uint32_t first = 0; first + trace.burst_frame_count <= trace.frame_count;

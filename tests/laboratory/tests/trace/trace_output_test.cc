@@ -1,17 +1,14 @@
 // The outputs of `sweepstake-lab trace` for a trace with known numbers.
-#include "tests/laboratory/trace/trace_output.h"
+#include "tests/laboratory/trace/trace_summary.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
-#include <vector>
 
 #include "tests/laboratory/tests/trace/synthetic_trace.h"
-#include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -77,19 +74,6 @@ TEST(TraceOutput, WarnsOfAControlThatIsTooFarOffAndOfNoOther) {
   std::ostringstream unfair;
   PrintControlWarning(trace, SummarizeTrace(trace), unfair);
   EXPECT_THAT(unfair.str(), HasSubstr("two structures of SAP differ by 1.00 %, more than 0.5 %"));
-}
-
-TEST(TraceOutput, TheCsvFileHasALineForEachFrameAndArmAndTheControl) {
-  const test_support::TemporaryDirectory folder;
-  const auto path = folder.path() / "x.csv";
-  ASSERT_TRUE(WriteTraceCsv(OneAndTwoMs(), path).ok());
-  std::ifstream file(path);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(file, line);) lines.push_back(line);
-  ASSERT_EQ(lines.size(), 1 + 40 * 3U);
-  EXPECT_EQ(lines[2], "0,KDTree,1000,10,2.000000,2000,4096,0\r");
-  EXPECT_EQ(lines[3], "0,SAP control,1000,10,1.000000,,,0\r");
-  EXPECT_FALSE(WriteTraceCsv(OneAndTwoMs(), "/nonexistent/x.csv").ok());
 }
 
 }  // namespace

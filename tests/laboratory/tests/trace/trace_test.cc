@@ -8,10 +8,8 @@
 #include <set>
 
 #include "tests/laboratory/trace/cost_trace.h"
-#include "tests/laboratory/trace/trace_pass.h"
 #include "tests/laboratory/trace/trace_run.h"
 #include "tests/laboratory/trace/trace_summary.h"
-#include "tests/laboratory/trace/trace_turns.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -1,0 +1,34 @@
+// Files that hold one JSON document with the name and the version of its format: manifests, records
+// of runs, cost traces. A file appears whole or not at all. Thread-safe on different files.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "sweepstake/status.h"
+
+namespace sweepstake::cli {
+
+struct DocumentFormat {
+  const char* name;         // the document's member `format`
+  int version;              // its member `version`
+  const char* kind;         // as in "is not a cost trace"
+  const char* remedy = "";  // appended to errors: "; make it again with ..."
+  bool is_cbor = false;     // else text, indented by two spaces if `is_indented`
+  bool is_indented = false;
+};
+
+// Writes `content` with the members `format` and `version`. Errors: those of WholeFile.
+Status WriteDocument(const std::filesystem::path& path, const DocumentFormat& format,
+                     const nlohmann::ordered_json& content);
+
+// Reads the file and passes the document to `take`, which may throw the errors of the JSON library
+// and returns what is wrong with the document, or an empty text. Errors: kNotFound (there is no
+// such file), kDataLoss (it is not a document of this format and version, or `take` found an
+// error). Each message names the file.
+Status ReadDocument(const std::filesystem::path& path, const DocumentFormat& format,
+                    const std::function<std::string(const nlohmann::json&)>& take);
+
+}  // namespace sweepstake::cli
