@@ -72,9 +72,9 @@ def errors_of(fields, accessors):
             continue
         calls = {call for owner, call in accessors if owner == message}
         if not calls & {prefix + field for prefix in ("set_", "add_", "mutable_", "set_allocated_")}:
-            yield f"{message}.{field} is never written: remove it, and reserve its number and name"
+            yield f"{message}.{field} is never written: remove it"
         if not calls & {field, "has_" + field}:
-            yield f"{message}.{field} is never read: remove it, and reserve its number and name"
+            yield f"{message}.{field} is never read: remove it"
 
 
 def check(root, build):
@@ -92,7 +92,6 @@ def self_test():
     fields = list(fields_of("""
 message Empty {}
 message Goodbye {
-  reserved 1;
   // Not said; string word = 4;
   string reason = 2;
   oneof rest {

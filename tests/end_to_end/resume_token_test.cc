@@ -17,7 +17,7 @@ namespace {
 v1::StreamTelemetryRequest Hello() {
   v1::StreamTelemetryRequest request;
   v1::Hello& hello = *request.mutable_hello();
-  hello.set_protocol_version(2);
+  hello.set_protocol_version(1);
   hello.set_project("game");
   hello.set_scene("harbour");
   v1::Arm& arm = *hello.add_arms();

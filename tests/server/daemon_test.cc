@@ -54,7 +54,7 @@ class DaemonTest : public ::testing::Test {
 v1::StreamTelemetryRequest Hello() {
   v1::StreamTelemetryRequest request;
   v1::Hello& hello = *request.mutable_hello();
-  hello.set_protocol_version(2);
+  hello.set_protocol_version(1);
   hello.set_project("game");
   hello.set_scene("harbour");
   hello.add_arms()->set_name("Grid");

@@ -32,17 +32,16 @@ enum class WelcomeTag : Number {
   kMaxMessageBytes = 5,
   kBatchIntervalMs = 6,
   kDecisionIntervalMs = 7,
-  kSettlingMs = 9,
-  kBailOutMs = 10,
-  kDaemonVersion = 12,
-  kPolicy = 14,
-  kSeed = 15,
-  kPriors = 16,
-  kPriorSourceCount = 17,
-  kResumeToken = 18,
-  kPriorsUnavailable = 19,
-  kProtocolVersion = 20,
-  kCapabilities = 21
+  kSettlingMs = 8,
+  kBailOutMs = 9,
+  kDaemonVersion = 10,
+  kPolicy = 11,
+  kSeed = 12,
+  kPriors = 13,
+  kPriorSourceCount = 14,
+  kResumeToken = 15,
+  kPriorsUnavailable = 16,
+  kCapabilities = 17
 };
 enum class BetaPosteriorTag : Number { kAlpha = 1, kBeta = 2 };
 enum class SwitchCommandTag : Number {
@@ -67,7 +66,7 @@ enum class ArmStandingTag : Number {
   kCostRatio = 5
 };
 enum class CostRatioTag : Number { kMedian = 1, kLow = 2, kHigh = 3 };
-enum class ReconnectTag : Number { kDelayMs = 2 };
+enum class ReconnectTag : Number { kDelayMs = 1 };
 enum class OperatorOrderTag : Number { kOrderId = 1, kMode = 2, kArm = 3 };
 enum class BoxRequestTag : Number { kIntervalMs = 1, kMaxBytes = 2, kUntilMs = 3 };
 
@@ -184,8 +183,6 @@ void Read(std::string_view bytes, Welcome& welcome) {
         return in.TakeNumber(welcome.seed);
       case WelcomeTag::kResumeToken:
         return in.TakeText(welcome.resume_token);
-      case WelcomeTag::kProtocolVersion:
-        return in.TakeNumber(welcome.protocol_version);
       case WelcomeTag::kCapabilities:
         return in.TakeNumbers(welcome.capabilities);
       case WelcomeTag::kMaxBatchFrames:

@@ -32,30 +32,29 @@ enum class HelloTag : Number {
   kBuild = 4,
   kMachineClass = 5,
   kArms = 6,
-  kActiveArm = 8,
-  kMode = 9,
-  kSessionId = 10,
-  kTimeScale = 11,
-  kIgnorePriors = 12,
-  kSeed = 13,
-  kPolicy = 14,
-  kSwitchEpoch = 15,
-  kResumeToken = 16,
-  kMinProtocolVersion = 17,
-  kCapabilities = 18
+  kActiveArm = 7,
+  kMode = 8,
+  kSessionId = 9,
+  kTimeScale = 10,
+  kIgnorePriors = 11,
+  kSeed = 12,
+  kPolicy = 13,
+  kSwitchEpoch = 14,
+  kResumeToken = 15,
+  kCapabilities = 16
 };
 enum class FrameBatchTag : Number {
-  kFrameTimeNs = 2,
-  kDetectionTimeNs = 3,
-  kAabbCheckCount = 4,
-  kNativeBytes = 6,
-  kObjectCount = 7,
-  kArm = 8,
-  kSwitchEpoch = 9,
-  kFlags = 10,
-  kSceneDescriptor = 11,
-  kDroppedFrameCount = 12,
-  kShadowSamples = 13
+  kFrameTimeNs = 1,
+  kDetectionTimeNs = 2,
+  kAabbCheckCount = 3,
+  kNativeBytes = 4,
+  kObjectCount = 5,
+  kArm = 6,
+  kSwitchEpoch = 7,
+  kFlags = 8,
+  kSceneDescriptor = 9,
+  kDroppedFrameCount = 10,
+  kShadowSamples = 11
 };
 enum class ShadowSampleTag : Number {
   kFirstFrameIndex = 1,
@@ -84,9 +83,9 @@ enum class SwitchOutcomeTag : Number {
   kExecuted = 4,
   kRebuildTimeNs = 5,
   kSettlingCostNs = 6,
-  kReason = 8,
-  kTrialDetectionTimeNs = 9,
-  kTrialArm = 10
+  kReason = 7,
+  kTrialDetectionTimeNs = 8,
+  kTrialArm = 9
 };
 enum class BailOutTag : Number {
   kFrameIndex = 1,
@@ -213,7 +212,6 @@ std::string Encode(const Hello& hello) {
   out.PutText(HelloTag::kPolicy, hello.policy);
   out.PutNumber(HelloTag::kSwitchEpoch, hello.switch_epoch);
   out.PutText(HelloTag::kResumeToken, hello.resume_token);
-  out.PutNumber(HelloTag::kMinProtocolVersion, hello.min_protocol_version);
   out.PutNumbers(HelloTag::kCapabilities, hello.capabilities);
   return Request(StreamTelemetryRequestTag::kHello, out.Take());
 }

@@ -40,7 +40,6 @@ struct Hello {
   std::string policy;
   uint32_t switch_epoch = 0;
   std::string resume_token;
-  uint32_t min_protocol_version = 0;
   std::vector<Capability> capabilities;
 };
 
@@ -96,7 +95,6 @@ struct Welcome {
   uint64_t prior_source_count = 0;
   std::string resume_token;
   bool priors_unavailable = false;
-  uint32_t protocol_version = 0;
   std::vector<Capability> capabilities;
 };
 

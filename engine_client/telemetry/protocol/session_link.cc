@@ -14,9 +14,7 @@
 namespace sweepstake {
 namespace {
 
-// The protocol versions that this client supports.
-constexpr uint32_t kMinProtocolVersion = 1;
-constexpr uint32_t kMaxProtocolVersion = 2;
+constexpr uint32_t kProtocolVersion = 1;
 // The time within which the daemon must answer Hello, and must end a stream after the client has
 // closed its side. Then the stream is cancelled.
 constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
@@ -42,8 +40,7 @@ enum GrpcCode : uint32_t {
 
 protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhase& adaptive) {
   protocol::Hello hello;
-  hello.min_protocol_version = kMinProtocolVersion;
-  hello.protocol_version = kMaxProtocolVersion;
+  hello.protocol_version = kProtocolVersion;
   using protocol::Capability;
   if (options.allow_operator_orders) hello.capabilities.push_back(Capability::kOperatorOrders);
   if (options.allow_box_view) hello.capabilities.push_back(Capability::kBoxView);
@@ -81,15 +78,6 @@ BatchLimits LimitsOf(const SessionOptions& options, const protocol::Welcome& wel
   if (welcome.max_message_bytes > 0)
     limits.bytes = std::min(limits.bytes, welcome.max_message_bytes);
   return limits;
-}
-
-// Returns why the daemon's protocol version allows no session; empty if it is supported.
-std::string VersionMismatch(const protocol::Welcome& welcome) {
-  const uint32_t version = std::max(welcome.protocol_version, 1U);
-  if (version >= kMinProtocolVersion && version <= kMaxProtocolVersion) return "";
-  return "uses version " + std::to_string(version) + " of the protocol, this game supports " +
-         std::to_string(kMinProtocolVersion) + " to " + std::to_string(kMaxProtocolVersion) +
-         "; update the older one";
 }
 
 bool Has(const protocol::Welcome& welcome, protocol::Capability capability) {
@@ -250,8 +238,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
     return {StatusCode::kDataLoss, daemon_ + " " + stream_->fault};
   }
   if (response->welcome) OnWelcome(*response->welcome, now_ns);
-  // Responses of an unsupported protocol version are ignored.
-  if (!state_.online()) return {};
+  if (!state_.online()) return {};  // What precedes the welcome is ignored.
   if (response->switch_command) OnCommand(*response->switch_command, now_ns);
   if (response->acknowledgement) OnAcknowledgement(*response->acknowledgement);
   if (response->posterior_snapshot) {
@@ -268,8 +255,6 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
 
 void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
   if (state_.online()) return;  // A second welcome on the same connection is ignored.
-  stream_->mismatch = VersionMismatch(welcome);
-  if (!stream_->mismatch.empty()) return;
   if (welcome.session_id.empty()) {
     stream_->fault = "sent a welcome without a session id";
     return;
@@ -403,9 +388,7 @@ bool SessionLink::Explain(const StreamEnd& end, const std::string& reason,
   const bool refused = end.code == kGrpcInvalidArgument || IsTokenRefused(end.code, reason) ||
                        reason == "NOT_ALLOWED" || reason == "PROTOCOL_VERSION";
   refusal_ = refused ? WithReason(end.message, reason) : "";
-  if (!stream.mismatch.empty()) {
-    refusal_ = last_error_ = daemon_ + " " + stream.mismatch;
-  } else if (!stream.fault.empty()) {
+  if (!stream.fault.empty()) {
     last_error_ = daemon_ + " " + stream.fault;
   } else if (end.code == kGrpcOk && (stream.finished || stream.goodbye_sent)) {
     return false;
@@ -422,7 +405,6 @@ uint32_t SessionLink::DelayMs(const StreamEnd& end, const std::string& reason,
                               const LinkStream& stream, uint64_t now_ns) {
   if (stream.online_since_ns && now_ns - *stream.online_since_ns >= kGoodConnectionNs)
     backoff_.Reset();
-  if (!stream.mismatch.empty()) return backoff_.LongMs();
   if (IsTokenRefused(end.code, reason)) return kTokenDelayFactor * backoff_.LongMs();
   if (reason == "FOREIGN_SESSION") return backoff_.NextMs();
   if (IsLasting(end.code)) return backoff_.LongMs();

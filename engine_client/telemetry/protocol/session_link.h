@@ -53,8 +53,6 @@ struct StreamEnd {
 struct LinkStream {
   uint64_t deadline_ns = 0;  // when the daemon's next answer is overdue
   std::optional<uint64_t> online_since_ns;
-  // Why this daemon's protocol version is unsupported; empty: it is supported.
-  std::string mismatch;
   std::string fault;  // what the daemon did wrong; empty: nothing
   // The delay that the daemon requested for the next connection.
   std::optional<uint32_t> reconnect_delay_ms;
@@ -65,7 +63,7 @@ struct LinkStream {
 
   // Returns whether the stream is being cancelled. Then nothing is sent or accepted any more, and
   // Advance returns kCancel until Disconnected.
-  bool IsBeingCancelled() const { return given_up || !mismatch.empty() || !fault.empty(); }
+  bool IsBeingCancelled() const { return given_up || !fault.empty(); }
 };
 
 class SessionLink {

@@ -49,16 +49,12 @@ absl::Status CheckTimeScale(double scale, double max) {
                               std::ceil(scale)));
 }
 
-// The two version ranges must overlap.
-absl::Status CheckVersions(const v1::Hello& hello) {
-  const uint32_t newest = hello.protocol_version();
-  const uint32_t oldest = hello.min_protocol_version() == 0 ? newest : hello.min_protocol_version();
-  if (std::min(newest, kMaxProtocolVersion) >= std::max(oldest, kMinProtocolVersion))
-    return absl::OkStatus();
+absl::Status CheckVersion(const v1::Hello& hello) {
+  if (hello.protocol_version() == kProtocolVersion) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_PROTOCOL_VERSION,
-                 absl::StrCat("this daemon supports the protocol versions ", kMinProtocolVersion,
-                              " to ", kMaxProtocolVersion, ", the client ", oldest, " to ", newest,
-                              "; update the older side"));
+                 absl::StrCat("this daemon has version ", kProtocolVersion,
+                              " of the protocol, the client has version ",
+                              hello.protocol_version(), "; update the older side"));
 }
 
 absl::Status CheckArms(const v1::Hello& hello) {
@@ -165,7 +161,7 @@ absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
 }  // namespace
 
 absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
-  if (absl::Status status = CheckVersions(hello); !status.ok()) return status;
+  if (absl::Status status = CheckVersion(hello); !status.ok()) return status;
   if (absl::Status status = CheckNames(hello); !status.ok()) return status;
   if (absl::Status status = CheckArms(hello); !status.ok()) return status;
   if (absl::Status status = CheckPolicy(hello.policy()); !status.ok()) return status;

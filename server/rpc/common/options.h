@@ -18,9 +18,7 @@
 
 namespace sweepstake::rpc {
 
-// The protocol versions that the daemon supports.
-inline constexpr uint32_t kMinProtocolVersion = 1;
-inline constexpr uint32_t kMaxProtocolVersion = 2;
+inline constexpr uint32_t kProtocolVersion = 1;  // clients with another one are refused
 // A message above one of these three limits is INVALID_ARGUMENT.
 inline constexpr uint32_t kMaxBatchFrames = 240;
 inline constexpr uint32_t kMaxBatchShadows = 64;

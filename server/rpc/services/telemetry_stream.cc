@@ -134,7 +134,6 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
 
 absl::Status TelemetryStream::Open(v1::Hello& hello) {
   time_scale_ = std::max(1.0, hello.time_scale());
-  protocol_version_ = hello.protocol_version();
   if (hello.policy().empty()) hello.set_policy(context_.options.decision.policy);
   if (absl::Status status = CheckHello(hello, context_.options); !status.ok()) return status;
   if (absl::Status status = CheckProject(caller_, hello.project()); !status.ok()) return status;
@@ -172,7 +171,6 @@ void TelemetryStream::Enter(const sessions::OpenedSession& opened) {
   v1::Welcome& welcome = *Outbox().mutable_welcome();
   ToProto(*session_, hello, context_.options, welcome);
   welcome.set_resumed(opened.resumed);
-  welcome.set_protocol_version(std::min(protocol_version_, kMaxProtocolVersion));
   decision_interval_ms_ = welcome.decision_interval_ms();
   batch_interval_ms_ = BatchIntervalMs(decision_interval_ms_, streams_.all.size());
   welcome.set_batch_interval_ms(batch_interval_ms_);
@@ -209,18 +207,8 @@ v1::StreamTelemetryResponse& TelemetryStream::Outbox() {
 }
 
 v1::StreamTelemetryResponse TelemetryStream::TakeOutbox() {
-  v1::StreamTelemetryResponse taken;
   has_outbox_ = false;
-  if (protocol_version_ >= 2) {
-    taken.Swap(&outbox_);
-    return taken;
-  }
-  const google::protobuf::Reflection& reflection = *outbox_.GetReflection();
-  std::vector<const google::protobuf::FieldDescriptor*> fields;
-  reflection.ListFields(outbox_, &fields);  // by number, which is by urgency
-  has_outbox_ = fields.size() > 1;
-  reflection.SwapFields(&outbox_, &taken, {fields.front()});
-  return taken;
+  return std::exchange(outbox_, {});
 }
 
 void TelemetryStream::ClearOutbox() {

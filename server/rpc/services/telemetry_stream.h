@@ -126,8 +126,6 @@ class TelemetryStream final : public sessions::ClientStream,
   void Reject(const absl::Status& status);
   // What the next write sends.
   v1::StreamTelemetryResponse& Outbox();
-  // Takes out what the next write sends: all of it, or the most urgent field of it for a client of
-  // version 1.
   v1::StreamTelemetryResponse TakeOutbox();
   // Drops what is to be sent.
   void ClearOutbox();
@@ -146,7 +144,6 @@ class TelemetryStream final : public sessions::ClientStream,
   std::shared_ptr<sessions::SessionOpening> opening_;  // from Hello until there is a session
   sessions::Telemetry telemetry_;                      // reused
   double time_scale_ = 1;                              // of the Hello
-  uint32_t protocol_version_ = 1;                      // the newest that the client speaks
   uint32_t decision_interval_ms_ = 0;
   uint32_t batch_interval_ms_ = 0;  // the latest one that the client got
   auth::RateBucket messages_;

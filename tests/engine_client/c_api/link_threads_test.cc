@@ -15,8 +15,8 @@ namespace {
 using sweepstake::test_support::ThreadAllocationCount;
 using sweepstake::test_support::WaitCounter;
 
-// The welcome to session "a" in version 2 of the protocol.
-constexpr char kWelcome[] = "\x0a\x06\x0a\x01\x61\xa0\x01\x02";
+// The welcome to session "a".
+constexpr char kWelcome[] = "\x0a\x03\x0a\x01\x61";
 
 // Sends the link's messages until it has none left after `stop`, and counts them.
 uint64_t Drive(swp_link* link, const std::atomic<bool>& stop) {

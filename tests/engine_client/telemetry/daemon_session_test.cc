@@ -133,8 +133,7 @@ TEST_F(DaemonSessionTest, TheHelloDescribesTheSession) {
   session_->Stop();
   daemon.Kill();
   const v1::Hello& hello = daemon.hellos[0];
-  EXPECT_EQ(hello.min_protocol_version(), 1U);
-  EXPECT_EQ(hello.protocol_version(), 2U);
+  EXPECT_EQ(hello.protocol_version(), 1U);
   EXPECT_EQ(hello.project(), "game");
   EXPECT_EQ(hello.scene(), "hurricane");
   EXPECT_EQ(hello.build(), "1.2.3");

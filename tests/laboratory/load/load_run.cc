@@ -304,8 +304,7 @@ void LoadStream::Connect() {
 v1::StreamTelemetryRequest LoadStream::HelloRequest() const {
   v1::StreamTelemetryRequest request;
   v1::Hello& hello = *request.mutable_hello();
-  hello.set_min_protocol_version(2);
-  hello.set_protocol_version(2);
+  hello.set_protocol_version(1);
   hello.set_project(project_);
   hello.set_scene(scene_);
   for (uint32_t arm = 0; arm < kLoadArms; ++arm) {

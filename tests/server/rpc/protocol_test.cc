@@ -1,4 +1,4 @@
-// Welcome messages to clients of other versions, and to many clients.
+// The intervals of batches, and messages that the daemon does not know.
 #include "server/sessions/session_start.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 

@@ -34,15 +34,12 @@ TEST_F(TelemetryTest, HelloIsAnsweredWithAWelcome) {
   EXPECT_EQ(welcome.prior_source_count(), 0u);
 }
 
-TEST_F(TelemetryTest, TheWelcomeHasTheCommonVersionAndCapabilities) {
+TEST_F(TelemetryTest, TheWelcomeHasTheCapabilitiesThatBothSidesHave) {
   v1::Hello hello = HelloMessage();
-  hello.set_protocol_version(1'000);
-  hello.set_min_protocol_version(1);
   EXPECT_THAT(TelemetryClient(channel_).Open(hello).capabilities(), ::testing::IsEmpty());
   hello.add_capabilities(static_cast<v1::Capability>(99));
   for (int i = 0; i < 2; ++i) hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
-  EXPECT_EQ(welcome.protocol_version(), kMaxProtocolVersion);
   EXPECT_THAT(welcome.capabilities(), ::testing::ElementsAre(v1::CAPABILITY_OPERATOR_ORDERS));
 }
 

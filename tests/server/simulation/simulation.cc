@@ -18,7 +18,7 @@ constexpr int64_t kCalmNs = 120 * kSecondNs;
 
 v1::Hello MakeHello(World& world, size_t game) {
   v1::Hello hello;
-  hello.set_protocol_version(2);
+  hello.set_protocol_version(1);
   hello.set_project(kProjects.at(game % kProjects.size()));
   hello.set_scene(world.Happens(0.5) ? "harbour" : "forest");
   for (const char* name : {"Grid", "SAP", "KDTree", "DBVT"}) {

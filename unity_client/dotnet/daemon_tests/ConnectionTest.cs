@@ -88,7 +88,7 @@ namespace Sweepstake.Tests
             using var daemon = new DaemonProcess();
             using var game = new Game(new NewerGame(new GrpcTelemetryTransport(new DaemonEndpoint { Address = daemon.Address })));
             game.PlayUntil(() => game.Status.Refusal.Length > 0, "refused");
-            Assert.That(game.Status.Refusal, Does.Contain("99 to 99").And.Contain("update the older side").And.Contain("PROTOCOL_VERSION"));
+            Assert.That(game.Status.Refusal, Does.Contain("has version 1 of the protocol, the client has version 99").And.Contain("update the older side").And.Contain("PROTOCOL_VERSION"));
             Assert.That(game.Status.LastError, Does.Contain(game.Status.Refusal));
             Assert.That(game.Status.Stats.ConnectionCount, Is.EqualTo(0));
         }
@@ -228,7 +228,7 @@ namespace Sweepstake.Tests
             public Task WriteAsync(ArraySegment<byte> message)
             {
                 StreamTelemetryRequest request = StreamTelemetryRequest.Parser.ParseFrom(message.Array, message.Offset, message.Count);
-                request.Hello.ProtocolVersion = request.Hello.MinProtocolVersion = 99;
+                request.Hello.ProtocolVersion = 99;
                 return stream.WriteAsync(request.ToByteArray());
             }
 

@@ -34,16 +34,6 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void ADaemonOfAnotherProtocolIsLeftWithTheReason()
-        {
-            var stream = new ScriptedStream().Saying(new StreamTelemetryResponse { Welcome = ScriptedDaemon.Welcome(99) });
-            using var game = new Game(new ScriptedDaemon(() => stream));
-            game.PlayUntil(() => stream.IsDisposed, "left");
-            game.PlayUntil(() => game.Status.LastError.Contains("99"), "shown the version");
-            Assert.That(game.Status.State, Is.Not.EqualTo(LinkState.Online));
-        }
-
-        [Test]
         public void ADecisionForABackendThatIsUnknownIsRefused()
         {
             var stream = new ScriptedStream().Saying(

@@ -32,8 +32,8 @@ namespace Sweepstake.Tests
             IsDisposed = true;
         }
 
-        internal static Welcome Welcome(uint protocolVersion = 2) =>
-            new Welcome { SessionId = "scripted", ProtocolVersion = protocolVersion, DaemonVersion = "9.9.9", Policy = "scripted" };
+        internal static Welcome Welcome() =>
+            new Welcome { SessionId = "scripted", DaemonVersion = "9.9.9", Policy = "scripted" };
     }
 
     /// <summary>One stream of the scripted daemon. Like a real daemon, it sends nothing before the game's first message.</summary>

@@ -24,7 +24,6 @@ class BoxLinkTest : public ::testing::Test {
     const v1::Hello hello = Take().hello();
     v1::StreamTelemetryResponse response;
     response.mutable_welcome()->set_session_id("a");
-    response.mutable_welcome()->set_protocol_version(2);
     response.mutable_welcome()->add_capabilities(v1::CAPABILITY_BOX_VIEW);
     response.mutable_box_request()->set_interval_ms(250);
     response.mutable_box_request()->set_max_bytes(1000);

@@ -38,7 +38,6 @@ void Write(const Welcome& welcome, v1::Welcome& message) {
   message.set_prior_source_count(welcome.prior_source_count);
   message.set_resume_token(welcome.resume_token);
   message.set_priors_unavailable(welcome.priors_unavailable);
-  message.set_protocol_version(welcome.protocol_version);
   for (const Capability each : welcome.capabilities)
     message.add_capabilities(static_cast<v1::Capability>(each));
 }

@@ -27,7 +27,6 @@ Hello PlainOf(const v1::Hello& message) {
               .policy = message.policy(),
               .switch_epoch = message.switch_epoch(),
               .resume_token = message.resume_token(),
-              .min_protocol_version = message.min_protocol_version(),
               .capabilities = {}};
   for (const v1::Arm& arm : message.arms())
     hello.arms.push_back({.name = arm.name(), .backend_version = arm.backend_version()});

@@ -27,7 +27,9 @@ v1::StreamTelemetryResponse WelcomeTo(const std::string& session, bool resumed =
   welcome.set_resume_token("token of " + session);
   welcome.set_resumed(resumed);
   welcome.set_acknowledged_sequence(acknowledged);
-  welcome.set_protocol_version(2);
+  welcome.set_daemon_version("0.1.0");
+  welcome.set_policy("paper");
+  welcome.set_seed(7);
   return response;
 }
 
@@ -278,17 +280,30 @@ TEST_F(SessionLinkTest, DoesNotReconnectAfterAKick) {
   EXPECT_EQ(link_.stats().last_error, "the daemon refuses the session: enough (SESSION_KICKED)");
 }
 
-TEST_F(SessionLinkTest, CancelsIfTheDaemonHasAnotherProtocolVersion) {
-  Connect();
-  v1::StreamTelemetryResponse welcome = WelcomeTo("a");
-  welcome.mutable_welcome()->set_protocol_version(3);
-  welcome.mutable_switch_command()->set_command_id(1);
-  ASSERT_TRUE(Receive(welcome).ok());
-  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
-  const auto delay_ms = link_.Disconnected(EndWith(1, "cancelled"), now_ns_);
-  EXPECT_GE(delay_ms, 500U);
-  EXPECT_THAT(link_.stats().refusal, HasSubstr("uses version 3"));
+TEST_F(SessionLinkTest, ReportsWhatTheDaemonDecidesWith) {
+  GoOnline();
+  EXPECT_EQ(link_.stats().daemon_version, "0.1.0");
+  EXPECT_EQ(link_.stats().policy, "paper");
+  EXPECT_EQ(link_.stats().seed, 7U);
+}
+
+TEST_F(SessionLinkTest, CountsAndSkipsWhatItDoesNotKnow) {
+  GoOnline();
+  v1::StreamTelemetryResponse response;
+  response.GetReflection()->MutableUnknownFields(&response)->AddLengthDelimited(500, "newer");
+  response.mutable_switch_command()->set_reason(static_cast<v1::SwitchReason>(99));
+  v1::PosteriorSnapshot& snapshot = *response.mutable_posterior_snapshot();
+  snapshot.set_verdict(static_cast<v1::Verdict>(99));
+  for (int arm = 0; arm < 2; ++arm) {
+    snapshot.add_arms()->set_alpha(4);
+    snapshot.mutable_arms(arm)->set_beta(2);
+  }
+  ASSERT_TRUE(Receive(response).ok());
+  EXPECT_EQ(link_.stats().unknown_message_count, 3U);
   EXPECT_EQ(link_.stats().command_count, 0U);
+  EXPECT_EQ(link_.stats().verdict.verdict, Verdict::kUnknown);
+  EXPECT_EQ(link_.stats().beliefs.at(1).alpha, 4) << "only the verdict of the snapshot is unknown";
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone);
 }
 
 TEST_F(SessionLinkTest, CancelsIfTheWelcomeHasNoSessionId) {

@@ -61,20 +61,15 @@ TEST_F(ResponseTest, ATickSendsASnapshotAndAnAcknowledgement) {
   EXPECT_EQ(Stored().arms[0].live.window_count, 1u);
 }
 
-TEST_F(ResponseTest, AnAcknowledgementIncludesThePosteriorsExceptForVersion1) {
-  for (const uint32_t version : {1u, 2u}) {
-    PromptDaemon daemon(options_);
-    PromptStream stream(daemon);
-    v1::Hello hello = OneArmHello();
-    hello.set_protocol_version(version);
-    ASSERT_TRUE(stream.Send(Request(hello)));
-    ASSERT_TRUE(stream.Send(Frames(1, 30)));
-    daemon.Advance(options_.decision.decision_interval_ns);
-    ASSERT_EQ(stream.written().size(), version == 1 ? 3u : 2u);
-    EXPECT_TRUE(stream.written()[1].has_acknowledgement());
-    EXPECT_EQ(stream.written()[1].has_posterior_snapshot(), version == 2);
-    EXPECT_TRUE(stream.written().back().has_posterior_snapshot());
-  }
+TEST_F(ResponseTest, AnAcknowledgementAndThePosteriorsAreOneResponse) {
+  PromptDaemon daemon(options_);
+  PromptStream stream(daemon);
+  ASSERT_TRUE(stream.Send(Request(OneArmHello())));
+  ASSERT_TRUE(stream.Send(Frames(1, 30)));
+  daemon.Advance(options_.decision.decision_interval_ns);
+  ASSERT_EQ(stream.written().size(), 2u);
+  EXPECT_TRUE(stream.written()[1].has_acknowledgement());
+  EXPECT_TRUE(stream.written()[1].has_posterior_snapshot());
 }
 
 TEST_F(ResponseTest, ASnapshotHasTheVerdictAndTheLeader) {

@@ -53,7 +53,7 @@ namespace Sweepstake
         /// <summary>No switch: the expected gain is lower than the cost of the switch.</summary>
         HeldGate = 9,
         /// <summary>No switch: the candidate's advantage is too small to matter.</summary>
-        HeldTie = 12,
+        HeldTie = 10,
     }
 
     /// <summary>A decision and its reasons, for logs and debug views.</summary>

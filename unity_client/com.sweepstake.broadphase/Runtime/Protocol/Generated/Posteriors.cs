@@ -55,7 +55,7 @@ namespace Sweepstake.Protocol.V1 {
             "X3MYCCABKAMSFQoNcmV3YXJkX2xvd185NRgJIAEoARIWCg5yZXdhcmRfaGln",
             "aF85NRgKIAEoARITCgtpc19vdXRkYXRlZBgLIAEoCBIdChBiZXN0X3Byb2Jh",
             "YmlsaXR5GAwgASgBSACIAQESLAoKY29zdF9yYXRpbxgNIAEoCzIYLnN3ZWVw",
-            "c3Rha2UudjEuQ29zdFJhdGlvQhMKEV9iZXN0X3Byb2JhYmlsaXR5IqQECg1E",
+            "c3Rha2UudjEuQ29zdFJhdGlvQhMKEV9iZXN0X3Byb2JhYmlsaXR5Io4ECg1E",
             "ZWNpc2lvbkV2ZW50EhIKCnNlc3Npb25faWQYASABKAkSDwoHcHJvamVjdBgC",
             "IAEoCRINCgVzY2VuZRgDIAEoCRITCgtkZWNpc2lvbl9pZBgEIAEoBBISCgph",
             "Y3RpdmVfYXJtGAUgASgJEhUKDWNhbmRpZGF0ZV9hcm0YBiABKAkSLwoHb3V0",
@@ -64,33 +64,31 @@ namespace Sweepstake.Protocol.V1 {
             "BnJld2FyZBgJIAEoAUgAiAEBEhUKDW1hY2hpbmVfY2xhc3MYCiABKAkSGAoQ",
             "YmVzdF9wcm9iYWJpbGl0eRgLIAMoARIbChNleHBlY3RlZF9sb3NzX3JhdGlv",
             "GAwgASgBEicKB3ZlcmRpY3QYDSABKA4yFi5zd2VlcHN0YWtlLnYxLlZlcmRp",
-            "Y3QSDgoGcG9saWN5GA8gASgJEjYKDG1lYXN1cmVtZW50cxgQIAEoCzIgLnN3",
-            "ZWVwc3Rha2UudjEuRnJhbWVNZWFzdXJlbWVudHMSDAoEYXJtcxgRIAMoCRIt",
-            "CglzdGFuZGluZ3MYEiADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0YW5kaW5n",
-            "Eg8KB3VuaXhfbXMYEyABKANCCQoHX3Jld2FyZEoECA4QD1IOY29udGV4dF9i",
-            "dWNrZXQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMY",
-            "ASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rp",
-            "b25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFt",
-            "EjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlz",
-            "dG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0S",
-            "DgoGY291bnRzGAIgAygNKrcDCg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJ",
-            "T05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVf",
-            "S0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJ",
-            "U0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRD",
-            "T01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZS",
-            "QU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJ",
-            "T05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JF",
-            "SkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQCRIdChlE",
-            "RUNJU0lPTl9PVVRDT01FX0hFTERfVElFEAwiBAgKEAoiBAgLEAsqG0RFQ0lT",
-            "SU9OX09VVENPTUVfSEVMRF9HVUFSRCocREVDSVNJT05fT1VUQ09NRV9IRUxE",
-            "X1VOU0FGRTKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3Rlcmlv",
-            "cnMSJC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3",
-            "ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0",
-            "ZXJpb3ISIi5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5z",
-            "d2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9z",
-            "dGVyaW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVz",
-            "dBomLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZ",
-            "qgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "Y3QSDgoGcG9saWN5GA4gASgJEjYKDG1lYXN1cmVtZW50cxgPIAEoCzIgLnN3",
+            "ZWVwc3Rha2UudjEuRnJhbWVNZWFzdXJlbWVudHMSDAoEYXJtcxgQIAMoCRIt",
+            "CglzdGFuZGluZ3MYESADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0YW5kaW5n",
+            "Eg8KB3VuaXhfbXMYEiABKANCCQoHX3Jld2FyZCKyAQoRRnJhbWVNZWFzdXJl",
+            "bWVudHMSMgoNZnJhbWVfdGltZV9ucxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEu",
+            "TG9nSGlzdG9ncmFtEjYKEWRldGVjdGlvbl90aW1lX25zGAIgASgLMhsuc3dl",
+            "ZXBzdGFrZS52MS5Mb2dIaXN0b2dyYW0SMQoMbmF0aXZlX2J5dGVzGAMgASgL",
+            "Mhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dyYW0iNAoMTG9nSGlzdG9ncmFt",
+            "EhQKDGJ1Y2tldF9zdGVwcxgBIAMoDRIOCgZjb3VudHMYAiADKA0q8AIKD0Rl",
+            "Y2lzaW9uT3V0Y29tZRIgChxERUNJU0lPTl9PVVRDT01FX1VOU1BFQ0lGSUVE",
+            "EAASGQoVREVDSVNJT05fT1VUQ09NRV9LRVBUEAESHQoZREVDSVNJT05fT1VU",
+            "Q09NRV9TV0lUQ0hFRBACEiIKHkRFQ0lTSU9OX09VVENPTUVfSEVMRF9DT09M",
+            "RE9XThADEiIKHkRFQ0lTSU9OX09VVENPTUVfSEVMRF9TRVRUTElORxAEEh4K",
+            "GkRFQ0lTSU9OX09VVENPTUVfTk9fRlJBTUVTEAUSGwoXREVDSVNJT05fT1VU",
+            "Q09NRV9NQU5VQUwQBhIeChpERUNJU0lPTl9PVVRDT01FX0VYUExPUklORxAH",
+            "Eh0KGURFQ0lTSU9OX09VVENPTUVfUkVKRUNURUQQCBIeChpERUNJU0lPTl9P",
+            "VVRDT01FX0hFTERfR0FURRAJEh0KGURFQ0lTSU9OX09VVENPTUVfSEVMRF9U",
+            "SUUQCjKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3RlcmlvcnMS",
+            "JC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3ZWVw",
+            "c3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0ZXJp",
+            "b3ISIi5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5zd2Vl",
+            "cHN0YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9zdGVy",
+            "aW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVzdBom",
+            "LnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZqgIW",
+            "U3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -158,7 +156,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>
     /// The candidate's advantage is below the relevant difference.
     /// </summary>
-    [pbr::OriginalName("DECISION_OUTCOME_HELD_TIE")] HeldTie = 12,
+    [pbr::OriginalName("DECISION_OUTCOME_HELD_TIE")] HeldTie = 10,
   }
 
   #endregion
@@ -3428,7 +3426,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "policy" field.</summary>
-    public const int PolicyFieldNumber = 15;
+    public const int PolicyFieldNumber = 14;
     private string policy_ = "";
     /// <summary>
     /// The policy that decided. Absent: unknown.
@@ -3443,7 +3441,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "measurements" field.</summary>
-    public const int MeasurementsFieldNumber = 16;
+    public const int MeasurementsFieldNumber = 15;
     private global::Sweepstake.Protocol.V1.FrameMeasurements measurements_;
     /// <summary>
     /// Costs of the frames since the last event with measurements, at most four times a second. Absent: no frames.
@@ -3458,9 +3456,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "arms" field.</summary>
-    public const int ArmsFieldNumber = 17;
+    public const int ArmsFieldNumber = 16;
     private static readonly pb::FieldCodec<string> _repeated_arms_codec
-        = pb::FieldCodec.ForString(138);
+        = pb::FieldCodec.ForString(130);
     private readonly pbc::RepeatedField<string> arms_ = new pbc::RepeatedField<string>();
     /// <summary>
     /// The session's arms, in the order of best_probability and standings. Absent: nothing is learnt, or the daemon is older.
@@ -3472,9 +3470,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "standings" field.</summary>
-    public const int StandingsFieldNumber = 18;
+    public const int StandingsFieldNumber = 17;
     private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.ArmStanding> _repeated_standings_codec
-        = pb::FieldCodec.ForMessage(146, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
+        = pb::FieldCodec.ForMessage(138, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> standings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding>();
     /// <summary>
     /// The session's measurements of each of the arms, and the conclusions. Absent: as arms.
@@ -3486,7 +3484,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "unix_ms" field.</summary>
-    public const int UnixMsFieldNumber = 19;
+    public const int UnixMsFieldNumber = 18;
     private long unixMs_;
     /// <summary>
     /// When the decision was made, by the daemon's wall clock, since 1970. Always set.
@@ -3626,17 +3624,17 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteEnum((int) Verdict);
       }
       if (Policy.Length != 0) {
-        output.WriteRawTag(122);
+        output.WriteRawTag(114);
         output.WriteString(Policy);
       }
       if (measurements_ != null) {
-        output.WriteRawTag(130, 1);
+        output.WriteRawTag(122);
         output.WriteMessage(Measurements);
       }
       arms_.WriteTo(output, _repeated_arms_codec);
       standings_.WriteTo(output, _repeated_standings_codec);
       if (UnixMs != 0L) {
-        output.WriteRawTag(152, 1);
+        output.WriteRawTag(144, 1);
         output.WriteInt64(UnixMs);
       }
       if (_unknownFields != null) {
@@ -3699,17 +3697,17 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteEnum((int) Verdict);
       }
       if (Policy.Length != 0) {
-        output.WriteRawTag(122);
+        output.WriteRawTag(114);
         output.WriteString(Policy);
       }
       if (measurements_ != null) {
-        output.WriteRawTag(130, 1);
+        output.WriteRawTag(122);
         output.WriteMessage(Measurements);
       }
       arms_.WriteTo(ref output, _repeated_arms_codec);
       standings_.WriteTo(ref output, _repeated_standings_codec);
       if (UnixMs != 0L) {
-        output.WriteRawTag(152, 1);
+        output.WriteRawTag(144, 1);
         output.WriteInt64(UnixMs);
       }
       if (_unknownFields != null) {
@@ -3763,7 +3761,7 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(Policy);
       }
       if (measurements_ != null) {
-        size += 2 + pb::CodedOutputStream.ComputeMessageSize(Measurements);
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Measurements);
       }
       size += arms_.CalculateSize(_repeated_arms_codec);
       size += standings_.CalculateSize(_repeated_standings_codec);
@@ -3905,26 +3903,26 @@ namespace Sweepstake.Protocol.V1 {
             Verdict = (global::Sweepstake.Protocol.V1.Verdict) input.ReadEnum();
             break;
           }
-          case 122: {
+          case 114: {
             Policy = input.ReadString();
             break;
           }
-          case 130: {
+          case 122: {
             if (measurements_ == null) {
               Measurements = new global::Sweepstake.Protocol.V1.FrameMeasurements();
             }
             input.ReadMessage(Measurements);
             break;
           }
-          case 138: {
+          case 130: {
             arms_.AddEntriesFrom(input, _repeated_arms_codec);
             break;
           }
-          case 146: {
+          case 138: {
             standings_.AddEntriesFrom(input, _repeated_standings_codec);
             break;
           }
-          case 152: {
+          case 144: {
             UnixMs = input.ReadInt64();
             break;
           }
@@ -4000,26 +3998,26 @@ namespace Sweepstake.Protocol.V1 {
             Verdict = (global::Sweepstake.Protocol.V1.Verdict) input.ReadEnum();
             break;
           }
-          case 122: {
+          case 114: {
             Policy = input.ReadString();
             break;
           }
-          case 130: {
+          case 122: {
             if (measurements_ == null) {
               Measurements = new global::Sweepstake.Protocol.V1.FrameMeasurements();
             }
             input.ReadMessage(Measurements);
             break;
           }
-          case 138: {
+          case 130: {
             arms_.AddEntriesFrom(ref input, _repeated_arms_codec);
             break;
           }
-          case 146: {
+          case 138: {
             standings_.AddEntriesFrom(ref input, _repeated_standings_codec);
             break;
           }
-          case 152: {
+          case 144: {
             UnixMs = input.ReadInt64();
             break;
           }
