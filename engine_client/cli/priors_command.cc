@@ -68,7 +68,7 @@ struct ExportText {
 };
 
 Result<ExportText> TextOfSums(const PriorsOptions& options) {
-  SumsWriter sums;
+  BuildSums sums;
   ExportText file;
   const Status status = StreamPriors(options.daemon, options.project, options.scene, Exported::kAll,
                                      [&](PriorRecord record) {
@@ -76,7 +76,9 @@ Result<ExportText> TextOfSums(const PriorsOptions& options) {
                                        sums.Add(std::move(record));
                                      });
   if (!status.ok()) return status;
-  file.text = sums.Finish(file.count);
+  const std::vector<PriorRecord> summed = sums.Take();
+  file.count = summed.size();
+  file.text = FormatPriors(summed);
   return file;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace sweepstake::math {
@@ -35,6 +36,13 @@ constexpr uint64_t Fnv1a(uint64_t hash, uint8_t byte) { return (hash ^ byte) * k
 constexpr uint64_t Fnv1a(uint64_t hash, std::string_view bytes) {
   for (const char byte : bytes) hash = Fnv1a(hash, static_cast<uint8_t>(byte));
   return hash;
+}
+
+// Returns 16 hexadecimal digits.
+inline std::string HexOf(uint64_t hash) {
+  std::string digits;
+  for (int shift = 60; shift >= 0; shift -= 4) digits += "0123456789abcdef"[hash >> shift & 15];
+  return digits;
 }
 
 // The four bytes of `word`, the lowest first.

@@ -1,27 +1,127 @@
 #include "engine_client/decider/embedded/priors_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
-#include "engine_client/decider/embedded/field_reader.h"
 #include "engine_client/decider/embedded/priors_sums.h"
+#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/math/hash.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake {
 namespace {
 
 using Json = nlohmann::json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "sweepstake-priors";
 constexpr int kVersion = 1;
-constexpr int kVersionOfSums = 2;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{128} << 20;
 constexpr size_t kMaxRecords = 200'000;
+constexpr size_t kMaxSums = 1'000'000;
+// The store's maximum; the ledger's next number cannot wrap to 0.
+constexpr uint64_t kMaxSequence = std::numeric_limits<int64_t>::max();
+constexpr char kVersionMark = '/';
 
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
+
+// Returns false for NaN.
+bool IsIncrement(double value) { return value >= 0 && value <= 1e15; }
+
+// Reads the fields of one object; keeps the first error.
+class FieldReader {
+ public:
+  explicit FieldReader(const nlohmann::json& object) : object_(object) {}
+
+  void Name(const char* key, std::string& value, bool required) {
+    const nlohmann::json* field = Find(key, required);
+    if (field == nullptr) return;
+    if (!field->is_string()) return SetError(key, "is not a string");
+    value = field->get_ref<const std::string&>();
+    if (required && value.empty()) return SetError(key, "is empty");
+    if (!text::IsOptionalName(value)) {
+      SetError(key, "is over 128 bytes or holds a control character");
+    }
+  }
+
+  void MeasuredBy(const char* key, std::string& value) {
+    Name(key, value, false);
+    if (!decision::IsMeasuredBy(value)) SetError(key, "must be absent or \"lane\"");
+  }
+
+  // An absent field keeps its value.
+  void Flag(const char* key, bool& value) {
+    const nlohmann::json* field = Find(key, /*required=*/false);
+    if (field == nullptr) return;
+    if (!field->is_boolean()) return SetError(key, "must be true or false");
+    value = field->get<bool>();
+  }
+
+  template <typename Integer>
+  void Count(const char* key, Integer& value, bool required,
+             Integer max = std::numeric_limits<Integer>::max()) {
+    const nlohmann::json* field = Find(key, required);
+    if (field == nullptr) return;
+    if (!field->is_number_unsigned()) return SetError(key, "is not a whole number >= 0");
+    const uint64_t number = field->get<uint64_t>();
+    if (number > max) return SetError(key, "is too large");
+    if (required && number == 0) return SetError(key, "is 0");
+    value = static_cast<Integer>(number);
+  }
+
+  void Increment(const char* key, double& value) {
+    const nlohmann::json* field = Find(key, true);
+    if (field == nullptr) return;
+    if (!field->is_number()) return SetError(key, "is not a number");
+    value = field->get<double>();
+    if (!IsIncrement(value)) SetError(key, "must be from 0 to 1e15");
+  }
+
+  // Returns the array or object, or null if the field is absent.
+  const nlohmann::json* Structured(const char* key, bool array) {
+    const nlohmann::json* field = Find(key, true);
+    if (field == nullptr) return nullptr;
+    if (array ? field->is_array() : field->is_object()) return field;
+    SetError(key, array ? "is not an array" : "is not an object");
+    return nullptr;
+  }
+
+  // Call it after all fields were read.
+  void RejectUnknown() {
+    for (const auto& item : object_.items()) {
+      if (!known_.contains(item.key())) return SetError(item.key(), "is an unknown field");
+    }
+  }
+
+  const std::optional<std::string>& error() const { return error_; }
+
+ private:
+  const nlohmann::json* Find(const char* key, bool required) {
+    known_.insert(key);
+    const auto found = object_.find(key);
+    if (found != object_.end()) return &*found;
+    if (required) SetError(key, "is missing");
+    return nullptr;
+  }
+
+  void SetError(const std::string& key, const char* what) {
+    if (!error_) error_ = key.substr(0, text::kMaxNameBytes) + " " + what;
+  }
+
+  const nlohmann::json& object_;
+  std::set<std::string> known_;
+  std::optional<std::string> error_;
+};
 
 std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   FieldReader reader(json);
@@ -42,17 +142,24 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   reader.Count("unix_last_seen_s", record.last_seen_unix_s, false, kMaxSequence);
   reader.Flag("is_quarantined", record.is_quarantined);
   reader.RejectUnknown();
+  if (!reader.error() && IsSum(record)) return "source_id begins with *, as those of sums do";
   return reader.error();
 }
 
-// Returns the first record that has the key of an earlier one.
-std::optional<size_t> FirstRepeated(const std::vector<PriorRecord>& records) {
+// Returns pointers to the records, ordered by key(record).
+template <typename Key>
+std::vector<const PriorRecord*> OrderedBy(Key key, std::span<const PriorRecord> records) {
   std::vector<const PriorRecord*> ordered;
   ordered.reserve(records.size());
   for (const PriorRecord& record : records) ordered.push_back(&record);
-  std::stable_sort(ordered.begin(), ordered.end(), [](const PriorRecord* a, const PriorRecord* b) {
-    return KeyOf(*a) < KeyOf(*b);
-  });
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [&](const PriorRecord* a, const PriorRecord* b) { return key(*a) < key(*b); });
+  return ordered;
+}
+
+// Returns the first record that has the key of an earlier one.
+std::optional<size_t> FirstRepeated(std::span<const PriorRecord> records) {
+  const std::vector<const PriorRecord*> ordered = OrderedBy(KeyOf, records);
   size_t first = records.size();
   for (size_t i = 1; i < ordered.size(); ++i) {
     if (KeyOf(*ordered[i - 1]) == KeyOf(*ordered[i]))
@@ -62,38 +169,29 @@ std::optional<size_t> FirstRepeated(const std::vector<PriorRecord>& records) {
   return first;
 }
 
-bool Holds(const Json& document, const char* key, const Json& expected) {
-  const auto found = document.find(key);
-  return found != document.end() && *found == expected;
-}
-
-std::string RecordName(size_t index) { return "priors record " + std::to_string(index); }
-
-// Reads records, which are added one by one as they are parsed.
+// Reads the array "records", whose elements are added one by one as they are parsed.
 class RecordsReader {
  public:
   void Add(const Json& json) {
     const size_t index = count_++;
     if (error_ || count_ > kMaxRecords) return;
     const auto error = ReadRecord(json, records_.emplace_back());
-    if (error) error_ = RecordName(index) + ": " + *error;
+    if (error) error_ = Name(index) + ": " + *error;
   }
 
-  // Returns all records, once. `document` is the rest of the file, with an empty array in place of
-  // the records.
-  Result<std::vector<PriorRecord>> Take(const Json& document) {
-    const auto array = document.find("records");
-    if (array == document.end() || !array->is_array() || !array->empty())
-      return Broken("the priors have no array \"records\" of objects");
+  // Returns all records; call it once.
+  Result<std::vector<PriorRecord>> Take() {
     if (count_ > kMaxRecords)
       return Broken("the priors hold " + std::to_string(count_) + " records, more than 200000");
     if (error_) return Broken(*error_);
     if (const std::optional<size_t> repeated = FirstRepeated(records_))
-      return Broken(RecordName(*repeated) + ": repeats the key and source of an earlier record");
+      return Broken(Name(*repeated) + ": repeats the key and source of an earlier record");
     return std::move(records_);
   }
 
  private:
+  static std::string Name(size_t index) { return "priors record " + std::to_string(index); }
+
   std::vector<PriorRecord> records_;
   size_t count_ = 0;
   std::optional<std::string> error_;  // the first one
@@ -119,6 +217,237 @@ Json ToJson(const PriorRecord& record) {
   return json;
 }
 
+std::string Dump(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
+// The checksum of an array of scenes, to which scenes are added one by one.
+class Checksum {
+ public:
+  void Add(const Json& scene) {
+    hash_ = math::Fnv1a(math::Fnv1a(hash_, std::exchange(separator_, ",")), scene.dump());
+  }
+
+  std::string Text() const {
+    return math::HexOf(math::Fnv1a(hash_, *separator_ == '[' ? "[]" : "]"));
+  }
+
+ private:
+  uint64_t hash_ = math::kFnv1aStart;
+  const char* separator_ = "[";
+};
+
+auto SceneOf(const PriorRecord& record) {
+  return std::tie(record.key.project, record.key.scene, record.key.machine_class,
+                  record.key.reward_version);
+}
+
+std::string ArmOf(const PriorRecord& record) {
+  return record.key.arm + kVersionMark + std::to_string(record.key.backend_version);
+}
+
+OrderedJson CellOf(const PriorRecord& record) {
+  OrderedJson cell = {record.evidence.alpha, record.evidence.beta, record.evidence.window_count};
+  if (record.evidence.bail_out_count > 0) cell.push_back(record.evidence.bail_out_count);
+  return cell;
+}
+
+// The line of one build in a scene.
+struct BuildLine {
+  uint64_t last_seen_unix_s = 0;
+  OrderedJson live;
+  OrderedJson lane;
+};
+
+// The records of one scene on one class of machines.
+class SceneText {
+ public:
+  explicit SceneText(std::span<const PriorRecord* const> records) : first_(*records.front()) {
+    for (const PriorRecord* record : records) arms_.emplace(ArmOf(*record), 0);
+    size_t next = 0;
+    for (auto& [arm, index] : arms_) index = next++;
+    for (const PriorRecord* record : records) Add(*record);
+  }
+
+  std::string Text() const {
+    OrderedJson head = {{"project", first_.key.project},
+                        {"scene", first_.key.scene},
+                        {"machine_class", first_.key.machine_class},
+                        {"reward_version", first_.key.reward_version}};
+    for (const auto& [arm, index] : arms_) head["arms"].push_back(arm);
+    std::string text = Dump(head);
+    text.back() = ',';
+    text += "\"builds\":{";
+    const char* separator = "\n";
+    for (const auto& [build, line] : lines_) {
+      text += separator + Dump(build) + ":" + Dump({line.last_seen_unix_s, line.live, line.lane});
+      separator = ",\n";
+    }
+    return text + "}}";
+  }
+
+ private:
+  void Add(const PriorRecord& record) {
+    BuildLine& line = lines_[record.build];
+    line.last_seen_unix_s = std::max(line.last_seen_unix_s, record.last_seen_unix_s);
+    for (OrderedJson* cells : {&line.live, &line.lane}) {
+      if (cells->is_null()) *cells = OrderedJson(OrderedJson::array_t(arms_.size()));
+    }
+    OrderedJson& cells = record.key.measured_by.empty() ? line.live : line.lane;
+    cells[arms_.at(ArmOf(record))] = CellOf(record);
+  }
+
+  const PriorRecord& first_;
+  std::map<std::string, size_t> arms_;  // positions in the cells
+  std::map<std::string, BuildLine> lines_;
+};
+
+// Reads one scene; keeps the first error.
+class SceneReader {
+ public:
+  SceneReader(const Json& scene, std::vector<PriorRecord>& sums) : sums_(sums) {
+    if (!scene.is_object()) {
+      SetError("is not an object");
+      return;
+    }
+    FieldReader fields(scene);
+    fields.Name("project", common_.key.project, true);
+    fields.Name("scene", common_.key.scene, true);
+    fields.Name("machine_class", common_.key.machine_class, false);
+    fields.Count("reward_version", common_.key.reward_version, true);
+    const Json* const arms = fields.Structured("arms", /*array=*/true);
+    const Json* const builds = fields.Structured("builds", /*array=*/false);
+    fields.RejectUnknown();
+    error_ = fields.error();
+    if (arms == nullptr || builds == nullptr) return;
+    for (const Json& arm : *arms) ReadArm(arm);
+    for (const auto& [build, line] : builds->items()) {
+      if (!error_) ReadBuild(build, line);
+    }
+  }
+
+  const std::optional<std::string>& error() const { return error_; }
+  const PriorRecord& common() const { return common_; }  // the fields that all records share
+
+ private:
+  void ReadArm(const Json& arm) {
+    const std::string text = arm.is_string() ? arm.get<std::string>() : "";
+    const size_t mark = text.rfind(kVersionMark);
+    if (mark == std::string::npos) return SetError("an arm must be NAME/VERSION");
+    std::pair<std::string, uint32_t>& read = arms_.emplace_back(text.substr(0, mark), 0);
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + mark + 1, end, read.second);
+    if (error != std::errc() || stop != end || read.second == 0 || !text::IsName(read.first))
+      SetError("an arm must be NAME/VERSION");
+    if (std::find(arms_.begin(), arms_.end() - 1, read) != arms_.end() - 1)
+      SetError("repeats an arm");
+  }
+
+  void ReadBuild(const std::string& build, const Json& line) {
+    if (!text::IsOptionalName(build))
+      return SetError("the name of a build must be text of at most 128 bytes");
+    const bool whole = line.is_array() && line.size() == 3 && line[0].is_number_unsigned() &&
+                       line[1].is_array() && line[2].is_array() &&
+                       line[0].get<uint64_t>() <= kMaxSequence && line[1].size() == arms_.size() &&
+                       line[2].size() == arms_.size();
+    if (!whole) return SetError("a build must be [time, [a cell per arm], [a cell per arm]]");
+    common_.build = build;
+    common_.last_seen_unix_s = line[0].get<uint64_t>();
+    for (size_t by_lane = 0; by_lane < 2; ++by_lane) {
+      common_.key.measured_by = by_lane == 1 ? decision::kLaneName : "";
+      for (size_t arm = 0; arm < arms_.size(); ++arm) ReadCell(arm, line[1 + by_lane][arm]);
+    }
+  }
+
+  void ReadCell(size_t arm, const Json& cell) {
+    if (cell.is_null()) return;
+    const bool whole = cell.is_array() && (cell.size() == 3 || cell.size() == 4) &&
+                       cell[0].is_number() && cell[1].is_number() && cell[2].is_number_unsigned() &&
+                       cell.back().is_number_unsigned();
+    if (!whole) return SetError("evidence must be [alpha, beta, count] or [.., bail-outs]");
+    PriorRecord& sum = sums_.emplace_back(common_);
+    std::tie(sum.key.arm, sum.key.backend_version) = arms_[arm];
+    sum.evidence.alpha = cell[0].get<double>();
+    sum.evidence.beta = cell[1].get<double>();
+    sum.evidence.window_count = cell[2].get<uint64_t>();
+    sum.evidence.bail_out_count = cell.size() == 4 ? cell[3].get<uint64_t>() : 0;
+    MarkAsSum(sum);
+    if (!IsIncrement(sum.evidence.alpha) || !IsIncrement(sum.evidence.beta))
+      SetError("evidence must be from 0 to 1e15");
+  }
+
+  void SetError(std::string what) {
+    if (!error_) error_ = std::move(what);
+  }
+
+  std::vector<PriorRecord>& sums_;
+  PriorRecord common_;
+  std::vector<std::pair<std::string, uint32_t>> arms_;
+  std::optional<std::string> error_;
+};
+
+// Reads the array "scenes", whose elements are added one by one as they are parsed.
+class ScenesReader {
+ public:
+  void Add(const Json& json) {
+    checksum_.Add(json);
+    const size_t index = count_++;
+    if (error_) return;
+    const SceneReader reader(json, sums_);
+    if (reader.error()) {
+      error_ = Name(index) + ": " + *reader.error();
+    } else if (!scenes_.emplace(SceneOf(reader.common())).second) {
+      error_ = Name(index) + ": repeats an earlier one";
+    } else if (sums_.size() > kMaxSums) {
+      error_ = "the priors hold more than 1000000 sums";
+    }
+  }
+
+  // Appends the sums of all scenes; call it once.
+  Status AppendTo(std::vector<PriorRecord>& records, const Json& checksum) {
+    if (checksum != checksum_.Text())
+      return Broken("the priors are not what was written; their checksum is another one");
+    if (error_) return Broken(*error_);
+    records.insert(records.end(), std::make_move_iterator(sums_.begin()),
+                   std::make_move_iterator(sums_.end()));
+    return {};
+  }
+
+ private:
+  static std::string Name(size_t index) { return "priors scene " + std::to_string(index); }
+
+  Checksum checksum_;
+  std::vector<PriorRecord> sums_;
+  std::set<std::tuple<std::string, std::string, std::string, uint32_t>> scenes_;
+  size_t count_ = 0;
+  std::optional<std::string> error_;  // the first one
+};
+
+// Returns the member `"scenes": [...]` with its checksum. REQUIRES: `sums` is not empty.
+std::string TextOfScenes(std::span<const PriorRecord> sums) {
+  Checksum checksum;
+  std::string scenes;
+  const std::vector<const PriorRecord*> ordered = OrderedBy(SceneOf, sums);
+  for (auto from = ordered.begin(); from != ordered.end();) {
+    const auto to = std::find_if(from, ordered.end(), [&](const PriorRecord* record) {
+      return SceneOf(*record) != SceneOf(**from);
+    });
+    const std::string scene = SceneText({from, to}).Text();
+    checksum.Add(Json::parse(scene));
+    scenes += (scenes.empty() ? "\n" : ",\n") + scene;
+    from = to;
+  }
+  return ",\"checksum\":\"" + checksum.Text() + "\",\"scenes\":[" + scenes + "]";
+}
+
+// Returns whether the document has this array, whose elements were read already.
+Result<bool> HasArray(const Json& document, const char* name) {
+  const auto found = document.find(name);
+  if (found == document.end()) return false;
+  if (found->is_array() && found->empty()) return true;
+  return Broken(std::string("the priors have no array \"") + name + "\" of objects");
+}
+
 Status Unwritable(const std::filesystem::path& path) {
   return {StatusCode::kUnavailable,
           "cannot write " + path.string() + "; check that the folder exists and has room"};
@@ -129,7 +458,7 @@ Status Unwritable(const std::filesystem::path& path) {
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
   if (text.size() > kMaxFileBytes) return Broken("the priors are over 128 MiB");
   RecordsReader records;
-  SumsReader sums;
+  ScenesReader scenes;
   std::string key;
   // Limits memory: each record or scene is read as soon as it is parsed, then removed from the
   // JSON.
@@ -137,28 +466,41 @@ Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
     if (depth == 1 && event == Json::parse_event_t::key) key = parsed.get_ref<std::string&>();
     if (depth != 2 || event != Json::parse_event_t::object_end) return true;
     if (key == "records") records.Add(parsed);
-    if (key == "scenes") sums.Add(parsed);
+    if (key == "scenes") scenes.Add(parsed);
     return key != "records" && key != "scenes";
   };
   const Json document = Json::parse(text, keep, /*allow_exceptions=*/false);
   if (document.is_discarded()) return Broken("the priors are not a JSON document");
-  if (!document.is_object() || !Holds(document, "format", kFormat))
+  if (!document.is_object() || document.value("format", Json()) != kFormat)
     return Broken("the priors are not of format \"sweepstake-priors\"");
-  if (Holds(document, "version", kVersionOfSums)) return sums.Take(document);
-  if (Holds(document, "version", kVersion)) return records.Take(document);
-  return Broken("the priors are not of version 1 or 2, which this build reads");
+  if (document.value("version", Json()) != kVersion)
+    return Broken("the priors are not of version 1, which this build reads");
+  const Result<bool> has_records = HasArray(document, "records");
+  if (!has_records.ok()) return has_records.status();
+  const Result<bool> has_scenes = HasArray(document, "scenes");
+  if (!has_scenes.ok()) return has_scenes.status();
+  if (!*has_records && !*has_scenes)
+    return Broken("the priors have neither \"records\" nor \"scenes\"");
+  Result<std::vector<PriorRecord>> read = records.Take();
+  if (!read.ok() || !*has_scenes) return read;
+  const Status status = scenes.AppendTo(*read, document.value("checksum", Json()));
+  if (!status.ok()) return status;
+  return read;
 }
 
 std::string FormatPriors(std::span<const PriorRecord> records) {
-  if (!records.empty() && std::all_of(records.begin(), records.end(), IsSum))
-    return FormatSums(records);
   std::string text = "{\"format\":\"sweepstake-priors\",\"version\":1,\"records\":[";
+  std::vector<PriorRecord> sums;
   const char* separator = "\n";
   for (const PriorRecord& record : records) {
+    if (IsSum(record)) {
+      sums.push_back(record);
+      continue;
+    }
     text += std::exchange(separator, ",\n");
     text += ToJson(record).dump(-1, ' ', false, Json::error_handler_t::replace);
   }
-  return text + "]}\n";
+  return text + "]" + (sums.empty() ? "" : TextOfScenes(sums)) + "}\n";
 }
 
 Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path) {

@@ -120,7 +120,6 @@ TEST(PriorsFile, OtherDocumentsAreRefused) {
   for (const char* text :
        {"", "{", "[]", "null", "{\"format\":\"other\"}", "{\"format\":\"sweepstake-priors\"}",
         "{\"format\":\"sweepstake-priors\",\"version\":2,\"records\":[]}",
-        "{\"format\":\"sweepstake-priors\",\"version\":3,\"records\":[]}",
         "{\"format\":\"sweepstake-priors\",\"version\":1}",
         "{\"format\":\"sweepstake-priors\",\"version\":1,\"records\":[3]}",
         "{\"format\":\"sweepstake-priors\",\"version\":1,\"records\":[{}]}"}) {
@@ -145,7 +144,7 @@ TEST(PriorsFile, HasItsRecordsOnlyInTheArrayRecords) {
   const std::string record = DocumentWith("build", "\"1\"");
   std::string nested = record;
   nested.replace(nested.find("\"records\":["), 11, "\"other\":[");
-  EXPECT_THAT(ComplaintAbout(nested), HasSubstr("no array \"records\""));
+  EXPECT_THAT(ComplaintAbout(nested), HasSubstr("neither \"records\" nor \"scenes\""));
   std::string object = record;
   object.replace(object.find("\"records\":["), 11, "\"records\":{\"a\":");
   object.replace(object.rfind(']'), 1, "}");
@@ -158,6 +157,11 @@ TEST(PriorsFile, RepeatedEvidenceIsRefused) {
   EXPECT_THAT(ComplaintAbout(FormatPriors(std::vector{RecordOf("b"), RecordOf("a"), RecordOf("c"),
                                                       RecordOf("b"), RecordOf("a")})),
               HasSubstr("priors record 3: repeats"));
+}
+
+TEST(PriorsFile, RefusesASumAmongTheRecords) {
+  EXPECT_THAT(ComplaintAbout(DocumentWith("source_id", "\"*0\"")),
+              HasSubstr("record 0: source_id begins with *"));
 }
 
 TEST(PriorsFile, IsRefusedIfTruncatedAnywhere) {
