@@ -11,8 +11,8 @@
 #include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/priors_transfer.h"
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/priors/priors_diff.h"
-#include "engine_client/decider/embedded/priors_sums.h"
+#include "engine_client/cli/priors/priors_text.h"
+#include "engine_client/decider/pooling/priors_sums.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -31,7 +31,7 @@ struct PriorsOptions {
   bool json = false;
 };
 
-std::string QuarantinedText(const PriorsGroups& groups) {
+std::string QuarantinedText(const decision::PriorsGroups& groups) {
   if (groups.empty()) return "";
   return "\nImports in quarantine, which count after `sweepstake priors promote`:\n" +
          ShowText(groups);
@@ -43,7 +43,7 @@ int RunList(const PriorsOptions& options, Terminal& terminal) {
   const auto waiting =
       ExportPriors(options.daemon, options.project, options.scene, Exported::kQuarantined);
   if (!waiting.ok()) return FailAnswer(terminal, waiting.status());
-  const PriorsGroups quarantined = GroupPriors(*waiting);
+  const decision::PriorsGroups quarantined = decision::GroupPriors(*waiting);
   const Json document = {{"command", "priors list"},
                          {"daemon", options.daemon.address},
                          {"scenes", PosteriorsJson(*scenes)},

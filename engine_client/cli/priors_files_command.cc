@@ -14,11 +14,11 @@
 
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/priors/priors_diff.h"
 #include "engine_client/cli/priors/priors_doctor.h"
+#include "engine_client/cli/priors/priors_text.h"
 #include "engine_client/decider/embedded/evidence_ledger.h"
-#include "engine_client/decider/embedded/priors_sums.h"
 #include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/pooling/priors_sums.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/machine_class.h"
@@ -41,8 +41,8 @@ struct PriorsFileOptions {
   bool json = false;
 };
 
-ArmVersions OwnVersions() {
-  ArmVersions versions;
+decision::ArmVersions OwnVersions() {
+  decision::ArmVersions versions;
   for (const std::string_view arm : BroadPhaseNames())
     versions.emplace(arm, (*MakeBroadPhase(arm))->version());
   return versions;
@@ -51,7 +51,7 @@ ArmVersions OwnVersions() {
 int RunShow(const PriorsFileOptions& options, Terminal& terminal) {
   const auto records = ReadPriorsFile(options.file);
   if (!records.ok()) return Fail(terminal, records.status());
-  const PriorsGroups groups = GroupPriors(*records);
+  const decision::PriorsGroups groups = decision::GroupPriors(*records);
   const Json document = {
       {"command", "priors show"}, {"file", options.file}, {"scenes", ShowJson(groups)}};
   PrintResult(terminal, options.json, document,
@@ -61,8 +61,8 @@ int RunShow(const PriorsFileOptions& options, Terminal& terminal) {
 
 std::vector<Diagnosed> Diagnose(const Records& records, const PriorsFileOptions& options) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const ArmVersions own = OwnVersions();
-  return DiagnosePriors(GroupPriors(records, own),
+  const decision::ArmVersions own = OwnVersions();
+  return DiagnosePriors(decision::GroupPriors(records, own),
                         {.machine_class = options.machine_class,
                          .build = options.build,
                          .reward_version = decision::kLogCostRewardVersion,
@@ -124,9 +124,9 @@ int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
         std::tie(options.other_file, *after, options.other_build)}) {
     if (!HasBuild(records, build)) return FailAnswer(terminal, NoSuchBuild(file, records, build));
   }
-  const std::vector<GroupChange> changes =
-      DiffPriors(GroupPriors(OfBuild(*std::move(before), options.build)),
-                 GroupPriors(OfBuild(*std::move(after), options.other_build)));
+  const std::vector<decision::SceneComparison> changes =
+      decision::DiffPriors(decision::GroupPriors(OfBuild(*std::move(before), options.build)),
+                           decision::GroupPriors(OfBuild(*std::move(after), options.other_build)));
   const Json document = {{"command", "priors diff"},
                          {"before", options.file},
                          {"after", options.other_file},
@@ -139,17 +139,17 @@ int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
 // none. A sum that `others` has too is safe, because its sessions are of a game that started from
 // the sum.
 const PriorRecord* SumOfSessions(const Records& records, const Records& others) {
-  std::set<PriorsGroupKey> with_sessions;
+  std::set<decision::PriorsGroupKey> with_sessions;
   std::map<decltype(KeyOf(records.front())), uint64_t> sums;
   for (const PriorRecord& other : others) {
     if (IsSum(other)) {
       sums[KeyOf(other)] = other.source_sequence;
     } else {
-      with_sessions.insert(GroupOf(other));
+      with_sessions.insert(decision::GroupOf(other));
     }
   }
   for (const PriorRecord& record : records) {
-    if (!IsSum(record) || !with_sessions.contains(GroupOf(record))) continue;
+    if (!IsSum(record) || !with_sessions.contains(decision::GroupOf(record))) continue;
     const auto same = sums.find(KeyOf(record));
     if (same == sums.end() || same->second < record.source_sequence) return &record;
   }
@@ -161,7 +161,7 @@ Status CheckCountedOnce(const Records& records, const Records& others) {
   if (sum == nullptr) sum = SumOfSessions(others, records);
   if (sum == nullptr) return {};
   return {StatusCode::kInvalidArgument,
-          "in " + NameOf(GroupOf(*sum)) +
+          "in " + NameOf(decision::GroupOf(*sum)) +
               ", a sum in one file may contain sessions of the other file, which would count "
               "twice: merge exports without --sums, and add a game's own priors to a daemon with "
               "`sweepstake priors import`"};

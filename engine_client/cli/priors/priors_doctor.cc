@@ -3,11 +3,15 @@
 #include <algorithm>
 
 #include "engine_client/cli/io/text_table.h"
+#include "engine_client/cli/priors/priors_text.h"
 #include "engine_client/decider/pooling/source_prior.h"
 
 namespace sweepstake::cli {
 namespace {
 
+using decision::PriorsGroup;
+using decision::PriorsGroupKey;
+using decision::PriorsGroups;
 using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kDayS = 86'400;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/cli/priors/priors_groups.h"
+#include "engine_client/decider/pooling/priors_groups.h"
 
 namespace sweepstake::cli {
 
@@ -17,7 +17,7 @@ struct PriorsPlace {
   std::string machine_class;
   std::string build;
   uint32_t reward_version = 1;
-  ArmVersions arm_versions;
+  decision::ArmVersions arm_versions;
   uint64_t unix_now_s = 0;
 };
 
@@ -26,14 +26,15 @@ struct PriorsPlace {
 enum class Fitness : uint8_t { kValid, kNear, kForeign };
 
 struct Diagnosed {
-  PriorsGroupKey key;
+  decision::PriorsGroupKey key;
   Fitness fitness = Fitness::kValid;
   double weight = 0;  // weight of the arms that this program has in the same version or, if there
                       // are none, of its other arms; at most 1
   std::vector<std::string> reasons;  // why it is not valid, and other remarks
 };
 
-std::vector<Diagnosed> DiagnosePriors(const PriorsGroups& groups, const PriorsPlace& here);
+std::vector<Diagnosed> DiagnosePriors(const decision::PriorsGroups& groups,
+                                      const PriorsPlace& here);
 
 std::string DoctorText(const std::vector<Diagnosed>& diagnosed);
 nlohmann::ordered_json DoctorJson(const std::vector<Diagnosed>& diagnosed);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -13,7 +15,7 @@
 #include <tuple>
 #include <utility>
 
-#include "engine_client/decider/embedded/priors_sums.h"
+#include "engine_client/decider/pooling/priors_sums.h"
 #include "engine_client/decider/pooling/scene_prior.h"
 #include "engine_client/math/hash.h"
 #include "engine_client/text/names.h"
@@ -246,8 +248,16 @@ std::string ArmOf(const PriorRecord& record) {
   return record.key.arm + kVersionMark + std::to_string(record.key.backend_version);
 }
 
+// Rounds to five significant digits.
+double Rounded(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.5g", value);
+  return std::strtod(digits, nullptr);
+}
+
 OrderedJson CellOf(const PriorRecord& record) {
-  OrderedJson cell = {record.evidence.alpha, record.evidence.beta, record.evidence.window_count};
+  OrderedJson cell = {Rounded(record.evidence.alpha), Rounded(record.evidence.beta),
+                      record.evidence.window_count};
   if (record.evidence.bail_out_count > 0) cell.push_back(record.evidence.bail_out_count);
   return cell;
 }

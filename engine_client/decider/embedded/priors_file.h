@@ -16,9 +16,9 @@
 //   "1.2": [1760000000, [[5.2, 4.1, 12], null], [[80.1, 62.5, 190], [75.5, 30.1, 180]]]}}
 // An arm is NAME/BACKEND_VERSION. A build has the time when a source of it learnt last (seconds
 // since 1970; 0: unknown), then a cell per arm for the frame thread, then a cell per arm for the
-// lane. A cell has the increments of alpha and beta, the number of windows or visits, and the
-// number of bail-outs if there are any. The checksum covers the scenes, independently of white
-// space.
+// lane. A cell has the increments of alpha and beta (five digits), the number of windows or visits,
+// and the number of bail-outs if there are any. The checksum covers the scenes, independently of
+// white space.
 //
 // Bounds: 128 MiB, 200,000 records or 1,000,000 sums, names of 128 bytes. Errors are one line and
 // name the record, or the scene of sums, by its position from 0: kNotFound (no such file),

@@ -53,8 +53,8 @@ absl::Status CheckVersion(const v1::Hello& hello) {
   if (hello.protocol_version() == kProtocolVersion) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_PROTOCOL_VERSION,
                  absl::StrCat("this daemon has version ", kProtocolVersion,
-                              " of the protocol, the client has version ",
-                              hello.protocol_version(), "; update the older side"));
+                              " of the protocol, the client has version ", hello.protocol_version(),
+                              "; update the older side"));
 }
 
 absl::Status CheckArms(const v1::Hello& hello) {

@@ -310,6 +310,41 @@ void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
   message.set_is_quarantined(record.is_quarantined);
 }
 
+namespace {
+
+// Fills in Beta(1,1) plus the sum.
+void ToProto(const decision::EvidenceSum& sum, v1::BetaPosterior& message) {
+  message.set_alpha(1 + sum.alpha);
+  message.set_beta(1 + sum.beta);
+}
+
+void ToProto(const decision::PriorsArm& arm, v1::ArmEvidence& message) {
+  ToProto(arm.pooled, *message.mutable_posterior());
+  if (arm.evidence.live.evidence() > 0) ToProto(arm.evidence.live, *message.mutable_live());
+  if (arm.evidence.lane.evidence() > 0) ToProto(arm.evidence.lane, *message.mutable_lane());
+  if (arm.cost_ratio) ToProto(*arm.cost_ratio, *message.mutable_cost_ratio());
+}
+
+}  // namespace
+
+void ToProto(const decision::SceneComparison& scene, v1::SceneComparison& message) {
+  message.set_project(scene.key.project);
+  message.set_scene(scene.key.scene);
+  message.set_machine_class(scene.key.machine_class);
+  message.set_reward_version(scene.key.reward_version);
+  message.set_known_in_both(scene.in_both());
+  message.set_leader_changed(scene.leader_changed());
+  for (const decision::ArmComparison& arm : scene.arms) {
+    v1::ArmComparison& filled = *message.add_arms();
+    filled.set_arm(arm.arm);
+    if (arm.before) ToProto(*arm.before, *filled.mutable_before());
+    if (arm.after) ToProto(*arm.after, *filled.mutable_after());
+    filled.set_changed(arm.changed());
+    message.set_largest_log_change(
+        std::max(message.largest_log_change(), std::abs(arm.log_change())));
+  }
+}
+
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {
   message.set_session_id(segment.session_id);
   message.set_segment(segment.segment);

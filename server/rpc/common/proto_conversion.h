@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/decider/pooling/priors_diff.h"
 #include "engine_client/decider/pooling/scene_prior.h"
 #include "engine_client/decider/session/decision_observer.h"
 #include "engine_client/decider/types.h"
@@ -56,6 +57,8 @@ void ToProto(const sessions::SessionView& session, v1::SessionInfo& message);
 void ToProto(const sessions::BoxView& view, v1::BoxView& message);
 void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message);
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message);
+// The caller sets builds.
+void ToProto(const decision::SceneComparison& scene, v1::SceneComparison& message);
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 
 // The messages below must have passed message_validation.h.

@@ -30,6 +30,7 @@ inline constexpr std::array kRoleTable = {
     Rpc{"PriorsService/ImportPriors", auth::Role::kOperator},
     Rpc{"PriorsService/RevokePriors", auth::Role::kOperator},
     Rpc{"PriorsService/PromotePriors", auth::Role::kOperator},
+    Rpc{"PriorsService/CompareBuilds", auth::Role::kWatch},
 };
 
 consteval Rpc RpcOf(std::string_view name) {

@@ -12,6 +12,7 @@
 #include "server/rpc/common/leader_preview.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/services/build_comparison.h"
 #include "server/rpc/services/page_stream.h"
 #include "server/rpc/services/unary_call.h"
 #include "server/sessions/admin_log.h"
@@ -55,6 +56,27 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
   }
   page.next = ends ? TransferPlace{.in_quarantine = true, .after = {}}
                    : TransferPlace{place.in_quarantine, stored->next};
+  return page;
+}
+
+// A place in a comparison. The page behind it continues the comparison.
+struct ComparisonPlace {
+  priors::ExportPlace after;
+  std::shared_ptr<BuildComparison> comparison;
+};
+using ComparisonStream = PageStream<v1::CompareBuildsResponse, ComparisonPlace>;
+
+absl::StatusOr<ComparisonStream::Page> LoadComparison(priors::PriorReader& store,
+                                                      const priors::SceneFilter& filter,
+                                                      const ComparisonPlace& place) {
+  auto stored = store.Export(filter, place.after, kRecordsPerMessage);
+  if (!stored.ok()) return stored.status();
+  ComparisonStream::Page page;
+  page.next = {stored->next, place.comparison};
+  page.last = stored->records.size() < kRecordsPerMessage;
+  for (PriorRecord& record : stored->records)
+    place.comparison->Add(std::move(record), page.response);
+  if (page.last) place.comparison->EndScene(page.response);
   return page;
 }
 
@@ -312,6 +334,17 @@ grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
           priors::PriorReader& store, const priors::SceneFilter& filter, TransferPlace place) {
         place.in_quarantine = place.in_quarantine || quarantined_only;
         return LoadRecords(store, filter, place, with_weights);
+      });
+}
+
+grpc::ServerWriteReactor<v1::CompareBuildsResponse>* PriorsService::CompareBuilds(
+    grpc::CallbackServerContext* call, const v1::CompareBuildsRequest* request) {
+  return ServePages<ComparisonStream>(
+      context_, *call, RpcOf("PriorsService/CompareBuilds"), {request->project(), request->scene()},
+      [first = std::make_shared<BuildComparison>(*request)](
+          priors::PriorReader& store, const priors::SceneFilter& filter, ComparisonPlace place) {
+        if (place.comparison == nullptr) place.comparison = first;
+        return LoadComparison(store, filter, place);
       });
 }
 

@@ -23,7 +23,8 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
                                 v1::PriorsService::WithRawCallbackMethod_ImportPriors<
                                     v1::PriorsService::WithCallbackMethod_RevokePriors<
                                         v1::PriorsService::WithCallbackMethod_PromotePriors<
-                                            v1::PriorsService::Service>>>> {
+                                            v1::PriorsService::WithCallbackMethod_CompareBuilds<
+                                                v1::PriorsService::Service>>>>> {
  public:
   PriorsService(ServiceContext& context, sessions::AdminLog& admin)
       : context_(context), admin_(admin) {}
@@ -38,6 +39,8 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
   grpc::ServerUnaryReactor* PromotePriors(grpc::CallbackServerContext* call,
                                           const v1::PromotePriorsRequest* request,
                                           v1::PromotePriorsResponse* response) override;
+  grpc::ServerWriteReactor<v1::CompareBuildsResponse>* CompareBuilds(
+      grpc::CallbackServerContext* call, const v1::CompareBuildsRequest* request) override;
 
  private:
   // Tells of a revocation or a promotion that was committed.

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "engine_client/decider/embedded/priors_file.h"
-#include "engine_client/decider/embedded/priors_sums.h"
 #include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/pooling/priors_sums.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/machine_class.h"
 #include "tests/engine_client/cli/command_run.h"

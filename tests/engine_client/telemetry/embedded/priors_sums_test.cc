@@ -1,4 +1,4 @@
-#include "engine_client/decider/embedded/priors_sums.h"
+#include "engine_client/decider/pooling/priors_sums.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -110,13 +110,14 @@ TEST(PriorsSums, AreReadBackAsTheyWereWritten) {
   EXPECT_EQ(FormatPriors(SumByBuild(*read)), text) << "a sum of sums is the same sum";
 }
 
-TEST(PriorsSums, HaveFiveSignificantDigits) {
+TEST(PriorsSums, HaveFiveDigitsInAFile) {
   PriorRecord record = RecordOf("a", "", "SAP");
   record.evidence.alpha = 123'456.789;
   record.evidence.beta = 0.000'123'456;
-  const std::vector<PriorRecord> sums = SumByBuild(std::vector{record});
-  EXPECT_EQ(sums[0].evidence.alpha, 123'460);
-  EXPECT_EQ(sums[0].evidence.beta, 0.000'123'46);
+  const auto sums = ParsePriors(FormatPriors(SumByBuild(std::vector{record})));
+  ASSERT_TRUE(sums.ok()) << sums.status().message();
+  EXPECT_EQ((*sums)[0].evidence.alpha, 123'460);
+  EXPECT_EQ((*sums)[0].evidence.beta, 0.000'123'46);
 }
 
 TEST(PriorsSums, AreRefusedIfChangedOrTruncated) {

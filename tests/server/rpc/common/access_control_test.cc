@@ -203,6 +203,11 @@ TEST_F(AccessTest, RefusalsForAnotherProjectAreLoggedForEveryCall) {
           return priors->ExportPriors(context, request)->Finish();
         });
       },
+      [&] {
+        return ask(v1::CompareBuildsRequest(), [&](auto* context, const auto& request) {
+          return priors->CompareBuilds(context, request)->Finish();
+        });
+      },
       [&] { return Import({"theirs"}); },
       [&] {
         v1::RevokePriorsRequest request;

@@ -1,4 +1,4 @@
-// Compares two builds, or two other sets of evidence: a row per arm, the first interval above the second, over an axis of ratios.
+// Draws two intervals per arm, such as those of two builds, over an axis of ratios.
 import { compact, significant } from '../../format';
 import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';
@@ -7,8 +7,8 @@ import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/visible';
 import { useWidth } from './width';
 
-/** `before` or `after` is absent if that build has no evidence of the arm. */
-export interface IntervalRow { arm: string; before?: Ratio; after?: Ratio }
+/** Undefined: no evidence of the arm. */
+export interface IntervalRow { arm: string; before: Ratio | undefined; after: Ratio | undefined }
 
 const ROW = 44;
 const TOP = 4;

@@ -74,11 +74,11 @@ function Quarantine({ evidence, project }: { evidence: Evidence; project: string
   );
 }
 
-function Tables({ evidence }: { evidence: Evidence }) {
+function Tables({ evidence, project }: { evidence: Evidence; project: string }) {
   return (
     <>
       <section><h2>Builds</h2><Builds evidence={evidence} /></section>
-      <section><h2>From build to build</h2><Changes evidence={evidence} /></section>
+      <section><h2>From build to build</h2><Changes evidence={evidence} project={project} /></section>
       <section><h2>Evidence</h2><Sums evidence={evidence} /></section>
       <section><h2>Sources</h2><Sources evidence={evidence} /></section>
     </>
@@ -119,7 +119,7 @@ export function Priors() {
       {answer?.error && <Failure what="All of the evidence" error={answer.error} onRetry={again} />}
       {evidence && evidence.waitingCount > 0 && <Quarantine evidence={evidence} project={project} />}
       {answer?.isWhole && answer.evidence.recordCount === 0 && <Empty title="Nothing is stored yet"><p>Sessions’ evidence is written as they go on; it appears here a moment later.</p></Empty>}
-      {evidence && evidence.recordCount > 0 && <><Notes evidence={evidence} project={project} /><Tables evidence={evidence} /></>}
+      {evidence && evidence.recordCount > 0 && <><Notes evidence={evidence} project={project} /><Tables evidence={evidence} project={project} /></>}
       <p class="soft small">A file of priors comes in by <code>sweepstake priors import --daemon HOST:PORT --in FILE</code>, and waits here.</p>
     </>
   );

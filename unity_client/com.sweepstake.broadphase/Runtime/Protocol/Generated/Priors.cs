@@ -24,53 +24,75 @@ namespace Sweepstake.Protocol.V1 {
     static PriorsReflection() {
       byte[] descriptorData = global::System.Convert.FromBase64String(
           string.Concat(
-            "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MSJl",
-            "ChNFeHBvcnRQcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
-            "bmUYAiABKAkSGAoQcXVhcmFudGluZWRfb25seRgDIAEoCBIUCgx3aXRoX3dl",
-            "aWdodHMYBCABKAgiQwoURXhwb3J0UHJpb3JzUmVzcG9uc2USKwoHcmVjb3Jk",
-            "cxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQiUwoTSW1wb3J0",
-            "UHJpb3JzUmVxdWVzdBIrCgdyZWNvcmRzGAEgAygLMhouc3dlZXBzdGFrZS52",
-            "MS5QcmlvclJlY29yZBIPCgdwcm9tb3RlGAIgASgIIkYKFEltcG9ydFByaW9y",
-            "c1Jlc3BvbnNlEhUKDWFwcGxpZWRfY291bnQYASABKAQSFwoPdW5jaGFuZ2Vk",
-            "X2NvdW50GAIgASgEIn4KDFNvdXJjZUZpbHRlchIPCgdwcm9qZWN0GAEgASgJ",
-            "EhEKCXNvdXJjZV9pZBgCIAEoCRINCgVidWlsZBgDIAEoCRIQCgh0b2tlbl9p",
-            "ZBgEIAEoAxITCgt1bml4X2Zyb21fcxgFIAEoAxIUCgx1bml4X3VudGlsX3MY",
-            "BiABKAMifAoMTGVhZGVyQ2hhbmdlEg8KB3Byb2plY3QYASABKAkSDQoFc2Nl",
-            "bmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgDIAEoCRIWCg5yZXdhcmRfdmVy",
-            "c2lvbhgEIAEoDRILCgNhcm0YBSABKAkSEAoIbmV4dF9hcm0YBiABKAkiUQoN",
-            "TGVhZGVyQ2hhbmdlcxIrCgZzY2VuZXMYASADKAsyGy5zd2VlcHN0YWtlLnYx",
-            "LkxlYWRlckNoYW5nZRITCgtzY2VuZV9jb3VudBgCIAEoBCJUChNSZXZva2VQ",
-            "cmlvcnNSZXF1ZXN0EiwKB3NvdXJjZXMYASABKAsyGy5zd2VlcHN0YWtlLnYx",
-            "LlNvdXJjZUZpbHRlchIPCgdwcmV2aWV3GAIgASgIIo4BChRSZXZva2VQcmlv",
-            "cnNSZXNwb25zZRIUCgxzb3VyY2VfY291bnQYASABKAQSFAoMcmVjb3JkX2Nv",
-            "dW50GAIgASgEEhQKDHdpbmRvd19jb3VudBgDIAEoBBI0Cg5sZWFkZXJfY2hh",
-            "bmdlcxgEIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVhZGVyQ2hhbmdlcyJVChRQ",
-            "cm9tb3RlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsuc3dlZXBz",
-            "dGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCKkAQoVUHJv",
-            "bW90ZVByaW9yc1Jlc3BvbnNlEhQKDHNvdXJjZV9jb3VudBgBIAEoBBIUCgxy",
-            "ZWNvcmRfY291bnQYAiABKAQSFAoMd2luZG93X2NvdW50GAMgASgEEhMKC3Nj",
-            "ZW5lX2NvdW50GAQgASgEEjQKDmxlYWRlcl9jaGFuZ2VzGAUgASgLMhwuc3dl",
-            "ZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2VzIogDCgtQcmlvclJlY29yZBIPCgdw",
-            "cm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhMKC21lYXN1cmVkX2J5GAMg",
-            "ASgJEgsKA2FybRgEIAEoCRIXCg9iYWNrZW5kX3ZlcnNpb24YBSABKA0SFQoN",
-            "bWFjaGluZV9jbGFzcxgGIAEoCRIWCg5yZXdhcmRfdmVyc2lvbhgHIAEoDRIR",
-            "Cglzb3VyY2VfaWQYCCABKAkSFwoPc291cmNlX3NlcXVlbmNlGAkgASgEEhcK",
-            "D2FscGhhX2luY3JlbWVudBgKIAEoARIWCg5iZXRhX2luY3JlbWVudBgLIAEo",
-            "ARIUCgx3aW5kb3dfY291bnQYDCABKAQSFgoOYmFpbF9vdXRfY291bnQYDSAB",
-            "KAQSDQoFYnVpbGQYDiABKAkSGAoQdW5peF9sYXN0X3NlZW5fcxgPIAEoAxIT",
-            "Cgtpc19pbXBvcnRlZBgQIAEoCBIWCg5pc19xdWFyYW50aW5lZBgRIAEoCBIO",
-            "CgZ3ZWlnaHQYEiABKAEy+gIKDVByaW9yc1NlcnZpY2USWQoMRXhwb3J0UHJp",
-            "b3JzEiIuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dl",
-            "ZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXNwb25zZTABElkKDEltcG9ydFBy",
-            "aW9ycxIiLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVxdWVzdBojLnN3",
-            "ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVzcG9uc2UoARJXCgxSZXZva2VQ",
-            "cmlvcnMSIi5zd2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1JlcXVlc3QaIy5z",
-            "d2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1Jlc3BvbnNlEloKDVByb21vdGVQ",
-            "cmlvcnMSIy5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXF1ZXN0GiQu",
-            "c3dlZXBzdGFrZS52MS5Qcm9tb3RlUHJpb3JzUmVzcG9uc2VCGaoCFlN3ZWVw",
-            "c3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
+            "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MRod",
+            "c3dlZXBzdGFrZS92MS90ZWxlbWV0cnkucHJvdG8iZQoTRXhwb3J0UHJpb3Jz",
+            "UmVxdWVzdBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhgKEHF1",
+            "YXJhbnRpbmVkX29ubHkYAyABKAgSFAoMd2l0aF93ZWlnaHRzGAQgASgIIkMK",
+            "FEV4cG9ydFByaW9yc1Jlc3BvbnNlEisKB3JlY29yZHMYASADKAsyGi5zd2Vl",
+            "cHN0YWtlLnYxLlByaW9yUmVjb3JkIlMKE0ltcG9ydFByaW9yc1JlcXVlc3QS",
+            "KwoHcmVjb3JkcxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQS",
+            "DwoHcHJvbW90ZRgCIAEoCCJGChRJbXBvcnRQcmlvcnNSZXNwb25zZRIVCg1h",
+            "cHBsaWVkX2NvdW50GAEgASgEEhcKD3VuY2hhbmdlZF9jb3VudBgCIAEoBCJ+",
+            "CgxTb3VyY2VGaWx0ZXISDwoHcHJvamVjdBgBIAEoCRIRCglzb3VyY2VfaWQY",
+            "AiABKAkSDQoFYnVpbGQYAyABKAkSEAoIdG9rZW5faWQYBCABKAMSEwoLdW5p",
+            "eF9mcm9tX3MYBSABKAMSFAoMdW5peF91bnRpbF9zGAYgASgDInwKDExlYWRl",
+            "ckNoYW5nZRIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1h",
+            "Y2hpbmVfY2xhc3MYAyABKAkSFgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SCwoD",
+            "YXJtGAUgASgJEhAKCG5leHRfYXJtGAYgASgJIlEKDUxlYWRlckNoYW5nZXMS",
+            "KwoGc2NlbmVzGAEgAygLMhsuc3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2US",
+            "EwoLc2NlbmVfY291bnQYAiABKAQiVAoTUmV2b2tlUHJpb3JzUmVxdWVzdBIs",
+            "Cgdzb3VyY2VzGAEgASgLMhsuc3dlZXBzdGFrZS52MS5Tb3VyY2VGaWx0ZXIS",
+            "DwoHcHJldmlldxgCIAEoCCKOAQoUUmV2b2tlUHJpb3JzUmVzcG9uc2USFAoM",
+            "c291cmNlX2NvdW50GAEgASgEEhQKDHJlY29yZF9jb3VudBgCIAEoBBIUCgx3",
+            "aW5kb3dfY291bnQYAyABKAQSNAoObGVhZGVyX2NoYW5nZXMYBCABKAsyHC5z",
+            "d2VlcHN0YWtlLnYxLkxlYWRlckNoYW5nZXMiVQoUUHJvbW90ZVByaW9yc1Jl",
+            "cXVlc3QSLAoHc291cmNlcxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNl",
+            "RmlsdGVyEg8KB3ByZXZpZXcYAiABKAgipAEKFVByb21vdGVQcmlvcnNSZXNw",
+            "b25zZRIUCgxzb3VyY2VfY291bnQYASABKAQSFAoMcmVjb3JkX2NvdW50GAIg",
+            "ASgEEhQKDHdpbmRvd19jb3VudBgDIAEoBBITCgtzY2VuZV9jb3VudBgEIAEo",
+            "BBI0Cg5sZWFkZXJfY2hhbmdlcxgFIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVh",
+            "ZGVyQ2hhbmdlcyKIAwoLUHJpb3JSZWNvcmQSDwoHcHJvamVjdBgBIAEoCRIN",
+            "CgVzY2VuZRgCIAEoCRITCgttZWFzdXJlZF9ieRgDIAEoCRILCgNhcm0YBCAB",
+            "KAkSFwoPYmFja2VuZF92ZXJzaW9uGAUgASgNEhUKDW1hY2hpbmVfY2xhc3MY",
+            "BiABKAkSFgoOcmV3YXJkX3ZlcnNpb24YByABKA0SEQoJc291cmNlX2lkGAgg",
+            "ASgJEhcKD3NvdXJjZV9zZXF1ZW5jZRgJIAEoBBIXCg9hbHBoYV9pbmNyZW1l",
+            "bnQYCiABKAESFgoOYmV0YV9pbmNyZW1lbnQYCyABKAESFAoMd2luZG93X2Nv",
+            "dW50GAwgASgEEhYKDmJhaWxfb3V0X2NvdW50GA0gASgEEg0KBWJ1aWxkGA4g",
+            "ASgJEhgKEHVuaXhfbGFzdF9zZWVuX3MYDyABKAMSEwoLaXNfaW1wb3J0ZWQY",
+            "ECABKAgSFgoOaXNfcXVhcmFudGluZWQYESABKAgSDgoGd2VpZ2h0GBIgASgB",
+            "IjsKC0J1aWxkQ2hvaWNlEhIKBWJ1aWxkGAEgASgJSACIAQESDgoGb3RoZXJz",
+            "GAIgASgIQggKBl9idWlsZCKjAQoUQ29tcGFyZUJ1aWxkc1JlcXVlc3QSDwoH",
+            "cHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIqCgZiZWZvcmUYAyABKAsy",
+            "Gi5zd2VlcHN0YWtlLnYxLkJ1aWxkQ2hvaWNlEikKBWFmdGVyGAQgASgLMhou",
+            "c3dlZXBzdGFrZS52MS5CdWlsZENob2ljZRIUCgxjaGFuZ2VzX29ubHkYBSAB",
+            "KAgiRwoVQ29tcGFyZUJ1aWxkc1Jlc3BvbnNlEi4KBnNjZW5lcxgBIAMoCzIe",
+            "LnN3ZWVwc3Rha2UudjEuU2NlbmVDb21wYXJpc29uIucBCg9TY2VuZUNvbXBh",
+            "cmlzb24SDwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIVCg1tYWNo",
+            "aW5lX2NsYXNzGAMgASgJEhYKDnJld2FyZF92ZXJzaW9uGAQgASgNEioKBGFy",
+            "bXMYBSADKAsyHC5zd2VlcHN0YWtlLnYxLkFybUNvbXBhcmlzb24SFQoNa25v",
+            "d25faW5fYm90aBgGIAEoCBIWCg5sZWFkZXJfY2hhbmdlZBgHIAEoCBIaChJs",
+            "YXJnZXN0X2xvZ19jaGFuZ2UYCCABKAESDgoGYnVpbGRzGAkgAygJIoQBCg1B",
+            "cm1Db21wYXJpc29uEgsKA2FybRgBIAEoCRIqCgZiZWZvcmUYAiABKAsyGi5z",
+            "d2VlcHN0YWtlLnYxLkFybUV2aWRlbmNlEikKBWFmdGVyGAMgASgLMhouc3dl",
+            "ZXBzdGFrZS52MS5Bcm1FdmlkZW5jZRIPCgdjaGFuZ2VkGAQgASgIIsQBCgtB",
+            "cm1FdmlkZW5jZRIvCglwb3N0ZXJpb3IYASABKAsyHC5zd2VlcHN0YWtlLnYx",
+            "LkJldGFQb3N0ZXJpb3ISKgoEbGl2ZRgCIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
+            "QmV0YVBvc3RlcmlvchIqCgRsYW5lGAMgASgLMhwuc3dlZXBzdGFrZS52MS5C",
+            "ZXRhUG9zdGVyaW9yEiwKCmNvc3RfcmF0aW8YBCABKAsyGC5zd2VlcHN0YWtl",
+            "LnYxLkNvc3RSYXRpbzLYAwoNUHJpb3JzU2VydmljZRJZCgxFeHBvcnRQcmlv",
+            "cnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1JlcXVlc3QaIy5zd2Vl",
+            "cHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3BvbnNlMAESWQoMSW1wb3J0UHJp",
+            "b3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dl",
+            "ZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNwb25zZSgBElcKDFJldm9rZVBy",
+            "aW9ycxIiLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVxdWVzdBojLnN3",
+            "ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVzcG9uc2USWgoNUHJvbW90ZVBy",
+            "aW9ycxIjLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1JlcXVlc3QaJC5z",
+            "d2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXNwb25zZRJcCg1Db21wYXJl",
+            "QnVpbGRzEiMuc3dlZXBzdGFrZS52MS5Db21wYXJlQnVpbGRzUmVxdWVzdBok",
+            "LnN3ZWVwc3Rha2UudjEuQ29tcGFyZUJ1aWxkc1Jlc3BvbnNlMAFCGaoCFlN3",
+            "ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
-          new pbr::FileDescriptor[] { },
+          new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsRequest), global::Sweepstake.Protocol.V1.ExportPriorsRequest.Parser, new[]{ "Project", "Scene", "QuarantinedOnly", "WithWeights" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records" }, null, null, null, null),
@@ -83,7 +105,13 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "LeaderChanges" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsRequest), global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsResponse), global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "SceneCount", "LeaderChanges" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined", "Weight" }, null, null, null, null)
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined", "Weight" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BuildChoice), global::Sweepstake.Protocol.V1.BuildChoice.Parser, new[]{ "Build", "Others" }, new[]{ "Build" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CompareBuildsRequest), global::Sweepstake.Protocol.V1.CompareBuildsRequest.Parser, new[]{ "Project", "Scene", "Before", "After", "ChangesOnly" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CompareBuildsResponse), global::Sweepstake.Protocol.V1.CompareBuildsResponse.Parser, new[]{ "Scenes" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneComparison), global::Sweepstake.Protocol.V1.SceneComparison.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "KnownInBoth", "LeaderChanged", "LargestLogChange", "Builds" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmComparison), global::Sweepstake.Protocol.V1.ArmComparison.Parser, new[]{ "Arm", "Before", "After", "Changed" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmEvidence), global::Sweepstake.Protocol.V1.ArmEvidence.Parser, new[]{ "Posterior", "Live", "Lane", "CostRatio" }, null, null, null, null)
           }));
     }
     #endregion
@@ -4217,6 +4245,2043 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 145: {
             Weight = input.ReadDouble();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// Builds of the game whose evidence is taken together.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class BuildChoice : pb::IMessage<BuildChoice>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<BuildChoice> _parser = new pb::MessageParser<BuildChoice>(() => new BuildChoice());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<BuildChoice> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[12]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BuildChoice() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BuildChoice(BuildChoice other) : this() {
+      build_ = other.build_;
+      others_ = other.others_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public BuildChoice Clone() {
+      return new BuildChoice(this);
+    }
+
+    /// <summary>Field number for the "build" field.</summary>
+    public const int BuildFieldNumber = 1;
+    private readonly static string BuildDefaultValue = "";
+
+    private string build_;
+    /// <summary>
+    /// The build; empty: the unknown build. Absent: all builds.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Build {
+      get { return build_ ?? BuildDefaultValue; }
+      set {
+        build_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+    /// <summary>Gets whether the "build" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasBuild {
+      get { return build_ != null; }
+    }
+    /// <summary>Clears the value of the "build" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearBuild() {
+      build_ = null;
+    }
+
+    /// <summary>Field number for the "others" field.</summary>
+    public const int OthersFieldNumber = 2;
+    private bool others_;
+    /// <summary>
+    /// True: all builds except this one. Absent: this build.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Others {
+      get { return others_; }
+      set {
+        others_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as BuildChoice);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(BuildChoice other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (Build != other.Build) return false;
+      if (Others != other.Others) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (HasBuild) hash ^= Build.GetHashCode();
+      if (Others != false) hash ^= Others.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (HasBuild) {
+        output.WriteRawTag(10);
+        output.WriteString(Build);
+      }
+      if (Others != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Others);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (HasBuild) {
+        output.WriteRawTag(10);
+        output.WriteString(Build);
+      }
+      if (Others != false) {
+        output.WriteRawTag(16);
+        output.WriteBool(Others);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (HasBuild) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Build);
+      }
+      if (Others != false) {
+        size += 1 + 1;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(BuildChoice other) {
+      if (other == null) {
+        return;
+      }
+      if (other.HasBuild) {
+        Build = other.Build;
+      }
+      if (other.Others != false) {
+        Others = other.Others;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            Build = input.ReadString();
+            break;
+          }
+          case 16: {
+            Others = input.ReadBool();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            Build = input.ReadString();
+            break;
+          }
+          case 16: {
+            Others = input.ReadBool();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// The builds and scenes to compare.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class CompareBuildsRequest : pb::IMessage<CompareBuildsRequest>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<CompareBuildsRequest> _parser = new pb::MessageParser<CompareBuildsRequest>(() => new CompareBuildsRequest());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<CompareBuildsRequest> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[13]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CompareBuildsRequest() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CompareBuildsRequest(CompareBuildsRequest other) : this() {
+      project_ = other.project_;
+      scene_ = other.scene_;
+      before_ = other.before_ != null ? other.before_.Clone() : null;
+      after_ = other.after_ != null ? other.after_.Clone() : null;
+      changesOnly_ = other.changesOnly_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CompareBuildsRequest Clone() {
+      return new CompareBuildsRequest(this);
+    }
+
+    /// <summary>Field number for the "project" field.</summary>
+    public const int ProjectFieldNumber = 1;
+    private string project_ = "";
+    /// <summary>
+    /// Only this project. Absent: all.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Project {
+      get { return project_; }
+      set {
+        project_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "scene" field.</summary>
+    public const int SceneFieldNumber = 2;
+    private string scene_ = "";
+    /// <summary>
+    /// Only this scene. Absent: all.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Scene {
+      get { return scene_; }
+      set {
+        scene_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "before" field.</summary>
+    public const int BeforeFieldNumber = 3;
+    private global::Sweepstake.Protocol.V1.BuildChoice before_;
+    /// <summary>
+    /// The builds before. Absent: all builds.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.BuildChoice Before {
+      get { return before_; }
+      set {
+        before_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "after" field.</summary>
+    public const int AfterFieldNumber = 4;
+    private global::Sweepstake.Protocol.V1.BuildChoice after_;
+    /// <summary>
+    /// The builds after. Absent: all builds.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.BuildChoice After {
+      get { return after_; }
+      set {
+        after_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "changes_only" field.</summary>
+    public const int ChangesOnlyFieldNumber = 5;
+    private bool changesOnly_;
+    /// <summary>
+    /// True: only scenes in which an arm has changed. Absent: all scenes.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool ChangesOnly {
+      get { return changesOnly_; }
+      set {
+        changesOnly_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as CompareBuildsRequest);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(CompareBuildsRequest other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (Project != other.Project) return false;
+      if (Scene != other.Scene) return false;
+      if (!object.Equals(Before, other.Before)) return false;
+      if (!object.Equals(After, other.After)) return false;
+      if (ChangesOnly != other.ChangesOnly) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (Project.Length != 0) hash ^= Project.GetHashCode();
+      if (Scene.Length != 0) hash ^= Scene.GetHashCode();
+      if (before_ != null) hash ^= Before.GetHashCode();
+      if (after_ != null) hash ^= After.GetHashCode();
+      if (ChangesOnly != false) hash ^= ChangesOnly.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (Project.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Project);
+      }
+      if (Scene.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(Scene);
+      }
+      if (before_ != null) {
+        output.WriteRawTag(26);
+        output.WriteMessage(Before);
+      }
+      if (after_ != null) {
+        output.WriteRawTag(34);
+        output.WriteMessage(After);
+      }
+      if (ChangesOnly != false) {
+        output.WriteRawTag(40);
+        output.WriteBool(ChangesOnly);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (Project.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Project);
+      }
+      if (Scene.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(Scene);
+      }
+      if (before_ != null) {
+        output.WriteRawTag(26);
+        output.WriteMessage(Before);
+      }
+      if (after_ != null) {
+        output.WriteRawTag(34);
+        output.WriteMessage(After);
+      }
+      if (ChangesOnly != false) {
+        output.WriteRawTag(40);
+        output.WriteBool(ChangesOnly);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (Project.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Project);
+      }
+      if (Scene.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
+      }
+      if (before_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Before);
+      }
+      if (after_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(After);
+      }
+      if (ChangesOnly != false) {
+        size += 1 + 1;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(CompareBuildsRequest other) {
+      if (other == null) {
+        return;
+      }
+      if (other.Project.Length != 0) {
+        Project = other.Project;
+      }
+      if (other.Scene.Length != 0) {
+        Scene = other.Scene;
+      }
+      if (other.before_ != null) {
+        if (before_ == null) {
+          Before = new global::Sweepstake.Protocol.V1.BuildChoice();
+        }
+        Before.MergeFrom(other.Before);
+      }
+      if (other.after_ != null) {
+        if (after_ == null) {
+          After = new global::Sweepstake.Protocol.V1.BuildChoice();
+        }
+        After.MergeFrom(other.After);
+      }
+      if (other.ChangesOnly != false) {
+        ChangesOnly = other.ChangesOnly;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            Project = input.ReadString();
+            break;
+          }
+          case 18: {
+            Scene = input.ReadString();
+            break;
+          }
+          case 26: {
+            if (before_ == null) {
+              Before = new global::Sweepstake.Protocol.V1.BuildChoice();
+            }
+            input.ReadMessage(Before);
+            break;
+          }
+          case 34: {
+            if (after_ == null) {
+              After = new global::Sweepstake.Protocol.V1.BuildChoice();
+            }
+            input.ReadMessage(After);
+            break;
+          }
+          case 40: {
+            ChangesOnly = input.ReadBool();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            Project = input.ReadString();
+            break;
+          }
+          case 18: {
+            Scene = input.ReadString();
+            break;
+          }
+          case 26: {
+            if (before_ == null) {
+              Before = new global::Sweepstake.Protocol.V1.BuildChoice();
+            }
+            input.ReadMessage(Before);
+            break;
+          }
+          case 34: {
+            if (after_ == null) {
+              After = new global::Sweepstake.Protocol.V1.BuildChoice();
+            }
+            input.ReadMessage(After);
+            break;
+          }
+          case 40: {
+            ChangesOnly = input.ReadBool();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// A part of the comparison.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class CompareBuildsResponse : pb::IMessage<CompareBuildsResponse>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<CompareBuildsResponse> _parser = new pb::MessageParser<CompareBuildsResponse>(() => new CompareBuildsResponse());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<CompareBuildsResponse> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[14]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CompareBuildsResponse() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CompareBuildsResponse(CompareBuildsResponse other) : this() {
+      scenes_ = other.scenes_.Clone();
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public CompareBuildsResponse Clone() {
+      return new CompareBuildsResponse(this);
+    }
+
+    /// <summary>Field number for the "scenes" field.</summary>
+    public const int ScenesFieldNumber = 1;
+    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.SceneComparison> _repeated_scenes_codec
+        = pb::FieldCodec.ForMessage(10, global::Sweepstake.Protocol.V1.SceneComparison.Parser);
+    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.SceneComparison> scenes_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.SceneComparison>();
+    /// <summary>
+    /// Some scenes. Absent: none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.SceneComparison> Scenes {
+      get { return scenes_; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as CompareBuildsResponse);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(CompareBuildsResponse other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if(!scenes_.Equals(other.scenes_)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      hash ^= scenes_.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      scenes_.WriteTo(output, _repeated_scenes_codec);
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      scenes_.WriteTo(ref output, _repeated_scenes_codec);
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      size += scenes_.CalculateSize(_repeated_scenes_codec);
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(CompareBuildsResponse other) {
+      if (other == null) {
+        return;
+      }
+      scenes_.Add(other.scenes_);
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            scenes_.AddEntriesFrom(input, _repeated_scenes_codec);
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            scenes_.AddEntriesFrom(ref input, _repeated_scenes_codec);
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// One scene on one class of machines, by one version of the reward.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class SceneComparison : pb::IMessage<SceneComparison>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<SceneComparison> _parser = new pb::MessageParser<SceneComparison>(() => new SceneComparison());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<SceneComparison> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[15]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public SceneComparison() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public SceneComparison(SceneComparison other) : this() {
+      project_ = other.project_;
+      scene_ = other.scene_;
+      machineClass_ = other.machineClass_;
+      rewardVersion_ = other.rewardVersion_;
+      arms_ = other.arms_.Clone();
+      knownInBoth_ = other.knownInBoth_;
+      leaderChanged_ = other.leaderChanged_;
+      largestLogChange_ = other.largestLogChange_;
+      builds_ = other.builds_.Clone();
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public SceneComparison Clone() {
+      return new SceneComparison(this);
+    }
+
+    /// <summary>Field number for the "project" field.</summary>
+    public const int ProjectFieldNumber = 1;
+    private string project_ = "";
+    /// <summary>
+    /// The project. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Project {
+      get { return project_; }
+      set {
+        project_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "scene" field.</summary>
+    public const int SceneFieldNumber = 2;
+    private string scene_ = "";
+    /// <summary>
+    /// The scene. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Scene {
+      get { return scene_; }
+      set {
+        scene_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "machine_class" field.</summary>
+    public const int MachineClassFieldNumber = 3;
+    private string machineClass_ = "";
+    /// <summary>
+    /// Class of machine. Absent: the unknown class.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string MachineClass {
+      get { return machineClass_; }
+      set {
+        machineClass_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "reward_version" field.</summary>
+    public const int RewardVersionFieldNumber = 4;
+    private uint rewardVersion_;
+    /// <summary>
+    /// Version of the reward. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint RewardVersion {
+      get { return rewardVersion_; }
+      set {
+        rewardVersion_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "arms" field.</summary>
+    public const int ArmsFieldNumber = 5;
+    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.ArmComparison> _repeated_arms_codec
+        = pb::FieldCodec.ForMessage(42, global::Sweepstake.Protocol.V1.ArmComparison.Parser);
+    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmComparison> arms_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmComparison>();
+    /// <summary>
+    /// The arms with evidence of these builds, ordered by name. Absent: none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmComparison> Arms {
+      get { return arms_; }
+    }
+
+    /// <summary>Field number for the "known_in_both" field.</summary>
+    public const int KnownInBothFieldNumber = 6;
+    private bool knownInBoth_;
+    /// <summary>
+    /// Some cost ratio is known before, and some after. Absent: false.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool KnownInBoth {
+      get { return knownInBoth_; }
+      set {
+        knownInBoth_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "leader_changed" field.</summary>
+    public const int LeaderChangedFieldNumber = 7;
+    private bool leaderChanged_;
+    /// <summary>
+    /// Other arms are the cheapest after than before. Absent: false, or not known in both.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool LeaderChanged {
+      get { return leaderChanged_; }
+      set {
+        leaderChanged_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "largest_log_change" field.</summary>
+    public const int LargestLogChangeFieldNumber = 8;
+    private double largestLogChange_;
+    /// <summary>
+    /// The largest |ln(cost ratio after ÷ cost ratio before)| of an arm. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double LargestLogChange {
+      get { return largestLogChange_; }
+      set {
+        largestLogChange_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "builds" field.</summary>
+    public const int BuildsFieldNumber = 9;
+    private static readonly pb::FieldCodec<string> _repeated_builds_codec
+        = pb::FieldCodec.ForString(74);
+    private readonly pbc::RepeatedField<string> builds_ = new pbc::RepeatedField<string>();
+    /// <summary>
+    /// All builds with evidence of the scene, the latest one first. Absent: none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<string> Builds {
+      get { return builds_; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as SceneComparison);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(SceneComparison other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (Project != other.Project) return false;
+      if (Scene != other.Scene) return false;
+      if (MachineClass != other.MachineClass) return false;
+      if (RewardVersion != other.RewardVersion) return false;
+      if(!arms_.Equals(other.arms_)) return false;
+      if (KnownInBoth != other.KnownInBoth) return false;
+      if (LeaderChanged != other.LeaderChanged) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(LargestLogChange, other.LargestLogChange)) return false;
+      if(!builds_.Equals(other.builds_)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (Project.Length != 0) hash ^= Project.GetHashCode();
+      if (Scene.Length != 0) hash ^= Scene.GetHashCode();
+      if (MachineClass.Length != 0) hash ^= MachineClass.GetHashCode();
+      if (RewardVersion != 0) hash ^= RewardVersion.GetHashCode();
+      hash ^= arms_.GetHashCode();
+      if (KnownInBoth != false) hash ^= KnownInBoth.GetHashCode();
+      if (LeaderChanged != false) hash ^= LeaderChanged.GetHashCode();
+      if (LargestLogChange != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(LargestLogChange);
+      hash ^= builds_.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (Project.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Project);
+      }
+      if (Scene.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(Scene);
+      }
+      if (MachineClass.Length != 0) {
+        output.WriteRawTag(26);
+        output.WriteString(MachineClass);
+      }
+      if (RewardVersion != 0) {
+        output.WriteRawTag(32);
+        output.WriteUInt32(RewardVersion);
+      }
+      arms_.WriteTo(output, _repeated_arms_codec);
+      if (KnownInBoth != false) {
+        output.WriteRawTag(48);
+        output.WriteBool(KnownInBoth);
+      }
+      if (LeaderChanged != false) {
+        output.WriteRawTag(56);
+        output.WriteBool(LeaderChanged);
+      }
+      if (LargestLogChange != 0D) {
+        output.WriteRawTag(65);
+        output.WriteDouble(LargestLogChange);
+      }
+      builds_.WriteTo(output, _repeated_builds_codec);
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (Project.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Project);
+      }
+      if (Scene.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(Scene);
+      }
+      if (MachineClass.Length != 0) {
+        output.WriteRawTag(26);
+        output.WriteString(MachineClass);
+      }
+      if (RewardVersion != 0) {
+        output.WriteRawTag(32);
+        output.WriteUInt32(RewardVersion);
+      }
+      arms_.WriteTo(ref output, _repeated_arms_codec);
+      if (KnownInBoth != false) {
+        output.WriteRawTag(48);
+        output.WriteBool(KnownInBoth);
+      }
+      if (LeaderChanged != false) {
+        output.WriteRawTag(56);
+        output.WriteBool(LeaderChanged);
+      }
+      if (LargestLogChange != 0D) {
+        output.WriteRawTag(65);
+        output.WriteDouble(LargestLogChange);
+      }
+      builds_.WriteTo(ref output, _repeated_builds_codec);
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (Project.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Project);
+      }
+      if (Scene.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
+      }
+      if (MachineClass.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(MachineClass);
+      }
+      if (RewardVersion != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(RewardVersion);
+      }
+      size += arms_.CalculateSize(_repeated_arms_codec);
+      if (KnownInBoth != false) {
+        size += 1 + 1;
+      }
+      if (LeaderChanged != false) {
+        size += 1 + 1;
+      }
+      if (LargestLogChange != 0D) {
+        size += 1 + 8;
+      }
+      size += builds_.CalculateSize(_repeated_builds_codec);
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(SceneComparison other) {
+      if (other == null) {
+        return;
+      }
+      if (other.Project.Length != 0) {
+        Project = other.Project;
+      }
+      if (other.Scene.Length != 0) {
+        Scene = other.Scene;
+      }
+      if (other.MachineClass.Length != 0) {
+        MachineClass = other.MachineClass;
+      }
+      if (other.RewardVersion != 0) {
+        RewardVersion = other.RewardVersion;
+      }
+      arms_.Add(other.arms_);
+      if (other.KnownInBoth != false) {
+        KnownInBoth = other.KnownInBoth;
+      }
+      if (other.LeaderChanged != false) {
+        LeaderChanged = other.LeaderChanged;
+      }
+      if (other.LargestLogChange != 0D) {
+        LargestLogChange = other.LargestLogChange;
+      }
+      builds_.Add(other.builds_);
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            Project = input.ReadString();
+            break;
+          }
+          case 18: {
+            Scene = input.ReadString();
+            break;
+          }
+          case 26: {
+            MachineClass = input.ReadString();
+            break;
+          }
+          case 32: {
+            RewardVersion = input.ReadUInt32();
+            break;
+          }
+          case 42: {
+            arms_.AddEntriesFrom(input, _repeated_arms_codec);
+            break;
+          }
+          case 48: {
+            KnownInBoth = input.ReadBool();
+            break;
+          }
+          case 56: {
+            LeaderChanged = input.ReadBool();
+            break;
+          }
+          case 65: {
+            LargestLogChange = input.ReadDouble();
+            break;
+          }
+          case 74: {
+            builds_.AddEntriesFrom(input, _repeated_builds_codec);
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            Project = input.ReadString();
+            break;
+          }
+          case 18: {
+            Scene = input.ReadString();
+            break;
+          }
+          case 26: {
+            MachineClass = input.ReadString();
+            break;
+          }
+          case 32: {
+            RewardVersion = input.ReadUInt32();
+            break;
+          }
+          case 42: {
+            arms_.AddEntriesFrom(ref input, _repeated_arms_codec);
+            break;
+          }
+          case 48: {
+            KnownInBoth = input.ReadBool();
+            break;
+          }
+          case 56: {
+            LeaderChanged = input.ReadBool();
+            break;
+          }
+          case 65: {
+            LargestLogChange = input.ReadDouble();
+            break;
+          }
+          case 74: {
+            builds_.AddEntriesFrom(ref input, _repeated_builds_codec);
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// One arm before and after.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class ArmComparison : pb::IMessage<ArmComparison>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<ArmComparison> _parser = new pb::MessageParser<ArmComparison>(() => new ArmComparison());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<ArmComparison> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[16]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmComparison() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmComparison(ArmComparison other) : this() {
+      arm_ = other.arm_;
+      before_ = other.before_ != null ? other.before_.Clone() : null;
+      after_ = other.after_ != null ? other.after_.Clone() : null;
+      changed_ = other.changed_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmComparison Clone() {
+      return new ArmComparison(this);
+    }
+
+    /// <summary>Field number for the "arm" field.</summary>
+    public const int ArmFieldNumber = 1;
+    private string arm_ = "";
+    /// <summary>
+    /// The arm. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Arm {
+      get { return arm_; }
+      set {
+        arm_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "before" field.</summary>
+    public const int BeforeFieldNumber = 2;
+    private global::Sweepstake.Protocol.V1.ArmEvidence before_;
+    /// <summary>
+    /// Its evidence before. Absent: none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.ArmEvidence Before {
+      get { return before_; }
+      set {
+        before_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "after" field.</summary>
+    public const int AfterFieldNumber = 3;
+    private global::Sweepstake.Protocol.V1.ArmEvidence after_;
+    /// <summary>
+    /// Its evidence after. Absent: none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.ArmEvidence After {
+      get { return after_; }
+      set {
+        after_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "changed" field.</summary>
+    public const int ChangedFieldNumber = 4;
+    private bool changed_;
+    /// <summary>
+    /// Its cost ratio changes by more than 5 %, or is known only before or after. Absent: false.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Changed {
+      get { return changed_; }
+      set {
+        changed_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as ArmComparison);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(ArmComparison other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (Arm != other.Arm) return false;
+      if (!object.Equals(Before, other.Before)) return false;
+      if (!object.Equals(After, other.After)) return false;
+      if (Changed != other.Changed) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (Arm.Length != 0) hash ^= Arm.GetHashCode();
+      if (before_ != null) hash ^= Before.GetHashCode();
+      if (after_ != null) hash ^= After.GetHashCode();
+      if (Changed != false) hash ^= Changed.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (Arm.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Arm);
+      }
+      if (before_ != null) {
+        output.WriteRawTag(18);
+        output.WriteMessage(Before);
+      }
+      if (after_ != null) {
+        output.WriteRawTag(26);
+        output.WriteMessage(After);
+      }
+      if (Changed != false) {
+        output.WriteRawTag(32);
+        output.WriteBool(Changed);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (Arm.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(Arm);
+      }
+      if (before_ != null) {
+        output.WriteRawTag(18);
+        output.WriteMessage(Before);
+      }
+      if (after_ != null) {
+        output.WriteRawTag(26);
+        output.WriteMessage(After);
+      }
+      if (Changed != false) {
+        output.WriteRawTag(32);
+        output.WriteBool(Changed);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (Arm.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Arm);
+      }
+      if (before_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Before);
+      }
+      if (after_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(After);
+      }
+      if (Changed != false) {
+        size += 1 + 1;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(ArmComparison other) {
+      if (other == null) {
+        return;
+      }
+      if (other.Arm.Length != 0) {
+        Arm = other.Arm;
+      }
+      if (other.before_ != null) {
+        if (before_ == null) {
+          Before = new global::Sweepstake.Protocol.V1.ArmEvidence();
+        }
+        Before.MergeFrom(other.Before);
+      }
+      if (other.after_ != null) {
+        if (after_ == null) {
+          After = new global::Sweepstake.Protocol.V1.ArmEvidence();
+        }
+        After.MergeFrom(other.After);
+      }
+      if (other.Changed != false) {
+        Changed = other.Changed;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            Arm = input.ReadString();
+            break;
+          }
+          case 18: {
+            if (before_ == null) {
+              Before = new global::Sweepstake.Protocol.V1.ArmEvidence();
+            }
+            input.ReadMessage(Before);
+            break;
+          }
+          case 26: {
+            if (after_ == null) {
+              After = new global::Sweepstake.Protocol.V1.ArmEvidence();
+            }
+            input.ReadMessage(After);
+            break;
+          }
+          case 32: {
+            Changed = input.ReadBool();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            Arm = input.ReadString();
+            break;
+          }
+          case 18: {
+            if (before_ == null) {
+              Before = new global::Sweepstake.Protocol.V1.ArmEvidence();
+            }
+            input.ReadMessage(Before);
+            break;
+          }
+          case 26: {
+            if (after_ == null) {
+              After = new global::Sweepstake.Protocol.V1.ArmEvidence();
+            }
+            input.ReadMessage(After);
+            break;
+          }
+          case 32: {
+            Changed = input.ReadBool();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// The evidence of the chosen builds about an arm, in its newest version that they measured.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class ArmEvidence : pb::IMessage<ArmEvidence>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<ArmEvidence> _parser = new pb::MessageParser<ArmEvidence>(() => new ArmEvidence());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<ArmEvidence> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PriorsReflection.Descriptor.MessageTypes[17]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmEvidence() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmEvidence(ArmEvidence other) : this() {
+      posterior_ = other.posterior_ != null ? other.posterior_.Clone() : null;
+      live_ = other.live_ != null ? other.live_.Clone() : null;
+      lane_ = other.lane_ != null ? other.lane_.Clone() : null;
+      costRatio_ = other.costRatio_ != null ? other.costRatio_.Clone() : null;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ArmEvidence Clone() {
+      return new ArmEvidence(this);
+    }
+
+    /// <summary>Field number for the "posterior" field.</summary>
+    public const int PosteriorFieldNumber = 1;
+    private global::Sweepstake.Protocol.V1.BetaPosterior posterior_;
+    /// <summary>
+    /// Beta(1,1) plus windows and visits of the lane together. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.BetaPosterior Posterior {
+      get { return posterior_; }
+      set {
+        posterior_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "live" field.</summary>
+    public const int LiveFieldNumber = 2;
+    private global::Sweepstake.Protocol.V1.BetaPosterior live_;
+    /// <summary>
+    /// Beta(1,1) plus the windows. Absent: there are none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.BetaPosterior Live {
+      get { return live_; }
+      set {
+        live_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "lane" field.</summary>
+    public const int LaneFieldNumber = 3;
+    private global::Sweepstake.Protocol.V1.BetaPosterior lane_;
+    /// <summary>
+    /// Beta(1,1) plus the visits of the lane. Absent: there are none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.BetaPosterior Lane {
+      get { return lane_; }
+      set {
+        lane_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "cost_ratio" field.</summary>
+    public const int CostRatioFieldNumber = 4;
+    private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
+    /// <summary>
+    /// The cost divided by that of the cheapest arm, from this evidence alone. Absent: unknown, or rewards do not tell costs.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.CostRatio CostRatio {
+      get { return costRatio_; }
+      set {
+        costRatio_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as ArmEvidence);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(ArmEvidence other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (!object.Equals(Posterior, other.Posterior)) return false;
+      if (!object.Equals(Live, other.Live)) return false;
+      if (!object.Equals(Lane, other.Lane)) return false;
+      if (!object.Equals(CostRatio, other.CostRatio)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (posterior_ != null) hash ^= Posterior.GetHashCode();
+      if (live_ != null) hash ^= Live.GetHashCode();
+      if (lane_ != null) hash ^= Lane.GetHashCode();
+      if (costRatio_ != null) hash ^= CostRatio.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (posterior_ != null) {
+        output.WriteRawTag(10);
+        output.WriteMessage(Posterior);
+      }
+      if (live_ != null) {
+        output.WriteRawTag(18);
+        output.WriteMessage(Live);
+      }
+      if (lane_ != null) {
+        output.WriteRawTag(26);
+        output.WriteMessage(Lane);
+      }
+      if (costRatio_ != null) {
+        output.WriteRawTag(34);
+        output.WriteMessage(CostRatio);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (posterior_ != null) {
+        output.WriteRawTag(10);
+        output.WriteMessage(Posterior);
+      }
+      if (live_ != null) {
+        output.WriteRawTag(18);
+        output.WriteMessage(Live);
+      }
+      if (lane_ != null) {
+        output.WriteRawTag(26);
+        output.WriteMessage(Lane);
+      }
+      if (costRatio_ != null) {
+        output.WriteRawTag(34);
+        output.WriteMessage(CostRatio);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (posterior_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Posterior);
+      }
+      if (live_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Live);
+      }
+      if (lane_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Lane);
+      }
+      if (costRatio_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(CostRatio);
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(ArmEvidence other) {
+      if (other == null) {
+        return;
+      }
+      if (other.posterior_ != null) {
+        if (posterior_ == null) {
+          Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+        }
+        Posterior.MergeFrom(other.Posterior);
+      }
+      if (other.live_ != null) {
+        if (live_ == null) {
+          Live = new global::Sweepstake.Protocol.V1.BetaPosterior();
+        }
+        Live.MergeFrom(other.Live);
+      }
+      if (other.lane_ != null) {
+        if (lane_ == null) {
+          Lane = new global::Sweepstake.Protocol.V1.BetaPosterior();
+        }
+        Lane.MergeFrom(other.Lane);
+      }
+      if (other.costRatio_ != null) {
+        if (costRatio_ == null) {
+          CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+        }
+        CostRatio.MergeFrom(other.CostRatio);
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            if (posterior_ == null) {
+              Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+            }
+            input.ReadMessage(Posterior);
+            break;
+          }
+          case 18: {
+            if (live_ == null) {
+              Live = new global::Sweepstake.Protocol.V1.BetaPosterior();
+            }
+            input.ReadMessage(Live);
+            break;
+          }
+          case 26: {
+            if (lane_ == null) {
+              Lane = new global::Sweepstake.Protocol.V1.BetaPosterior();
+            }
+            input.ReadMessage(Lane);
+            break;
+          }
+          case 34: {
+            if (costRatio_ == null) {
+              CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+            }
+            input.ReadMessage(CostRatio);
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            if (posterior_ == null) {
+              Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+            }
+            input.ReadMessage(Posterior);
+            break;
+          }
+          case 18: {
+            if (live_ == null) {
+              Live = new global::Sweepstake.Protocol.V1.BetaPosterior();
+            }
+            input.ReadMessage(Live);
+            break;
+          }
+          case 26: {
+            if (lane_ == null) {
+              Lane = new global::Sweepstake.Protocol.V1.BetaPosterior();
+            }
+            input.ReadMessage(Lane);
+            break;
+          }
+          case 34: {
+            if (costRatio_ == null) {
+              CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
+            }
+            input.ReadMessage(CostRatio);
             break;
           }
         }

@@ -64,6 +64,10 @@ namespace Sweepstake.Protocol.V1 {
     static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.PromotePriorsRequest> __Marshaller_sweepstake_v1_PromotePriorsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser));
     [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
     static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.PromotePriorsResponse> __Marshaller_sweepstake_v1_PromotePriorsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser));
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.CompareBuildsRequest> __Marshaller_sweepstake_v1_CompareBuildsRequest = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.CompareBuildsRequest.Parser));
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Marshaller<global::Sweepstake.Protocol.V1.CompareBuildsResponse> __Marshaller_sweepstake_v1_CompareBuildsResponse = grpc::Marshallers.Create(__Helper_SerializeMessage, context => __Helper_DeserializeMessage(context, global::Sweepstake.Protocol.V1.CompareBuildsResponse.Parser));
 
     [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
     static readonly grpc::Method<global::Sweepstake.Protocol.V1.ExportPriorsRequest, global::Sweepstake.Protocol.V1.ExportPriorsResponse> __Method_ExportPriors = new grpc::Method<global::Sweepstake.Protocol.V1.ExportPriorsRequest, global::Sweepstake.Protocol.V1.ExportPriorsResponse>(
@@ -96,6 +100,14 @@ namespace Sweepstake.Protocol.V1 {
         "PromotePriors",
         __Marshaller_sweepstake_v1_PromotePriorsRequest,
         __Marshaller_sweepstake_v1_PromotePriorsResponse);
+
+    [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+    static readonly grpc::Method<global::Sweepstake.Protocol.V1.CompareBuildsRequest, global::Sweepstake.Protocol.V1.CompareBuildsResponse> __Method_CompareBuilds = new grpc::Method<global::Sweepstake.Protocol.V1.CompareBuildsRequest, global::Sweepstake.Protocol.V1.CompareBuildsResponse>(
+        grpc::MethodType.ServerStreaming,
+        __ServiceName,
+        "CompareBuilds",
+        __Marshaller_sweepstake_v1_CompareBuildsRequest,
+        __Marshaller_sweepstake_v1_CompareBuildsResponse);
 
     /// <summary>Service descriptor</summary>
     public static global::Google.Protobuf.Reflection.ServiceDescriptor Descriptor
@@ -297,6 +309,30 @@ namespace Sweepstake.Protocol.V1 {
       public virtual grpc::AsyncUnaryCall<global::Sweepstake.Protocol.V1.PromotePriorsResponse> PromotePriorsAsync(global::Sweepstake.Protocol.V1.PromotePriorsRequest request, grpc::CallOptions options)
       {
         return CallInvoker.AsyncUnaryCall(__Method_PromotePriors, null, options, request);
+      }
+      /// <summary>
+      /// Compares what two choices of builds have measured, scene by scene. Evidence in quarantine is left out.
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
+      /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
+      /// <param name="cancellationToken">An optional token for canceling the call.</param>
+      /// <returns>The call object.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual grpc::AsyncServerStreamingCall<global::Sweepstake.Protocol.V1.CompareBuildsResponse> CompareBuilds(global::Sweepstake.Protocol.V1.CompareBuildsRequest request, grpc::Metadata headers = null, global::System.DateTime? deadline = null, global::System.Threading.CancellationToken cancellationToken = default(global::System.Threading.CancellationToken))
+      {
+        return CompareBuilds(request, new grpc::CallOptions(headers, deadline, cancellationToken));
+      }
+      /// <summary>
+      /// Compares what two choices of builds have measured, scene by scene. Evidence in quarantine is left out.
+      /// </summary>
+      /// <param name="request">The request to send to the server.</param>
+      /// <param name="options">The options for the call.</param>
+      /// <returns>The call object.</returns>
+      [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]
+      public virtual grpc::AsyncServerStreamingCall<global::Sweepstake.Protocol.V1.CompareBuildsResponse> CompareBuilds(global::Sweepstake.Protocol.V1.CompareBuildsRequest request, grpc::CallOptions options)
+      {
+        return CallInvoker.AsyncServerStreamingCall(__Method_CompareBuilds, null, options, request);
       }
       /// <summary>Creates a new instance of client from given <c>ClientBaseConfiguration</c>.</summary>
       [global::System.CodeDom.Compiler.GeneratedCode("grpc_csharp_plugin", null)]

@@ -1,88 +1,100 @@
-// Two builds beside one another: where they say something else of what arms cost.
+// The scenes in which two builds differ in what arms cost. The daemon compares them.
 import { useMemo } from 'preact/hooks';
+import type { ArmComparison, SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
 import { ChartFrame } from '../../charts/frame';
 import { Intervals } from '../../charts/intervals';
-import { LOG_COST_REWARD_VERSION, type Ratio } from '../../numbers/log_cost';
-import { type ArmChange, buildChanges, byWeight, isChange, type SceneChange } from '../../numbers/priors_diff';
+import { LOG_COST_REWARD_VERSION } from '../../numbers/log_cost';
 import { Arm } from '../../parts/arm';
 import { Chip } from '../../parts/chips';
 import { Choice } from '../../parts/filter';
 import { Name } from '../../parts/name';
+import { Failure, Loading } from '../../parts/states';
 import { type Column, Table } from '../../parts/table';
 import { visible } from '../../parts/visible';
+import { useComparison } from '../../state/comparison';
 import type { Evidence } from '../../state/evidence';
 import { route, sceneHref } from '../../state/route';
 
-interface Row extends ArmChange { scene: SceneChange; key: string }
+interface Row { scene: SceneComparison; change: ArmComparison; key: string }
 
-// More pictures than these nobody looks at; the table has all scenes.
+// The table has all scenes, the pictures only the first ones.
 const MAX_PICTURES = 6;
 
-const ratioText = (ratio: Ratio | undefined) => ratio?.median.toFixed(2) ?? '–';
+const beforeOf = ({ before }: ArmComparison) => before?.costRatio;
+const afterOf = ({ after }: ArmComparison) => after?.costRatio;
+const ratioText = (ratio: { median: number } | undefined) => ratio?.median.toFixed(2) ?? '–';
+const keyOf = ({ project, scene, machineClass }: SceneComparison) => [project, scene, machineClass].join('\n');
 
-function changeWord(change: ArmChange): string {
-  if (!isChange(change)) return 'the same';
-  if (change.before === undefined) return 'new';
-  if (change.after === undefined) return 'not measured';
-  return change.after.median > change.before.median ? 'dearer' : 'cheaper';
+function changeWord(change: ArmComparison): string {
+  const [before, after] = [beforeOf(change), afterOf(change)];
+  if (!change.changed) return 'the same';
+  if (!before) return 'new';
+  if (!after) return 'not measured';
+  return after.median > before.median ? 'dearer' : 'cheaper';
 }
 
-const LEADER_WORDS: Readonly<Record<SceneChange['leader'], string>> = { same: 'the same', other: 'another', 'in one': 'in one build only' };
+const leaderWord = ({ knownInBoth, leaderChanged }: SceneComparison) => (!knownInBoth ? 'in one build only' : leaderChanged ? 'another' : 'the same');
+
+/** Orders scenes: first those with another cheapest arm, then those with the largest change, last those of one build. */
+export const byWeight = (a: SceneComparison, b: SceneComparison) =>
+  Number(b.leaderChanged) - Number(a.leaderChanged) || Number(b.knownInBoth) - Number(a.knownInBoth) || b.largestLogChange - a.largestLogChange || a.scene.localeCompare(b.scene);
 
 const COLUMNS: readonly Column<Row>[] = [
   { id: 'scene', title: 'Scene', sort: ({ scene }) => `${scene.project}\n${scene.scene}\n${scene.machineClass}`, csv: ({ scene }) => scene.scene,
-    cell: ({ scene }) => <a href={sceneHref({ ...scene, rewardVersion: LOG_COST_REWARD_VERSION })}><Name text={scene.scene} /></a> },
-  { id: 'arm', title: 'Arm', isText: true, sort: ({ arm }) => arm, cell: ({ arm }) => <Arm name={arm} /> },
-  { id: 'before', title: 'Cost before', hint: 'Of the arm ÷ that of the scene’s cheapest one, in the first build', sort: ({ before }) => before?.median, cell: ({ before }) => ratioText(before) },
-  { id: 'after', title: 'Cost after', hint: 'The same in the second build', sort: ({ after }) => after?.median, cell: ({ after }) => ratioText(after) },
-  { id: 'change', title: 'Change', isText: true, hint: 'Of more than 5 %, relative to the cheapest arm', sort: changeWord,
-    cell: (row) => <Chip tone={isChange(row) ? 'warn' : 'plain'}>{changeWord(row)}</Chip> },
-  { id: 'leader', title: 'Cheapest arm', isText: true, hint: 'Whether an arm is the cheapest one in both', sort: ({ scene }) => LEADER_WORDS[scene.leader],
-    cell: ({ scene: { leader } }) => (leader === 'other' ? <Chip tone="bad" sign="≠">another</Chip> : LEADER_WORDS[leader]) },
+    cell: ({ scene }) => <a href={sceneHref(scene)}><Name text={scene.scene} /></a> },
+  { id: 'arm', title: 'Arm', isText: true, sort: ({ change }) => change.arm, cell: ({ change }) => <Arm name={change.arm} /> },
+  { id: 'before', title: 'Cost before', hint: 'Cost of the arm ÷ that of the scene’s cheapest arm, in the first build', sort: ({ change }) => beforeOf(change)?.median, cell: ({ change }) => ratioText(beforeOf(change)) },
+  { id: 'after', title: 'Cost after', hint: 'The same in the second build', sort: ({ change }) => afterOf(change)?.median, cell: ({ change }) => ratioText(afterOf(change)) },
+  { id: 'change', title: 'Change', isText: true, hint: 'A change of more than 5 %, relative to the cheapest arm', sort: ({ change }) => changeWord(change),
+    cell: ({ change }) => <Chip tone={change.changed ? 'warn' : 'plain'}>{changeWord(change)}</Chip> },
+  { id: 'leader', title: 'Cheapest arm', isText: true, hint: 'Whether the same arm is the cheapest in both builds', sort: ({ scene }) => leaderWord(scene),
+    cell: ({ scene }) => (scene.leaderChanged ? <Chip tone="bad" sign="≠">another</Chip> : leaderWord(scene)) },
   { id: 'class', title: 'Machines', isText: true, sort: ({ scene }) => scene.machineClass, cell: ({ scene }) => <Name text={scene.machineClass} /> },
   { id: 'project', title: 'Project', isText: true, sort: ({ scene }) => scene.project, cell: ({ scene }) => <Name text={scene.project} /> },
 ];
 
-function Picture({ change: { project, scene, machineClass, arms }, before, after }: { change: SceneChange; before: string; after: string }) {
+function Picture({ change: { project, scene, machineClass, arms }, before, after }: { change: SceneComparison; before: string; after: string }) {
   const title = `What arms cost in ${visible(scene)}${machineClass && ` on ${visible(machineClass)}`}`;
+  const rows = arms.map((change) => ({ arm: change.arm, before: beforeOf(change), after: afterOf(change) }));
   const table = () => ({
     header: ['arm', `cost ratio in ${before}`, '95 % from', 'to', `in ${after}`, '95 % from', 'to'],
-    rows: arms.map(({ arm, ...change }) => [arm, ...[change.before, change.after].flatMap((ratio) => [ratio?.median, ratio?.low, ratio?.high])]),
+    rows: rows.map(({ arm, ...change }) => [arm, ...[change.before, change.after].flatMap((ratio) => [ratio?.median, ratio?.low, ratio?.high])]),
   });
   return (
     <ChartFrame id="changes" title={title} names={[project, scene, machineClass, before, after]} table={table}
-      note={<>Hollow: build <Name text={before} />; filled: build <Name text={after} />. Lines: where it is with 95 %.</>}>
-      <Intervals title={title} rows={arms} unit="cost ÷ that of the cheapest arm (less is better)" />
+      note={<>Hollow: build <Name text={before} />. Filled: build <Name text={after} />. Lines: 95 % intervals.</>}>
+      <Intervals title={title} rows={rows} unit="cost ÷ that of the cheapest arm (less is better)" />
     </ChartFrame>
   );
 }
 
-function Pictures({ changes, before, after }: { changes: readonly SceneChange[]; before: string; after: string }) {
+function Pictures({ changes, before, after }: { changes: readonly SceneComparison[]; before: string; after: string }) {
   const shown = useMemo(() => [...changes].sort(byWeight).slice(0, MAX_PICTURES), [changes]);
   return (
     <>
-      <div class="beside">{shown.map((change) => <Picture key={[change.project, change.scene, change.machineClass].join('\n')} change={change} before={before} after={after} />)}</div>
-      {changes.length > shown.length && <p class="soft small">Drawn are {MAX_PICTURES} of {changes.length} scenes: those where another arm is the cheapest one, then those that differ most, last those of one build.</p>}
+      <div class="beside">{shown.map((change) => <Picture key={keyOf(change)} change={change} before={before} after={after} />)}</div>
+      {changes.length > shown.length && <p class="soft small">{MAX_PICTURES} of {changes.length} scenes are drawn: first those with another cheapest arm, then those with the largest change, last those of one build.</p>}
     </>
   );
 }
 
-function Differences({ evidence, before, after }: { evidence: Evidence; before: string; after: string }) {
-  const changes = useMemo(() => buildChanges(evidence.sums.values(), before, after), [evidence, before, after]);
-  const rows = useMemo(() => changes.flatMap((scene): Row[] =>
-    scene.arms.map((change) => ({ ...change, scene, key: [scene.project, scene.scene, scene.machineClass, change.arm].join('\n') }))), [changes]);
+function Differences({ project, before, after }: { project: string; before: string; after: string }) {
+  const { scenes: changes, error, again } = useComparison({ project, before: { build: before }, after: { build: after }, changesOnly: true });
+  if (error) return <Failure what="The comparison" error={error} onRetry={again} />;
+  if (!changes) return <Loading what="the comparison" />;
+  const rows = changes.flatMap((scene): Row[] => scene.arms.map((change) => ({ scene, change, key: `${keyOf(scene)}\n${change.arm}` })));
   if (rows.length === 0) return <p role="status">The builds agree on every scene to within 5 %.</p>;
   return (
     <>
       <Pictures changes={changes} before={before} after={after} />
       <Table caption="Changes" columns={COLUMNS} rows={rows} keyOf={({ key }) => key} sort="scene" sortParameter="changes" />
-      <p class="soft small">Scenes in which something changes, from the evidence of each build alone; <code>sweepstake priors diff</code> says the same of an export. Only
-        rewards that tell costs compare (version {LOG_COST_REWARD_VERSION}).</p>
+      <p class="soft small">The scenes in which an arm changes, from the evidence of each build alone. <code>sweepstake priors diff</code> compares exported files in the same way. Only
+        rewards of version {LOG_COST_REWARD_VERSION} can be compared, since they depend on the cost alone.</p>
     </>
   );
 }
 
-export function Changes({ evidence }: { evidence: Evidence }) {
+export function Changes({ evidence, project }: { evidence: Evidence; project: string }) {
   const chosen = [route.value.query.get('before') ?? '', route.value.query.get('after') ?? ''] as const;
   const known = [...evidence.builds.values()].map(({ build }) => build);
   const builds = [...new Set([...known, ...chosen])].filter(Boolean).sort();
@@ -94,9 +106,9 @@ export function Changes({ evidence }: { evidence: Evidence }) {
         <Choice label="From build" parameter="before" options={options} />
         <Choice label="to build" parameter="after" options={options} />
       </div>
-      {builds.length < 2 && <p class="soft">A game says its build when it begins a session (<code>--build</code>, <code>SessionOptions::build</code>); two are needed.</p>}
+      {builds.length < 2 && <p class="soft">A comparison needs two builds. A game sends its build when it begins a session (<code>--build</code>, <code>SessionOptions::build</code>).</p>}
       {missing && <p class="soft">There is no evidence of build <Name text={missing} /> here.</p>}
-      {chosen[0] && chosen[1] && !missing && <Differences evidence={evidence} before={chosen[0]} after={chosen[1]} />}
+      {chosen[0] && chosen[1] && !missing && <Differences project={project} before={chosen[0]} after={chosen[1]} />}
     </>
   );
 }

@@ -1,6 +1,5 @@
 // The evidence as tables: what waits in quarantine, by build, by scene and arm, and by source.
 import { grouped, significant } from '../../../format';
-import { LANE } from '../../numbers/priors_diff';
 import { Arm } from '../../parts/arm';
 import { timeText } from '../../parts/clock';
 import { matches } from '../../parts/filter';
@@ -10,6 +9,8 @@ import type { BuildSum, Evidence, EvidenceSum, SourceSum } from '../../state/evi
 import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
 import { sessions } from '../../state/sessions';
 import { PromoteButton, RevokeButton } from './question';
+
+const LANE = 'lane'; // measured_by of the shadow lane; the frame thread has no name
 
 type Teacher = BuildSum | SourceSum;
 const list = (names: ReadonlySet<string>) => [...names].join(', ');

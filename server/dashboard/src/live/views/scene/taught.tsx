@@ -1,51 +1,51 @@
-// Who and what taught a scene its beliefs: the evidence of all sources, read when it is asked for. What the frame thread of games and what
-// the shadow lane measured, told apart; and what a build found against what the others had taught before it.
+// The evidence that a scene's beliefs rest on, by what measured it and by build. It is read on request.
 import { useState } from 'preact/hooks';
-import { PriorsService } from '../../../gen/sweepstake/v1/priors_pb';
+import type { SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
 import { ChartFrame } from '../../charts/frame';
-import { Ridgeline } from '../../charts/ridgeline';
-import { type Beta, centralInterval, mean } from '../../numbers/beta';
+import { Ridgeline, type RidgeRow } from '../../charts/ridgeline';
+import { mean } from '../../numbers/beta';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../../numbers/log_cost';
 import { Choice } from '../../parts/filter';
 import { Name } from '../../parts/name';
 import { Failure, Loading } from '../../parts/states';
 import { visible } from '../../parts/visible';
-import { addPart, type Evidence, noEvidence } from '../../state/evidence';
+import { useComparison } from '../../state/comparison';
 import { route } from '../../state/route';
 import type { SceneName } from '../../state/scenes';
-import { type ApiError, asApiError, stream } from '../../transport/calls';
-import { buildsIn, measuredRows, priorRows } from './taught_model';
 
-type Answer = { evidence: Evidence } | { error: ApiError } | 'loading' | undefined;
-
-async function read({ project, scene }: SceneName): Promise<Answer> {
-  const evidence = noEvidence();
-  try {
-    for await (const part of stream(PriorsService.method.exportPriors, { project, scene })) addPart(evidence, part);
-    return { evidence };
-  } catch (error) {
-    return { error: asApiError(error) };
-  }
-}
+const NO_EVIDENCE = 'No evidence of this scene is stored yet.';
 
 const textOf = ({ rewardVersion }: SceneName) => (reward: number) => rewardText(reward, rewardVersion === LOG_COST_REWARD_VERSION);
 
-function ByMeasure({ evidence, name }: { evidence: Evidence; name: SceneName }) {
-  const rows = measuredRows(evidence.sums.values(), name);
+const find = (scenes: readonly SceneComparison[], { machineClass, rewardVersion }: SceneName) =>
+  scenes.find((scene) => scene.machineClass === machineClass && scene.rewardVersion === rewardVersion);
+
+/** Returns a row per arm and way of measuring. */
+export function measuredRows(scene: SceneComparison | undefined): RidgeRow[] {
+  return (scene?.arms ?? []).flatMap(({ arm, after }): RidgeRow[] => {
+    const known = (['live', 'lane'] as const).filter((measured) => after?.[measured]);
+    return known.map((measured) => ({ arm, label: `${arm} ${measured}`, posterior: after![measured]!, measured, ...(known.length > 1 && { isPart: true as const }) }));
+  });
+}
+
+/** Returns a row per arm: the evidence of all builds, and behind it that of the builds before. */
+export function priorRows(scene: SceneComparison | undefined): RidgeRow[] {
+  return (scene?.arms ?? []).flatMap(({ arm, before, after }): RidgeRow[] => (after?.posterior
+    ? [{ arm, label: arm, posterior: after.posterior, measured: after.live ? 'live' : 'lane', ...(before?.posterior && { before: before.posterior }) }] : []));
+}
+
+function ByMeasure({ scene, name }: { scene: SceneComparison | undefined; name: SceneName }) {
+  const rows = measuredRows(scene);
   const title = 'Measured in games, and in the shadow lane';
   const text = textOf(name);
-  const ends = (posterior: Beta) => {
-    const [low, high] = centralInterval(posterior, 0.95);
-    return name.rewardVersion === LOG_COST_REWARD_VERSION ? [high, low] : [low, high]; // the highest reward is the least cost
-  };
   const table = () => ({
-    header: ['arm', 'measured', 'mean', '95 % from', 'to', 'alpha', 'beta'],
-    rows: rows.map(({ arm, measured, posterior }) => [arm, measured, text(mean(posterior)), ...ends(posterior).map(text), posterior.alpha, posterior.beta]),
+    header: ['arm', 'measured', 'mean', 'alpha', 'beta'],
+    rows: rows.map(({ arm, measured, posterior }) => [arm, measured, text(mean(posterior)), posterior.alpha, posterior.beta]),
   });
   return (
-    <ChartFrame id="measured" title={title} names={[name.project, name.scene]} table={table} empty={rows.length === 0 && 'Nothing is stored of this scene yet.'}
-      note="Games run an arm when the policy chose it; the lane runs all arms on the same frames, off the frame thread, and is off by 10 to 20 % for some. Beliefs take from the lane
-        how arms compare and from games the level, the mean over the arms that both know: one may lie beside both of its measurements here.">
+    <ChartFrame id="measured" title={title} names={[name.project, name.scene]} table={table} empty={rows.length === 0 && NO_EVIDENCE}
+      note="Games run an arm when the policy chooses it. The lane runs all arms on the same frames, off the frame thread; its costs of some arms are off by 10 to 20 %. Beliefs
+        compare the arms by the lane, at the mean level of the arms that games ran too. A belief may therefore lie beside both of its measurements here.">
       <Ridgeline title={title} rows={rows} rewardVersion={name.rewardVersion} />
     </ChartFrame>
   );
@@ -53,12 +53,13 @@ function ByMeasure({ evidence, name }: { evidence: Evidence; name: SceneName }) 
 
 const BUILD = 'build'; // in the address
 
-function ByBuild({ evidence, name }: { evidence: Evidence; name: SceneName }) {
-  const lastSeenS = (build: string) => evidence.builds.get(`${name.project}\n${build}`)?.lastSeenS ?? 0;
-  const builds = buildsIn(evidence.sums.values(), name).sort((a, b) => lastSeenS(b) - lastSeenS(a) || a.localeCompare(b));
+function ByBuild({ builds, name }: { builds: readonly string[]; name: SceneName }) {
   const asked = route.value.query.get(BUILD);
   const build = asked !== null && builds.includes(asked) ? asked : builds[0] ?? '';
-  const rows = priorRows(evidence.sums.values(), name, build);
+  const { scenes, error, again } = useComparison({ project: name.project, scene: name.scene, before: { build, others: true } });
+  if (error) return <Failure what="The evidence of builds" error={error} onRetry={again} />;
+  if (!scenes) return <Loading what="the evidence of builds" />;
+  const rows = priorRows(find(scenes, name));
   const title = 'Prior and posterior of a build';
   const text = textOf(name);
   const shown = <Name text={build || 'unknown'} />;
@@ -67,29 +68,26 @@ function ByBuild({ evidence, name }: { evidence: Evidence; name: SceneName }) {
     rows: rows.map(({ arm, posterior, before }) => [arm, ...[posterior, before].flatMap((beta) => [beta && text(mean(beta)), beta?.alpha, beta?.beta])]),
   });
   return (
-    <ChartFrame id="build" title={title} names={[name.project, name.scene, build]} table={table} empty={rows.length === 0 && 'Nothing is stored of this scene yet.'}
+    <ChartFrame id="build" title={title} names={[name.project, name.scene, build]} table={table} empty={rows.length === 0 && NO_EVIDENCE}
       note={builds.length > 1
-        ? <>Dashed grey: what the other builds taught, where they know the arm; filled: that and what build {shown} taught, windows and visits together.</>
-        : <>Only build {shown} taught something here: before it nothing was known of any arm.</>}>
+        ? <>Dashed grey: the evidence of the other builds. Filled: that and the evidence of build {shown}, windows and visits together.</>
+        : <>Only build {shown} has evidence of this scene.</>}>
       {builds.length > 1 && <Choice label="Build" parameter={BUILD} options={builds.map((each) => [each, visible(each) || 'unknown'] as const)} />}
       <Ridgeline title={title} rows={rows} rewardVersion={name.rewardVersion} />
     </ChartFrame>
   );
 }
 
+function Evidence({ name }: { name: SceneName }) {
+  const { scenes, error, again } = useComparison({ project: name.project, scene: name.scene });
+  if (error) return <Failure what="The evidence" error={error} onRetry={again} />;
+  if (!scenes) return <Loading what="the evidence" />;
+  const scene = find(scenes, name);
+  return <div class="beside"><ByMeasure scene={scene} name={name} /><ByBuild builds={scene?.builds ?? []} name={name} /></div>;
+}
+
 export function Taught({ name }: { name: SceneName }) {
-  const [answer, setAnswer] = useState<Answer>(undefined);
-  const load = () => {
-    setAnswer('loading');
-    void read(name).then(setAnswer);
-  };
-  if (answer === undefined) return <p><button type="button" onClick={load}>Tell sources apart</button> <span class="soft">reads the scene’s evidence once: live against lane, and a build against those before it</span></p>;
-  if (answer === 'loading') return <Loading what="the evidence" />;
-  if ('error' in answer) return <Failure what="The evidence" error={answer.error} onRetry={load} />;
-  const { evidence } = answer;
-  return (
-    <>
-      <div class="beside"><ByMeasure evidence={evidence} name={name} /><ByBuild evidence={evidence} name={name} /></div>
-    </>
-  );
+  const [isOpen, open] = useState(false);
+  if (isOpen) return <Evidence name={name} />;
+  return <p><button type="button" onClick={() => open(true)}>Tell sources apart</button> <span class="soft">shows the stored evidence by what measured it, and by build</span></p>;
 }

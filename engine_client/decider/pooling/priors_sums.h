@@ -20,7 +20,7 @@ class BuildSums {
  public:
   void Add(PriorRecord record);
 
-  // Returns the sums, ordered by KeyOf and rounded to five digits; call it once. A sum's sequence
+  // Returns the sums, ordered by KeyOf; call it once. A sum's sequence
   // number is its number of windows or visits. So of two sums of a build, the one with more
   // evidence counts.
   std::vector<PriorRecord> Take();

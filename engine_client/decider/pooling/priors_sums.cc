@@ -1,24 +1,12 @@
-#include "engine_client/decider/embedded/priors_sums.h"
+#include "engine_client/decider/pooling/priors_sums.h"
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 #include "engine_client/math/hash.h"
 
 namespace sweepstake {
-namespace {
-
-// Rounds to five significant digits.
-double Rounded(double value) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.5g", value);
-  return std::strtod(digits, nullptr);
-}
-
-}  // namespace
 
 void BuildSums::Add(PriorRecord record) {
   if (record.is_quarantined) return;
@@ -38,8 +26,6 @@ std::vector<PriorRecord> BuildSums::Take() {
   std::vector<PriorRecord> sums;
   sums.reserve(sums_.size());
   for (auto& [key, sum] : sums_) {
-    sum.evidence.alpha = Rounded(sum.evidence.alpha);
-    sum.evidence.beta = Rounded(sum.evidence.beta);
     MarkAsSum(sum);
     sums.push_back(std::move(sum));
   }

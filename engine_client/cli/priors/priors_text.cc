@@ -1,0 +1,106 @@
+#include "engine_client/cli/priors/priors_text.h"
+
+#include <optional>
+
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/numbers.h"
+#include "engine_client/cli/io/text_table.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using decision::ArmComparison;
+using decision::PriorsArm;
+using decision::PriorsGroups;
+using decision::SceneComparison;
+using Json = nlohmann::ordered_json;
+
+std::optional<double> RatioOf(const std::optional<PriorsArm>& arm) {
+  return arm && arm->cost_ratio ? std::optional(arm->cost_ratio->median) : std::nullopt;
+}
+
+std::string RatioText(const std::optional<PriorsArm>& arm) {
+  const std::optional<double> ratio = RatioOf(arm);
+  return ratio ? Fixed(*ratio, 2) : "-";
+}
+
+std::string RemarkOn(const SceneComparison& change) {
+  if (!change.in_both()) return ": only one of the files has evidence of it";
+  return change.leader_changed() ? ": the cheapest arm differs" : "";
+}
+
+}  // namespace
+
+std::string NameOf(const decision::PriorsGroupKey& key) {
+  std::string name = key.project + "/" + key.scene;
+  if (!key.machine_class.empty()) name += " on " + key.machine_class;
+  if (!key.build.empty()) name += " in build " + key.build;
+  if (key.is_quarantined) name += " (in quarantine)";
+  return name;
+}
+
+std::string ShowText(const PriorsGroups& groups) {
+  TextTable table({"arm", "version", "windows", "visits", "bail-outs", "cost ratio"});
+  for (const auto& [key, group] : groups) {
+    table.AddTitle(NameOf(key) + ", " + std::to_string(group.sources.size()) + " sources");
+    for (const auto& [name, arm] : group.arms)
+      table.AddRow({name, std::to_string(arm.version), Grouped(arm.window_count),
+                    Grouped(arm.visit_count), Grouped(arm.evidence.bail_out_count),
+                    RatioText(arm)});
+  }
+  return table.Text();
+}
+
+Json ShowJson(const PriorsGroups& groups) {
+  Json entries = Json::array();
+  for (const auto& [key, group] : groups) {
+    Json arms = Json::array();
+    for (const auto& [name, arm] : group.arms) {
+      arms.push_back({{"arm", name},
+                      {"backend_version", arm.version},
+                      {"windows", arm.window_count},
+                      {"visits", arm.visit_count},
+                      {"bail_outs", arm.evidence.bail_out_count},
+                      {"cost_ratio", OrNull(RatioOf(arm))}});
+    }
+    entries.push_back({{"project", key.project},
+                       {"scene", key.scene},
+                       {"build", key.build},
+                       {"machine_class", key.machine_class},
+                       {"reward_version", key.reward_version},
+                       {"quarantined", key.is_quarantined},
+                       {"sources", group.sources.size()},
+                       {"arms", arms}});
+  }
+  return entries;
+}
+
+std::string DiffText(const std::vector<SceneComparison>& changes) {
+  if (changes.empty()) return "The files agree on every scene to within 5 %.\n";
+  TextTable table({"arm", "cost before", "after"});
+  for (const SceneComparison& change : changes) {
+    table.AddTitle(NameOf(change.key) + RemarkOn(change));
+    for (const ArmComparison& arm : change.arms)
+      table.AddRow({arm.arm, RatioText(arm.before), RatioText(arm.after)});
+  }
+  return table.Text();
+}
+
+Json DiffJson(const std::vector<SceneComparison>& changes) {
+  Json entries = Json::array();
+  for (const SceneComparison& change : changes) {
+    Json arms = Json::array();
+    for (const ArmComparison& arm : change.arms)
+      arms.push_back({{"arm", arm.arm},
+                      {"before", OrNull(RatioOf(arm.before))},
+                      {"after", OrNull(RatioOf(arm.after))}});
+    entries.push_back({{"project", change.key.project},
+                       {"scene", change.key.scene},
+                       {"machine_class", change.key.machine_class},
+                       {"leader_changed", change.leader_changed()},
+                       {"arms", arms}});
+  }
+  return entries;
+}
+
+}  // namespace sweepstake::cli

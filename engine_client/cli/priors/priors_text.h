@@ -1,0 +1,25 @@
+// The output of `sweepstake priors show` and `diff`: the content of a priors file by scene, and the
+// scenes in which two files differ.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "engine_client/decider/pooling/priors_diff.h"
+
+namespace sweepstake::cli {
+
+// Returns "project/scene", followed by the class of machines, the build and the quarantine if they
+// are set.
+std::string NameOf(const decision::PriorsGroupKey& key);
+
+// Returns a table with a title and a row per arm for each group. Costs are shown only for reward
+// version 3.
+std::string ShowText(const decision::PriorsGroups& groups);
+nlohmann::ordered_json ShowJson(const decision::PriorsGroups& groups);
+
+std::string DiffText(const std::vector<decision::SceneComparison>& changes);
+nlohmann::ordered_json DiffJson(const std::vector<decision::SceneComparison>& changes);
+
+}  // namespace sweepstake::cli

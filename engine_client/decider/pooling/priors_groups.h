@@ -1,0 +1,58 @@
+// Groups evidence as a session uses it: one scene on one class of machines, of one build and
+// version of the reward. Evidence in quarantine has groups of its own. Pure functions.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+
+#include "engine_client/decider/pooling/prior_record.h"
+#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/decider/types.h"
+
+namespace sweepstake::decision {
+
+struct PriorsGroupKey {
+  std::string project;
+  std::string scene;
+  std::string build;
+  std::string machine_class;
+  uint32_t reward_version = 1;
+  bool is_quarantined = false;
+
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
+  friend auto operator<=>(const PriorsGroupKey&, const PriorsGroupKey&) = default;
+};
+
+struct PriorsArm {
+  uint32_t version = 0;
+  ArmEvidence evidence = {};
+  uint64_t window_count = 0;
+  uint64_t visit_count = 0;
+  EvidenceSum pooled = {};  // windows and visits together (PoolEvidence)
+  // Cost ÷ that of the group's cheapest arm, from this evidence alone. Absent without evidence, and
+  // if rewards do not depend on the cost alone (log_cost.h).
+  std::optional<CostRatio> cost_ratio = {};
+};
+
+using ArmVersions = std::map<std::string, uint32_t>;  // by name
+
+struct PriorsGroup {
+  std::map<std::string, PriorsArm> arms;  // by name; only one version of each arm
+  std::set<std::string> sources;
+  uint64_t last_seen_unix_s = 0;  // 0: unknown
+};
+
+using PriorsGroups = std::map<PriorsGroupKey, PriorsGroup>;
+
+PriorsGroupKey GroupOf(const PriorRecord& record);
+
+// Uses the evidence of each arm in the version in `own`, or in its latest version if the group has
+// none of that version.
+PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions& own = {});
+
+}  // namespace sweepstake::decision
